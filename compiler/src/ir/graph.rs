@@ -1,0 +1,406 @@
+//! The graph and its builder.
+
+use std::collections::HashMap;
+
+/// A value of a [`Graph`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Node(pub u32);
+
+/// An operation. Operands come before it in the graph.
+/// Comparisons and logic give a flag; `Select` takes one; everything else is a 64-bit float.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)]
+pub enum Op {
+    /// The input with this index.
+    Input(u32),
+    /// The bits of a constant.
+    Constant(u64),
+    Add(Node, Node),
+    Subtract(Node, Node),
+    Multiply(Node, Node),
+    Divide(Node, Node),
+    Negate(Node),
+    Abs(Node),
+    Sqrt(Node),
+    Minimum(Node, Node),
+    Maximum(Node, Node),
+    Sin(Node),
+    Cos(Node),
+    Tan(Node),
+    Asin(Node),
+    Acos(Node),
+    Atan(Node),
+    Tanh(Node),
+    Exp(Node),
+    Log(Node),
+    /// y, x.
+    Atan2(Node, Node),
+    /// base, exponent.
+    Power(Node, Node),
+    /// Flag: a < b.
+    Less(Node, Node),
+    /// Flag: a <= b.
+    LessEqual(Node, Node),
+    /// Flag: a == b.
+    Equal(Node, Node),
+    And(Node, Node),
+    Or(Node, Node),
+    Not(Node),
+    /// flag, value if set, value if not.
+    Select(Node, Node, Node),
+    /// Table look-up: handle (a float with the table's index), argument, order of the derivative.
+    Table(Node, Node, u8),
+}
+
+/// Builds a graph; equal operations become one node, constants are folded.
+#[derive(Clone, Debug, Default)]
+pub struct Graph {
+    nodes: Vec<Op>,
+    interned: HashMap<Op, Node>,
+    /// Without folding and without hash-consing: the tests' yardstick for the optimiser.
+    plain: bool,
+}
+
+impl Graph {
+    /// An empty graph.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// An empty graph that neither folds nor shares.
+    pub fn plain() -> Self {
+        Graph {
+            plain: true,
+            ..Self::default()
+        }
+    }
+
+    /// All operations, operands first.
+    pub fn nodes(&self) -> &[Op] {
+        &self.nodes
+    }
+
+    /// The operation behind a node of this graph.
+    pub fn op(&self, node: Node) -> Op {
+        self.nodes[node.0 as usize]
+    }
+
+    /// Adds an operation as it is, sharing an equal one.
+    pub fn push(&mut self, op: Op) -> Node {
+        if !self.plain
+            && let Some(node) = self.interned.get(&op)
+        {
+            return *node;
+        }
+        let node = Node(self.nodes.len() as u32);
+        self.nodes.push(op);
+        if !self.plain {
+            self.interned.insert(op, node);
+        }
+        node
+    }
+
+    /// An input.
+    pub fn input(&mut self, index: u32) -> Node {
+        self.push(Op::Input(index))
+    }
+
+    /// A constant.
+    pub fn constant(&mut self, value: f64) -> Node {
+        // one zero: -0.0 and 0.0 differ in bits, not in meaning here
+        let value = if value == 0.0 { 0.0 } else { value };
+        self.push(Op::Constant(value.to_bits()))
+    }
+
+    /// The value of a constant node.
+    pub fn as_constant(&self, node: Node) -> Option<f64> {
+        match self.op(node) {
+            Op::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    fn is(&self, node: Node, value: f64) -> bool {
+        !self.plain && self.as_constant(node) == Some(value)
+    }
+
+    fn fold2(&mut self, a: Node, b: Node, f: impl Fn(f64, f64) -> f64) -> Option<Node> {
+        if self.plain {
+            return None;
+        }
+        let value = f(self.as_constant(a)?, self.as_constant(b)?);
+        value.is_finite().then(|| self.constant(value))
+    }
+
+    fn fold1(&mut self, a: Node, f: impl Fn(f64) -> f64) -> Option<Node> {
+        if self.plain {
+            return None;
+        }
+        let value = f(self.as_constant(a)?);
+        value.is_finite().then(|| self.constant(value))
+    }
+
+    /// a + b.
+    pub fn add(&mut self, a: Node, b: Node) -> Node {
+        if let Some(n) = self.fold2(a, b, |a, b| a + b) {
+            return n;
+        }
+        if self.is(a, 0.0) {
+            return b;
+        }
+        if self.is(b, 0.0) {
+            return a;
+        }
+        if !self.plain {
+            if let Op::Negate(c) = self.op(b) {
+                return self.subtract(a, c);
+            }
+            if let Op::Negate(c) = self.op(a) {
+                return self.subtract(b, c);
+            }
+        }
+        let (a, b) = if self.plain || a <= b { (a, b) } else { (b, a) };
+        self.push(Op::Add(a, b))
+    }
+
+    /// a − b.
+    pub fn subtract(&mut self, a: Node, b: Node) -> Node {
+        if let Some(n) = self.fold2(a, b, |a, b| a - b) {
+            return n;
+        }
+        if self.is(b, 0.0) {
+            return a;
+        }
+        if self.is(a, 0.0) {
+            return self.negate(b);
+        }
+        if !self.plain {
+            if a == b {
+                return self.constant(0.0);
+            }
+            if let Op::Negate(c) = self.op(b) {
+                return self.add(a, c);
+            }
+        }
+        self.push(Op::Subtract(a, b))
+    }
+
+    /// a · b.
+    pub fn multiply(&mut self, a: Node, b: Node) -> Node {
+        if let Some(n) = self.fold2(a, b, |a, b| a * b) {
+            return n;
+        }
+        if self.is(a, 0.0) || self.is(b, 0.0) {
+            return self.constant(0.0);
+        }
+        if self.is(a, 1.0) {
+            return b;
+        }
+        if self.is(b, 1.0) {
+            return a;
+        }
+        if self.is(a, -1.0) {
+            return self.negate(b);
+        }
+        if self.is(b, -1.0) {
+            return self.negate(a);
+        }
+        if !self.plain {
+            match (self.op(a), self.op(b)) {
+                (Op::Negate(x), Op::Negate(y)) => return self.multiply(x, y),
+                (Op::Negate(x), _) => {
+                    let p = self.multiply(x, b);
+                    return self.negate(p);
+                }
+                (_, Op::Negate(y)) => {
+                    let p = self.multiply(a, y);
+                    return self.negate(p);
+                }
+                _ => {}
+            }
+        }
+        let (a, b) = if self.plain || a <= b { (a, b) } else { (b, a) };
+        self.push(Op::Multiply(a, b))
+    }
+
+    /// a / b.
+    pub fn divide(&mut self, a: Node, b: Node) -> Node {
+        if let Some(n) = self.fold2(a, b, |a, b| a / b) {
+            return n;
+        }
+        if self.is(a, 0.0) {
+            return self.constant(0.0);
+        }
+        if self.is(b, 1.0) {
+            return a;
+        }
+        self.push(Op::Divide(a, b))
+    }
+
+    /// −a.
+    pub fn negate(&mut self, a: Node) -> Node {
+        if let Some(n) = self.fold1(a, |a| -a) {
+            return n;
+        }
+        if !self.plain {
+            match self.op(a) {
+                Op::Negate(b) => return b,
+                Op::Subtract(x, y) => return self.subtract(y, x),
+                _ => {}
+            }
+        }
+        self.push(Op::Negate(a))
+    }
+
+    /// |a|.
+    pub fn abs(&mut self, a: Node) -> Node {
+        match self.fold1(a, f64::abs) {
+            Some(n) => n,
+            None => self.push(Op::Abs(a)),
+        }
+    }
+
+    /// √a.
+    pub fn sqrt(&mut self, a: Node) -> Node {
+        match self.fold1(a, f64::sqrt) {
+            Some(n) => n,
+            None => self.push(Op::Sqrt(a)),
+        }
+    }
+
+    /// The smaller; a where they are equal.
+    pub fn minimum(&mut self, a: Node, b: Node) -> Node {
+        match self.fold2(a, b, |a, b| if b < a { b } else { a }) {
+            Some(n) => n,
+            None => self.push(Op::Minimum(a, b)),
+        }
+    }
+
+    /// The larger; a where they are equal.
+    pub fn maximum(&mut self, a: Node, b: Node) -> Node {
+        match self.fold2(a, b, |a, b| if b > a { b } else { a }) {
+            Some(n) => n,
+            None => self.push(Op::Maximum(a, b)),
+        }
+    }
+
+    /// A function of one argument; `op` is its constructor, `Op::Sin` to `Op::Log`.
+    pub fn unary(&mut self, op: fn(Node) -> Op, a: Node) -> Node {
+        let value = if self.plain { None } else { self.as_constant(a) };
+        let folded = value.and_then(|x| match op(a) {
+            Op::Sin(_) => Some(libm::sin(x)),
+            Op::Cos(_) => Some(libm::cos(x)),
+            Op::Tan(_) => Some(libm::tan(x)),
+            Op::Asin(_) => Some(libm::asin(x)),
+            Op::Acos(_) => Some(libm::acos(x)),
+            Op::Atan(_) => Some(libm::atan(x)),
+            Op::Tanh(_) => Some(libm::tanh(x)),
+            Op::Exp(_) => Some(libm::exp(x)),
+            Op::Log(_) => Some(libm::log(x)),
+            _ => None,
+        });
+        match folded.filter(|v| v.is_finite()) {
+            Some(v) => self.constant(v),
+            None => self.push(op(a)),
+        }
+    }
+
+    /// atan2(y, x).
+    pub fn atan2(&mut self, y: Node, x: Node) -> Node {
+        match self.fold2(y, x, libm::atan2) {
+            Some(n) => n,
+            None => self.push(Op::Atan2(y, x)),
+        }
+    }
+
+    /// base^exponent; small integers and halves become products and roots.
+    pub fn power(&mut self, base: Node, exponent: Node) -> Node {
+        if let Some(n) = self.fold2(base, exponent, libm::pow) {
+            return n;
+        }
+        if self.plain {
+            return self.push(Op::Power(base, exponent));
+        }
+        match self.as_constant(exponent) {
+            Some(e) if e == 0.0 => self.constant(1.0),
+            Some(e) if e.fract() == 0.0 && e.abs() <= 16.0 => {
+                let p = self.integer_power(base, e.abs() as u32);
+                if e < 0.0 {
+                    let one = self.constant(1.0);
+                    self.divide(one, p)
+                } else {
+                    p
+                }
+            }
+            Some(e) if (e.abs() - 0.5).fract() == 0.0 && e.abs() <= 8.5 => {
+                let root = self.sqrt(base);
+                let whole = (e.abs() - 0.5) as u32;
+                let p = if whole == 0 {
+                    root
+                } else {
+                    let p = self.integer_power(base, whole);
+                    self.multiply(p, root)
+                };
+                if e < 0.0 {
+                    let one = self.constant(1.0);
+                    self.divide(one, p)
+                } else {
+                    p
+                }
+            }
+            _ => self.push(Op::Power(base, exponent)),
+        }
+    }
+
+    fn integer_power(&mut self, base: Node, exponent: u32) -> Node {
+        match exponent {
+            0 => self.constant(1.0),
+            1 => base,
+            e => {
+                let half = self.integer_power(base, e / 2);
+                let square = self.multiply(half, half);
+                if e % 2 == 1 {
+                    self.multiply(square, base)
+                } else {
+                    square
+                }
+            }
+        }
+    }
+
+    /// Flag a < b.
+    pub fn less(&mut self, a: Node, b: Node) -> Node {
+        self.push(Op::Less(a, b))
+    }
+
+    /// Flag a ≤ b.
+    pub fn less_equal(&mut self, a: Node, b: Node) -> Node {
+        self.push(Op::LessEqual(a, b))
+    }
+
+    /// `then` where `flag` is set, else `otherwise`.
+    pub fn select(&mut self, flag: Node, then: Node, otherwise: Node) -> Node {
+        if !self.plain && then == otherwise {
+            return then;
+        }
+        self.push(Op::Select(flag, then, otherwise))
+    }
+
+    /// Table look-up.
+    pub fn table(&mut self, handle: Node, argument: Node, order: u8) -> Node {
+        self.push(Op::Table(handle, argument, order))
+    }
+}
+
+/// A function: inputs by index, one graph, outputs in order.
+#[derive(Clone, Debug, Default)]
+pub struct Function {
+    /// Its name in print: `Revolute.residual`.
+    pub name: String,
+    /// How many inputs it takes.
+    pub inputs: u32,
+    /// Its operations.
+    pub graph: Graph,
+    /// Its results; floats.
+    pub outputs: Vec<Node>,
+}

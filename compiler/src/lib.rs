@@ -1,0 +1,6 @@
+//! Eng's compiler: from syntax trees to a flat system and machine code.
+//!
+//! It does no I/O (files come through [`eng_system`]'s host trait) and knows no terminal; it never sees the runtime.
+
+pub mod ir;
+pub mod program;

@@ -1,0 +1,141 @@
+//! A resolved program: modules, names, units. Made by `resolve`, read by the checker and by elaboration.
+//!
+//! May contain: syntax trees and the tables that find things in them. Must not contain: values of expressions, instances.
+
+use eng_grammar::ast;
+use eng_grammar::{SourceId, Span};
+use eng_system::Dimension;
+use std::collections::BTreeMap;
+
+/// An item of a module at its top level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct DefinitionId {
+    /// Index into [`Program::modules`].
+    pub module: u32,
+    /// Index into the file's items.
+    pub item: u32,
+}
+
+/// One file with the names that can be used in it.
+#[derive(Clone, Debug)]
+pub struct Module {
+    /// `std.joints`, `inline4`.
+    pub path: String,
+    /// Its text.
+    pub source: SourceId,
+    /// Its tree.
+    pub file: ast::File,
+    /// Own top-level names, names taken by `use`, and the prelude's.
+    pub scope: BTreeMap<String, DefinitionId>,
+}
+
+/// A unit with its size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unit {
+    /// As written.
+    pub symbol: String,
+    /// SI value of one.
+    pub scale: f64,
+    /// SI value of its zero; not 0 for affine units.
+    pub offset: f64,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// The named point dimension it is restricted to (`Temperature` for degC, `GaugePressure` for barg), if any.
+    pub point: Option<String>,
+}
+
+/// A named dimension.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedDimension {
+    /// Exponents.
+    pub dimension: Dimension,
+    /// For `dimension P = point D`: D's name.
+    pub point_of: Option<String>,
+}
+
+/// A program.
+#[derive(Clone, Debug, Default)]
+pub struct Program {
+    /// All modules that are used; the root is the last.
+    pub modules: Vec<Module>,
+    /// Units by symbol.
+    pub units: BTreeMap<String, Unit>,
+    /// Dimensions by name.
+    pub dimensions: BTreeMap<String, NamedDimension>,
+}
+
+impl Program {
+    /// The item behind an id of this program.
+    pub fn item(&self, id: DefinitionId) -> Option<&ast::Item> {
+        self.modules
+            .get(id.module as usize)?
+            .file
+            .items
+            .get(id.item as usize)
+    }
+
+    /// What a name means at the top level of a module.
+    pub fn lookup(&self, module: u32, name: &str) -> Option<DefinitionId> {
+        self.modules.get(module as usize)?.scope.get(name).copied()
+    }
+
+    /// The root module's index.
+    pub fn root(&self) -> u32 {
+        self.modules.len().saturating_sub(1) as u32
+    }
+
+    /// Size and dimension of a unit expression; `Err` holds the place and name of the unit that is not known.
+    pub fn unit(&self, expr: &ast::UnitExpr) -> Result<Unit, (Span, String)> {
+        let mut scale = 1.0;
+        let mut dimension = Dimension::ONE;
+        for factor in &expr.factors {
+            let unit = self
+                .units
+                .get(&factor.name.text)
+                .ok_or_else(|| (factor.name.span, factor.name.text.clone()))?;
+            if expr.factors.len() == 1 && factor.numerator == 1 && factor.denominator == 1 {
+                return Ok(unit.clone());
+            }
+            let exponent = f64::from(factor.numerator) / f64::from(factor.denominator);
+            scale *= if exponent == 1.0 {
+                unit.scale
+            } else if exponent == -1.0 {
+                1.0 / unit.scale
+            } else {
+                libm::pow(unit.scale, exponent)
+            };
+            dimension = dimension.times(
+                unit.dimension
+                    .power(factor.numerator, factor.denominator)
+                    .unwrap_or(Dimension::ONE),
+            );
+        }
+        Ok(Unit {
+            symbol: unit_text(expr),
+            scale,
+            offset: 0.0,
+            dimension,
+            point: None,
+        })
+    }
+}
+
+/// A unit expression as text: `kg*m/s^2`.
+pub fn unit_text(expr: &ast::UnitExpr) -> String {
+    let mut text = String::new();
+    for factor in &expr.factors {
+        let (n, d) = (factor.numerator, factor.denominator);
+        if n < 0 {
+            text.push_str(if text.is_empty() { "1/" } else { "/" });
+        } else if !text.is_empty() {
+            text.push('*');
+        }
+        text.push_str(&factor.name.text);
+        match (n.abs(), d) {
+            (1, 1) => {}
+            (n, 1) => text.push_str(&format!("^{n}")),
+            (n, d) => text.push_str(&format!("^({n}/{d})")),
+        }
+    }
+    text
+}

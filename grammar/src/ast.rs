@@ -1,0 +1,538 @@
+//! The syntax tree: what was written, with its places; no name is looked up here.
+//!
+//! A tree always comes out of a parse. What could not be read stands as [`ItemKind::Error`] or
+//! [`ExprKind::Error`]; later stages skip it silently, since its message was given.
+
+use crate::span::Span;
+
+/// A name and its place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Name {
+    /// The identifier.
+    pub text: String,
+    /// Its place.
+    pub span: Span,
+}
+
+/// One file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct File {
+    /// `//!` lines at the head.
+    pub docs: Vec<String>,
+    /// Items in order.
+    pub items: Vec<Item>,
+    /// The whole text.
+    pub span: Span,
+}
+
+/// One item of a file or a block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Item {
+    /// `///` lines before it.
+    pub docs: Vec<String>,
+    /// The whole item.
+    pub span: Span,
+    /// What it is.
+    pub kind: ItemKind,
+}
+
+/// The items of `{ … }`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Items in order.
+    pub items: Vec<Item>,
+    /// With its braces.
+    pub span: Span,
+}
+
+/// What an item can be.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ItemKind {
+    /// `use std.joints.{Revolute, Fixed}`, `use std.units` (then all names of the module).
+    Use(Use),
+    /// `dimension Force = Mass*Acceleration`.
+    Dimension(DimensionItem),
+    /// `unit kN = 1e3 N`.
+    Unit(UnitItem),
+    /// `const`, `param`, `let`, `state`, `output`.
+    Binding(Binding),
+    /// `fn f(x: Length) -> Area = x^2`.
+    Function(Function),
+    /// `table p(theta: CrankAngle) -> AbsolutePressure = csv("p.csv", …)`.
+    Table(Table),
+    /// `constrain`, `branch`, `apply`, …
+    Statement(Statement),
+    /// `kind name …`: a class, an instance of a class, or a plain block.
+    Declaration(Declaration),
+    /// `mass = 0.62 kg` inside a block.
+    Attribute(Attribute),
+    /// Could not be read; the message was given.
+    Error,
+}
+
+/// `use path.{names}`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Use {
+    /// `std.joints` for `use std.joints.{Revolute}` and `use std.joints.Revolute` alike.
+    /// For `use std.units.*` the path is `std.units`.
+    pub path: Vec<Name>,
+    /// The names taken.
+    pub names: UseNames,
+}
+
+/// Which names a `use` takes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum UseNames {
+    /// `.*`: every name of the module.
+    All,
+    /// The last segment, or the list in braces.
+    Some(Vec<Name>),
+}
+
+/// `dimension Length` (a base dimension), `dimension Force = Mass*Acceleration`,
+/// `dimension Temperature = point TemperatureDifference` (positions whose differences are the right side).
+#[derive(Clone, Debug, PartialEq)]
+pub struct DimensionItem {
+    /// The name it gives.
+    pub name: Name,
+    /// The right side; absent for a base dimension.
+    pub definition: Option<TypeExpr>,
+    /// Whether `point` stands before the right side.
+    pub point: bool,
+}
+
+/// `unit m: Length` (a base unit), `unit kN = 1e3 N`, `unit degC: Temperature = 1 K from 273.15 K`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnitItem {
+    /// The name it gives; may be `%` .
+    pub name: Name,
+    /// The dimension after `:`.
+    pub dimension: Option<TypeExpr>,
+    /// The size; absent for a base unit.
+    pub definition: Option<Expr>,
+    /// The zero of an affine unit, after `from`.
+    pub offset: Option<Expr>,
+}
+
+/// Which binding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BindingKind {
+    /// Structural; a change recompiles.
+    Const,
+    /// Changes without compiling again.
+    Param,
+    /// A named value.
+    Let,
+    /// An unknown with a rate.
+    State,
+    /// A channel of the result.
+    Output,
+}
+
+/// `param bore: Length = 86 mm in (10 mm, 500 mm)`, `output force[j in 1..5]: Vector<Force> = F in shell as kN`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Binding {
+    /// Which binding.
+    pub kind: BindingKind,
+    /// The name it gives.
+    pub name: Name,
+    /// `[j in 1..5]`.
+    pub index: Vec<Binder>,
+    /// After `:`.
+    pub ty: Option<TypeExpr>,
+    /// After `=`.
+    pub value: Option<Expr>,
+    /// `in shell`: the marker whose axes an output's components use. Outputs only.
+    pub frame: Option<Expr>,
+    /// `as kN`.
+    pub display: Option<UnitExpr>,
+    /// `in (low, high)`: open limits of a parameter. Params only.
+    pub limits: Option<(Expr, Expr)>,
+}
+
+/// `j in 1..5`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Binder {
+    /// The variable.
+    pub name: Name,
+    /// A range or a list.
+    pub range: Expr,
+}
+
+/// `name: Type = default` in a parameter list.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// `///` lines before it.
+    pub docs: Vec<String>,
+    /// The name.
+    pub name: Name,
+    /// The type.
+    pub ty: TypeExpr,
+    /// The value taken when the argument is absent.
+    pub default: Option<Expr>,
+    /// `in (low, high)`.
+    pub limits: Option<(Expr, Expr)>,
+    /// The whole parameter.
+    pub span: Span,
+}
+
+/// `fn clamp<D>(x: D, low: D, high: D) -> D { let … ; value }`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Function {
+    /// The name.
+    pub name: Name,
+    /// Dimension variables.
+    pub generics: Vec<Name>,
+    /// Parameters.
+    pub parameters: Vec<Parameter>,
+    /// After `->`.
+    pub result: Option<TypeExpr>,
+    /// `let`s of the block form, empty in the `=` form.
+    pub lets: Vec<Binding>,
+    /// The value.
+    pub value: Expr,
+}
+
+/// `table name(x: Type) -> Type = csv("file", columns: ["x [deg]", "y [bar]"], periodic: 720 deg, interpolation: monotone)`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// The name.
+    pub name: Name,
+    /// The argument.
+    pub parameters: Vec<Parameter>,
+    /// The type of its values.
+    pub result: Option<TypeExpr>,
+    /// The call that says where the numbers are: `csv(…)` or `points([…], […])`.
+    pub source: Expr,
+}
+
+/// What a body or a class does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Statement {
+    /// `constrain a == b`.
+    Constrain(Expr),
+    /// `branch a > b`.
+    Branch(Expr),
+    /// `start target = value`: holds exactly at the start.
+    Start {
+        /// What is set.
+        target: Expr,
+        /// To what.
+        value: Expr,
+    },
+    /// `guess target = value`: helps the assembly.
+    Guess {
+        /// What is guessed.
+        target: Expr,
+        /// To what.
+        value: Expr,
+    },
+    /// `apply force F on a against b`.
+    Apply {
+        /// Whether `torque` stands instead of `force`.
+        torque: bool,
+        /// The vector.
+        value: Expr,
+        /// The marker it acts on.
+        on: Expr,
+        /// The marker that takes the reaction; absent for an external load.
+        against: Option<Expr>,
+    },
+    /// `require condition else "message {x as mm}"`; `advise` likewise as a lint.
+    Require {
+        /// `advise` instead of `require`.
+        advise: bool,
+        /// What must hold.
+        condition: Expr,
+        /// The text with `{expression as unit}` places, and its span.
+        message: Name,
+    },
+    /// `der(p) = expr`.
+    Rate {
+        /// The state.
+        state: Name,
+        /// Its rate.
+        value: Expr,
+    },
+}
+
+/// Kinds of declarations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)]
+pub enum Kind {
+    Model,
+    Component,
+    Interface,
+    Record,
+    Body,
+    Flexible,
+    Marker,
+    Joint,
+    Force,
+    Journal,
+    Drive,
+    Part,
+    Cycle,
+    Analysis,
+    Default,
+}
+
+/// `kind name[index] …`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Declaration {
+    /// The kind.
+    pub kind: Kind,
+    /// Place of the kind's word.
+    pub kind_span: Span,
+    /// The name.
+    pub name: Name,
+    /// `[i in 1..4]`.
+    pub index: Vec<Binder>,
+    /// Which form.
+    pub form: Form,
+}
+
+/// The three forms of a declaration.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Form {
+    /// `joint Revolute(a: Marker, b: Marker) : Interface { … }`.
+    Class {
+        /// Parameters.
+        parameters: Vec<Parameter>,
+        /// After `:`.
+        interface: Option<Name>,
+        /// The definition.
+        block: Block,
+    },
+    /// `joint pin = Revolute(a, b) { branch … }`, `marker big = [0, -41, 0] mm`.
+    Instance {
+        /// The right side.
+        value: Expr,
+        /// Additions at the use.
+        block: Option<Block>,
+    },
+    /// `body rod { … }`, `model Inline4 { … }`, `interface JournalLaw { … }`.
+    Plain {
+        /// The parts.
+        block: Block,
+    },
+}
+
+/// `name = value` inside a block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    /// The attribute.
+    pub name: Name,
+    /// Its value.
+    pub value: Expr,
+}
+
+/// A type or a dimension, as written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TypeExpr {
+    /// Its place.
+    pub span: Span,
+    /// What it is.
+    pub kind: TypeExprKind,
+}
+
+/// What a type expression can be.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TypeExprKind {
+    /// `Length`, `Marker`, `D`.
+    Name(Name),
+    /// `1`: dimensionless.
+    One,
+    /// `Vector<Force>`, `Vector2<1>`.
+    Generic(Name, Vec<TypeExpr>),
+    /// `Marker[n]`, `Int[cylinders + 1]`.
+    Array(Box<TypeExpr>, Box<Expr>),
+    /// `Mass*Acceleration`.
+    Product(Box<TypeExpr>, Box<TypeExpr>),
+    /// `Force/Area`.
+    Quotient(Box<TypeExpr>, Box<TypeExpr>),
+    /// `Length^2`, exponent as a ratio of integers.
+    Power(Box<TypeExpr>, i32, i32),
+    /// `fn(CrankAngle) -> AbsolutePressure`.
+    Function(Vec<TypeExpr>, Box<TypeExpr>),
+    /// Could not be read.
+    Error,
+}
+
+/// A unit as written: `N*m/rad`, `g*m^2`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnitExpr {
+    /// Its place.
+    pub span: Span,
+    /// Factors with exponent (ratio of integers; negative after `/`).
+    pub factors: Vec<UnitFactor>,
+}
+
+/// `m^2` in a unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnitFactor {
+    /// The unit's name.
+    pub name: Name,
+    /// Numerator of the exponent.
+    pub numerator: i32,
+    /// Denominator of the exponent, positive.
+    pub denominator: i32,
+}
+
+/// An expression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expr {
+    /// Its place.
+    pub span: Span,
+    /// What it is.
+    pub kind: ExprKind,
+}
+
+/// Binary operators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)]
+pub enum BinaryOp {
+    Or,
+    And,
+    Equal,
+    NotEqual,
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Power,
+}
+
+/// Unary operators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)]
+pub enum UnaryOp {
+    Negate,
+    Not,
+}
+
+/// What an expression can be.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ExprKind {
+    /// `54`, `54 mm`, `5 %`. A sign directly before an affine literal belongs to it
+    /// (`-5 degC`): the parser folds `-` into `value` for every literal that has a unit and is the operand of a
+    /// unary minus at the start of an operand (not in `a - 5 degC`).
+    Number {
+        /// As written, before the unit is applied.
+        value: f64,
+        /// No `.` and no exponent.
+        integer: bool,
+        /// The unit.
+        unit: Option<UnitExpr>,
+    },
+    /// `"text"`, unescaped.
+    Text(String),
+    /// `true`, `false`.
+    Bool(bool),
+    /// A name.
+    Name(String),
+    /// `[0, 0, -41] mm`.
+    List {
+        /// Elements.
+        items: Vec<Expr>,
+        /// The unit of every element.
+        unit: Option<UnitExpr>,
+    },
+    /// `[f(i) for i in 1..4] mm`, and as a sole call argument `sum(f(i) for i in 1..4)`.
+    Comprehension {
+        /// The element.
+        body: Box<Expr>,
+        /// The loops, outermost first.
+        binders: Vec<Binder>,
+        /// The unit of every element.
+        unit: Option<UnitExpr>,
+    },
+    /// `(a + b) mm`; parentheses without a unit leave only their span on the inner expression's `Paren`.
+    Paren {
+        /// Inside.
+        inner: Box<Expr>,
+        /// The unit.
+        unit: Option<UnitExpr>,
+    },
+    /// `base.name`.
+    Field {
+        /// Left of the dot.
+        base: Box<Expr>,
+        /// Right of the dot.
+        name: Name,
+    },
+    /// `callee(arguments)`.
+    Call {
+        /// What is called.
+        callee: Box<Expr>,
+        /// Arguments in order.
+        arguments: Vec<Argument>,
+    },
+    /// `base[indices]`.
+    Index {
+        /// What is indexed.
+        base: Box<Expr>,
+        /// The indices.
+        indices: Vec<IndexArgument>,
+    },
+    /// `-x`, `not x`.
+    Unary {
+        /// Operator.
+        op: UnaryOp,
+        /// Operand.
+        operand: Box<Expr>,
+    },
+    /// `a + b`.
+    Binary {
+        /// Operator.
+        op: BinaryOp,
+        /// Place of the operator.
+        op_span: Span,
+        /// Left.
+        left: Box<Expr>,
+        /// Right.
+        right: Box<Expr>,
+    },
+    /// `if c then a else b`.
+    If {
+        /// Condition.
+        condition: Box<Expr>,
+        /// Value when it holds.
+        then: Box<Expr>,
+        /// Value when it does not.
+        otherwise: Box<Expr>,
+    },
+    /// `1..5`, `1000 rpm .. 6000 rpm by 250 rpm`; both ends belong to it.
+    Range {
+        /// First.
+        from: Box<Expr>,
+        /// Last.
+        to: Box<Expr>,
+        /// Step.
+        by: Option<Box<Expr>>,
+    },
+    /// Could not be read; the message was given.
+    Error,
+}
+
+/// `value` or `name: value`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Argument {
+    /// The name before `:`.
+    pub name: Option<Name>,
+    /// The value.
+    pub value: Expr,
+}
+
+/// An index.
+#[derive(Clone, Debug, PartialEq)]
+pub enum IndexArgument {
+    /// `[3]`.
+    At(Expr),
+    /// `[*]`: all elements.
+    All(Span),
+}

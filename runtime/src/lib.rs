@@ -1,0 +1,1 @@
+//! Eng: state on the manifold, kinematic chain, solvers, analyses, results

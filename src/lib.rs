@@ -1,0 +1,1 @@
+//! Eng: engines as text.

@@ -1,0 +1,2 @@
+//! The `eng` command.
+fn main() {}

@@ -1,0 +1,167 @@
+//! Dimensions, display units and quantities.
+
+use serde::{Deserialize, Serialize};
+
+/// Exponents are stored as multiples of 1/60, so that square and cube roots stay exact.
+const DENOMINATOR: i32 = 60;
+
+/// Number of base dimensions: length, mass, time, current, temperature, amount, luminous intensity, angle.
+pub const BASES: usize = 8;
+
+/// SI symbols of the bases, in storage order.
+pub const BASE_SYMBOLS: [&str; BASES] = ["m", "kg", "s", "A", "K", "mol", "cd", "rad"];
+
+/// A physical dimension: rational exponents of the bases. Angle is a base here; where it may be dropped is the checker's business.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
+pub struct Dimension {
+    exponents: [i16; BASES],
+}
+
+impl Dimension {
+    /// Dimensionless.
+    pub const ONE: Dimension = Dimension {
+        exponents: [0; BASES],
+    };
+    /// Length.
+    pub const LENGTH: Dimension = Self::base(0);
+    /// Mass.
+    pub const MASS: Dimension = Self::base(1);
+    /// Time.
+    pub const TIME: Dimension = Self::base(2);
+    /// Angle.
+    pub const ANGLE: Dimension = Self::base(7);
+
+    /// The base at a storage index below [`BASES`]; dimensionless for an index beyond.
+    pub const fn base(index: usize) -> Dimension {
+        let mut exponents = [0; BASES];
+        if index < BASES {
+            exponents[index] = DENOMINATOR as i16;
+        }
+        Dimension { exponents }
+    }
+
+    /// Exponent of a base as a reduced ratio (numerator, positive denominator).
+    pub fn exponent(&self, base: usize) -> (i32, i32) {
+        let e = i32::from(self.exponents.get(base).copied().unwrap_or(0));
+        if e == 0 {
+            return (0, 1);
+        }
+        let g = gcd(e.abs(), DENOMINATOR);
+        (e / g, DENOMINATOR / g)
+    }
+
+    /// Product of two dimensions.
+    pub fn times(self, other: Dimension) -> Dimension {
+        let mut exponents = self.exponents;
+        for (e, o) in exponents.iter_mut().zip(other.exponents) {
+            *e = e.saturating_add(o);
+        }
+        Dimension { exponents }
+    }
+
+    /// Quotient of two dimensions.
+    pub fn over(self, other: Dimension) -> Dimension {
+        self.times(other.power(-1, 1).unwrap_or(Dimension::ONE))
+    }
+
+    /// Power with a rational exponent; `None` where the result is not a multiple of 1/60 or leaves the range.
+    pub fn power(self, numerator: i32, denominator: i32) -> Option<Dimension> {
+        if denominator == 0 {
+            return None;
+        }
+        let mut exponents = [0; BASES];
+        for (r, e) in exponents.iter_mut().zip(self.exponents) {
+            let product = i64::from(e) * i64::from(numerator);
+            if product % i64::from(denominator) != 0 {
+                return None;
+            }
+            *r = i16::try_from(product / i64::from(denominator)).ok()?;
+        }
+        Some(Dimension { exponents })
+    }
+
+    /// The same without angle.
+    pub fn without_angle(self) -> Dimension {
+        let mut exponents = self.exponents;
+        exponents[BASES - 1] = 0;
+        Dimension { exponents }
+    }
+
+    /// Whether all exponents are zero.
+    pub fn is_one(self) -> bool {
+        self == Dimension::ONE
+    }
+}
+
+impl std::fmt::Display for Dimension {
+    /// SI base symbols: `kg*m/s^2`; `1` when dimensionless.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let order = [1, 0, 2, 3, 4, 5, 6, 7];
+        let part = |f: &mut std::fmt::Formatter<'_>, b: usize, n: i32, d: i32| {
+            write!(f, "{}", BASE_SYMBOLS[b])?;
+            match (n, d) {
+                (1, 1) => Ok(()),
+                (n, 1) => write!(f, "^{n}"),
+                (n, d) => write!(f, "^({n}/{d})"),
+            }
+        };
+        let mut first = true;
+        for b in order {
+            let (n, d) = self.exponent(b);
+            if n > 0 {
+                if !first {
+                    write!(f, "*")?;
+                }
+                part(f, b, n, d)?;
+                first = false;
+            }
+        }
+        if first {
+            write!(f, "1")?;
+        }
+        for b in order {
+            let (n, d) = self.exponent(b);
+            if n < 0 {
+                write!(f, "/")?;
+                part(f, b, -n, d)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn gcd(a: i32, b: i32) -> i32 {
+    if b == 0 { a.max(1) } else { gcd(b, a % b) }
+}
+
+/// How a value is shown: `shown = (si - offset)/scale`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DisplayUnit {
+    /// As written: `kN`, `deg`, `degC`.
+    pub symbol: String,
+    /// SI value of one unit.
+    pub scale: f64,
+    /// SI value of the unit's zero.
+    pub offset: f64,
+}
+
+impl DisplayUnit {
+    /// The SI base units of a dimension, with the usual names for force, pressure, energy, power.
+    pub fn si(dimension: Dimension) -> DisplayUnit {
+        DisplayUnit {
+            symbol: dimension.to_string(),
+            scale: 1.0,
+            offset: 0.0,
+        }
+    }
+
+    /// The shown number of an SI value.
+    pub fn from_si(&self, si: f64) -> f64 {
+        (si - self.offset) / self.scale
+    }
+
+    /// The SI value of a shown number.
+    pub fn to_si(&self, shown: f64) -> f64 {
+        shown * self.scale + self.offset
+    }
+}

@@ -1,0 +1,94 @@
+//! Where the functions of an element class find their inputs.
+
+/// Numbers a marker hands in: x (3, inertial), R (9, row-major, marker → inertial), ẋ (3, inertial),
+/// ω (3, in the MARKER's axes).
+pub const MARKER_WIDTH: u32 = 18;
+
+/// Order of a class's inputs: time, markers, states, multipliers, rotation references, constants;
+/// and for the outputs function alone: accelerations (ẍ inertial 3, ω̇ in marker axes 3 a marker), state rates, signals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub struct InputLayout {
+    /// Markers the class touches.
+    pub markers: u32,
+    /// Own unknowns.
+    pub states: u32,
+    /// Constraint rows.
+    pub rows: u32,
+    /// Unwrapped rotations: each has a reference, its value at the last accepted state.
+    pub rotations: u32,
+    /// Numbers from the bind graph; table handles among them.
+    pub constants: u32,
+    /// Channels read by outputs.
+    pub signals: u32,
+}
+
+impl InputLayout {
+    /// Index of the time.
+    pub const TIME: u32 = 0;
+
+    /// First index of a marker's [`MARKER_WIDTH`] numbers.
+    pub fn marker(&self, marker: u32) -> u32 {
+        1 + MARKER_WIDTH * marker
+    }
+    /// Index of a state.
+    pub fn state(&self, state: u32) -> u32 {
+        self.marker(self.markers) + state
+    }
+    /// Index of a multiplier.
+    pub fn multiplier(&self, row: u32) -> u32 {
+        self.state(self.states) + row
+    }
+    /// Index of a rotation's reference (rad).
+    pub fn rotation(&self, rotation: u32) -> u32 {
+        self.multiplier(self.rows) + rotation
+    }
+    /// Index of a constant.
+    pub fn constant(&self, constant: u32) -> u32 {
+        self.rotation(self.rotations) + constant
+    }
+    /// How many inputs every function but outputs takes.
+    pub fn len(&self) -> u32 {
+        self.constant(self.constants)
+    }
+    /// Whether there is no input; never, since time is one.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+    /// First index of a marker's six accelerations (outputs function only).
+    pub fn acceleration(&self, marker: u32) -> u32 {
+        self.len() + 6 * marker
+    }
+    /// Index of a state's rate (outputs function only).
+    pub fn state_rate(&self, state: u32) -> u32 {
+        self.acceleration(self.markers) + state
+    }
+    /// Index of a signal (outputs function only).
+    pub fn signal(&self, signal: u32) -> u32 {
+        self.state_rate(self.states) + signal
+    }
+    /// How many inputs the outputs function takes.
+    pub fn outputs_len(&self) -> u32 {
+        self.signal(self.signals)
+    }
+
+    /// How many directions a tangent has: pose 6 a marker (δx inertial, δπ in marker axes), twist 6 a marker, states.
+    pub fn directions(&self) -> u32 {
+        12 * self.markers + self.states
+    }
+    /// First pose direction of a marker.
+    pub fn pose_direction(&self, marker: u32) -> u32 {
+        6 * marker
+    }
+    /// First twist direction of a marker.
+    pub fn twist_direction(&self, marker: u32) -> u32 {
+        6 * self.markers + 6 * marker
+    }
+    /// Direction of a state.
+    pub fn state_direction(&self, state: u32) -> u32 {
+        12 * self.markers + state
+    }
+    /// Outputs of `residual` and `tangent`: rows, then 6 wrench components a marker, then state rates.
+    pub fn residual_len(&self) -> u32 {
+        self.rows + 6 * self.markers + self.states
+    }
+}

@@ -1,0 +1,13 @@
+//! The contract between Eng's compiler and its runtime.
+//!
+//! This crate knows no syntax, no file and no solver: only what is handed from one to the other.
+
+#![forbid(unsafe_code)]
+
+pub mod code;
+pub mod dimension;
+pub mod layout;
+pub mod system;
+pub mod table;
+
+pub use dimension::{Dimension, DisplayUnit};

@@ -1,0 +1,335 @@
+//! The flat system: what the compiler hands to the runtime.
+//!
+//! Contains no names to be looked up, no expressions and no units to be converted: numbers are SI and stand in
+//! *slots*, which the bind graph fills from the parameters. Every thing keeps its path and its places in the text.
+
+use crate::dimension::{Dimension, DisplayUnit};
+use crate::layout::InputLayout;
+use crate::table::Table;
+
+/// A range of bytes in a source of the compiler's source map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Location {
+    /// Index of the source.
+    pub source: u32,
+    /// First byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
+}
+
+/// Where a thing comes from.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Origin {
+    /// `cylinder[2].rod`.
+    pub path: String,
+    /// The user's line.
+    pub used_at: Option<Location>,
+    /// The line of the class that defines it, where there is one.
+    pub defined_at: Option<Location>,
+}
+
+/// Index into the bound values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Slot(pub u32);
+
+/// A body of [`System::bodies`], or the ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum BodyRef {
+    /// The inertial frame.
+    Ground,
+    /// Index of a body.
+    Body(u32),
+}
+
+/// A body. Its reference frame's origin is where `center_of_mass` counts from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Path and places.
+    pub origin: Origin,
+    /// Mass (kg).
+    pub mass: Slot,
+    /// Centre of mass in the body frame (m).
+    pub center_of_mass: [Slot; 3],
+    /// Ixx, Iyy, Izz, Ixy, Iyz, Izx about the centre of mass, body axes (kg m²). The off-diagonal values are the
+    /// tensor's entries (minus the integrals of products).
+    pub inertia: [Slot; 6],
+    /// Stated or guessed position of the origin at the start (m, inertial).
+    pub position: Option<[Slot; 3]>,
+    /// Stated or guessed orientation at the start: rotation matrix body → inertial, row-major.
+    pub orientation: Option<[Slot; 9]>,
+}
+
+/// A marker: an oriented point of a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Marker {
+    /// Path and places.
+    pub origin: Origin,
+    /// Its body.
+    pub body: BodyRef,
+    /// Place in the body frame (m).
+    pub position: [Slot; 3],
+    /// Rotation matrix marker → body, row-major.
+    pub orientation: [Slot; 9],
+    /// For `ground` used as an argument: the marker on ground that lies where this other marker is at the start;
+    /// `position` and `orientation` are then ignored.
+    pub placed_at: Option<u32>,
+}
+
+/// A number that can be set without compiling again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Path and places.
+    pub origin: Origin,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// How it is shown.
+    pub display: DisplayUnit,
+    /// Open limits (SI); infinite where none are stated.
+    pub limits: (f64, f64),
+}
+
+/// The scale and the meaning of one constraint equation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// The equation as written: `dot(b.z, a.x) == 0`; a vector equation has three rows, `… (x)`.
+    pub text: String,
+    /// Length for a distance, one or angle for a direction.
+    pub dimension: Dimension,
+    /// Place of the equation in the class.
+    pub defined_at: Option<Location>,
+}
+
+/// An element's own unknown with a rate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StateInfo {
+    /// Its name.
+    pub name: String,
+    /// Its dimension.
+    pub dimension: Dimension,
+}
+
+/// One scalar output of a class.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputInfo {
+    /// `force.x`.
+    pub name: String,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// How it is shown.
+    pub display: DisplayUnit,
+    /// The axes of a component: `shell` (a parameter's name of the class), `ground`; empty for a scalar.
+    pub frame: String,
+}
+
+/// What a condition means.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ConditionKind {
+    /// Picks the assembly branch; checked at the start.
+    Branch,
+    /// Must hold at every accepted state; depends on the motion.
+    Require,
+    /// Should hold at every accepted state; a warning, given once.
+    Advise,
+}
+
+/// A quantity that must be positive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Condition {
+    /// What it means.
+    pub kind: ConditionKind,
+    /// The condition as written, or the message of a `require`.
+    pub text: String,
+    /// Its place in the class.
+    pub defined_at: Option<Location>,
+}
+
+/// What all instances of one class of element share. The functions of its code are described at [`crate::code`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct ElementClass {
+    /// `Revolute`.
+    pub name: String,
+    /// Where its functions find their inputs.
+    pub layout: InputLayout,
+    /// Constraint equations, one a row.
+    pub rows: Vec<Row>,
+    /// Own unknowns.
+    pub states: Vec<StateInfo>,
+    /// Outputs in the order of the outputs function.
+    pub outputs: Vec<OutputInfo>,
+    /// Conditions in the order of the conditions function.
+    pub conditions: Vec<Condition>,
+    /// Whether the wrenches depend on twists.
+    pub uses_twist: bool,
+    /// Whether the class applies forces besides its constraints.
+    pub applies_load: bool,
+    /// Length of the tape between `linearize` and `tangent`.
+    pub tape: u32,
+}
+
+/// What an element is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Role {
+    /// Part of the model: its rows constrain, its wrenches act.
+    Dynamic,
+    /// Rows that hold at the start only, on positions. `exact` from `start`, else from `guess`.
+    StartPosition {
+        /// Holds exactly.
+        exact: bool,
+    },
+    /// Rows, affine in velocities, that hold at the start only.
+    StartVelocity {
+        /// Holds exactly.
+        exact: bool,
+    },
+    /// Only outputs.
+    Output,
+}
+
+/// One instance of a class.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Element {
+    /// Path and places.
+    pub origin: Origin,
+    /// Index into [`System::classes`].
+    pub class: u32,
+    /// What it is for.
+    pub role: Role,
+    /// Indices into [`System::markers`], as many as the layout says.
+    pub markers: Vec<u32>,
+    /// Slots of its constants, as many as the layout says.
+    pub constants: Vec<Slot>,
+    /// Start values of its states.
+    pub state_start: Vec<Slot>,
+    /// Channels its outputs read, as many as the layout says; each is computed before this element's.
+    pub signals: Vec<u32>,
+    /// For class parameters that are markers or frames: name → index into [`Element::markers`], for frame names of channels.
+    pub frames: Vec<(String, u32)>,
+}
+
+/// A column of the results: one output of one element.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// `main[5].force.x`.
+    pub path: String,
+    /// Index of the element.
+    pub element: u32,
+    /// Index into its class's outputs.
+    pub output: u32,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// How it is shown.
+    pub display: DisplayUnit,
+    /// The axes it is in, as a path (`block.main[5]`, `ground`); empty for a scalar.
+    pub frame: String,
+}
+
+/// The machine's cycle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cycle {
+    /// Path and places.
+    pub origin: Origin,
+    /// An [`Role::Output`] element whose output 0 is the unwrapped cycle angle (rad) and output 1 its rate (rad/s).
+    pub element: u32,
+    /// Angle after which the machine repeats (rad).
+    pub period: Slot,
+}
+
+/// What the summary knows about a journal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JournalInfo {
+    /// Index of the element.
+    pub element: u32,
+    /// Diameter (m).
+    pub diameter: Slot,
+    /// Width (m).
+    pub width: Slot,
+    /// Radial clearance (m).
+    pub radial_clearance: Slot,
+    /// Index into the element's markers: the pin.
+    pub pin: u32,
+    /// Index into the element's markers: the shell.
+    pub shell: u32,
+}
+
+/// A compiled model without its code.
+#[derive(Clone, Debug, PartialEq)]
+pub struct System {
+    /// The model's name.
+    pub name: String,
+    /// Bodies that move.
+    pub bodies: Vec<Body>,
+    /// All markers.
+    pub markers: Vec<Marker>,
+    /// Parameters in the order of the bind graph.
+    pub parameters: Vec<Parameter>,
+    /// How many slots a bind fills.
+    pub slots: u32,
+    /// Classes; the code stands beside them with the same index.
+    pub classes: Vec<ElementClass>,
+    /// Instances, constraints and forces alike.
+    pub elements: Vec<Element>,
+    /// Columns of the results, without time and cycle angle.
+    pub channels: Vec<Channel>,
+    /// Interpolated tables; constants of table type hold the index.
+    pub tables: Vec<Table>,
+    /// Gravitational acceleration in ground axes (m/s²).
+    pub gravity: [Slot; 3],
+    /// The cycle, if the model states one.
+    pub cycle: Option<Cycle>,
+    /// Journals, for the summary, the error control and the pictures.
+    pub journals: Vec<JournalInfo>,
+}
+
+/// A time or an angle of the cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Extent {
+    /// Seconds.
+    Time(f64),
+    /// Radians of the cycle angle.
+    Angle(f64),
+}
+
+/// How a transient is integrated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepControl {
+    /// Fixed step (s).
+    Fixed(f64),
+    /// Error control; the number scales the physical tolerances, 1 is the default.
+    Tolerance(f64),
+}
+
+/// A transient analysis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transient {
+    /// How long.
+    pub duration: Extent,
+    /// Distance of the samples.
+    pub sample: Extent,
+    /// Steps.
+    pub step: StepControl,
+    /// Spectral radius at infinite frequency, 0…1.
+    pub rho_infinity: f64,
+}
+
+/// What an analysis does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnalysisKind {
+    /// Positions and velocities that satisfy every constraint.
+    Assemble,
+    /// The DAE in time.
+    Transient(Transient),
+}
+
+/// An analysis of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Analysis {
+    /// `unfired`, `runup[3]`, and places.
+    pub origin: Origin,
+    /// The model's name.
+    pub model: String,
+    /// Parameters set by the analysis (path, SI value).
+    pub set: Vec<(String, f64)>,
+    /// What is done.
+    pub kind: AnalysisKind,
+}
