@@ -139,3 +139,36 @@ pub fn unit_text(expr: &ast::UnitExpr) -> String {
     }
     text
 }
+
+/// What the checker found about a named value.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub enum ValueType {
+    Scalar(Dimension),
+    /// A vector in space.
+    Vector(Dimension),
+    /// A list of 2 or 3 components (or any other length).
+    Components(u32, Dimension),
+    Int,
+    Bool,
+    Text,
+    Marker,
+    Array(Box<ValueType>),
+    /// Functions, records, classes.
+    Other,
+}
+
+/// What the checker hands on.
+#[derive(Clone, Debug, Default)]
+pub struct Checked {
+    /// Types of the named values of each definition: (class or model, name of its parameter, `param`, `const`, `let`, `state` or
+    /// `output`); a top-level `const` or `let` has the empty name.
+    pub types: BTreeMap<(DefinitionId, String), ValueType>,
+}
+
+impl Checked {
+    /// The type of a named value of a definition.
+    pub fn of(&self, definition: DefinitionId, name: &str) -> Option<&ValueType> {
+        self.types.get(&(definition, name.to_owned()))
+    }
+}
