@@ -2,5 +2,6 @@
 //!
 //! It does no I/O (files come through [`eng_system`]'s host trait) and knows no terminal; it never sees the runtime.
 
+pub mod elaborate;
 pub mod ir;
 pub mod program;
