@@ -69,7 +69,7 @@ impl<'a> Elaborator<'a, '_> {
             return Err(self.not_an_analysis(value.span));
         };
         let (model, constants, set) = self.model_call(&first.value, scope)?;
-        let mut number = |e: &mut Self, wanted: &str| -> Eval<Option<(f64, Dimension, Span)>> {
+        let number = |e: &mut Self, wanted: &str| -> Eval<Option<(f64, Dimension, Span)>> {
             let Some(argument) = arguments
                 .iter()
                 .find(|a| a.name.as_ref().is_some_and(|n| n.text == wanted))

@@ -179,7 +179,7 @@ impl<'a> Elaborator<'a, '_> {
                     .unwrap_or_else(|| self.natural_unit(s.dimension));
                 let limits = match limits {
                     Some((low, high)) => {
-                        let mut bound = |e: &mut Self, expr: &'a ast::Expr| -> Eval<f64> {
+                        let bound = |e: &mut Self, expr: &'a ast::Expr| -> Eval<f64> {
                             let v = e.evaluate(expr, scope)?;
                             let v = e.as_scalar(v, expr.span)?;
                             e.structural(v, expr.span)

@@ -138,7 +138,7 @@ impl<'a> Elaborator<'a, '_> {
                 self.rotation(a, b, span).map(Value::Scalar)
             }
             "min" | "max" => {
-                let list = self.flatten(values)?;
+                let list = self.numbers_of(values)?;
                 let op = if name == "min" { Graph::minimum } else { Graph::maximum };
                 let mut rest = list.into_iter();
                 let Some(mut best) = rest.next() else {
@@ -150,7 +150,7 @@ impl<'a> Elaborator<'a, '_> {
                 Ok(Value::Scalar(best))
             }
             "sum" => {
-                let list = self.flatten(values)?;
+                let list = self.numbers_of(values)?;
                 let mut rest = list.into_iter();
                 let Some(mut sum) = rest.next() else {
                     return Err(self.arguments(span));
@@ -223,7 +223,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(x)
     }
 
-    fn flatten(&mut self, values: Vec<(Value<'a>, Span)>) -> Eval<Vec<Scalar>> {
+    fn numbers_of(&mut self, values: Vec<(Value<'a>, Span)>) -> Eval<Vec<Scalar>> {
         let mut list = Vec::new();
         for (value, s) in values {
             match value {

@@ -103,7 +103,6 @@ impl<'a> Elaborator<'a, '_> {
         let bound = self.bind_arguments(class, arguments, scope, &path, value.span)?;
         let source = ElementSource {
             definition: class.definition,
-            declaration,
             arguments: bound,
             caller: scope,
         };
@@ -334,7 +333,7 @@ impl<'a> Elaborator<'a, '_> {
                     if matches!(
                         b.kind,
                         BindingKind::Let | BindingKind::Const | BindingKind::Output
-                    ) =>
+                    ) && !self.scope(scope).entries.contains_key(&b.name.text) =>
                 {
                     self.define(scope, &b.name.text, Entry::Lazy(Lazy::Binding(b)));
                 }
@@ -752,7 +751,6 @@ impl<'a> Elaborator<'a, '_> {
             name: name.to_owned(),
             first,
             count: if single { 1 } else { count },
-            frame: frame.map(|f| f.0),
         });
         Ok(())
     }

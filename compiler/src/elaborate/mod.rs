@@ -86,7 +86,7 @@ pub(crate) struct ElementDraft<'a> {
     pub origin: Origin,
     pub span: Span,
     pub role: eng_system::system::Role,
-    /// The definition, declaration and arguments, to evaluate its names again in another element.
+    /// The definition and arguments, to evaluate its names again in another element.
     pub source: Option<ElementSource<'a>>,
     /// Outputs: name, first scalar, shape.
     pub outputs: Vec<OutputShape>,
@@ -114,7 +114,6 @@ pub(crate) struct ClassMeta {
 #[derive(Clone, Debug)]
 pub(crate) struct ElementSource<'a> {
     pub definition: DefinitionId,
-    pub declaration: &'a ast::Declaration,
     /// Evaluated arguments; those of the motion stage are evaluated again.
     pub arguments: Vec<(String, Argument<'a>)>,
     pub caller: ScopeId,
@@ -133,8 +132,6 @@ pub(crate) struct OutputShape {
     pub first: u32,
     /// 1 for a scalar, else the number of components.
     pub count: u32,
-    /// Global marker whose axes the components use.
-    pub frame: Option<u32>,
 }
 
 /// The state of elaboration of one model.

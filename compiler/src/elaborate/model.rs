@@ -12,9 +12,7 @@ use eng_system::{Dimension, DisplayUnit};
 
 /// What is set at the start.
 #[derive(Clone, Debug)]
-pub(crate) enum StartTarget<'a> {
-    /// A scalar expression.
-    Expression(&'a ast::Expr),
+pub(crate) enum StartTarget {
     /// A body's origin.
     Position(u32),
     /// A body's orientation, with the stated matrix.
@@ -28,7 +26,7 @@ pub(crate) enum StartTarget<'a> {
 pub(crate) enum Pending<'a> {
     Start {
         role: Role,
-        target: StartTarget<'a>,
+        target: StartTarget,
         value: &'a ast::Expr,
         scope: ScopeId,
     },
@@ -49,7 +47,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn pending_start(
         &mut self,
         role: Role,
-        target: StartTarget<'a>,
+        target: StartTarget,
         value: &'a ast::Expr,
         scope: ScopeId,
     ) {
@@ -236,7 +234,6 @@ impl<'a> Elaborator<'a, '_> {
             let bound = e.bind_arguments(class, arguments, inner, &path, value.span)?;
             let source = ElementSource {
                 definition: class.definition,
-                declaration,
                 arguments: bound,
                 caller: inner,
             };
@@ -347,7 +344,7 @@ impl<'a> Elaborator<'a, '_> {
     fn lower_start(
         &mut self,
         role: Role,
-        target: &StartTarget<'a>,
+        target: &StartTarget,
         value: &'a ast::Expr,
         scope: ScopeId,
     ) -> Eval<()> {
@@ -356,7 +353,6 @@ impl<'a> Elaborator<'a, '_> {
             StartTarget::Rotation(m, _) => (*m, "rotation"),
             StartTarget::Velocity(m) => (*m, "velocity"),
             StartTarget::AngularVelocity(m) => (*m, "angular_velocity"),
-            StartTarget::Expression(_) => return Err(Reported),
         };
         let path = self.markers[marker as usize].origin.path.replace(".origin", "");
         let path = format!("start of {path}.{name}");
@@ -488,7 +484,7 @@ impl<'a> Elaborator<'a, '_> {
                         return true;
                     }
                 }
-                op => op.for_each_operand(|m| stack.push(m)),
+                op => stack.extend(op.operands()),
             }
         }
         false

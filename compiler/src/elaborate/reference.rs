@@ -363,11 +363,10 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// A table's handle as a value.
-    pub fn table_handle(&mut self, index: usize, argument: Dimension, result: Dimension) -> Value<'a> {
+    pub fn table_handle(&mut self, index: usize, result: Dimension) -> Value<'a> {
         let handle = self.bench.bind.fixed(index as f64);
         Value::Table(TableValue {
             handle,
-            argument,
             result,
         })
     }

@@ -82,7 +82,7 @@ impl<'a> Elaborator<'a, '_> {
                             .at(source.span, "add `columns: [\"x [unit]\", \"y [unit]\"]`"),
                     ));
                 };
-                self.read_csv(file, columns, scope, module, (argument, result))?
+                self.read_csv(file, columns, module, (argument, result))?
             }
             _ => return Err(self.not_a_source(source.span)),
         };
@@ -96,7 +96,7 @@ impl<'a> Elaborator<'a, '_> {
             Ok(t) => {
                 self.tables.push(t);
                 let index = self.tables.len() - 1;
-                Ok(self.table_handle(index, argument, result))
+                Ok(self.table_handle(index, result))
             }
             Err(error) => Err(self.report(
                 Diagnostic::error("E0506", "this table cannot be used")
@@ -125,7 +125,6 @@ impl<'a> Elaborator<'a, '_> {
         &mut self,
         file: &'a ast::Expr,
         columns: &'a ast::Expr,
-        scope: ScopeId,
         module: u32,
         dimensions: (Dimension, Dimension),
     ) -> Eval<(Vec<f64>, Vec<f64>)> {

@@ -50,7 +50,6 @@ pub(crate) enum Value<'a> {
 pub(crate) struct TableValue {
     /// Its handle in the bind graph.
     pub handle: Node,
-    pub argument: Dimension,
     pub result: Dimension,
 }
 

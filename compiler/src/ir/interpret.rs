@@ -76,7 +76,7 @@ impl Interpreter {
 }
 
 /// One operation; flags are 1 and 0.
-fn operate(op: &Op, of: impl Fn(&Node) -> f64, tables: &[Table]) -> f64 {
+pub(crate) fn operate(op: &Op, of: impl Fn(&Node) -> f64, tables: &[Table]) -> f64 {
     let flag = |set: bool| if set { 1.0 } else { 0.0 };
     match op {
         Op::Input(_) => f64::NAN,
