@@ -100,13 +100,13 @@ impl<'a> Elaborator<'a, '_> {
             let path = format!("{base}{}", index_text(position));
             let (place, orientation) = e.placement(value, inner)?;
             let marker = e.add_marker(body, path, Some(declaration.name.span), place, orientation);
-            made.push(Value::Marker(marker));
+            made.push((position.to_vec(), Value::Marker(marker)));
             Ok(())
         })?;
         let value = if declaration.index.is_empty() {
-            made.pop().ok_or(super::Reported)?
+            made.pop().ok_or(super::Reported)?.1
         } else {
-            Value::List(made)
+            Value::Family(made)
         };
         self.define(owner, name, Entry::Value(value));
         Ok(())
@@ -253,13 +253,13 @@ impl<'a> Elaborator<'a, '_> {
         let mut made = Vec::new();
         self.for_each(&declaration.index, scope, &mut |e, inner, position| {
             let path = format!("{base}{}", index_text(position));
-            made.push(Value::Body(e.body(declaration, block, inner, path)?));
+            made.push((position.to_vec(), Value::Body(e.body(declaration, block, inner, path)?)));
             Ok(())
         })?;
         let value = if declaration.index.is_empty() {
-            made.pop().ok_or(super::Reported)?
+            made.pop().ok_or(super::Reported)?.1
         } else {
-            Value::List(made)
+            Value::Family(made)
         };
         self.define(scope, name, Entry::Value(value));
         Ok(())

@@ -67,13 +67,13 @@ impl<'a> Elaborator<'a, '_> {
             let path = format!("{base}{}", index_text(position));
             let element = e.element(declaration, value, block.as_ref(), inner, path);
             e.bench.element = None;
-            made.push(Value::Element(element?));
+            made.push((position.to_vec(), Value::Element(element?)));
             Ok(())
         })?;
         let value = if declaration.index.is_empty() {
-            made.pop().ok_or(Reported)?
+            made.pop().ok_or(Reported)?.1
         } else {
-            Value::List(made)
+            Value::Family(made)
         };
         self.define(scope, name, Entry::Value(value));
         Ok(())

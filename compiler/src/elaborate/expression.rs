@@ -12,7 +12,15 @@ use eng_system::Dimension;
 const LONGEST: usize = 100_000;
 
 impl<'a> Elaborator<'a, '_> {
+    /// The value of an expression; a family as the list of its members.
     pub fn evaluate(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Value<'a>> {
+        Ok(match self.evaluate_family(expr, scope)? {
+            Value::Family(members) => Value::List(members.into_iter().map(|(_, v)| v).collect()),
+            other => other,
+        })
+    }
+
+    fn evaluate_family(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Value<'a>> {
         match &expr.kind {
             ExprKind::Error => Err(super::Reported),
             ExprKind::Number {
@@ -55,12 +63,12 @@ impl<'a> Elaborator<'a, '_> {
                 self.with_unit(value, unit.as_ref(), inner.span)
             }
             ExprKind::Field { base, name } => {
-                let base_value = self.evaluate(base, scope)?;
+                let base_value = self.evaluate_family(base, scope)?;
                 self.field(base_value, name, base.span)
             }
             ExprKind::Call { callee, arguments } => self.call(expr, callee, arguments, scope),
             ExprKind::Index { base, indices } => {
-                let mut value = self.evaluate(base, scope)?;
+                let mut value = self.evaluate_family(base, scope)?;
                 for index in indices {
                     match index {
                         ast::IndexArgument::All(_) => {}
@@ -340,6 +348,28 @@ impl<'a> Elaborator<'a, '_> {
                     None => Err(self.report(
                         Diagnostic::error("E0501", format!("there is no element {index}"))
                             .at(span, format!("indices run from 1 to {count}")),
+                    )),
+                }
+            }
+            Value::Family(members) => {
+                let shown: Vec<String> = members
+                    .iter()
+                    .filter_map(|(key, _)| key.first().map(usize::to_string))
+                    .collect();
+                let mut rest: Vec<(Vec<usize>, Value<'a>)> = members
+                    .into_iter()
+                    .filter(|(key, _)| key.first().is_some_and(|k| *k as i64 == index))
+                    .map(|(key, v)| (key[1..].to_vec(), v))
+                    .collect();
+                match rest.pop() {
+                    Some((key, value)) if key.is_empty() => Ok(value),
+                    Some(last) => {
+                        rest.push(last);
+                        Ok(Value::Family(rest))
+                    }
+                    None => Err(self.report(
+                        Diagnostic::error("E0501", format!("there is no element {index}"))
+                            .at(span, format!("there are: {}", shown.join(", "))),
                     )),
                 }
             }

@@ -253,13 +253,13 @@ impl<'a> Elaborator<'a, '_> {
                 e.block(&class.block.items, own);
                 Ok(())
             })?;
-            made.push(Value::Part(own));
+            made.push((position.to_vec(), Value::Part(own)));
             Ok(())
         })?;
         if declaration.index.is_empty() {
-            made.pop().ok_or(Reported)
+            made.pop().map(|m| m.1).ok_or(Reported)
         } else {
-            Ok(Value::List(made))
+            Ok(Value::Family(made))
         }
     }
 

@@ -136,11 +136,11 @@ impl<'a> Elaborator<'a, '_> {
         let Some(expr) = &binding.value else {
             return Err(Reported);
         };
-        self.for_each(&binding.index, scope, &mut |e, inner, _| {
-            values.push(e.evaluate(expr, inner)?);
+        self.for_each(&binding.index, scope, &mut |e, inner, position| {
+            values.push((position.to_vec(), e.evaluate(expr, inner)?));
             Ok(())
         })?;
-        Ok(Value::List(values))
+        Ok(Value::Family(values))
     }
 
     /// The value of a definition at the top level of a module.
@@ -211,9 +211,13 @@ impl<'a> Elaborator<'a, '_> {
                     };
                 }
                 // a field of every element: piston[*].pin
+                let items = items.into_iter().map(|v| (Vec::new(), v)).collect::<Vec<_>>();
+                self.field(Value::Family(items), name, span)
+            }
+            Value::Family(items) => {
                 items
                     .into_iter()
-                    .map(|v| self.field(v, name, span))
+                    .map(|(_, v)| self.field(v, name, span))
                     .collect::<Eval<Vec<_>>>()
                     .map(Value::List)
             }

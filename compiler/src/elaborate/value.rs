@@ -29,6 +29,8 @@ pub(crate) enum Value<'a> {
     /// Components in ground axes.
     Vector([Scalar; 3]),
     List(Vec<Value<'a>>),
+    /// Things named by the values of their binders: `pin[i in 2..4]`.
+    Family(Vec<(Vec<usize>, Value<'a>)>),
     Marker(u32),
     /// `ground` before it is known whether it is an argument.
     Ground,
@@ -62,6 +64,7 @@ impl Value<'_> {
             Value::Flag(f) => motion(f.stage),
             Value::Vector(v) => v.iter().any(|s| motion(s.stage)),
             Value::List(items) => items.iter().any(Value::moves),
+            Value::Family(items) => items.iter().any(|(_, v)| v.moves()),
             _ => false,
         }
     }
@@ -74,7 +77,7 @@ impl Value<'_> {
             Value::Text(_) => "a text",
             Value::Scalar(_) => "a number",
             Value::Vector(_) => "a vector",
-            Value::List(_) => "a list",
+            Value::List(_) | Value::Family(_) => "a list",
             Value::Marker(_) => "a marker",
             Value::Ground => "the ground",
             Value::Body(_) => "a body",
