@@ -4,4 +4,5 @@
 
 pub mod elaborate;
 pub mod ir;
+pub mod library;
 pub mod program;
