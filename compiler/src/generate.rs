@@ -26,7 +26,10 @@ pub enum CodegenError {
 
 /// Makes a class callable. Without the feature `jit`, or if it is not asked for, the class is interpreted: the same
 /// numbers to the bit, 3 to 25 times slower.
-pub fn compile_class(functions: ClassFunctions, use_jit: bool) -> Result<Arc<dyn ElementCode>, CodegenError> {
+pub fn compile_class(
+    functions: ClassFunctions,
+    use_jit: bool,
+) -> Result<Arc<dyn ElementCode>, CodegenError> {
     #[cfg(feature = "jit")]
     if use_jit {
         return Ok(Arc::new(crate::jit::JitClass::new(&functions)?));
@@ -48,7 +51,11 @@ impl CodeCache {
     }
 
     /// The code of a class: that of an equal one which is still in use, or new.
-    pub fn compile(&mut self, functions: ClassFunctions, use_jit: bool) -> Result<Arc<dyn ElementCode>, CodegenError> {
+    pub fn compile(
+        &mut self,
+        functions: ClassFunctions,
+        use_jit: bool,
+    ) -> Result<Arc<dyn ElementCode>, CodegenError> {
         let key = (functions.fingerprint(), use_jit);
         if let Some(code) = self.classes.get(&key).and_then(Weak::upgrade) {
             return Ok(code);

@@ -71,7 +71,8 @@ impl JitClass {
                 // SAFETY: `code` is the start of a finalized function with exactly the signature of `Entry` in
                 // the platform's C convention (see `Generator::function`); it stays mapped and executable until
                 // `drop` frees the module, and no copy of the pointer leaves `self`.
-                class.entries[which as usize] = unsafe { std::mem::transmute::<*const u8, Entry>(code) };
+                class.entries[which as usize] =
+                    unsafe { std::mem::transmute::<*const u8, Entry>(code) };
                 class.shapes[which as usize] = (function.inputs as usize, function.outputs.len());
                 class.bytes[which as usize] = bytes;
             }
@@ -95,7 +96,11 @@ unsafe extern "C" fn nothing(_: *const Pair, _: *mut Pair, _: *const TableContex
 
 impl Drop for JitClass {
     fn drop(&mut self) {
-        let module = self.module.get_mut().unwrap_or_else(PoisonError::into_inner).take();
+        let module = self
+            .module
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
         if let Some(module) = module {
             // SAFETY: `&mut self` in `drop`: no call is running, since `call` borrows `self` for its whole length,
             // and the entries, which never left `self`, go away with it.
@@ -118,7 +123,13 @@ impl ElementCode for JitClass {
         self.shapes[function as usize]
     }
 
-    fn call(&self, function: Which, inputs: &[Pair], outputs: &mut [Pair], tables: &[Table]) -> bool {
+    fn call(
+        &self,
+        function: Which,
+        inputs: &[Pair],
+        outputs: &mut [Pair],
+        tables: &[Table],
+    ) -> bool {
         let (takes, gives) = self.shape(function);
         if inputs.len() < takes || outputs.len() < gives {
             return false;
@@ -131,7 +142,13 @@ impl ElementCode for JitClass {
         // both within the slices as just checked; it assumes no more than their own alignment. Input and output do not
         // overlap (`&` and `&mut`). `context` describes a live slice and outlives the call. The code keeps no state, so
         // calls from several threads do not meet.
-        unsafe { self.entries[function as usize](inputs.as_ptr(), outputs.as_mut_ptr(), &raw const context) };
+        unsafe {
+            self.entries[function as usize](
+                inputs.as_ptr(),
+                outputs.as_mut_ptr(),
+                &raw const context,
+            )
+        };
         true
     }
 
@@ -241,7 +258,14 @@ impl Generator {
             ("opt_level", "speed"),
             ("is_pic", "false"),
             ("use_colocated_libcalls", "false"),
-            ("enable_verifier", if cfg!(debug_assertions) { "true" } else { "false" }),
+            (
+                "enable_verifier",
+                if cfg!(debug_assertions) {
+                    "true"
+                } else {
+                    "false"
+                },
+            ),
             // long functions may need more stack than a guard page covers
             ("enable_probestack", "true"),
             ("probestack_strategy", "inline"),
@@ -253,7 +277,9 @@ impl Generator {
             .finish(settings::Flags::new(flags))
             .map_err(|e| machine(&e))?;
         if isa.pointer_type() != types::I64 {
-            return Err(CodegenError::Machine("its addresses are not 64 bits wide".into()));
+            return Err(CodegenError::Machine(
+                "its addresses are not 64 bits wide".into(),
+            ));
         }
         let mut builder = JITBuilder::with_isa(isa, cranelift::module::default_libcall_names());
         for (name, function) in ONE_ARGUMENT {
@@ -274,7 +300,9 @@ impl Generator {
 
     fn declare(&mut self, name: &'static str, arguments: usize) -> Result<(), CodegenError> {
         let mut signature = self.module.make_signature();
-        signature.params.extend((0..arguments).map(|_| AbiParam::new(types::I64)));
+        signature
+            .params
+            .extend((0..arguments).map(|_| AbiParam::new(types::I64)));
         let id = self
             .module
             .declare_function(&symbol(name), Linkage::Import, &signature)
@@ -346,8 +374,12 @@ impl Generator {
         let mut builder = body.builder;
         builder.ins().return_(&[]);
         builder.finalize(frontend);
-        self.module.define_function(id, &mut context).map_err(module_error)?;
-        let bytes = context.compiled_code().map_or(0, |code| code.code_buffer().len());
+        self.module
+            .define_function(id, &mut context)
+            .map_err(module_error)?;
+        let bytes = context
+            .compiled_code()
+            .map_or(0, |code| code.code_buffer().len());
         self.module.clear_context(&mut context);
         Ok((id, bytes))
     }
@@ -426,7 +458,12 @@ impl Body<'_, '_> {
     fn constant(&mut self, value: f64) -> Value {
         let lane = value.to_le_bytes();
         let data: Vec<u8> = lane.iter().chain(&lane).copied().collect();
-        let constant = self.builder.func.dfg.constants.insert(ConstantData::from(data));
+        let constant = self
+            .builder
+            .func
+            .dfg
+            .constants
+            .insert(ConstantData::from(data));
         self.builder.ins().vconst(types::F64X2, constant)
     }
 
@@ -446,9 +483,14 @@ impl Body<'_, '_> {
     fn operation(&mut self, op: Op) -> Result<Lanes, String> {
         let value = match op {
             Op::Input(i) => {
-                let flags = MemFlagsData::new().with_notrap().with_readonly().with_can_move();
+                let flags = MemFlagsData::new()
+                    .with_notrap()
+                    .with_readonly()
+                    .with_can_move();
                 let offset = offset(i as usize)?;
-                self.builder.ins().load(types::F64X2, flags, self.inputs, offset)
+                self.builder
+                    .ins()
+                    .load(types::F64X2, flags, self.inputs, offset)
             }
             Op::Constant(bits) => self.constant(f64::from_bits(bits)),
             Op::Add(a, b) => {
@@ -491,7 +533,9 @@ impl Body<'_, '_> {
             | Op::Exp(a)
             | Op::Log(a) => self.external(op.mnemonic(), a, None, None)?,
             Op::Atan2(a, b) | Op::Power(a, b) => self.external(op.mnemonic(), a, Some(b), None)?,
-            Op::Table(handle, argument, order) => self.external(TABLE, handle, Some(argument), Some(order))?,
+            Op::Table(handle, argument, order) => {
+                self.external(TABLE, handle, Some(argument), Some(order))?
+            }
             Op::Less(a, b) => return Ok(self.compare(FloatCC::LessThan, a, b)),
             Op::LessEqual(a, b) => return Ok(self.compare(FloatCC::LessThanOrEqual, a, b)),
             Op::Equal(a, b) => return Ok(self.compare(FloatCC::Equal, a, b)),
@@ -518,7 +562,13 @@ impl Body<'_, '_> {
     }
 
     /// Calls a function on both lanes: operands and result stand in a slot of the stack.
-    fn external(&mut self, name: &str, a: Node, b: Option<Node>, order: Option<u8>) -> Result<Value, String> {
+    fn external(
+        &mut self,
+        name: &str,
+        a: Node,
+        b: Option<Node>,
+        order: Option<u8>,
+    ) -> Result<Value, String> {
         let (name, id) = self
             .externals
             .get_key_value(name)
@@ -555,7 +605,9 @@ impl Body<'_, '_> {
         match order {
             Some(order) => {
                 let order = self.builder.ins().iconst(types::I64, i64::from(order));
-                self.builder.ins().call(function, &[address, self.tables, order]);
+                self.builder
+                    .ins()
+                    .call(function, &[address, self.tables, order]);
             }
             None => {
                 self.builder.ins().call(function, &[address]);
