@@ -29,6 +29,8 @@ pub(crate) struct Builder<'t, 'd> {
     offset: usize,
     diagnostics: &'d mut Diagnostics,
     mistakes: usize,
+    /// Whether the item at hand was already said to be too deep.
+    deep: bool,
     /// The `{` that a missing `}` belongs to, if one is missing.
     pub open_brace: Option<Token>,
 }
@@ -57,6 +59,26 @@ impl Piece<'_> {
     }
 }
 
+/// The first child that a rule made.
+fn child<'t>(pair: &Pair<'t, Rule>, rule: Rule) -> Option<Pair<'t, Rule>> {
+    pair.clone()
+        .into_inner()
+        .find(|inner| inner.as_rule() == rule)
+}
+
+/// Whether `last` is a binding without a value, and `next` seems to be the rest of it: `param x Length = 5 mm`.
+fn unfinished(last: &Piece<'_>, next: &Pair<'_, Rule>) -> bool {
+    let Piece::Good { pair, .. } = last else {
+        return false;
+    };
+    child(next, Rule::attribute).is_some()
+        && child(pair, Rule::binding).is_some_and(|binding| {
+            binding
+                .into_inner()
+                .all(|part| part.as_rule() != Rule::expression)
+        })
+}
+
 impl<'t, 'd> Builder<'t, 'd> {
     /// For `text`, which stands at byte `offset` of `source`.
     pub fn new(
@@ -72,6 +94,7 @@ impl<'t, 'd> Builder<'t, 'd> {
             offset,
             diagnostics,
             mistakes: 0,
+            deep: false,
             open_brace: None,
         }
     }
@@ -127,6 +150,9 @@ impl<'t, 'd> Builder<'t, 'd> {
     }
 
     fn too_deep(&mut self, span: Span) {
+        if std::mem::replace(&mut self.deep, true) {
+            return;
+        }
         self.report(
             Diagnostic::error("E0106", "this is nested too deep")
                 .at(span, format!("more than {MAX_DEPTH} levels"))
@@ -149,6 +175,10 @@ impl<'t, 'd> Builder<'t, 'd> {
                     if let Some(last) = pieces.last()
                         && !self.parted(last.end(), start)
                     {
+                        if unfinished(last, &pair) {
+                            self.add_bad(&mut pieces, &pair);
+                            continue;
+                        }
                         let last_end = last.end();
                         self.two_on_a_line(last_end, start, end);
                     }
@@ -169,7 +199,10 @@ impl<'t, 'd> Builder<'t, 'd> {
         let mut items = Vec::with_capacity(pieces.len());
         for piece in pieces {
             match piece {
-                Piece::Good { pair, .. } => items.push(self.item(pair, depth)),
+                Piece::Good { pair, .. } => {
+                    self.deep = false;
+                    items.push(self.item(pair, depth));
+                }
                 Piece::Bad {
                     docs, start, end, ..
                 } => self.bad(docs, start, end, depth, &mut items),

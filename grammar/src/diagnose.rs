@@ -417,7 +417,11 @@ fn nearest(word: &str) -> Option<&'static str> {
         .chain(ITEM_WORDS)
         .map(|known| (strsim::osa_distance(&lower, known), known))
         .filter(|(distance, known)| *distance <= (known.len().min(word.len()) / 3).max(1))
-        .min_by_key(|(distance, _)| *distance)
+        // Among equals, the one that shares the longer beginning.
+        .min_by(|(a, first), (b, second)| {
+            let likeness = |known: &str| strsim::jaro_winkler(&lower, known);
+            a.cmp(b).then(likeness(second).total_cmp(&likeness(first)))
+        })
         .map(|(_, known)| known)
 }
 
