@@ -29,6 +29,8 @@ pub(crate) struct Builder<'t, 'd> {
     offset: usize,
     diagnostics: &'d mut Diagnostics,
     mistakes: usize,
+    /// How many declarations lack their `{`, by which as many `}` are too many.
+    headless: usize,
     /// Whether the item at hand was already said to be too deep.
     deep: bool,
     /// The `{` that a missing `}` belongs to, if one is missing.
@@ -94,6 +96,7 @@ impl<'t, 'd> Builder<'t, 'd> {
             offset,
             diagnostics,
             mistakes: 0,
+            headless: 0,
             deep: false,
             open_brace: None,
         }
@@ -163,6 +166,7 @@ impl<'t, 'd> Builder<'t, 'd> {
     /// The items among the pairs of a file or a block.
     pub fn items(&mut self, pairs: Pairs<'t, Rule>, depth: usize) -> Vec<Item> {
         let mut pieces: Vec<Piece<'t>> = Vec::new();
+        let mut stray = Vec::new();
         for pair in pairs {
             match pair.as_rule() {
                 Rule::item => {
@@ -185,14 +189,7 @@ impl<'t, 'd> Builder<'t, 'd> {
                     pieces.push(Piece::Good { pair, start, end });
                 }
                 Rule::bad_item => self.add_bad(&mut pieces, &pair),
-                Rule::stray_brace => {
-                    let span = self.place(&pair);
-                    self.report(
-                        Diagnostic::error("E0103", "this `}` closes nothing")
-                            .at(span, "no block is open here")
-                            .with_help("remove it, or look for a `}` too many above"),
-                    );
-                }
+                Rule::stray_brace => stray.push(self.place(&pair)),
                 _ => {}
             }
         }
@@ -207,6 +204,13 @@ impl<'t, 'd> Builder<'t, 'd> {
                     docs, start, end, ..
                 } => self.bad(docs, start, end, depth, &mut items),
             }
+        }
+        for span in stray.into_iter().skip(self.headless) {
+            self.report(
+                Diagnostic::error("E0103", "this `}` closes nothing")
+                    .at(span, "no block is open here")
+                    .with_help("remove it, or look for a `}` too many above"),
+            );
         }
         items
     }
@@ -292,15 +296,16 @@ impl<'t, 'd> Builder<'t, 'd> {
         depth: usize,
         items: &mut Vec<Item>,
     ) {
+        self.headless += usize::from(diagnose::lacks_brace(self.text, &self.tokens, start, end));
         let mut bad_end = end;
         let mut rest = None;
-        if self.mistakes <= MAX_MISTAKES {
-            if let Some(finding) = diagnose::item(self, start, end) {
-                self.report(finding.diagnostic);
-                if let Some(split) = finding.rest {
-                    bad_end = last_end(&self.tokens, start, split);
-                    rest = Some(split);
-                }
+        if self.mistakes <= MAX_MISTAKES
+            && let Some(finding) = diagnose::item(self, start, end)
+        {
+            self.report(finding.diagnostic);
+            if let Some(split) = finding.rest {
+                bad_end = last_end(&self.tokens, start, split);
+                rest = Some(split);
             }
         }
         items.push(Item {
@@ -321,6 +326,7 @@ impl<'t, 'd> Builder<'t, 'd> {
             inner.mistakes = self.mistakes;
             items.extend(inner.items(pairs, depth));
             self.mistakes = inner.mistakes;
+            self.headless += inner.headless;
         }
     }
 }

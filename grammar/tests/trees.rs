@@ -27,10 +27,7 @@ fn operators_bind_as_documented() {
         ("a/b/c", "(/ (/ a b) c)"),
         ("1..n + 1", "(range 1 (+ n 1))"),
         ("1 .. 6 by 2 + 1", "(range 1 6 by (+ 2 1))"),
-        (
-            "x in_ == 1 .. 2".replace(" in_", "").as_str(),
-            "(== x (range 1 2))",
-        ),
+        ("x == 1 .. 2", "(== x (range 1 2))"),
         ("a < b and b <= c", "(and (< a b) (<= b c))"),
         (
             "if a > b then c + 1 else if d then e else f",
@@ -88,10 +85,20 @@ fn units_bind_tightest_and_end_in_time() {
             "(call sum ((for [i in (range 1 4)] 2)))",
         ),
         ("5 mm == x", "(== 5<mm> x)"),
-        ("5\nmm".split('\n').next().unwrap_or(""), "5"),
     ] {
         assert_eq!(expression(text), expected, "{text}");
     }
+}
+
+#[test]
+fn a_unit_stands_on_its_line() {
+    let text = "let a = 5\nmm = 3\nlet b = [1, 2]\non = (c)\nparam d = 1 kg; start = 2";
+    let (file, diagnostics) = parsed(text);
+    assert!(diagnostics.is_empty(), "{}", messages(text));
+    assert_eq!(
+        tree(&file.items),
+        "(let a = 5)\n(mm = 3)\n(let b = [1, 2])\n(on = (paren c))\n(param d = 1<kg>)\n(start = 2)\n"
+    );
 }
 
 #[test]

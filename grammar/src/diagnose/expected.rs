@@ -106,7 +106,7 @@ impl<'b> Failure<'b> {
             && touches(before, here)
         {
             let number = before.kind == TokenKind::Number;
-            if number && here.text(self.text) == "." || number && here.kind == TokenKind::Number {
+            if number && (here.text(self.text) == "." || here.kind == TokenKind::Number) {
                 let end = next.filter(|next| touches(here, next)).unwrap_or(here).end;
                 let whole = self.builder.span(before.start, end);
                 return Some(
