@@ -164,6 +164,9 @@ impl Table {
                 }
                 x[count - 1] = first + period;
                 y[count - 1] = y[0];
+            } else if first + period <= last {
+                // the gap is lost in the arguments' last digit
+                return Err(TableError::PeriodTooShort { name, span, period });
             } else {
                 x.push(first + period);
                 y.push(y[0]);
