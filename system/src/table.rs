@@ -41,7 +41,9 @@ pub enum TableError {
         count: usize,
     },
     /// Arguments do not rise.
-    #[error("table {name}: the argument does not rise at row {row}: {before} is followed by {after}")]
+    #[error(
+        "table {name}: the argument does not rise at row {row}: {before} is followed by {after}"
+    )]
     NotRising {
         /// Table.
         name: String,
@@ -61,7 +63,9 @@ pub enum TableError {
         row: usize,
     },
     /// First and last value differ although they are the same point of the period.
-    #[error("table {name}: the period closes at row {row}, but the values differ: {first} and {last}")]
+    #[error(
+        "table {name}: the period closes at row {row}, but the values differ: {first} and {last}"
+    )]
     NotPeriodic {
         /// Table.
         name: String,

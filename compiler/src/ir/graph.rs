@@ -286,7 +286,11 @@ impl Graph {
 
     /// A function of one argument; `op` is its constructor, `Op::Sin` to `Op::Log`.
     pub fn unary(&mut self, op: fn(Node) -> Op, a: Node) -> Node {
-        let value = if self.plain { None } else { self.as_constant(a) };
+        let value = if self.plain {
+            None
+        } else {
+            self.as_constant(a)
+        };
         let folded = value.and_then(|x| match op(a) {
             Op::Sin(_) => Some(libm::sin(x)),
             Op::Cos(_) => Some(libm::cos(x)),
