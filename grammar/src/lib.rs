@@ -8,5 +8,16 @@ pub mod ast;
 pub mod diagnostic;
 pub mod span;
 
+mod build;
+mod codes;
+mod diagnose;
+mod grammar;
+mod parse;
+mod strings;
+mod tokens;
+
+pub use codes::CODES;
 pub use diagnostic::{Diagnostic, Diagnostics, Fix, Label, Severity};
+pub use parse::{parse, parse_expression, parse_placeholder};
 pub use span::{Source, SourceId, SourceMap, Span};
+pub use strings::{MessagePart, parse_message};

@@ -1,0 +1,552 @@
+//! Items, declarations and blocks.
+
+use super::{Builder, MAX_DEPTH};
+use crate::ast::{
+    Attribute, Binding, BindingKind, Block, Declaration, DimensionItem, Expr, ExprKind, Form,
+    Function, Item, ItemKind, Kind, Name, Parameter, Statement, Table, UnitItem, Use, UseNames,
+};
+use crate::diagnose;
+use crate::diagnostic::Diagnostic;
+use crate::grammar::Rule;
+use crate::span::Span;
+use crate::strings;
+use pest::iterators::{Pair, Pairs};
+
+/// The text of a `///` or `//!` line.
+pub(crate) fn doc_text(line: &str) -> String {
+    let text = line
+        .strip_prefix("///")
+        .or_else(|| line.strip_prefix("//!"))
+        .unwrap_or(line);
+    text.strip_prefix(' ')
+        .unwrap_or(text)
+        .trim_end()
+        .to_string()
+}
+
+/// The `///` lines among the children of a pair.
+pub(crate) fn docs(pair: &Pair<'_, Rule>) -> Vec<String> {
+    pair.clone()
+        .into_inner()
+        .filter(|inner| inner.as_rule() == Rule::doc)
+        .map(|inner| doc_text(inner.as_str()))
+        .collect()
+}
+
+fn binding_kind(word: &str) -> BindingKind {
+    match word {
+        "const" => BindingKind::Const,
+        "param" => BindingKind::Param,
+        "state" => BindingKind::State,
+        "output" => BindingKind::Output,
+        _ => BindingKind::Let,
+    }
+}
+
+/// Every kind of declaration with its word.
+pub(crate) const KINDS: [(&str, Kind); 15] = [
+    ("model", Kind::Model),
+    ("component", Kind::Component),
+    ("interface", Kind::Interface),
+    ("record", Kind::Record),
+    ("body", Kind::Body),
+    ("flexible", Kind::Flexible),
+    ("marker", Kind::Marker),
+    ("joint", Kind::Joint),
+    ("force", Kind::Force),
+    ("journal", Kind::Journal),
+    ("drive", Kind::Drive),
+    ("part", Kind::Part),
+    ("cycle", Kind::Cycle),
+    ("analysis", Kind::Analysis),
+    ("default", Kind::Default),
+];
+
+fn kind_of(word: &str) -> Option<Kind> {
+    KINDS
+        .iter()
+        .find(|(text, _)| *text == word)
+        .map(|(_, kind)| *kind)
+}
+
+impl<'t> Builder<'t, '_> {
+    /// Of an `item`.
+    pub(super) fn item(&mut self, pair: Pair<'t, Rule>, depth: usize) -> Item {
+        let docs = docs(&pair);
+        let Some(body) = pair
+            .clone()
+            .into_inner()
+            .find(|inner| inner.as_rule() != Rule::doc)
+        else {
+            return Item {
+                docs,
+                span: self.place(&pair),
+                kind: ItemKind::Error,
+            };
+        };
+        let span = self.place(&body);
+        if depth > MAX_DEPTH {
+            self.too_deep(span);
+            return Item {
+                docs,
+                span,
+                kind: ItemKind::Error,
+            };
+        }
+        let kind = match body.as_rule() {
+            Rule::use_item => self.use_item(body, span),
+            Rule::dimension_item => self.dimension(body, depth),
+            Rule::unit_item => self.unit_item(body, depth),
+            Rule::binding => ItemKind::Binding(self.binding(body, depth)),
+            Rule::function => self.function(body, span, depth),
+            Rule::table => self.table(body, span, depth),
+            Rule::declaration | Rule::unknown_declaration => self.declaration(body, depth),
+            Rule::attribute => self.attribute(body, span, depth),
+            _ => match self.statement(body, depth) {
+                Some(statement) => ItemKind::Statement(statement),
+                None => ItemKind::Error,
+            },
+        };
+        Item { docs, span, kind }
+    }
+
+    fn use_item(&mut self, pair: Pair<'t, Rule>, span: Span) -> ItemKind {
+        let mut path = Vec::new();
+        let mut names = None;
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::name => path.push(self.name(&part)),
+                Rule::use_all => names = Some(UseNames::All),
+                Rule::use_list => {
+                    let list = part.into_inner().map(|name| self.name(&name)).collect();
+                    names = Some(UseNames::Some(list));
+                }
+                _ => {}
+            }
+        }
+        if let Some(names) = names {
+            return ItemKind::Use(Use { path, names });
+        }
+        match path.pop() {
+            Some(last) if !path.is_empty() => ItemKind::Use(Use {
+                path,
+                names: UseNames::Some(vec![last]),
+            }),
+            last => {
+                let module = last.map_or_else(|| "module".to_string(), |name| name.text);
+                let end = self.span_end(span);
+                self.report(
+                    Diagnostic::error("E0101", "`use` must say which names it takes")
+                        .at(span, "names a module only")
+                        .with_help(format!(
+                            "`use {module}.*` takes all names, `use {module}.{{A, B}}` some"
+                        ))
+                        .with_fix("take all names", end, ".*"),
+                );
+                ItemKind::Error
+            }
+        }
+    }
+
+    fn span_end(&self, span: Span) -> Span {
+        Span {
+            start: span.end,
+            ..span
+        }
+    }
+
+    fn dimension(&mut self, pair: Pair<'t, Rule>, depth: usize) -> ItemKind {
+        let mut item = DimensionItem {
+            name: Name {
+                text: String::new(),
+                span: self.place(&pair),
+            },
+            definition: None,
+            point: false,
+        };
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::name => item.name = self.name(&part),
+                Rule::word_point => item.point = true,
+                Rule::type_expression => item.definition = Some(self.type_expression(part, depth)),
+                _ => {}
+            }
+        }
+        ItemKind::Dimension(item)
+    }
+
+    fn unit_item(&mut self, pair: Pair<'t, Rule>, depth: usize) -> ItemKind {
+        let mut item = UnitItem {
+            name: Name {
+                text: String::new(),
+                span: self.place(&pair),
+            },
+            dimension: None,
+            definition: None,
+            offset: None,
+        };
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::unit_def_name => item.name = self.name(&part),
+                Rule::type_expression => item.dimension = Some(self.type_expression(part, depth)),
+                Rule::expression => item.definition = Some(self.expression(part, depth)),
+                Rule::unit_zero => item.offset = self.inner_expression(part, depth),
+                _ => {}
+            }
+        }
+        ItemKind::Unit(item)
+    }
+
+    /// The first expression among the children of a pair.
+    fn inner_expression(&mut self, pair: Pair<'t, Rule>, depth: usize) -> Option<Expr> {
+        pair.into_inner()
+            .find(|part| part.as_rule() == Rule::expression)
+            .map(|part| self.expression(part, depth))
+    }
+
+    fn limits(&mut self, pair: Pair<'t, Rule>, depth: usize) -> Option<(Expr, Expr)> {
+        let mut ends = pair
+            .into_inner()
+            .filter(|part| part.as_rule() == Rule::expression);
+        let (low, high) = ends.next().zip(ends.next())?;
+        Some((self.expression(low, depth), self.expression(high, depth)))
+    }
+
+    fn binding(&mut self, pair: Pair<'t, Rule>, depth: usize) -> Binding {
+        let mut binding = Binding {
+            kind: BindingKind::Let,
+            name: Name {
+                text: String::new(),
+                span: self.place(&pair),
+            },
+            index: Vec::new(),
+            ty: None,
+            value: None,
+            frame: None,
+            display: None,
+            limits: None,
+        };
+        let mut tails: Vec<Rule> = Vec::new();
+        for part in pair.into_inner() {
+            let rule = part.as_rule();
+            let place = self.place(&part);
+            if matches!(rule, Rule::limits | Rule::frame | Rule::display) {
+                if tails.contains(&rule) {
+                    let shown = if rule == Rule::display { "as" } else { "in" };
+                    self.report(
+                        Diagnostic::error("E0101", format!("`{shown}` stands here twice"))
+                            .at(place, "the second one")
+                            .with_help("remove one of them"),
+                    );
+                    continue;
+                }
+                tails.push(rule);
+            }
+            match rule {
+                Rule::binding_kind => binding.kind = binding_kind(part.as_str()),
+                Rule::name => binding.name = self.name(&part),
+                Rule::index => binding.index = self.binders(part, depth),
+                Rule::type_expression => binding.ty = Some(self.type_expression(part, depth)),
+                Rule::expression => binding.value = Some(self.expression(part, depth)),
+                Rule::display => {
+                    binding.display = part
+                        .into_inner()
+                        .find(|inner| inner.as_rule() == Rule::display_unit)
+                        .map(|inner| self.unit(inner, depth));
+                }
+                Rule::limits if binding.kind == BindingKind::Param => {
+                    binding.limits = self.limits(part, depth);
+                }
+                Rule::limits => self.report(
+                    Diagnostic::error("E0101", "limits belong to a `param`")
+                        .at(place, "not of a `param`")
+                        .with_help("`require` checks a condition on any value"),
+                ),
+                Rule::frame if binding.kind == BindingKind::Output => {
+                    binding.frame = self.inner_expression(part, depth);
+                }
+                Rule::frame if binding.kind == BindingKind::Param => self.report(
+                    Diagnostic::error("E0101", "limits need a low and a high end")
+                        .at(place, "expected `in (low, high)`")
+                        .with_help("write both ends in parentheses: `in (10 mm, 500 mm)`"),
+                ),
+                Rule::frame => self.report(
+                    Diagnostic::error("E0101", "only an `output` states axes with `in`")
+                        .at(place, "not of an `output`")
+                        .with_help("`local(v, m)` gives the components of v along m's axes"),
+                ),
+                _ => {}
+            }
+        }
+        binding
+    }
+
+    fn parameters(&mut self, pair: Pair<'t, Rule>, depth: usize) -> Vec<Parameter> {
+        let mut parameters = Vec::new();
+        for part in pair.into_inner() {
+            if part.as_rule() != Rule::parameter {
+                continue;
+            }
+            let docs = docs(&part);
+            let mut span = self.place(&part);
+            let mut name = None;
+            let mut ty = None;
+            let mut default = None;
+            let mut limits = None;
+            for inner in part.into_inner() {
+                match inner.as_rule() {
+                    Rule::name => {
+                        span.start = self.place(&inner).start;
+                        name = Some(self.name(&inner));
+                    }
+                    Rule::type_expression => ty = Some(self.type_expression(inner, depth)),
+                    Rule::expression => default = Some(self.expression(inner, depth)),
+                    Rule::limits => limits = self.limits(inner, depth),
+                    _ => {}
+                }
+            }
+            if let (Some(name), Some(ty)) = (name, ty) {
+                parameters.push(Parameter {
+                    docs,
+                    name,
+                    ty,
+                    default,
+                    limits,
+                    span,
+                });
+            }
+        }
+        parameters
+    }
+
+    fn function(&mut self, pair: Pair<'t, Rule>, span: Span, depth: usize) -> ItemKind {
+        let mut function = Function {
+            name: Name {
+                text: String::new(),
+                span,
+            },
+            generics: Vec::new(),
+            parameters: Vec::new(),
+            result: None,
+            lets: Vec::new(),
+            value: Expr {
+                span,
+                kind: ExprKind::Error,
+            },
+        };
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::name => function.name = self.name(&part),
+                Rule::generics => {
+                    function.generics = part.into_inner().map(|name| self.name(&name)).collect();
+                }
+                Rule::parameters => function.parameters = self.parameters(part, depth),
+                Rule::type_expression => function.result = Some(self.type_expression(part, depth)),
+                Rule::expression => function.value = self.expression(part, depth),
+                Rule::function_block => self.function_block(part, depth, &mut function),
+                _ => {}
+            }
+        }
+        ItemKind::Function(function)
+    }
+
+    fn function_block(&mut self, pair: Pair<'t, Rule>, depth: usize, function: &mut Function) {
+        let mut last: Option<usize> = None;
+        for part in pair.into_inner() {
+            if part.as_rule() == Rule::doc {
+                continue;
+            }
+            let (start, end) = self.range(&part);
+            if let Some(last) = last
+                && !self.parted(last, start)
+            {
+                self.two_on_a_line(last, start, end);
+            }
+            last = Some(end);
+            match part.as_rule() {
+                Rule::function_let => {
+                    for binding in part.into_inner() {
+                        if binding.as_rule() == Rule::binding {
+                            let binding = self.binding(binding, depth + 1);
+                            function.lets.push(binding);
+                        }
+                    }
+                }
+                Rule::expression => function.value = self.expression(part, depth + 1),
+                _ => {}
+            }
+        }
+    }
+
+    fn table(&mut self, pair: Pair<'t, Rule>, span: Span, depth: usize) -> ItemKind {
+        let mut table = Table {
+            name: Name {
+                text: String::new(),
+                span,
+            },
+            parameters: Vec::new(),
+            result: None,
+            source: Expr {
+                span,
+                kind: ExprKind::Error,
+            },
+        };
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::name => table.name = self.name(&part),
+                Rule::parameters => table.parameters = self.parameters(part, depth),
+                Rule::type_expression => table.result = Some(self.type_expression(part, depth)),
+                Rule::expression => table.source = self.expression(part, depth),
+                _ => {}
+            }
+        }
+        ItemKind::Table(table)
+    }
+
+    fn attribute(&mut self, pair: Pair<'t, Rule>, span: Span, depth: usize) -> ItemKind {
+        let mut inner = pair.into_inner();
+        let name = self.next_name(&mut inner);
+        let value = self.next_expression(&mut inner, span, depth);
+        ItemKind::Attribute(Attribute { name, value })
+    }
+
+    fn next_expression(&mut self, pairs: &mut Pairs<'t, Rule>, span: Span, depth: usize) -> Expr {
+        match pairs.find(|part| part.as_rule() == Rule::expression) {
+            Some(part) => self.expression(part, depth),
+            None => Expr {
+                span,
+                kind: ExprKind::Error,
+            },
+        }
+    }
+
+    fn statement(&mut self, pair: Pair<'t, Rule>, depth: usize) -> Option<Statement> {
+        let span = self.place(&pair);
+        let rule = pair.as_rule();
+        let mut inner = pair.into_inner();
+        Some(match rule {
+            Rule::constrain => Statement::Constrain(self.next_expression(&mut inner, span, depth)),
+            Rule::branch => Statement::Branch(self.next_expression(&mut inner, span, depth)),
+            Rule::start | Rule::guess => {
+                let target = inner.find(|part| part.as_rule() == Rule::postfix)?;
+                let target = self.postfix(target, depth);
+                let value = self.next_expression(&mut inner, span, depth);
+                if rule == Rule::start {
+                    Statement::Start { target, value }
+                } else {
+                    Statement::Guess { target, value }
+                }
+            }
+            Rule::apply => {
+                let wrench = inner.find(|part| part.as_rule() == Rule::wrench_kind)?;
+                let value = self.next_expression(&mut inner, span, depth);
+                let on = self.next_expression(&mut inner, span, depth);
+                let against = inner
+                    .find(|part| part.as_rule() == Rule::against)
+                    .and_then(|part| self.inner_expression(part, depth));
+                Statement::Apply {
+                    torque: wrench.as_str() == "torque",
+                    value,
+                    on,
+                    against,
+                }
+            }
+            Rule::lint => {
+                let lint = inner.find(|part| part.as_rule() == Rule::lint_kind)?;
+                let condition = self.next_expression(&mut inner, span, depth);
+                let text = inner.find(|part| part.as_rule() == Rule::string)?;
+                let (start, end) = self.range(&text);
+                let (start, end) = (start + 1, end.saturating_sub(1));
+                let raw = self.text.get(start..end).unwrap_or("");
+                for at in strings::unescape(raw).1 {
+                    let span = self.span(start + at, start + at + 2);
+                    self.report(strings::unknown_escape(span));
+                }
+                Statement::Require {
+                    advise: lint.as_str() == "advise",
+                    condition,
+                    message: Name {
+                        text: raw.to_string(),
+                        span: self.span(start, end),
+                    },
+                }
+            }
+            Rule::rate => {
+                let state = inner.find(|part| part.as_rule() == Rule::name)?;
+                let state = self.name(&state);
+                let value = self.next_expression(&mut inner, span, depth);
+                Statement::Rate { state, value }
+            }
+            _ => return None,
+        })
+    }
+
+    fn declaration(&mut self, pair: Pair<'t, Rule>, depth: usize) -> ItemKind {
+        let mut inner = pair.into_inner();
+        let Some(word) = inner.next() else {
+            return ItemKind::Error;
+        };
+        let kind_span = self.place(&word);
+        let name = self.next_name(&mut inner);
+        let kind = match kind_of(word.as_str()) {
+            Some(kind) => Some(kind),
+            None => {
+                let diagnostic = diagnose::unknown_kind(word.as_str(), kind_span);
+                let kind = diagnostic
+                    .fixes
+                    .first()
+                    .and_then(|fix| kind_of(&fix.replacement));
+                self.report(diagnostic);
+                kind
+            }
+        };
+        let Some(body) = inner.next() else {
+            return ItemKind::Error;
+        };
+        let mut index = Vec::new();
+        let mut parameters = Vec::new();
+        let mut interface = None;
+        let mut value = None;
+        let mut block = None;
+        let rule = body.as_rule();
+        for part in body.into_inner() {
+            match part.as_rule() {
+                Rule::index => index = self.binders(part, depth + 1),
+                Rule::parameters => parameters = self.parameters(part, depth + 1),
+                Rule::name => interface = Some(self.name(&part)),
+                Rule::expression => value = Some(self.expression(part, depth + 1)),
+                Rule::block => block = Some(self.block(part, depth + 1)),
+                _ => {}
+            }
+        }
+        let form = match (rule, value, block) {
+            (Rule::class_form, _, Some(block)) => Form::Class {
+                parameters,
+                interface,
+                block,
+            },
+            (Rule::instance_form, Some(value), block) => Form::Instance { value, block },
+            (Rule::plain_form, _, Some(block)) => Form::Plain { block },
+            _ => return ItemKind::Error,
+        };
+        match kind {
+            Some(kind) => ItemKind::Declaration(Declaration {
+                kind,
+                kind_span,
+                name,
+                index,
+                form,
+            }),
+            None => ItemKind::Error,
+        }
+    }
+
+    /// Of a `block`.
+    fn block(&mut self, pair: Pair<'t, Rule>, depth: usize) -> Block {
+        let span = self.place(&pair);
+        Block {
+            items: self.items(pair.into_inner(), depth),
+            span,
+        }
+    }
+}

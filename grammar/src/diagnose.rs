@@ -1,0 +1,452 @@
+//! What to say about text that the grammar does not take.
+//!
+//! The recogniser only knows the farthest place it reached and what it tried there. People need the mistake behind
+//! it, so the likely ones are looked for first, in the tokens around that place; what the recogniser tried is put
+//! into words only when none of them fits.
+
+mod expected;
+
+use crate::build::items::KINDS;
+use crate::build::{Builder, MAX_NESTING};
+use crate::diagnostic::Diagnostic;
+use crate::grammar::{EngGrammar, Rule};
+use crate::span::Span;
+use crate::tokens::{Token, TokenKind};
+use expected::Failure;
+use pest::Parser;
+use pest::error::{ErrorVariant, InputLocation};
+use pest::iterators::Pairs;
+
+/// The message for a bad piece, and where in it good items begin again.
+pub(crate) struct Finding {
+    pub diagnostic: Diagnostic,
+    pub rest: Option<usize>,
+}
+
+/// How many line ends of a bad piece are tried as the end of the mistake.
+const MAX_SPLITS: usize = 8;
+
+/// Words that begin an item and are not kinds.
+const ITEM_WORDS: [&str; 18] = [
+    "use",
+    "dimension",
+    "unit",
+    "const",
+    "param",
+    "let",
+    "state",
+    "output",
+    "fn",
+    "table",
+    "constrain",
+    "branch",
+    "start",
+    "guess",
+    "apply",
+    "require",
+    "advise",
+    "der",
+];
+
+/// Whether an item can begin with this word for more than its name.
+fn is_item_word(word: &str) -> bool {
+    ITEM_WORDS.contains(&word) || KINDS.iter().any(|(kind, _)| *kind == word)
+}
+
+/// Words that cannot be names.
+fn is_reserved(word: &str) -> bool {
+    matches!(
+        word,
+        "use"
+            | "let"
+            | "if"
+            | "then"
+            | "else"
+            | "for"
+            | "in"
+            | "by"
+            | "as"
+            | "and"
+            | "or"
+            | "not"
+            | "true"
+            | "false"
+    )
+}
+
+/// The tokens between two bytes.
+fn tokens_of(tokens: &[Token], start: usize, end: usize) -> &[Token] {
+    let first = tokens.partition_point(|token| token.start < start);
+    let last = tokens.partition_point(|token| token.start < end);
+    tokens.get(first..last).unwrap_or(&[])
+}
+
+/// Whether the token at `start` cannot begin an item, so that it must go on with the one before.
+pub(crate) fn continues(text: &str, tokens: &[Token], start: usize) -> bool {
+    let Some(token) = tokens_of(tokens, start, text.len()).first() else {
+        return false;
+    };
+    match token.kind {
+        TokenKind::Word => {
+            let word = token.text(text);
+            is_reserved(word) && word != "use" && word != "let"
+        }
+        TokenKind::Doc => false,
+        _ => true,
+    }
+}
+
+/// How many `(` and `[` are open after `start..end` when `open` are before.
+pub(crate) fn open_brackets(
+    text: &str,
+    tokens: &[Token],
+    start: usize,
+    end: usize,
+    open: usize,
+) -> usize {
+    tokens_of(tokens, start, end)
+        .iter()
+        .fold(open, |open, token| match token.text(text) {
+            "(" | "[" => open + 1,
+            ")" | "]" => open.saturating_sub(1),
+            _ => open,
+        })
+}
+
+/// The message for brackets nested past the limit.
+pub(crate) fn nesting(builder: &Builder<'_, '_>) -> Option<Diagnostic> {
+    let mut depth = 0usize;
+    for token in &builder.tokens {
+        match token.text(builder.text) {
+            "(" | "[" | "{" => depth += 1,
+            ")" | "]" | "}" => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        if depth > MAX_NESTING {
+            return Some(
+                Diagnostic::error("E0106", "brackets are nested too deep")
+                    .at(
+                        builder.span(token.start, token.end),
+                        format!("more than {MAX_NESTING} are open here"),
+                    )
+                    .with_help("name parts of it with `let`"),
+            );
+        }
+    }
+    None
+}
+
+/// Looks for a `{` without `}` in the whole text, and gives its message.
+pub(crate) fn braces(builder: &mut Builder<'_, '_>) {
+    let text = builder.text;
+    let mut open: Vec<Token> = Vec::new();
+    let mut suspect = None;
+    for token in &builder.tokens {
+        match token.text(text) {
+            "{" => open.push(*token),
+            "}" => {
+                if let Some(opening) = open.pop()
+                    && suspect.is_none()
+                    && first_on_line(text, token.start)
+                    && indent(text, token.start) < indent(text, opening.start)
+                {
+                    // A `}` further left than the line it closes was meant for an outer block.
+                    suspect = Some((opening, *token));
+                }
+            }
+            _ => {}
+        }
+    }
+    let Some(innermost) = open.last().copied() else {
+        return;
+    };
+    let (opening, closing) = match suspect {
+        Some((opening, closing)) => (opening, Some(closing)),
+        None => (innermost, None),
+    };
+    builder.open_brace = Some(innermost);
+    let mut diagnostic = Diagnostic::error("E0103", "this `{` is not closed").at(
+        builder.span(opening.start, opening.end),
+        "a `}` for this one is missing",
+    );
+    if let Some(closing) = closing {
+        diagnostic = diagnostic.also(
+            builder.span(closing.start, closing.end),
+            "this one seems to belong to a block around it",
+        );
+    }
+    builder.report(diagnostic);
+}
+
+fn line_start(text: &str, at: usize) -> usize {
+    text.get(..at)
+        .and_then(|before| before.rfind('\n'))
+        .map_or(0, |newline| newline + 1)
+}
+
+fn first_on_line(text: &str, at: usize) -> bool {
+    text.get(line_start(text, at)..at)
+        .is_some_and(|before| before.trim().is_empty())
+}
+
+fn indent(text: &str, at: usize) -> usize {
+    let line = text.get(line_start(text, at)..).unwrap_or("");
+    line.len() - line.trim_start_matches([' ', '\t']).len()
+}
+
+/// The items of a slice that has nothing but items.
+pub(crate) fn item_list(slice: &str) -> Option<Pairs<'_, Rule>> {
+    let pairs = EngGrammar::parse(Rule::item_list, slice).ok()?;
+    pairs.into_iter().next().map(|list| list.into_inner())
+}
+
+/// What is wrong with the text `start..end`, which is no item.
+pub(crate) fn item(builder: &Builder<'_, '_>, start: usize, end: usize) -> Option<Finding> {
+    let text = builder.text;
+    let tokens = tokens_of(&builder.tokens, start, end);
+    let found = |diagnostic| {
+        Some(Finding {
+            diagnostic,
+            rest: None,
+        })
+    };
+    if let Some(diagnostic) = open_text(builder, tokens) {
+        return found(diagnostic);
+    }
+    if let Some(brace) = builder.open_brace
+        && (start..end).contains(&brace.start)
+    {
+        // Its message was given.
+        return None;
+    }
+    if let Some(diagnostic) = brackets(builder, tokens) {
+        return found(diagnostic);
+    }
+    for line in line_starts(text, tokens).take(MAX_SPLITS) {
+        let tail = text.get(line..end).unwrap_or("");
+        let head = text.get(start..line).unwrap_or("");
+        if EngGrammar::parse(Rule::item_list, tail).is_ok()
+            && let Some(diagnostic) = item_failure(builder, start, head, tokens)
+        {
+            return Some(Finding {
+                diagnostic,
+                rest: Some(line),
+            });
+        }
+    }
+    let whole = text.get(start..end).unwrap_or("");
+    if let Some(diagnostic) = item_failure(builder, start, whole, tokens) {
+        return found(diagnostic);
+    }
+    let (from, to) = tokens
+        .first()
+        .map_or((start, end), |token| (token.start, token.end));
+    found(
+        Diagnostic::error("E0101", "this cannot stand here")
+            .at(builder.span(from, to), "no item begins like this"),
+    )
+}
+
+/// The first bytes of lines that begin outside of brackets, without the first line.
+fn line_starts<'a>(text: &'a str, tokens: &'a [Token]) -> impl Iterator<Item = usize> + 'a {
+    let mut depth = 0i32;
+    tokens.windows(2).filter_map(move |pair| {
+        let [before, here] = pair else { return None };
+        match before.text(text) {
+            "(" | "[" | "{" => depth += 1,
+            ")" | "]" | "}" => depth -= 1,
+            _ => {}
+        }
+        let newline = text
+            .get(before.end..here.start)
+            .is_some_and(|between| between.contains('\n'));
+        (depth == 0 && newline && here.kind == TokenKind::Word).then_some(here.start)
+    })
+}
+
+/// A text without its second quote.
+fn open_text(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic> {
+    let token = tokens
+        .iter()
+        .find(|token| token.kind == TokenKind::OpenText)?;
+    let end = token.start + token.text(builder.text).trim_end().len();
+    Some(
+        Diagnostic::error("E0108", "this text is not closed")
+            .at(
+                builder.span(token.start, end),
+                "no `\"` before the end of the line",
+            )
+            .with_help("a text ends on its line; `\\n` is a line end in it"),
+    )
+}
+
+/// A bracket without a partner.
+fn brackets(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic> {
+    let mut open: Vec<(&Token, &str)> = Vec::new();
+    let unclosed = |token: &Token, sign: &str| {
+        Diagnostic::error("E0103", format!("this `{sign}` is not closed")).at(
+            builder.span(token.start, token.end),
+            format!("a `{}` for this one is missing", partner(sign)),
+        )
+    };
+    for token in tokens {
+        let sign = token.text(builder.text);
+        match sign {
+            "(" | "[" | "{" => open.push((token, sign)),
+            ")" | "]" | "}" => match open.pop() {
+                Some((_, opening)) if partner(opening) == sign => {}
+                Some((opening, opening_sign)) => {
+                    return Some(unclosed(opening, opening_sign).also(
+                        builder.span(token.start, token.end),
+                        format!("`{sign}` stands here instead"),
+                    ));
+                }
+                None => {
+                    return Some(
+                        Diagnostic::error("E0103", format!("this `{sign}` closes nothing")).at(
+                            builder.span(token.start, token.end),
+                            format!("no `{}` is open here", partner(sign)),
+                        ),
+                    );
+                }
+            },
+            _ => {}
+        }
+    }
+    let (opening, sign) = open.first()?;
+    Some(unclosed(opening, sign))
+}
+
+fn partner(sign: &str) -> &'static str {
+    match sign {
+        "(" => ")",
+        "[" => "]",
+        "{" => "}",
+        ")" => "(",
+        "]" => "[",
+        _ => "{",
+    }
+}
+
+/// Reads `slice`, which begins at `start`, as one item, and says where that ends.
+fn item_failure(
+    builder: &Builder<'_, '_>,
+    start: usize,
+    slice: &str,
+    tokens: &[Token],
+) -> Option<Diagnostic> {
+    let slice = slice.trim_end();
+    let error = EngGrammar::parse(Rule::single_item, slice).err()?;
+    let end = start + slice.len();
+    let count = tokens.partition_point(|token| token.start < end);
+    let tokens = tokens.get(..count).unwrap_or(tokens);
+    if let Some(diagnostic) = first_word(builder, tokens) {
+        return Some(diagnostic);
+    }
+    Some(Failure::new(builder, tokens, start + position(&error), rules(&error)).describe())
+}
+
+/// Why an expression (`rule` tells which entry was used) could not be read.
+pub(crate) fn expression(builder: &Builder<'_, '_>, rule: Rule) -> Diagnostic {
+    let text = builder.text;
+    let tokens = &builder.tokens;
+    if let Some(diagnostic) = open_text(builder, tokens).or_else(|| brackets(builder, tokens)) {
+        return diagnostic;
+    }
+    match EngGrammar::parse(rule, text) {
+        Err(error) => Failure::new(builder, tokens, position(&error), rules(&error)).describe(),
+        Ok(_) => Diagnostic::error("E0101", "this is not an expression")
+            .at(builder.span(0, text.len()), "here"),
+    }
+}
+
+fn position(error: &pest::error::Error<Rule>) -> usize {
+    match error.location {
+        InputLocation::Pos(at) | InputLocation::Span((at, _)) => at,
+    }
+}
+
+/// What was tried at the place of the error; `None` when the stack's guard stopped the parse.
+fn rules(error: &pest::error::Error<Rule>) -> Option<Vec<Rule>> {
+    match &error.variant {
+        ErrorVariant::ParsingError { positives, .. } => Some(positives.clone()),
+        ErrorVariant::CustomError { .. } => None,
+    }
+}
+
+/// A first word that begins no item.
+fn first_word(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic> {
+    let mut tokens = tokens.iter().filter(|token| token.kind != TokenKind::Doc);
+    let first = tokens.next()?;
+    if first.kind != TokenKind::Word {
+        return None;
+    }
+    let word = first.text(builder.text);
+    let span = builder.span(first.start, first.end);
+    if is_reserved(word) {
+        return match word {
+            "use" | "let" => None,
+            _ => Some(
+                Diagnostic::error("E0101", format!("no item begins with `{word}`"))
+                    .at(span, "not expected here"),
+            ),
+        };
+    }
+    if is_item_word(word) {
+        return None;
+    }
+    let second = tokens.next()?;
+    let same_line = builder
+        .text
+        .get(first.end..second.start)
+        .is_some_and(|between| !between.is_empty() && !between.contains('\n'));
+    let close = likely(word).is_some();
+    let another_item = matches!(second.kind, TokenKind::Word | TokenKind::Text)
+        && !is_reserved(second.text(builder.text));
+    let value_follows = matches!(second.text(builder.text), "-" | "(" | "[" | "{")
+        || second.kind == TokenKind::Number;
+    (same_line && (another_item || (close && value_follows))).then(|| unknown_kind(word, span))
+}
+
+/// The item word that `word` was probably meant to be.
+fn nearest(word: &str) -> Option<&'static str> {
+    let lower = word.to_ascii_lowercase();
+    KINDS
+        .iter()
+        .map(|(kind, _)| *kind)
+        .chain(ITEM_WORDS)
+        .map(|known| (strsim::osa_distance(&lower, known), known))
+        .filter(|(distance, known)| *distance <= (known.len().min(word.len()) / 3).max(1))
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, known)| known)
+}
+
+/// The item word behind another language's word or a slip.
+fn likely(word: &str) -> Option<&'static str> {
+    match word {
+        "import" | "include" => Some("use"),
+        "parameter" => Some("param"),
+        "constant" => Some("const"),
+        "function" | "def" => Some("fn"),
+        "variable" | "var" => Some("let"),
+        "ensure" | "assert" => Some("require"),
+        "class" | "type" => Some("record"),
+        _ => nearest(word),
+    }
+}
+
+/// The message for a word in the place of a kind.
+pub(crate) fn unknown_kind(word: &str, span: Span) -> Diagnostic {
+    let diagnostic = Diagnostic::error("E0105", format!("there is no kind of item `{word}`"));
+    match likely(word) {
+        Some(known) => diagnostic
+            .at(span, format!("did you mean `{known}`?"))
+            .with_fix(format!("write `{known}`"), span, known),
+        None => {
+            let kinds: Vec<String> = KINDS.iter().map(|(kind, _)| format!("`{kind}`")).collect();
+            diagnostic
+                .at(span, "not a kind")
+                .with_help(format!("the kinds are {}", kinds.join(", ")))
+        }
+    }
+}

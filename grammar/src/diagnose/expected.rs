@@ -1,0 +1,483 @@
+//! The mistake at the place where the recogniser gave up.
+
+use super::{is_item_word, is_reserved};
+use crate::build::Builder;
+use crate::diagnostic::Diagnostic;
+use crate::grammar::Rule;
+use crate::tokens::{Token, TokenKind};
+
+/// A place that was reached, the tokens around it, and what was tried there.
+pub(super) struct Failure<'b> {
+    builder: &'b Builder<'b, 'b>,
+    text: &'b str,
+    tokens: &'b [Token],
+    /// Index of the first token that was not taken; past the end when the text is too short.
+    at: usize,
+    /// `None` when the recogniser ran out of stack.
+    rules: Option<Vec<Rule>>,
+}
+
+impl<'b> Failure<'b> {
+    /// `position` is in bytes of the builder's text.
+    pub fn new(
+        builder: &'b Builder<'_, '_>,
+        tokens: &'b [Token],
+        position: usize,
+        rules: Option<Vec<Rule>>,
+    ) -> Failure<'b> {
+        Failure {
+            builder,
+            text: builder.text,
+            tokens,
+            at: tokens.partition_point(|token| token.end <= position),
+            rules,
+        }
+    }
+
+    fn token(&self, index: usize) -> Option<&'b Token> {
+        self.tokens.get(index)
+    }
+
+    fn word(&self, index: usize) -> &'b str {
+        self.token(index).map_or("", |token| token.text(self.text))
+    }
+
+    fn found(&self) -> &'b str {
+        self.word(self.at)
+    }
+
+    fn before(&self) -> Option<&'b Token> {
+        self.at.checked_sub(1).and_then(|at| self.token(at))
+    }
+
+    fn before_text(&self) -> &'b str {
+        self.before().map_or("", |token| token.text(self.text))
+    }
+
+    fn tried(&self, rules: &[Rule]) -> bool {
+        self.rules
+            .as_ref()
+            .is_some_and(|tried| tried.iter().any(|rule| rules.contains(rule)))
+    }
+
+    /// The place of the mistake: the token found, or the end of the last one.
+    fn span(&self) -> crate::span::Span {
+        match (self.token(self.at), self.before()) {
+            (Some(token), _) => self.builder.span(token.start, token.end),
+            (None, Some(token)) => self.builder.span(token.start, token.end),
+            (None, None) => self.builder.span(0, self.text.len()),
+        }
+    }
+
+    /// The message.
+    pub fn describe(&self) -> Diagnostic {
+        if self.rules.is_none() {
+            return Diagnostic::error("E0106", "this is nested too deep")
+                .at(self.span(), "in here")
+                .with_help("name parts of it with `let`");
+        }
+        self.malformed_number()
+            .or_else(|| self.strange())
+            .or_else(|| self.foreign_operator())
+            .or_else(|| self.equals())
+            .or_else(|| self.spaced_bracket())
+            .or_else(|| self.reserved_name())
+            .or_else(|| self.conditional())
+            .or_else(|| self.doc_comment())
+            .or_else(|| self.lost_value())
+            .unwrap_or_else(|| self.expected())
+    }
+
+    /// `1.`, `.5`, `1_000`, `m^0.5`, `1.2.3`.
+    fn malformed_number(&self) -> Option<Diagnostic> {
+        let here = self.token(self.at)?;
+        let touches = |a: &Token, b: &Token| a.end == b.start;
+        let next = self.token(self.at + 1);
+        if let Some(before) = self.before()
+            && touches(before, here)
+        {
+            let number = before.kind == TokenKind::Number;
+            let in_power = self.at >= 2 && self.word(self.at - 2) == "^";
+            if number && here.text(self.text) == "." || number && here.kind == TokenKind::Number {
+                let end = next.filter(|next| touches(here, next)).unwrap_or(here).end;
+                let whole = self.builder.span(before.start, end);
+                let diagnostic = Diagnostic::error("E0107", "this number is malformed")
+                    .at(whole, "not a number");
+                return Some(if in_power {
+                    diagnostic.with_help(
+                        "the exponent of a unit is a whole number or a ratio: `m^2`, `m^(1/2)`",
+                    )
+                } else {
+                    diagnostic.with_help("digits stand on both sides of the point: `1.0`, `0.5`")
+                });
+            }
+            if number && here.text(self.text).starts_with('_') {
+                let digits: String = self
+                    .text
+                    .get(before.start..here.end)
+                    .unwrap_or("")
+                    .chars()
+                    .filter(|character| *character != '_')
+                    .collect();
+                let whole = self.builder.span(before.start, here.end);
+                return Some(
+                    Diagnostic::error("E0107", "this number is malformed")
+                        .at(whole, "digits are not grouped")
+                        .with_fix("join the digits", whole, digits),
+                );
+            }
+        }
+        if here.text(self.text) == "."
+            && let Some(next) = next
+            && next.kind == TokenKind::Number
+            && touches(here, next)
+        {
+            let whole = self.builder.span(here.start, next.end);
+            return Some(
+                Diagnostic::error("E0107", "this number is malformed")
+                    .at(whole, "no digit before the point")
+                    .with_fix(
+                        "write the zero",
+                        self.builder.span(here.start, here.start),
+                        "0",
+                    ),
+            );
+        }
+        None
+    }
+
+    /// A character that is no part of the language.
+    fn strange(&self) -> Option<Diagnostic> {
+        let token = self.token(self.at)?;
+        if token.kind != TokenKind::Strange {
+            return None;
+        }
+        let shown = token.text(self.text);
+        let span = self.span();
+        let diagnostic = Diagnostic::error("E0101", format!("`{shown}` is not used in Eng"))
+            .at(span, "not expected here");
+        Some(match shown {
+            "\u{b5}" | "\u{3bc}" => diagnostic
+                .with_help("micro is written `u`: `um`, `us`")
+                .with_fix("write `u`", span, "u"),
+            "\u{b0}" => diagnostic.with_help("degrees are `deg` (angle) and `degC` (temperature)"),
+            "\u{d7}" | "\u{b7}" | "\u{22c5}" => diagnostic.with_fix("multiply with `*`", span, "*"),
+            "\u{2212}" | "\u{2013}" => diagnostic.with_fix("write a minus sign", span, "-"),
+            "\u{b2}" => diagnostic.with_fix("write `^2`", span, "^2"),
+            "\u{b3}" => diagnostic.with_fix("write `^3`", span, "^3"),
+            "\u{201c}" | "\u{201d}" | "'" | "`" => diagnostic.with_help("a text stands in `\"`"),
+            "!" => diagnostic.with_help("write `not`"),
+            "&" => diagnostic.with_help("write `and`"),
+            "|" => diagnostic.with_help("write `or`"),
+            "#" => diagnostic.with_help("a comment begins with `//`"),
+            _ => diagnostic.with_help("names use the letters a to z, digits and `_`"),
+        })
+    }
+
+    /// `**`, `+=`.
+    fn foreign_operator(&self) -> Option<Diagnostic> {
+        let span = self.span();
+        if self.found() == "**" {
+            return Some(
+                Diagnostic::error("E0101", "`**` is not used in Eng")
+                    .at(span, "a power is written `^`")
+                    .with_fix("write `^`", span, "^"),
+            );
+        }
+        (self.found() == "=" && matches!(self.before_text(), "+" | "-" | "*" | "/")).then(|| {
+            Diagnostic::error("E0101", "nothing is reassigned in Eng")
+                .at(span, "not expected here")
+                .with_help("give each value its own name")
+        })
+    }
+
+    /// `constrain a = b`, `mass == 3 kg`.
+    fn equals(&self) -> Option<Diagnostic> {
+        let span = self.span();
+        let first = self
+            .tokens
+            .iter()
+            .find(|token| token.kind != TokenKind::Doc)
+            .map_or("", |token| token.text(self.text));
+        if self.found() == "="
+            && (matches!(first, "constrain" | "branch" | "require" | "advise")
+                || self.inside().is_some_and(|(_, sign)| sign != "{"))
+        {
+            let named = self.inside().is_some_and(|(_, sign)| sign == "(")
+                && first != "constrain"
+                && first != "require"
+                && first != "branch"
+                && first != "advise";
+            return Some(if named {
+                Diagnostic::error("E0101", "a named argument is written with `:`")
+                    .at(span, "expected `:`")
+                    .with_fix("write `:`", span, ":")
+            } else {
+                Diagnostic::error("E0101", "a comparison is written `==`")
+                    .at(span, "`=` gives a name its value")
+                    .with_fix("compare", span, "==")
+            });
+        }
+        (self.found() == "==" && self.tried(&[Rule::assign])).then(|| {
+            Diagnostic::error("E0101", "a value is given with `=`")
+                .at(span, "`==` compares")
+                .with_fix("write `=`", span, "=")
+        })
+    }
+
+    /// `f (x)`, `a [1]`.
+    fn spaced_bracket(&self) -> Option<Diagnostic> {
+        let sign = self.found();
+        let before = self.before()?;
+        let here = self.token(self.at)?;
+        let gap = self.text.get(before.end..here.start)?;
+        let callable = before.kind == TokenKind::Word && !is_reserved(self.before_text())
+            || matches!(self.before_text(), ")" | "]");
+        if !matches!(sign, "(" | "[") || gap.is_empty() || !callable {
+            return None;
+        }
+        let what = if sign == "(" { "a call" } else { "an index" };
+        Some(
+            Diagnostic::error(
+                "E0104",
+                format!("a space stands before the `{sign}` of {what}"),
+            )
+            .at(self.span(), format!("must touch `{}`", self.before_text()))
+            .with_fix(
+                "remove the space",
+                self.builder.span(before.end, here.start),
+                "",
+            ),
+        )
+    }
+
+    /// `param in = …`.
+    fn reserved_name(&self) -> Option<Diagnostic> {
+        let found = self.found();
+        let name_due = self.tried(&[
+            Rule::name,
+            Rule::unit_def_name,
+            Rule::binder,
+            Rule::parameter,
+            Rule::field,
+        ]);
+        let after = self.before_text();
+        (is_reserved(found) && name_due && (is_item_word(after) || matches!(after, "." | "for")))
+            .then(|| {
+                Diagnostic::error("E0101", format!("`{found}` cannot be a name"))
+                    .at(self.span(), "a word of the language")
+            })
+    }
+
+    /// `a + if …`, `if` without `then` or `else`, `require` without `else`.
+    fn conditional(&self) -> Option<Diagnostic> {
+        let span = self.span();
+        if self.found() == "if" {
+            return Some(
+                Diagnostic::error(
+                    "E0101",
+                    "an `if` inside a larger value stands in parentheses",
+                )
+                .at(span, "expected `(if … then … else …)`"),
+            );
+        }
+        let ends = self.token(self.at).is_none() || self.new_line();
+        if self.tried(&[Rule::word_then]) {
+            return Some(self.say("`then`"));
+        }
+        if self.tried(&[Rule::word_else]) && ends {
+            let first = self.word(0);
+            return Some(
+                if matches!(first, "require" | "advise") && self.inside().is_none() {
+                    self.say("`else \"…\"`")
+                        .with_help("say what to do when the condition does not hold")
+                } else {
+                    self.say("`else`")
+                        .with_help("`if` is a value, so it needs both sides")
+                },
+            );
+        }
+        None
+    }
+
+    /// A `///` where nothing can be documented.
+    fn doc_comment(&self) -> Option<Diagnostic> {
+        let token = self.token(self.at)?;
+        (token.kind == TokenKind::Doc).then(|| {
+            Diagnostic::error("E0101", "this documents nothing")
+                .at(self.span(), "not before an item or a parameter")
+                .with_help("`//` begins a plain comment; `//!` stands at the head of the file")
+                .with_fix(
+                    "make it a plain comment",
+                    self.builder.span(token.start, token.start + 3),
+                    "//",
+                )
+        })
+    }
+
+    /// A function's block without a value at its end.
+    fn lost_value(&self) -> Option<Diagnostic> {
+        (self.word(0) == "fn" && self.found() == "}" && self.tried_value()).then(|| {
+            Diagnostic::error("E0101", "a function's block ends with its value")
+                .at(self.span(), "expected a value before this")
+                .with_help(
+                    "a line that begins with `-` or `[` goes on with the line before; end that one with `;`",
+                )
+        })
+    }
+
+    fn new_line(&self) -> bool {
+        match (self.before(), self.token(self.at)) {
+            (Some(before), Some(here)) => self
+                .text
+                .get(before.end..here.start)
+                .is_some_and(|between| between.contains('\n')),
+            _ => false,
+        }
+    }
+
+    /// The innermost bracket that is open at the place.
+    fn inside(&self) -> Option<(&'b Token, &'b str)> {
+        let mut open = Vec::new();
+        for token in self.tokens.iter().take(self.at) {
+            let sign = token.text(self.text);
+            match sign {
+                "(" | "[" | "{" => open.push((token, sign)),
+                ")" | "]" | "}" => {
+                    open.pop();
+                }
+                _ => {}
+            }
+        }
+        open.pop()
+    }
+
+    fn tried_value(&self) -> bool {
+        self.tried(&[
+            Rule::expression,
+            Rule::conditional,
+            Rule::postfix,
+            Rule::quantity,
+            Rule::scaled_list,
+            Rule::scaled_paren,
+            Rule::number,
+            Rule::list,
+            Rule::paren,
+            Rule::boolean,
+            Rule::argument,
+            Rule::place,
+        ])
+    }
+
+    /// In words: what was tried.
+    fn expected(&self) -> Diagnostic {
+        if self.tried_value() {
+            return self.say("a value");
+        }
+        if self.tried(&[
+            Rule::type_expression,
+            Rule::type_product,
+            Rule::type_power,
+            Rule::type_one,
+            Rule::function_type,
+            Rule::type_generic,
+        ]) {
+            return self.say("a type");
+        }
+        if self.tried(&[
+            Rule::unit,
+            Rule::unit_name,
+            Rule::unit_factor,
+            Rule::display_unit,
+        ]) && self.before_text() == "as"
+        {
+            return self.say("a unit");
+        }
+        if self.tried(&[Rule::exponent, Rule::integer, Rule::digits]) && self.before_text() == "^" {
+            return self.say("a whole number or a ratio in parentheses");
+        }
+        if let Some((_, sign)) = self.inside()
+            && sign != "{"
+            && self.tried(&[Rule::comma, Rule::infix])
+        {
+            let close = if sign == "(" { ")" } else { "]" };
+            return self.say(&format!("`,` or `{close}`"));
+        }
+        let mut words: Vec<&str> = Vec::new();
+        let known: [(Rule, &str); 21] = [
+            (Rule::parameters, "`(`"),
+            (Rule::colon, "`:`"),
+            (Rule::arrow, "`->`"),
+            (Rule::assign, "`=`"),
+            (Rule::block, "`{`"),
+            (Rule::plain_form, "`{`"),
+            (Rule::class_form, "`(`"),
+            (Rule::instance_form, "`=`"),
+            (Rule::function_block, "`{`"),
+            (Rule::word_in, "`in`"),
+            (Rule::word_on, "`on`"),
+            (Rule::word_then, "`then`"),
+            (Rule::word_else, "`else`"),
+            (Rule::wrench_kind, "`force` or `torque`"),
+            (Rule::string, "a text in quotes"),
+            (Rule::name, "a name"),
+            (Rule::binder, "`name in range`"),
+            (Rule::unit_def_name, "a name"),
+            (Rule::parameter, "`name: Type`"),
+            (Rule::use_list, "`{`"),
+            (Rule::use_all, "`*`"),
+        ];
+        for (rule, word) in known {
+            if self.tried(&[rule]) && !words.contains(&word) {
+                words.push(word);
+            }
+        }
+        // Where an operator could stand the item might as well have ended.
+        let complete = self.tried(&[Rule::infix, Rule::EOI]);
+        match words.as_slice() {
+            [] => self.unexpected(),
+            _ if complete && !self.tried(&[Rule::word_in, Rule::word_on, Rule::assign]) => {
+                self.unexpected()
+            }
+            [one] => self.say(one),
+            [first @ .., last] => self.say(&format!("{} or {last}", first.join(", "))),
+        }
+    }
+
+    fn unexpected(&self) -> Diagnostic {
+        match self.token(self.at) {
+            Some(token) => Diagnostic::error(
+                "E0101",
+                format!("unexpected `{}`", shortened(token.text(self.text))),
+            )
+            .at(self.span(), "cannot stand here")
+            .with_help("an item ends at the line's end or at `;`"),
+            None => Diagnostic::error("E0101", "this item is not complete")
+                .at(self.span(), "it ends here"),
+        }
+    }
+
+    /// "expected …", and what stands there instead.
+    fn say(&self, what: &str) -> Diagnostic {
+        let after = match self.before() {
+            Some(before) => format!(" after `{}`", shortened(before.text(self.text))),
+            None => String::new(),
+        };
+        let label = match self.token(self.at) {
+            Some(token) => format!("found `{}`", shortened(token.text(self.text))),
+            None => "nothing follows".to_string(),
+        };
+        Diagnostic::error("E0101", format!("expected {what}{after}")).at(self.span(), label)
+    }
+}
+
+/// A token's text, cut to a length that fits a title.
+fn shortened(text: &str) -> String {
+    const LONGEST: usize = 24;
+    if text.chars().count() <= LONGEST {
+        text.to_string()
+    } else {
+        let head: String = text.chars().take(LONGEST).collect();
+        format!("{head}…")
+    }
+}

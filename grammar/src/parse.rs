@@ -1,0 +1,108 @@
+//! The ways into this crate: a file, an expression, a place in a message.
+
+use crate::ast::{Expr, File, Item, ItemKind, UnitExpr};
+use crate::build::{Builder, items::doc_text};
+use crate::diagnose;
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::grammar::{EngGrammar, Rule};
+use crate::span::SourceId;
+use pest::Parser;
+
+/// Reads a file. There is always a tree: what could not be read is [`ItemKind::Error`] in it, with a message given.
+pub fn parse(text: &str, source: SourceId, diagnostics: &mut Diagnostics) -> File {
+    let mut builder = Builder::new(text, source, 0, diagnostics);
+    let whole = builder.span(0, text.len());
+    let unread = |docs: Vec<String>| File {
+        docs,
+        items: vec![Item {
+            docs: Vec::new(),
+            span: whole,
+            kind: ItemKind::Error,
+        }],
+        span: whole,
+    };
+    if let Some(diagnostic) = diagnose::nesting(&builder) {
+        builder.report(diagnostic);
+        return unread(Vec::new());
+    }
+    let pairs = match EngGrammar::parse(Rule::file, text) {
+        Ok(pairs) => pairs,
+        // `file` takes any text; only the guard of the stack can stop it.
+        Err(_) => {
+            builder.report(
+                Diagnostic::error("E0106", "this file is nested too deep to be read")
+                    .at(whole, "somewhere in here")
+                    .with_help("name parts of long expressions with `let`"),
+            );
+            return unread(Vec::new());
+        }
+    };
+    diagnose::braces(&mut builder);
+    let mut file = File {
+        docs: Vec::new(),
+        items: Vec::new(),
+        span: whole,
+    };
+    for pair in pairs {
+        let inner = pair.into_inner();
+        file.docs = inner
+            .clone()
+            .filter(|part| part.as_rule() == Rule::file_doc)
+            .map(|part| doc_text(part.as_str()))
+            .collect();
+        file.items = builder.items(inner, 0);
+    }
+    file
+}
+
+/// Reads one expression, which stands at byte `offset` of `source`.
+pub fn parse_expression(
+    text: &str,
+    source: SourceId,
+    offset: usize,
+    diagnostics: &mut Diagnostics,
+) -> Option<Expr> {
+    expression(text, source, offset, diagnostics, Rule::single_expression).map(|(value, _)| value)
+}
+
+/// Reads `expression as unit` or an expression alone, as in the braces of a message.
+pub fn parse_placeholder(
+    text: &str,
+    source: SourceId,
+    offset: usize,
+    diagnostics: &mut Diagnostics,
+) -> Option<(Expr, Option<UnitExpr>)> {
+    expression(text, source, offset, diagnostics, Rule::placeholder)
+}
+
+fn expression(
+    text: &str,
+    source: SourceId,
+    offset: usize,
+    diagnostics: &mut Diagnostics,
+    rule: Rule,
+) -> Option<(Expr, Option<UnitExpr>)> {
+    let mut builder = Builder::new(text, source, offset, diagnostics);
+    if let Some(diagnostic) = diagnose::nesting(&builder) {
+        builder.report(diagnostic);
+        return None;
+    }
+    let pairs = match EngGrammar::parse(rule, text) {
+        Ok(pairs) => pairs,
+        Err(_) => {
+            let diagnostic = diagnose::expression(&builder, rule);
+            builder.report(diagnostic);
+            return None;
+        }
+    };
+    let mut value = None;
+    let mut unit = None;
+    for part in pairs.flat_map(|pair| pair.into_inner()) {
+        match part.as_rule() {
+            Rule::expression => value = Some(builder.expression(part, 0)),
+            Rule::display_unit => unit = Some(builder.unit(part, 0)),
+            _ => {}
+        }
+    }
+    value.map(|value| (value, unit))
+}
