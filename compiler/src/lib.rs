@@ -2,5 +2,10 @@
 //!
 //! It does no I/O (files come through [`eng_system`]'s host trait) and knows no terminal; it never sees the runtime.
 
+pub mod elaborate;
+pub mod generate;
 pub mod ir;
+#[cfg(feature = "jit")]
+pub mod jit;
+pub mod library;
 pub mod program;

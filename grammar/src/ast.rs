@@ -46,6 +46,8 @@ pub struct Block {
 }
 
 /// What an item can be.
+// Bindings, the largest variant, are also the most frequent one.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum ItemKind {
     /// `use std.joints.{Revolute, Fixed}`, `use std.units` (then all names of the module).

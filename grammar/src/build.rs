@@ -29,6 +29,10 @@ pub(crate) struct Builder<'t, 'd> {
     offset: usize,
     diagnostics: &'d mut Diagnostics,
     mistakes: usize,
+    /// How many declarations lack their `{`, by which as many `}` are too many.
+    headless: usize,
+    /// Whether the item at hand was already said to be too deep.
+    deep: bool,
     /// The `{` that a missing `}` belongs to, if one is missing.
     pub open_brace: Option<Token>,
 }
@@ -57,6 +61,26 @@ impl Piece<'_> {
     }
 }
 
+/// The first child that a rule made.
+fn child<'t>(pair: &Pair<'t, Rule>, rule: Rule) -> Option<Pair<'t, Rule>> {
+    pair.clone()
+        .into_inner()
+        .find(|inner| inner.as_rule() == rule)
+}
+
+/// Whether `last` is a binding without a value, and `next` seems to be the rest of it: `param x Length = 5 mm`.
+fn unfinished(last: &Piece<'_>, next: &Pair<'_, Rule>) -> bool {
+    let Piece::Good { pair, .. } = last else {
+        return false;
+    };
+    child(next, Rule::attribute).is_some()
+        && child(pair, Rule::binding).is_some_and(|binding| {
+            binding
+                .into_inner()
+                .all(|part| part.as_rule() != Rule::expression)
+        })
+}
+
 impl<'t, 'd> Builder<'t, 'd> {
     /// For `text`, which stands at byte `offset` of `source`.
     pub fn new(
@@ -72,6 +96,8 @@ impl<'t, 'd> Builder<'t, 'd> {
             offset,
             diagnostics,
             mistakes: 0,
+            headless: 0,
+            deep: false,
             open_brace: None,
         }
     }
@@ -127,6 +153,9 @@ impl<'t, 'd> Builder<'t, 'd> {
     }
 
     fn too_deep(&mut self, span: Span) {
+        if std::mem::replace(&mut self.deep, true) {
+            return;
+        }
         self.report(
             Diagnostic::error("E0106", "this is nested too deep")
                 .at(span, format!("more than {MAX_DEPTH} levels"))
@@ -137,6 +166,7 @@ impl<'t, 'd> Builder<'t, 'd> {
     /// The items among the pairs of a file or a block.
     pub fn items(&mut self, pairs: Pairs<'t, Rule>, depth: usize) -> Vec<Item> {
         let mut pieces: Vec<Piece<'t>> = Vec::new();
+        let mut stray = Vec::new();
         for pair in pairs {
             match pair.as_rule() {
                 Rule::item => {
@@ -149,31 +179,38 @@ impl<'t, 'd> Builder<'t, 'd> {
                     if let Some(last) = pieces.last()
                         && !self.parted(last.end(), start)
                     {
+                        if unfinished(last, &pair) {
+                            self.add_bad(&mut pieces, &pair);
+                            continue;
+                        }
                         let last_end = last.end();
                         self.two_on_a_line(last_end, start, end);
                     }
                     pieces.push(Piece::Good { pair, start, end });
                 }
                 Rule::bad_item => self.add_bad(&mut pieces, &pair),
-                Rule::stray_brace => {
-                    let span = self.place(&pair);
-                    self.report(
-                        Diagnostic::error("E0103", "this `}` closes nothing")
-                            .at(span, "no block is open here")
-                            .with_help("remove it, or look for a `}` too many above"),
-                    );
-                }
+                Rule::stray_brace => stray.push(self.place(&pair)),
                 _ => {}
             }
         }
         let mut items = Vec::with_capacity(pieces.len());
         for piece in pieces {
             match piece {
-                Piece::Good { pair, .. } => items.push(self.item(pair, depth)),
+                Piece::Good { pair, .. } => {
+                    self.deep = false;
+                    items.push(self.item(pair, depth));
+                }
                 Piece::Bad {
                     docs, start, end, ..
                 } => self.bad(docs, start, end, depth, &mut items),
             }
+        }
+        for span in stray.into_iter().skip(self.headless) {
+            self.report(
+                Diagnostic::error("E0103", "this `}` closes nothing")
+                    .at(span, "no block is open here")
+                    .with_help("remove it, or look for a `}` too many above"),
+            );
         }
         items
     }
@@ -259,15 +296,16 @@ impl<'t, 'd> Builder<'t, 'd> {
         depth: usize,
         items: &mut Vec<Item>,
     ) {
+        self.headless += usize::from(diagnose::lacks_brace(self.text, &self.tokens, start, end));
         let mut bad_end = end;
         let mut rest = None;
-        if self.mistakes <= MAX_MISTAKES {
-            if let Some(finding) = diagnose::item(self, start, end) {
-                self.report(finding.diagnostic);
-                if let Some(split) = finding.rest {
-                    bad_end = last_end(&self.tokens, start, split);
-                    rest = Some(split);
-                }
+        if self.mistakes <= MAX_MISTAKES
+            && let Some(finding) = diagnose::item(self, start, end)
+        {
+            self.report(finding.diagnostic);
+            if let Some(split) = finding.rest {
+                bad_end = last_end(&self.tokens, start, split);
+                rest = Some(split);
             }
         }
         items.push(Item {
@@ -288,6 +326,7 @@ impl<'t, 'd> Builder<'t, 'd> {
             inner.mistakes = self.mistakes;
             items.extend(inner.items(pairs, depth));
             self.mistakes = inner.mistakes;
+            self.headless += inner.headless;
         }
     }
 }

@@ -113,6 +113,26 @@ pub(crate) fn open_brackets(
         })
 }
 
+/// Whether `start..end` is the head of a declaration or a function whose `{` is missing.
+pub(crate) fn lacks_brace(text: &str, tokens: &[Token], start: usize, end: usize) -> bool {
+    let tokens = tokens_of(tokens, start, end);
+    let first = tokens.first().map_or("", |token| token.text(text));
+    if first != "fn" && !KINDS.iter().any(|(kind, _)| *kind == first) {
+        return false;
+    }
+    let mut depth = 0usize;
+    for token in tokens {
+        match token.text(text) {
+            "(" | "[" => depth += 1,
+            ")" | "]" => depth = depth.saturating_sub(1),
+            "{" => return false,
+            "=" if depth == 0 => return false,
+            _ => {}
+        }
+    }
+    true
+}
+
 /// The message for brackets nested past the limit.
 pub(crate) fn nesting(builder: &Builder<'_, '_>) -> Option<Diagnostic> {
     let mut depth = 0usize;
@@ -384,12 +404,15 @@ fn first_word(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic>
     let word = first.text(builder.text);
     let span = builder.span(first.start, first.end);
     if is_reserved(word) {
+        let diagnostic = Diagnostic::error("E0101", format!("no item begins with `{word}`"))
+            .at(span, "not expected here");
         return match word {
             "use" | "let" => None,
-            _ => Some(
-                Diagnostic::error("E0101", format!("no item begins with `{word}`"))
-                    .at(span, "not expected here"),
-            ),
+            "for" => Some(diagnostic.with_help(
+                "repetition stands after a name, `body rod[i in 1..4]`, or inside a list or a call",
+            )),
+            "if" => Some(diagnostic.with_help("`if` is a value: `let x = if c then a else b`")),
+            _ => Some(diagnostic),
         };
     }
     if is_item_word(word) {
@@ -417,7 +440,11 @@ fn nearest(word: &str) -> Option<&'static str> {
         .chain(ITEM_WORDS)
         .map(|known| (strsim::osa_distance(&lower, known), known))
         .filter(|(distance, known)| *distance <= (known.len().min(word.len()) / 3).max(1))
-        .min_by_key(|(distance, _)| *distance)
+        // Among equals, the one that shares the longer beginning.
+        .min_by(|(a, first), (b, second)| {
+            let likeness = |known: &str| strsim::jaro_winkler(&lower, known);
+            a.cmp(b).then(likeness(second).total_cmp(&likeness(first)))
+        })
         .map(|(_, known)| known)
 }
 

@@ -9,6 +9,17 @@ use crate::span::SourceId;
 use pest::Parser;
 
 /// Reads a file. There is always a tree: what could not be read is [`ItemKind::Error`] in it, with a message given.
+///
+/// ```
+/// use eng_grammar::{Diagnostics, SourceMap, parse};
+///
+/// let mut sources = SourceMap::new();
+/// let mut diagnostics = Diagnostics::new();
+/// let id = sources.add("bore.eng", "param bore = 86 mm\nlet area = pi/4*bore^");
+/// let file = parse(&sources.get(id).unwrap().text, id, &mut diagnostics);
+/// assert_eq!(file.items.len(), 2);
+/// assert_eq!(diagnostics.iter().next().unwrap().title, "expected a value after `^`");
+/// ```
 pub fn parse(text: &str, source: SourceId, diagnostics: &mut Diagnostics) -> File {
     let mut builder = Builder::new(text, source, 0, diagnostics);
     let whole = builder.span(0, text.len());

@@ -54,7 +54,13 @@ pub trait ElementCode: Send + Sync + std::fmt::Debug {
 
     /// Evaluates. `inputs` and `outputs` have at least the lengths of [`ElementCode::shape`], else nothing is
     /// written and `false` returned.
-    fn call(&self, function: Function, inputs: &[Pair], outputs: &mut [Pair], tables: &[Table]) -> bool;
+    fn call(
+        &self,
+        function: Function,
+        inputs: &[Pair],
+        outputs: &mut [Pair],
+        tables: &[Table],
+    ) -> bool;
 
     /// Bytes of machine code of all functions; 0 where interpreted.
     fn code_bytes(&self) -> usize;

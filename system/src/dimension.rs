@@ -12,7 +12,9 @@ pub const BASES: usize = 8;
 pub const BASE_SYMBOLS: [&str; BASES] = ["m", "kg", "s", "A", "K", "mol", "cd", "rad"];
 
 /// A physical dimension: rational exponents of the bases. Angle is a base here; where it may be dropped is the checker's business.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize,
+)]
 pub struct Dimension {
     exponents: [i16; BASES],
 }

@@ -19,19 +19,33 @@ pub enum Extrapolation {
 }
 
 /// A table of one argument: piecewise cubic, evaluated with its derivatives.
+///
+/// Argument and value are plain numbers here (SI, by the compiler); a derivative of order n has the unit
+/// value/argumentⁿ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     name: String,
+    /// Ends of the intervals; for a periodic table the last is first + period.
     x: Vec<f64>,
     /// Coefficients of each interval in powers of (x − x_i).
     coefficients: Vec<[f64; 4]>,
     period: Option<f64>,
-    extrapolation: Extrapolation,
+    extrapolation: Option<Extrapolation>,
 }
 
 /// A table that cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TableError {
+    /// A column is shorter than the other.
+    #[error("table {name} has {arguments} arguments but {values} values")]
+    Lengths {
+        /// Table.
+        name: String,
+        /// Arguments.
+        arguments: usize,
+        /// Values.
+        values: usize,
+    },
     /// Fewer than two points.
     #[error("table {name} has {count} points; at least 2 are needed")]
     TooFew {
@@ -41,7 +55,9 @@ pub enum TableError {
         count: usize,
     },
     /// Arguments do not rise.
-    #[error("table {name}: the argument does not rise at row {row}: {before} is followed by {after}")]
+    #[error(
+        "table {name}: the argument does not rise at row {row}: {before} is followed by {after}"
+    )]
     NotRising {
         /// Table.
         name: String,
@@ -61,7 +77,9 @@ pub enum TableError {
         row: usize,
     },
     /// First and last value differ although they are the same point of the period.
-    #[error("table {name}: the period closes at row {row}, but the values differ: {first} and {last}")]
+    #[error(
+        "table {name}: the period closes at row {row}, but the values differ: {first} and {last}"
+    )]
     NotPeriodic {
         /// Table.
         name: String,
@@ -82,4 +100,532 @@ pub enum TableError {
         /// Period.
         period: f64,
     },
+}
+
+/// Relative distance within which the last argument is taken for the first plus the period, and their values for equal:
+/// room for the rounding of unit conversion.
+const CLOSURE: f64 = 1e-9;
+
+impl Table {
+    /// Builds the interpolant through the points (x, y).
+    ///
+    /// With a period, the point at x₀ + period may be given (its value must then equal the first) or left out; the
+    /// spline is periodic with all the derivatives it has. Without a stated extrapolation a value outside is NaN.
+    pub fn new(
+        name: impl Into<String>,
+        mut x: Vec<f64>,
+        mut y: Vec<f64>,
+        interpolation: Interpolation,
+        extrapolation: Option<Extrapolation>,
+        period: Option<f64>,
+    ) -> Result<Table, TableError> {
+        let name = name.into();
+        if x.len() != y.len() {
+            return Err(TableError::Lengths {
+                name,
+                arguments: x.len(),
+                values: y.len(),
+            });
+        }
+        let count = x.len();
+        let (Some(&first), Some(&last), true) = (x.first(), x.last(), count >= 2) else {
+            return Err(TableError::TooFew { name, count });
+        };
+        if let Some(row) = x
+            .iter()
+            .zip(&y)
+            .position(|(x, y)| !x.is_finite() || !y.is_finite())
+        {
+            return Err(TableError::NotFinite { name, row: row + 1 });
+        }
+        if let Some((row, pair)) = x.windows(2).enumerate().find(|(_, w)| w[0] >= w[1]) {
+            return Err(TableError::NotRising {
+                name,
+                row: row + 2,
+                before: pair[0],
+                after: pair[1],
+            });
+        }
+        if let Some(period) = period {
+            let span = last - first;
+            // also refuses a period that is not a positive number
+            if !(span <= period * (1.0 + CLOSURE) && period.is_finite()) {
+                return Err(TableError::PeriodTooShort { name, span, period });
+            }
+            if span >= period * (1.0 - CLOSURE) {
+                let largest = y.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
+                if (y[count - 1] - y[0]).abs() > CLOSURE * largest {
+                    return Err(TableError::NotPeriodic {
+                        name,
+                        row: count,
+                        first: y[0],
+                        last: y[count - 1],
+                    });
+                }
+                x[count - 1] = first + period;
+                y[count - 1] = y[0];
+            } else if first + period <= last {
+                // the gap is lost in the arguments' last digit
+                return Err(TableError::PeriodTooShort { name, span, period });
+            } else {
+                x.push(first + period);
+                y.push(y[0]);
+            }
+        }
+        let widths: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
+        let secants: Vec<f64> = y
+            .windows(2)
+            .zip(&widths)
+            .map(|(w, h)| (w[1] - w[0]) / h)
+            .collect();
+        let coefficients = match interpolation {
+            Interpolation::Cubic => {
+                let moments = match period {
+                    Some(_) => periodic_moments(&widths, &secants),
+                    None => natural_moments(&widths, &secants),
+                };
+                (0..widths.len())
+                    .map(|i| {
+                        let (h, m0, m1) = (widths[i], moments[i], moments[i + 1]);
+                        [
+                            y[i],
+                            secants[i] - h * (2.0 * m0 + m1) / 6.0,
+                            0.5 * m0,
+                            (m1 - m0) / (6.0 * h),
+                        ]
+                    })
+                    .collect()
+            }
+            Interpolation::Monotone => {
+                let slopes = monotone_slopes(&secants, period.is_some());
+                (0..widths.len())
+                    .map(|i| {
+                        let (h, d, s0, s1) = (widths[i], secants[i], slopes[i], slopes[i + 1]);
+                        [
+                            y[i],
+                            s0,
+                            (3.0 * d - 2.0 * s0 - s1) / h,
+                            (s0 + s1 - 2.0 * d) / (h * h),
+                        ]
+                    })
+                    .collect()
+            }
+        };
+        Ok(Table {
+            name,
+            x,
+            coefficients,
+            period,
+            extrapolation,
+        })
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// First and last argument; of a periodic table one period.
+    pub fn domain(&self) -> (f64, f64) {
+        match (self.x.first(), self.x.last()) {
+            (Some(a), Some(b)) => (*a, *b),
+            _ => (f64::NAN, f64::NAN),
+        }
+    }
+
+    /// The period, if it has one.
+    pub fn period(&self) -> Option<f64> {
+        self.period
+    }
+
+    /// What happens outside; of no meaning for a periodic table.
+    pub fn extrapolation(&self) -> Option<Extrapolation> {
+        self.extrapolation
+    }
+
+    /// The value (order 0) or a derivative with respect to the argument; orders above 3 are zero.
+    ///
+    /// NaN for an argument that is not finite, and outside the domain if no extrapolation is stated. At a point the
+    /// interval to its right counts.
+    pub fn evaluate(&self, x: f64, order: u8) -> f64 {
+        let (first, last) = self.domain();
+        if !x.is_finite() {
+            return f64::NAN;
+        }
+        let x = match self.period {
+            Some(period) => {
+                let turns = ((x - first) / period).floor();
+                (x - period * turns).clamp(first, last)
+            }
+            None => x,
+        };
+        if x < first || x > last {
+            let end = if x < first { first } else { last };
+            return match (self.extrapolation, order) {
+                (None, _) => f64::NAN,
+                (Some(_), 2..) | (Some(Extrapolation::Hold), 1) => 0.0,
+                (Some(Extrapolation::Hold), _) => self.inside(end, 0),
+                (Some(Extrapolation::Linear), 1) => self.inside(end, 1),
+                (Some(Extrapolation::Linear), _) => {
+                    self.inside(end, 0) + self.inside(end, 1) * (x - end)
+                }
+            };
+        }
+        self.inside(x, order)
+    }
+
+    fn inside(&self, x: f64, order: u8) -> f64 {
+        let interval = self
+            .x
+            .partition_point(|p| *p <= x)
+            .saturating_sub(1)
+            .min(self.coefficients.len().saturating_sub(1));
+        let (Some([c0, c1, c2, c3]), Some(start)) =
+            (self.coefficients.get(interval), self.x.get(interval))
+        else {
+            return f64::NAN;
+        };
+        let t = x - start;
+        match order {
+            0 => c0 + t * (c1 + t * (c2 + t * c3)),
+            1 => c1 + t * (2.0 * c2 + t * (3.0 * c3)),
+            2 => 2.0 * c2 + t * (6.0 * c3),
+            3 => 6.0 * c3,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Second derivatives at the points of the natural cubic spline (zero at the ends), by the tridiagonal system
+/// `h₋ M₋ + 2 (h₋ + h) M + h M₊ = 6 (d − d₋)` (de Boor, A Practical Guide to Splines, ch. IV).
+fn natural_moments(widths: &[f64], secants: &[f64]) -> Vec<f64> {
+    let intervals = widths.len();
+    let mut moments = vec![0.0; intervals + 1];
+    if intervals < 2 {
+        return moments;
+    }
+    let inner = intervals - 1;
+    let diagonal: Vec<f64> = (0..inner)
+        .map(|i| 2.0 * (widths[i] + widths[i + 1]))
+        .collect();
+    let right: Vec<f64> = (0..inner)
+        .map(|i| 6.0 * (secants[i + 1] - secants[i]))
+        .collect();
+    moments[1..intervals].copy_from_slice(&tridiagonal(&widths[1..inner], &diagonal, &right));
+    moments
+}
+
+/// Second derivatives at the points of the periodic cubic spline; the last repeats the first. The cyclic system is
+/// solved by Sherman–Morrison (Press et al., Numerical Recipes, §2.7).
+fn periodic_moments(widths: &[f64], secants: &[f64]) -> Vec<f64> {
+    let n = widths.len();
+    let before = |i: usize| (i + n - 1) % n;
+    let diagonal: Vec<f64> = (0..n)
+        .map(|i| 2.0 * (widths[before(i)] + widths[i]))
+        .collect();
+    let right: Vec<f64> = (0..n)
+        .map(|i| 6.0 * (secants[i] - secants[before(i)]))
+        .collect();
+    let mut moments = match n {
+        0 | 1 => vec![0.0; n],
+        2 => {
+            // both neighbours are the same point
+            let side = widths[0] + widths[1];
+            let determinant = diagonal[0] * diagonal[1] - side * side;
+            vec![
+                (right[0] * diagonal[1] - side * right[1]) / determinant,
+                (diagonal[0] * right[1] - side * right[0]) / determinant,
+            ]
+        }
+        _ => {
+            let corner = widths[n - 1];
+            let shift = -diagonal[0];
+            let mut core = diagonal;
+            core[0] -= shift;
+            core[n - 1] -= corner * corner / shift;
+            let mut column = vec![0.0; n];
+            column[0] = shift;
+            column[n - 1] = corner;
+            let y = tridiagonal(&widths[..n - 1], &core, &right);
+            let z = tridiagonal(&widths[..n - 1], &core, &column);
+            let factor =
+                (y[0] + corner * y[n - 1] / shift) / (1.0 + z[0] + corner * z[n - 1] / shift);
+            y.iter().zip(&z).map(|(y, z)| y - factor * z).collect()
+        }
+    };
+    moments.push(moments.first().copied().unwrap_or(0.0));
+    moments
+}
+
+/// Solves a symmetric, diagonally dominant tridiagonal system (no pivoting needed).
+fn tridiagonal(off_diagonal: &[f64], diagonal: &[f64], right: &[f64]) -> Vec<f64> {
+    let n = diagonal.len();
+    let mut pivots = diagonal.to_vec();
+    let mut solution = right.to_vec();
+    for i in 1..n {
+        let factor = off_diagonal[i - 1] / pivots[i - 1];
+        pivots[i] -= factor * off_diagonal[i - 1];
+        solution[i] -= factor * solution[i - 1];
+    }
+    for i in (0..n).rev() {
+        if i + 1 < n {
+            solution[i] -= off_diagonal[i] * solution[i + 1];
+        }
+        solution[i] /= pivots[i];
+    }
+    solution
+}
+
+/// Slopes at the points that keep the interpolant monotone where the points are: mean of the neighbouring secants, zero
+/// at turning points, then limited to α² + β² ≤ 9 (Fritsch & Carlson, SIAM J. Numer. Anal. 17, 1980, §4, region S₂).
+fn monotone_slopes(secants: &[f64], periodic: bool) -> Vec<f64> {
+    let n = secants.len();
+    let mean = |a: f64, b: f64| if a * b <= 0.0 { 0.0 } else { 0.5 * (a + b) };
+    let mut slopes: Vec<f64> = (0..=n)
+        .map(|i| match (i, periodic) {
+            (0, false) => secants[0],
+            (i, false) if i == n => secants[n - 1],
+            (i, _) => mean(secants[(i + n - 1) % n], secants[i % n]),
+        })
+        .collect();
+    for (i, d) in secants.iter().enumerate() {
+        // of a periodic table the last point is the first
+        let next = if periodic { (i + 1) % n } else { i + 1 };
+        if *d == 0.0 {
+            slopes[i] = 0.0;
+            slopes[next] = 0.0;
+            continue;
+        }
+        let (alpha, beta) = (slopes[i] / d, slopes[next] / d);
+        let square = alpha * alpha + beta * beta;
+        if square > 9.0 {
+            let factor = 3.0 / square.sqrt();
+            slopes[i] *= factor;
+            if next != i {
+                slopes[next] *= factor;
+            }
+        }
+    }
+    if periodic {
+        slopes[n] = slopes[0];
+    }
+    slopes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(x: &[f64], y: &[f64], interpolation: Interpolation, period: Option<f64>) -> Table {
+        Table::new("t", x.to_vec(), y.to_vec(), interpolation, None, period).expect("valid points")
+    }
+
+    #[test]
+    fn natural_spline_of_four_points_has_the_hand_computed_moments() {
+        // h = 1, y = 0 1 0 1: 4 M1 + M2 = -12, M1 + 4 M2 = 12, so M1 = -4, M2 = 4
+        let t = table(
+            &[0.0, 1.0, 2.0, 3.0],
+            &[0.0, 1.0, 0.0, 1.0],
+            Interpolation::Cubic,
+            None,
+        );
+        for (x, m) in [(0.0, 0.0), (1.0, -4.0), (2.0, 4.0), (3.0, 0.0)] {
+            assert!((t.evaluate(x, 2) - m).abs() < 1e-14, "{x}");
+        }
+        // on the first interval M = -4x, y = x + (4/6) (x - x³)
+        assert!((t.evaluate(0.5, 0) - (0.5 + 4.0 / 6.0 * (0.5 - 0.125))).abs() < 1e-14);
+        assert!((t.evaluate(1.0, 0) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_straight_line_is_kept_and_two_points_are_a_line() {
+        let x = [0.0, 0.3, 1.0, 4.0];
+        let y = x.map(|x| 2.0 - 3.0 * x);
+        for interpolation in [Interpolation::Cubic, Interpolation::Monotone] {
+            let t = table(&x, &y, interpolation, None);
+            for p in [0.0, 0.1, 0.9, 2.0, 4.0] {
+                assert!((t.evaluate(p, 0) - (2.0 - 3.0 * p)).abs() < 1e-13);
+                assert!((t.evaluate(p, 1) + 3.0).abs() < 1e-13);
+            }
+            let two = table(&[1.0, 3.0], &[5.0, 9.0], interpolation, None);
+            assert_eq!(two.evaluate(2.0, 0), 7.0);
+        }
+    }
+
+    #[test]
+    fn periodic_spline_of_a_sine_converges_and_is_c2_over_the_closure() {
+        let error = |n: usize, closed: bool| {
+            let count = if closed { n + 1 } else { n };
+            let x: Vec<f64> = (0..count)
+                .map(|i| 0.4 + 6.0 * i as f64 / n as f64)
+                .collect();
+            let y: Vec<f64> = x
+                .iter()
+                .map(|x| libm::sin(core::f64::consts::TAU * (x - 0.4) / 6.0))
+                .collect();
+            let t = table(&x, &y, Interpolation::Cubic, Some(6.0));
+            for order in 0..=2 {
+                let left = t.evaluate(6.4 - 1e-9, order);
+                let right = t.evaluate(0.4 + 1e-9, order);
+                assert!((left - right).abs() < 1e-7, "order {order}: {left} {right}");
+                assert!((t.evaluate(1.1, order) - t.evaluate(1.1 - 18.0, order)).abs() < 1e-12);
+                assert!((t.evaluate(1.1, order) - t.evaluate(1.1 + 600.0, order)).abs() < 1e-10);
+            }
+            (0..1000)
+                .map(|i| 0.4 + 6.0 * f64::from(i) / 1000.0)
+                .map(|x| {
+                    (t.evaluate(x, 0) - libm::sin(core::f64::consts::TAU * (x - 0.4) / 6.0)).abs()
+                })
+                .fold(0.0, f64::max)
+        };
+        let (coarse, fine) = (error(12, true), error(24, true));
+        assert!(
+            coarse < 2e-3 && fine < coarse / 12.0,
+            "fourth order: {coarse} {fine}"
+        );
+        // the end point changes nothing
+        assert!((error(24, false) - fine).abs() < 1e-12);
+    }
+
+    #[test]
+    fn few_periodic_points_satisfy_the_cyclic_system() {
+        for n in 1..6 {
+            let x: Vec<f64> = (0..n)
+                .map(|i| f64::from(i * i) * 0.2 + f64::from(i))
+                .collect();
+            let y: Vec<f64> = (0..n).map(|i| f64::from((i * 7) % 5)).collect();
+            let period = 12.0;
+            let mut x = x;
+            let mut y = y;
+            if n == 1 {
+                x.push(12.0);
+                y.push(0.0);
+            }
+            let t = table(&x, &y, Interpolation::Cubic, Some(period));
+            for p in &x {
+                for order in 0..=2 {
+                    let left = t.evaluate(p - 1e-10, order);
+                    let right = t.evaluate(p + 1e-10, order);
+                    assert!(
+                        (left - right).abs() < 1e-7,
+                        "{n} points, at {p}, order {order}: {left} {right}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn monotone_data_never_overshoot() {
+        let x = [0.0, 1.0, 1.2, 2.0, 5.0, 6.0];
+        let y = [0.0, 0.0, 4.0, 4.1, 4.1, 9.0];
+        let t = table(&x, &y, Interpolation::Monotone, None);
+        let mut before = t.evaluate(0.0, 0);
+        for i in 1..=6000 {
+            let p = f64::from(i) / 1000.0;
+            let value = t.evaluate(p, 0);
+            assert!(value >= before - 1e-12 && value <= 9.0 + 1e-12, "{p}");
+            assert!(t.evaluate(p, 1) >= -1e-12, "slope at {p}");
+            before = value;
+        }
+        let t = table(
+            &[0.0, 1.0, 2.0, 3.0],
+            &[0.0, 3.0, 3.0, 0.0],
+            Interpolation::Monotone,
+            Some(3.0),
+        );
+        let slope = |x: f64| t.evaluate(x, 1);
+        assert!((slope(1e-9) - slope(3.0 - 1e-9)).abs() < 1e-6);
+        for i in 0..300 {
+            let value = t.evaluate(f64::from(i) / 100.0, 0);
+            assert!((-1e-12..=3.0 + 1e-12).contains(&value));
+        }
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let x: Vec<f64> = (0..9)
+            .map(|i| f64::from(i) + 0.1 * f64::from(i % 3))
+            .collect();
+        let y: Vec<f64> = x.iter().map(|x| x * libm::sin(*x)).collect();
+        for interpolation in [Interpolation::Cubic, Interpolation::Monotone] {
+            let t = table(&x, &y, interpolation, None);
+            for i in 0..8 {
+                let p = x[i] + 0.4;
+                let h = 1e-3;
+                for order in 0..3 {
+                    let d = (t.evaluate(p + h, order) - t.evaluate(p - h, order)) / (2.0 * h);
+                    let exact = t.evaluate(p, order + 1);
+                    // central differences of a cubic are off by h² c3
+                    assert!(
+                        (d - exact).abs() < 1e-5 * (1.0 + t.evaluate(p, 3).abs()),
+                        "{p} {order}: {d} {exact}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn outside_follows_what_is_stated() {
+        let build = |e| {
+            let (x, y) = (vec![0.0, 1.0, 2.0], vec![0.0, 1.0, 4.0]);
+            Table::new("t", x, y, Interpolation::Cubic, e, None).expect("valid points")
+        };
+        assert!(build(None).evaluate(2.1, 0).is_nan() && build(None).evaluate(-0.1, 1).is_nan());
+        let hold = build(Some(Extrapolation::Hold));
+        assert_eq!((hold.evaluate(3.0, 0), hold.evaluate(3.0, 1)), (4.0, 0.0));
+        let linear = build(Some(Extrapolation::Linear));
+        let slope = linear.evaluate(2.0, 1);
+        assert_eq!(linear.evaluate(3.0, 1), slope);
+        assert!((linear.evaluate(3.0, 0) - (4.0 + slope)).abs() < 1e-14);
+        assert_eq!(linear.evaluate(3.0, 2), 0.0);
+        assert!(hold.evaluate(f64::NAN, 0).is_nan() && hold.evaluate(f64::INFINITY, 0).is_nan());
+    }
+
+    #[test]
+    fn wrong_points_are_refused() {
+        let build = |x: &[f64], y: &[f64], period| {
+            Table::new(
+                "t",
+                x.to_vec(),
+                y.to_vec(),
+                Interpolation::Cubic,
+                None,
+                period,
+            )
+        };
+        assert!(matches!(
+            build(&[1.0], &[1.0], None),
+            Err(TableError::TooFew { count: 1, .. })
+        ));
+        assert!(matches!(
+            build(&[1.0, 2.0], &[1.0], None),
+            Err(TableError::Lengths { .. })
+        ));
+        assert!(matches!(
+            build(&[1.0, 1.0], &[1.0, 2.0], None),
+            Err(TableError::NotRising { row: 2, .. })
+        ));
+        assert!(matches!(
+            build(&[1.0, 2.0], &[1.0, f64::NAN], None),
+            Err(TableError::NotFinite { row: 2, .. })
+        ));
+        assert!(matches!(
+            build(&[0.0, 2.0], &[1.0, 2.0], Some(2.0)),
+            Err(TableError::NotPeriodic { .. })
+        ));
+        assert!(matches!(
+            build(&[0.0, 3.0], &[1.0, 2.0], Some(2.0)),
+            Err(TableError::PeriodTooShort { .. })
+        ));
+        assert!(matches!(
+            build(&[0.0, 3.0], &[1.0, 2.0], Some(-2.0)),
+            Err(TableError::PeriodTooShort { .. })
+        ));
+        assert!(matches!(
+            build(&[0.0, 3.0], &[1.0, 2.0], Some(f64::NAN)),
+            Err(TableError::PeriodTooShort { .. })
+        ));
+    }
 }

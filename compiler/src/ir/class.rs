@@ -1,6 +1,12 @@
 //! From what a class's author wrote to the functions that the runtime calls.
 
+use super::differentiate::{
+    Accelerations, DifferentiateError, Place, gradient, guarded_multiply, inputs_of,
+    time_derivative_with,
+};
 use super::graph::{Function, Graph, Node};
+use super::linearise::linearise;
+use super::optimise::optimise;
 use eng_system::layout::InputLayout;
 
 /// What lowering makes of the text of a class: values over the inputs of its [`InputLayout`].
@@ -42,4 +48,200 @@ pub struct ClassFunctions {
     pub uses_twist: bool,
     /// Whether any load is not zero.
     pub applies_load: bool,
+}
+
+/// Entries of a marker's inputs that hold its pose: x, then R.
+const POSE: u32 = 12;
+
+impl ClassBody {
+    /// Differentiates and optimises: all functions of the class.
+    pub fn functions(&self) -> Result<ClassFunctions, DifferentiateError> {
+        let plain = self.functions_as_written()?;
+        Ok(ClassFunctions {
+            residual: optimise(&plain.residual),
+            linearize: optimise(&plain.linearize),
+            tangent: optimise(&plain.tangent),
+            velocity: optimise(&plain.velocity),
+            outputs: optimise(&plain.outputs),
+            conditions: optimise(&plain.conditions),
+            rotations: optimise(&plain.rotations),
+            ..plain
+        })
+    }
+
+    /// The same without the optimiser: what it is measured against.
+    pub fn functions_as_written(&self) -> Result<ClassFunctions, DifferentiateError> {
+        let layout = self.layout;
+        for (expected, found) in [
+            (layout.rows, self.rows.len()),
+            (layout.markers, self.loads.len()),
+            (layout.states, self.rates.len()),
+            (layout.rotations, self.rotations.len()),
+        ] {
+            if expected as usize != found {
+                return Err(DifferentiateError::Count {
+                    expected: expected as usize,
+                    found,
+                });
+            }
+        }
+        let mut graph = self.graph.clone();
+        let residual = self.residual(&mut graph);
+        let position_rates = time_derivative_with(
+            &mut graph,
+            &layout,
+            &self.rows,
+            Some(&self.rates),
+            Accelerations::Zero,
+        )?;
+        let second = time_derivative_with(
+            &mut graph,
+            &layout,
+            &position_rates,
+            Some(&self.rates),
+            Accelerations::Zero,
+        )?;
+        let mut velocity = position_rates;
+        for node in second {
+            velocity.push(graph.negate(node));
+        }
+        let (linearize, tangent) = linearise(&self.name, &layout, &graph, &residual);
+        let common: Vec<Node> = residual
+            .iter()
+            .chain(&velocity)
+            .chain(&self.conditions)
+            .chain(&self.rotations)
+            .copied()
+            .collect();
+        check_inputs(&graph, &common, layout.len())?;
+        check_inputs(&graph, &self.outputs, layout.outputs_len())?;
+        let uses_twist = inputs_of(&graph, &residual[layout.rows as usize..])
+            .into_iter()
+            .any(|i| matches!(Place::of(&layout, i), Place::Velocity { .. }));
+        let applies_load = self
+            .loads
+            .iter()
+            .flatten()
+            .any(|n| graph.as_constant(*n) != Some(0.0));
+        let function = |name: &str, inputs: u32, outputs: Vec<Node>| Function {
+            name: format!("{}.{name}", self.name),
+            inputs,
+            graph: graph.clone(),
+            outputs,
+        };
+        Ok(ClassFunctions {
+            layout,
+            residual: function("residual", layout.len(), residual),
+            linearize,
+            tangent,
+            velocity: function("velocity", layout.len(), velocity),
+            outputs: function("outputs", layout.outputs_len(), self.outputs.clone()),
+            conditions: function("conditions", layout.len(), self.conditions.clone()),
+            rotations: function("rotations", layout.len(), self.rotations.clone()),
+            uses_twist,
+            applies_load,
+        })
+    }
+
+    /// Φ, the wrench on each marker, ẏ. The constraints' part is −Gᵀλ, the gradient of −λᵀΦ along the pose directions:
+    /// force along x (inertial), torque along δπ with δR = R δπ~ (marker axes), by virtual work.
+    fn residual(&self, graph: &mut Graph) -> Vec<Node> {
+        let layout = &self.layout;
+        let mut work = graph.constant(0.0);
+        for (row, phi) in (0..).zip(&self.rows) {
+            let multiplier = graph.input(layout.multiplier(row));
+            let term = graph.multiply(multiplier, *phi);
+            work = graph.add(work, term);
+        }
+        let poses: Vec<u32> = (0..layout.markers)
+            .flat_map(|m| (0..POSE).map(move |c| (m, c)))
+            .map(|(m, c)| layout.marker(m) + c)
+            .collect();
+        let slopes = gradient(graph, work, &poses);
+        let mut residual = self.rows.clone();
+        for ((marker, load), slope) in (0..)
+            .zip(&self.loads)
+            .zip(slopes.chunks_exact(POSE as usize))
+        {
+            let turn = turning_slope(graph, layout, marker, &slope[3..]);
+            for (load, reaction) in load.iter().zip(slope[..3].iter().chain(&turn)) {
+                residual.push(graph.subtract(*load, *reaction));
+            }
+        }
+        residual.extend(&self.rates);
+        residual
+    }
+}
+
+/// The slope along δπ of something whose slopes over the entries of R are known, with δR = R δπ~:
+/// component k is Σᵢ (g_ij R_il − g_il R_ij) with j = k+1, l = k+2 turned cyclically, and the sign of that order.
+fn turning_slope(
+    graph: &mut Graph,
+    layout: &InputLayout,
+    marker: u32,
+    slopes: &[Node],
+) -> [Node; 3] {
+    let zero = graph.constant(0.0);
+    let mut turn = [zero; 3];
+    for (k, sum) in turn.iter_mut().enumerate() {
+        let (j, l) = ((k + 1) % 3, (k + 2) % 3);
+        for row in 0..3 {
+            let entry = layout.marker(marker) + 3 + 3 * row as u32;
+            // δR_ij = R_il δπ_k and δR_il = −R_ij δπ_k
+            let (r_j, r_l) = (graph.input(entry + j as u32), graph.input(entry + l as u32));
+            let plus = guarded_multiply(graph, slopes[3 * row + j], r_l);
+            let minus = guarded_multiply(graph, slopes[3 * row + l], r_j);
+            let difference = graph.subtract(plus, minus);
+            *sum = graph.add(*sum, difference);
+        }
+    }
+    turn
+}
+
+fn check_inputs(graph: &Graph, nodes: &[Node], count: u32) -> Result<(), DifferentiateError> {
+    match inputs_of(graph, nodes).last() {
+        Some(i) if *i >= count => Err(DifferentiateError::Input(*i)),
+        _ => Ok(()),
+    }
+}
+
+impl ClassFunctions {
+    /// A function of the class.
+    pub fn get(&self, function: eng_system::code::Function) -> &Function {
+        use eng_system::code::Function as Which;
+        match function {
+            Which::Residual => &self.residual,
+            Which::Linearize => &self.linearize,
+            Which::Tangent => &self.tangent,
+            Which::Velocity => &self.velocity,
+            Which::Outputs => &self.outputs,
+            Which::Conditions => &self.conditions,
+            Which::Rotations => &self.rotations,
+        }
+    }
+
+    /// Length of the tape.
+    pub fn tape(&self) -> u32 {
+        self.linearize.outputs.len() as u32
+    }
+
+    /// A hash of the printed functions without their names (FNV-1a, 128 bits): equal text, equal code.
+    pub fn fingerprint(&self) -> u128 {
+        struct Hash(u128);
+        impl std::fmt::Write for Hash {
+            fn write_str(&mut self, text: &str) -> std::fmt::Result {
+                for byte in text.bytes() {
+                    self.0 = (self.0 ^ u128::from(byte))
+                        .wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
+                }
+                Ok(())
+            }
+        }
+        let mut hash = Hash(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
+        for which in eng_system::code::Function::ALL {
+            // writing to the hash cannot fail
+            let _ = self.get(which).print_body(&mut hash);
+        }
+        hash.0
+    }
 }

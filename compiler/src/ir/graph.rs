@@ -52,6 +52,93 @@ pub enum Op {
     Table(Node, Node, u8),
 }
 
+impl Op {
+    /// The operands in order.
+    pub fn operands(self) -> impl DoubleEndedIterator<Item = Node> + Clone {
+        let none = Node(0);
+        let (list, count) = match self {
+            Op::Input(_) | Op::Constant(_) => ([none; 3], 0),
+            Op::Negate(a)
+            | Op::Abs(a)
+            | Op::Sqrt(a)
+            | Op::Sin(a)
+            | Op::Cos(a)
+            | Op::Tan(a)
+            | Op::Asin(a)
+            | Op::Acos(a)
+            | Op::Atan(a)
+            | Op::Tanh(a)
+            | Op::Exp(a)
+            | Op::Log(a)
+            | Op::Not(a) => ([a, none, none], 1),
+            Op::Add(a, b)
+            | Op::Subtract(a, b)
+            | Op::Multiply(a, b)
+            | Op::Divide(a, b)
+            | Op::Minimum(a, b)
+            | Op::Maximum(a, b)
+            | Op::Atan2(a, b)
+            | Op::Power(a, b)
+            | Op::Less(a, b)
+            | Op::LessEqual(a, b)
+            | Op::Equal(a, b)
+            | Op::And(a, b)
+            | Op::Or(a, b)
+            | Op::Table(a, b, _) => ([a, b, none], 2),
+            Op::Select(a, b, c) => ([a, b, c], 3),
+        };
+        list.into_iter().take(count)
+    }
+
+    /// The same operation on other operands.
+    pub fn map_operands(self, mut f: impl FnMut(Node) -> Node) -> Op {
+        match self {
+            Op::Input(_) | Op::Constant(_) => self,
+            Op::Add(a, b) => Op::Add(f(a), f(b)),
+            Op::Subtract(a, b) => Op::Subtract(f(a), f(b)),
+            Op::Multiply(a, b) => Op::Multiply(f(a), f(b)),
+            Op::Divide(a, b) => Op::Divide(f(a), f(b)),
+            Op::Negate(a) => Op::Negate(f(a)),
+            Op::Abs(a) => Op::Abs(f(a)),
+            Op::Sqrt(a) => Op::Sqrt(f(a)),
+            Op::Minimum(a, b) => Op::Minimum(f(a), f(b)),
+            Op::Maximum(a, b) => Op::Maximum(f(a), f(b)),
+            Op::Sin(a) => Op::Sin(f(a)),
+            Op::Cos(a) => Op::Cos(f(a)),
+            Op::Tan(a) => Op::Tan(f(a)),
+            Op::Asin(a) => Op::Asin(f(a)),
+            Op::Acos(a) => Op::Acos(f(a)),
+            Op::Atan(a) => Op::Atan(f(a)),
+            Op::Tanh(a) => Op::Tanh(f(a)),
+            Op::Exp(a) => Op::Exp(f(a)),
+            Op::Log(a) => Op::Log(f(a)),
+            Op::Atan2(a, b) => Op::Atan2(f(a), f(b)),
+            Op::Power(a, b) => Op::Power(f(a), f(b)),
+            Op::Less(a, b) => Op::Less(f(a), f(b)),
+            Op::LessEqual(a, b) => Op::LessEqual(f(a), f(b)),
+            Op::Equal(a, b) => Op::Equal(f(a), f(b)),
+            Op::And(a, b) => Op::And(f(a), f(b)),
+            Op::Or(a, b) => Op::Or(f(a), f(b)),
+            Op::Not(a) => Op::Not(f(a)),
+            Op::Select(a, b, c) => Op::Select(f(a), f(b), f(c)),
+            Op::Table(a, b, order) => Op::Table(f(a), f(b), order),
+        }
+    }
+
+    /// Whether the result is a flag.
+    pub fn is_flag(self) -> bool {
+        matches!(
+            self,
+            Op::Less(..)
+                | Op::LessEqual(..)
+                | Op::Equal(..)
+                | Op::And(..)
+                | Op::Or(..)
+                | Op::Not(_)
+        )
+    }
+}
+
 /// Builds a graph; equal operations become one node, constants are folded.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
@@ -286,7 +373,11 @@ impl Graph {
 
     /// A function of one argument; `op` is its constructor, `Op::Sin` to `Op::Log`.
     pub fn unary(&mut self, op: fn(Node) -> Op, a: Node) -> Node {
-        let value = if self.plain { None } else { self.as_constant(a) };
+        let value = if self.plain {
+            None
+        } else {
+            self.as_constant(a)
+        };
         let folded = value.and_then(|x| match op(a) {
             Op::Sin(_) => Some(libm::sin(x)),
             Op::Cos(_) => Some(libm::cos(x)),
@@ -380,10 +471,97 @@ impl Graph {
 
     /// `then` where `flag` is set, else `otherwise`.
     pub fn select(&mut self, flag: Node, then: Node, otherwise: Node) -> Node {
-        if !self.plain && then == otherwise {
+        if self.plain {
+            return self.push(Op::Select(flag, then, otherwise));
+        }
+        if then == otherwise {
             return then;
         }
-        self.push(Op::Select(flag, then, otherwise))
+        match self.known_flag(flag) {
+            Some(true) => return then,
+            Some(false) => return otherwise,
+            None => {}
+        }
+        match (self.op(flag), self.op(then), self.op(otherwise)) {
+            (Op::Not(f), _, _) => self.select(f, otherwise, then),
+            (_, Op::Select(f, inner, _), _) if f == flag => self.select(flag, inner, otherwise),
+            (_, _, Op::Select(f, _, inner)) if f == flag => self.select(flag, then, inner),
+            _ => self.push(Op::Select(flag, then, otherwise)),
+        }
+    }
+
+    /// Flag a = b.
+    pub fn equal(&mut self, a: Node, b: Node) -> Node {
+        self.push(Op::Equal(a, b))
+    }
+
+    /// Both flags.
+    pub fn and(&mut self, a: Node, b: Node) -> Node {
+        if !self.plain && a == b {
+            return a;
+        }
+        self.push(Op::And(a, b))
+    }
+
+    /// One flag at least.
+    pub fn or(&mut self, a: Node, b: Node) -> Node {
+        if !self.plain && a == b {
+            return a;
+        }
+        self.push(Op::Or(a, b))
+    }
+
+    /// The flag turned over.
+    pub fn not(&mut self, a: Node) -> Node {
+        match self.op(a) {
+            Op::Not(b) if !self.plain => b,
+            _ => self.push(Op::Not(a)),
+        }
+    }
+
+    /// The value of a comparison of constants.
+    fn known_flag(&self, flag: Node) -> Option<bool> {
+        let compare =
+            |a, b, f: fn(&f64, &f64) -> bool| Some(f(&self.as_constant(a)?, &self.as_constant(b)?));
+        match self.op(flag) {
+            Op::Less(a, b) => compare(a, b, f64::lt),
+            Op::LessEqual(a, b) => compare(a, b, f64::le),
+            Op::Equal(a, b) => compare(a, b, f64::eq),
+            _ => None,
+        }
+    }
+
+    /// Adds an operation through the folding builder of its kind.
+    pub fn build(&mut self, op: Op) -> Node {
+        match op {
+            Op::Input(_) | Op::Less(..) | Op::LessEqual(..) | Op::Equal(..) => self.push(op),
+            Op::Constant(bits) => self.constant(f64::from_bits(bits)),
+            Op::Add(a, b) => self.add(a, b),
+            Op::Subtract(a, b) => self.subtract(a, b),
+            Op::Multiply(a, b) => self.multiply(a, b),
+            Op::Divide(a, b) => self.divide(a, b),
+            Op::Negate(a) => self.negate(a),
+            Op::Abs(a) => self.abs(a),
+            Op::Sqrt(a) => self.sqrt(a),
+            Op::Minimum(a, b) => self.minimum(a, b),
+            Op::Maximum(a, b) => self.maximum(a, b),
+            Op::Sin(a) => self.unary(Op::Sin, a),
+            Op::Cos(a) => self.unary(Op::Cos, a),
+            Op::Tan(a) => self.unary(Op::Tan, a),
+            Op::Asin(a) => self.unary(Op::Asin, a),
+            Op::Acos(a) => self.unary(Op::Acos, a),
+            Op::Atan(a) => self.unary(Op::Atan, a),
+            Op::Tanh(a) => self.unary(Op::Tanh, a),
+            Op::Exp(a) => self.unary(Op::Exp, a),
+            Op::Log(a) => self.unary(Op::Log, a),
+            Op::Atan2(y, x) => self.atan2(y, x),
+            Op::Power(base, exponent) => self.power(base, exponent),
+            Op::And(a, b) => self.and(a, b),
+            Op::Or(a, b) => self.or(a, b),
+            Op::Not(a) => self.not(a),
+            Op::Select(flag, then, otherwise) => self.select(flag, then, otherwise),
+            Op::Table(handle, argument, order) => self.table(handle, argument, order),
+        }
     }
 
     /// Table look-up.

@@ -4,7 +4,17 @@
 //! looked up, units, instances. Nodes are created in topological order, each once (hash-consed).
 
 pub mod class;
+pub mod differentiate;
 pub mod graph;
+pub mod interpret;
+mod linearise;
+pub mod optimise;
+mod print;
 
 pub use class::{ClassBody, ClassFunctions};
+pub use differentiate::{
+    DifferentiateError, forward, gradient, inputs_of, time_derivative, uses_acceleration,
+};
 pub use graph::{Function, Graph, Node, Op};
+pub use interpret::{InterpretedClass, Interpreter};
+pub use optimise::{copy_into, optimise};

@@ -60,6 +60,16 @@ fn is_comparison(op: BinaryOp) -> bool {
     )
 }
 
+fn has_unit(value: &Expr) -> bool {
+    match &value.kind {
+        ExprKind::Number { unit, .. }
+        | ExprKind::List { unit, .. }
+        | ExprKind::Comprehension { unit, .. }
+        | ExprKind::Paren { unit, .. } => unit.is_some(),
+        _ => false,
+    }
+}
+
 impl<'t> Builder<'t, '_> {
     /// Of an `expression`.
     pub(crate) fn expression(&mut self, pair: Pair<'t, Rule>, depth: usize) -> Expr {
@@ -196,6 +206,18 @@ impl<'t> Builder<'t, '_> {
                             .at(op_span, "a second comparison of one chain")
                             .also(*first_span, "the first")
                             .with_help("write `a < b and b < c`"),
+                    );
+                    return error(span);
+                }
+                if op == BinaryOp::Power && left.span.end == op_span.start && has_unit(&left) {
+                    self.report(
+                        Diagnostic::error(
+                            "E0107",
+                            "the exponent of a unit is a whole number or a ratio",
+                        )
+                        .at(right.span, "not a number")
+                        .also(left.span, "ends with a unit")
+                        .with_help("`(2 m)^n` raises the quantity; `m^2` and `m^(1/2)` are units"),
                     );
                     return error(span);
                 }

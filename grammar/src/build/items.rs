@@ -118,8 +118,7 @@ impl<'t> Builder<'t, '_> {
                 Rule::name => path.push(self.name(&part)),
                 Rule::use_all => names = Some(UseNames::All),
                 Rule::use_list => {
-                    let list = part.into_inner().map(|name| self.name(&name)).collect();
-                    names = Some(UseNames::Some(list));
+                    names = Some(UseNames::Some(self.names(part)));
                 }
                 _ => {}
             }
@@ -146,6 +145,14 @@ impl<'t> Builder<'t, '_> {
                 ItemKind::Error
             }
         }
+    }
+
+    /// The names among the children of a pair.
+    fn names(&self, pair: Pair<'t, Rule>) -> Vec<Name> {
+        pair.into_inner()
+            .filter(|part| part.as_rule() == Rule::name)
+            .map(|part| self.name(&part))
+            .collect()
     }
 
     fn span_end(&self, span: Span) -> Span {
@@ -337,9 +344,7 @@ impl<'t> Builder<'t, '_> {
         for part in pair.into_inner() {
             match part.as_rule() {
                 Rule::name => function.name = self.name(&part),
-                Rule::generics => {
-                    function.generics = part.into_inner().map(|name| self.name(&name)).collect();
-                }
+                Rule::generics => function.generics = self.names(part),
                 Rule::parameters => function.parameters = self.parameters(part, depth),
                 Rule::type_expression => function.result = Some(self.type_expression(part, depth)),
                 Rule::expression => function.value = self.expression(part, depth),

@@ -103,6 +103,7 @@ impl<'t> Builder<'t, '_> {
                     let mut inner = part.into_inner();
                     let name = self.next_name(&mut inner);
                     let types = inner
+                        .filter(|inner| inner.as_rule() == Rule::type_expression)
                         .map(|inner| self.type_expression(inner, depth + 1))
                         .collect();
                     result = TypeExpr {

@@ -6,6 +6,8 @@ use crate::diagnostic::Diagnostic;
 use crate::grammar::Rule;
 use crate::tokens::{Token, TokenKind};
 
+const EXPONENT: &str = "the exponent of a unit is a whole number or a ratio: `m^2`, `m^(1/2)`";
+
 /// A place that was reached, the tokens around it, and what was tried there.
 pub(super) struct Failure<'b> {
     builder: &'b Builder<'b, 'b>,
@@ -91,25 +93,27 @@ impl<'b> Failure<'b> {
     /// `1.`, `.5`, `1_000`, `m^0.5`, `1.2.3`.
     fn malformed_number(&self) -> Option<Diagnostic> {
         let here = self.token(self.at)?;
+        if self.before_text() == "^" && here.kind == TokenKind::Number {
+            return Some(
+                Diagnostic::error("E0107", "this exponent cannot be used")
+                    .at(self.span(), "not a whole number")
+                    .with_help(EXPONENT),
+            );
+        }
         let touches = |a: &Token, b: &Token| a.end == b.start;
         let next = self.token(self.at + 1);
         if let Some(before) = self.before()
             && touches(before, here)
         {
             let number = before.kind == TokenKind::Number;
-            let in_power = self.at >= 2 && self.word(self.at - 2) == "^";
-            if number && here.text(self.text) == "." || number && here.kind == TokenKind::Number {
+            if number && (here.text(self.text) == "." || here.kind == TokenKind::Number) {
                 let end = next.filter(|next| touches(here, next)).unwrap_or(here).end;
                 let whole = self.builder.span(before.start, end);
-                let diagnostic = Diagnostic::error("E0107", "this number is malformed")
-                    .at(whole, "not a number");
-                return Some(if in_power {
-                    diagnostic.with_help(
-                        "the exponent of a unit is a whole number or a ratio: `m^2`, `m^(1/2)`",
-                    )
-                } else {
-                    diagnostic.with_help("digits stand on both sides of the point: `1.0`, `0.5`")
-                });
+                return Some(
+                    Diagnostic::error("E0107", "this number is malformed")
+                        .at(whole, "not a number")
+                        .with_help("digits stand on both sides of the point: `1.0`, `0.5`"),
+                );
             }
             if number && here.text(self.text).starts_with('_') {
                 let digits: String = self
@@ -184,7 +188,10 @@ impl<'b> Failure<'b> {
                     .with_fix("write `^`", span, "^"),
             );
         }
-        (self.found() == "=" && matches!(self.before_text(), "+" | "-" | "*" | "/")).then(|| {
+        let sign = |text: &str| matches!(text, "+" | "-" | "*" | "/");
+        let assigns = (self.found() == "=" && sign(self.before_text()))
+            || (sign(self.found()) && self.word(self.at + 1) == "=");
+        assigns.then(|| {
             Diagnostic::error("E0101", "nothing is reassigned in Eng")
                 .at(span, "not expected here")
                 .with_help("give each value its own name")
@@ -317,7 +324,10 @@ impl<'b> Failure<'b> {
 
     /// A function's block without a value at its end.
     fn lost_value(&self) -> Option<Diagnostic> {
-        (self.word(0) == "fn" && self.found() == "}" && self.tried_value()).then(|| {
+        let complete = self.before().is_some_and(|before| {
+            before.kind != TokenKind::Sign || matches!(self.before_text(), ")" | "]" | "}" | "{")
+        });
+        (complete && self.word(0) == "fn" && self.found() == "}" && self.tried_value()).then(|| {
             Diagnostic::error("E0101", "a function's block ends with its value")
                 .at(self.span(), "expected a value before this")
                 .with_help(
@@ -396,6 +406,20 @@ impl<'b> Failure<'b> {
         if self.tried(&[Rule::exponent, Rule::integer, Rule::digits]) && self.before_text() == "^" {
             return self.say("a whole number or a ratio in parentheses");
         }
+        if self.word(0) == "der" && self.at < 5 && matches!(self.found(), "(" | ".") {
+            return Diagnostic::error("E0101", "`der( )` on the left takes the name of a state")
+                .at(self.span(), "expected `der(name) = …`");
+        }
+        if self.tried(&[Rule::wrench_kind]) {
+            return self.say("`force` or `torque`");
+        }
+        if self.tried(&[Rule::close_angle, Rule::close_brace]) && self.tried(&[Rule::comma]) {
+            return self.say(if self.tried(&[Rule::close_angle]) {
+                "`,` or `>`"
+            } else {
+                "`,` or `}`"
+            });
+        }
         if let Some((_, sign)) = self.inside()
             && sign != "{"
             && self.tried(&[Rule::comma, Rule::infix])
@@ -404,7 +428,7 @@ impl<'b> Failure<'b> {
             return self.say(&format!("`,` or `{close}`"));
         }
         let mut words: Vec<&str> = Vec::new();
-        let known: [(Rule, &str); 21] = [
+        let known: [(Rule, &str); 20] = [
             (Rule::parameters, "`(`"),
             (Rule::colon, "`:`"),
             (Rule::arrow, "`->`"),
@@ -418,7 +442,6 @@ impl<'b> Failure<'b> {
             (Rule::word_on, "`on`"),
             (Rule::word_then, "`then`"),
             (Rule::word_else, "`else`"),
-            (Rule::wrench_kind, "`force` or `torque`"),
             (Rule::string, "a text in quotes"),
             (Rule::name, "a name"),
             (Rule::binder, "`name in range`"),
@@ -428,7 +451,8 @@ impl<'b> Failure<'b> {
             (Rule::use_all, "`*`"),
         ];
         for (rule, word) in known {
-            if self.tried(&[rule]) && !words.contains(&word) {
+            let optional = rule == Rule::word_in && self.tried(&[Rule::assign, Rule::word_as]);
+            if self.tried(&[rule]) && !words.contains(&word) && !optional {
                 words.push(word);
             }
         }
@@ -446,12 +470,26 @@ impl<'b> Failure<'b> {
 
     fn unexpected(&self) -> Diagnostic {
         match self.token(self.at) {
-            Some(token) => Diagnostic::error(
-                "E0101",
-                format!("unexpected `{}`", shortened(token.text(self.text))),
-            )
-            .at(self.span(), "cannot stand here")
-            .with_help("an item ends at the line's end or at `;`"),
+            Some(token) => {
+                let sign = self.found();
+                let after_name = self
+                    .before()
+                    .is_some_and(|before| before.kind == TokenKind::Word);
+                let diagnostic =
+                    Diagnostic::error("E0101", format!("unexpected `{}`", shortened(sign)))
+                        .at(self.span(), "cannot stand here");
+                if matches!(sign, "(" | "[") {
+                    diagnostic.with_help(format!(
+                        "the `{sign}` of a call or an index touches what it follows, on the same line"
+                    ))
+                } else if after_name && token.kind == TokenKind::Word && !self.new_line() {
+                    diagnostic.with_help(
+                        "a unit follows a number, a list or a parenthesis: `(width) mm`; an item ends at the line's end or at `;`",
+                    )
+                } else {
+                    diagnostic.with_help("an item ends at the line's end or at `;`")
+                }
+            }
             None => Diagnostic::error("E0101", "this item is not complete")
                 .at(self.span(), "it ends here"),
         }

@@ -1,0 +1,457 @@
+//! The bind graph: expressions of parameters alone, evaluated once a parameter set.
+
+use super::scalar::{FIXED, Flag, Scalar, Stage};
+use super::value::{ScopeId, Value};
+use super::{Elaborator, Eval, expression::Truth, location};
+use crate::ir::{Function, Node, Op};
+use eng_grammar::ast;
+use eng_grammar::{Diagnostic, Span};
+use eng_system::code::{BindCode, BindError, Bound};
+use eng_system::system::{Location, Parameter};
+use eng_system::table::Table;
+use eng_system::{Dimension, DisplayUnit};
+
+/// The node that a parameter takes its value from when it is not set.
+pub type ParameterDefault = Node;
+
+/// Part of a message with numbers in it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MessagePart {
+    /// Plain text.
+    Text(String),
+    /// A value in a unit.
+    Value(Node, DisplayUnit),
+}
+
+/// A `require` or `advise` on parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// A number that is 1 where the condition holds.
+    pub holds: Node,
+    /// A lint.
+    pub advise: bool,
+    /// The author's message.
+    pub message: Vec<MessagePart>,
+    /// Path of the element.
+    pub path: String,
+    /// The user's line.
+    pub used_at: Option<Location>,
+    /// The law's line.
+    pub defined_at: Option<Location>,
+}
+
+/// The bind graph as a program.
+#[derive(Clone, Debug, Default)]
+pub struct BindProgram {
+    /// All operations, operands first; inputs below 2²⁴ are parameters, from there fixed numbers.
+    pub function: Function,
+    /// Fixed numbers.
+    pub fixed: Vec<f64>,
+    /// What a parameter is when it is not set.
+    pub defaults: Vec<ParameterDefault>,
+    /// Paths, units and limits of the parameters.
+    pub parameters: Vec<Parameter>,
+    /// Conditions.
+    pub checks: Vec<Check>,
+}
+
+impl BindCode for BindProgram {
+    fn bind(&self, overrides: &[Option<f64>], tables: &[Table]) -> Result<Bound, BindError> {
+        let nodes = self.function.graph.nodes();
+        let mut values = vec![0.0f64; nodes.len()];
+        for (i, op) in nodes.iter().enumerate() {
+            let value = match op {
+                Op::Input(k) if *k >= FIXED => self.fixed.get((*k - FIXED) as usize).copied(),
+                Op::Input(k) => {
+                    let default = self.defaults.get(*k as usize).map(|n| values[n.0 as usize]);
+                    overrides.get(*k as usize).copied().flatten().or(default)
+                }
+                other => Some(crate::ir::interpret::operate(
+                    other,
+                    |n| values[n.0 as usize],
+                    tables,
+                )),
+            };
+            values[i] = value.unwrap_or(f64::NAN);
+        }
+        let at = |n: &Node| values[n.0 as usize];
+        let mut parameters = Vec::with_capacity(self.parameters.len());
+        for (i, parameter) in self.parameters.iter().enumerate() {
+            let value = match (overrides.get(i).copied().flatten(), self.defaults.get(i)) {
+                (Some(v), _) => v,
+                (None, Some(n)) => at(n),
+                (None, None) => f64::NAN,
+            };
+            if !value.is_finite() {
+                return Err(BindError::NotFinite {
+                    path: parameter.origin.path.clone(),
+                });
+            }
+            let (low, high) = parameter.limits;
+            if value <= low || value >= high {
+                let d = &parameter.display;
+                return Err(BindError::Limits {
+                    path: parameter.origin.path.clone(),
+                    value: d.from_si(value),
+                    unit: d.symbol.clone(),
+                    low: d.from_si(low),
+                    high: d.from_si(high),
+                });
+            }
+            parameters.push(value);
+        }
+        let mut advice = Vec::new();
+        for check in &self.checks {
+            if at(&check.holds) == 1.0 {
+                continue;
+            }
+            let message: String = check
+                .message
+                .iter()
+                .map(|part| match part {
+                    MessagePart::Text(t) => t.clone(),
+                    MessagePart::Value(n, unit) => shown(unit.from_si(at(n)), &unit.symbol),
+                })
+                .collect();
+            if check.advise {
+                advice.push(format!("{}: {message}", check.path));
+            } else {
+                return Err(BindError::Require {
+                    path: check.path.clone(),
+                    message,
+                    used_at: check.used_at,
+                    defined_at: check.defined_at,
+                });
+            }
+        }
+        let slots: Vec<f64> = self.function.outputs.iter().map(at).collect();
+        if let Some(i) = slots.iter().position(|v| !v.is_finite()) {
+            return Err(BindError::NotFinite {
+                path: format!("{} (constant {i} of the model)", self.function.name),
+            });
+        }
+        Ok(Bound {
+            slots,
+            parameters,
+            advice,
+        })
+    }
+}
+
+/// A number with four significant digits and its unit.
+fn shown(value: f64, unit: &str) -> String {
+    let digits = if value == 0.0 {
+        0
+    } else {
+        (3 - libm::floor(libm::log10(libm::fabs(value))) as i32).clamp(0, 9)
+    };
+    let mut text = format!("{value:.*}", digits as usize);
+    if text.contains('.') {
+        text = text.trim_end_matches('0').trim_end_matches('.').to_owned();
+    }
+    if unit == "1" {
+        text
+    } else {
+        format!("{text} {unit}")
+    }
+}
+
+impl<'a> Elaborator<'a, '_> {
+    /// Makes every number of parameters alone in a value a parameter of its own, so that it can be set by its path and
+    /// stays out of the code.
+    pub fn parameterise(
+        &mut self,
+        value: Value<'a>,
+        path: &str,
+        expr: Option<&'a ast::Expr>,
+        limits: Option<&'a (ast::Expr, ast::Expr)>,
+        span: Span,
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
+        match value {
+            Value::Int(i) => {
+                let s = self.bench.constant(i as f64, Dimension::ONE);
+                self.parameterise(Value::Scalar(s), path, expr, limits, span, scope)
+            }
+            Value::Scalar(s) if s.stage == Stage::Bind => {
+                let display = expr
+                    .and_then(|e| self.literal_unit(e))
+                    .unwrap_or_else(|| self.natural_unit(s.dimension));
+                let limits = match limits {
+                    Some((low, high)) => {
+                        let bound = |e: &mut Self, expr: &'a ast::Expr| -> Eval<f64> {
+                            let v = e.evaluate(expr, scope)?;
+                            let v = e.as_scalar(v, expr.span)?;
+                            e.structural(v, expr.span)
+                        };
+                        (bound(self, low)?, bound(self, high)?)
+                    }
+                    None => (f64::NEG_INFINITY, f64::INFINITY),
+                };
+                let index = self.parameters.len() as u32;
+                self.parameters.push(Parameter {
+                    origin: eng_system::system::Origin {
+                        path: path.to_owned(),
+                        used_at: Some(location(span)),
+                        defined_at: None,
+                    },
+                    dimension: s.dimension,
+                    display,
+                    limits,
+                });
+                self.parameter_defaults.push(s.node);
+                let node = self.bench.bind.graph.input(index);
+                Ok(Value::Scalar(Scalar { node, ..s }))
+            }
+            Value::Vector(v) => {
+                let mut out = v;
+                for (i, s) in v.into_iter().enumerate() {
+                    let name = format!("{path}.{}", ["x", "y", "z"][i]);
+                    if let Value::Scalar(p) =
+                        self.parameterise(Value::Scalar(s), &name, None, None, span, scope)?
+                    {
+                        out[i] = p;
+                    }
+                }
+                Ok(Value::Vector(out))
+            }
+            Value::List(items) => {
+                let mut out = Vec::with_capacity(items.len());
+                for (i, item) in items.into_iter().enumerate() {
+                    let name = format!("{path}[{}]", i + 1);
+                    out.push(self.parameterise(item, &name, None, None, span, scope)?);
+                }
+                Ok(Value::List(out))
+            }
+            other => Ok(other),
+        }
+    }
+
+    /// The unit that a literal is written in.
+    fn literal_unit(&self, expr: &ast::Expr) -> Option<DisplayUnit> {
+        let unit = match &expr.kind {
+            ast::ExprKind::Number { unit: Some(u), .. }
+            | ast::ExprKind::Paren { unit: Some(u), .. } => u,
+            ast::ExprKind::Paren { inner, unit: None } => return self.literal_unit(inner),
+            ast::ExprKind::Unary { operand, .. } => return self.literal_unit(operand),
+            _ => return None,
+        };
+        let unit = self.program.unit(unit).ok()?;
+        Some(DisplayUnit {
+            symbol: unit.symbol,
+            scale: unit.scale,
+            offset: unit.offset,
+        })
+    }
+
+    /// The unit in which a dimension is shown if nothing else is stated.
+    pub fn natural_unit(&self, dimension: Dimension) -> DisplayUnit {
+        let plain = dimension.without_angle();
+        // the SI unit with a name of its own, if there is one
+        for symbol in ["N", "Pa", "J", "W", "deg", "rpm", "Hz"] {
+            if let Some(unit) = self.program.units.get(symbol) {
+                let same = match symbol {
+                    "deg" | "rpm" => unit.dimension == dimension,
+                    "J" => false,
+                    _ => unit.dimension == plain && unit.dimension == dimension,
+                };
+                if same {
+                    return DisplayUnit {
+                        symbol: symbol.to_owned(),
+                        scale: unit.scale,
+                        offset: unit.offset,
+                    };
+                }
+            }
+        }
+        if let (Some(n), Some(m)) = (self.program.units.get("N"), self.program.units.get("m"))
+            && n.dimension.times(m.dimension) == plain
+        {
+            return DisplayUnit {
+                symbol: "N*m".into(),
+                scale: 1.0,
+                offset: 0.0,
+            };
+        }
+        // angle is soft: beside other dimensions it is not shown
+        if plain.is_one() {
+            DisplayUnit::si(dimension)
+        } else {
+            DisplayUnit::si(plain)
+        }
+    }
+
+    /// `require` and `advise`. Conditions of parameters alone become checks of the bind graph; the others are returned with
+    /// the text of their message.
+    pub fn requirement(
+        &mut self,
+        advise: bool,
+        condition: &'a ast::Expr,
+        message: &'a ast::Name,
+        scope: ScopeId,
+        path: &str,
+        used_at: Option<Location>,
+    ) -> Eval<Option<(Flag, String)>> {
+        match self.truth(condition, scope)? {
+            Truth::Known(true) => Ok(None),
+            Truth::Known(false) if advise => {
+                self.diagnostics.push(
+                    Diagnostic::warning("W0502", message.text.clone())
+                        .at(condition.span, format!("does not hold for {path}")),
+                );
+                Ok(None)
+            }
+            Truth::Known(false) => {
+                let mut d = Diagnostic::error("E0513", format!("{path}: {}", message.text));
+                if let Some(place) = used_at {
+                    d = d.at(
+                        Span {
+                            source: eng_grammar::SourceId(place.source),
+                            start: place.start,
+                            end: place.end,
+                        },
+                        "here",
+                    );
+                }
+                Err(self.report(d.also(condition.span, "this does not hold")))
+            }
+            Truth::Later(flag) if flag.stage == Stage::Bind => {
+                let parts = self.message_parts(message, scope)?;
+                let holds = self.bench.flag_number(flag);
+                self.checks.push(Check {
+                    holds,
+                    advise,
+                    message: parts,
+                    path: path.to_owned(),
+                    used_at,
+                    defined_at: Some(location(condition.span)),
+                });
+                Ok(None)
+            }
+            Truth::Later(flag) => Ok(Some((flag, plain_message(&message.text)))),
+        }
+    }
+
+    fn message_parts(&mut self, message: &'a ast::Name, scope: ScopeId) -> Eval<Vec<MessagePart>> {
+        let mut parts = Vec::new();
+        let mut rest = message.text.as_str();
+        let mut offset = message.span.start as usize;
+        while let Some(open) = rest.find('{') {
+            let Some(length) = rest[open..].find('}') else {
+                break;
+            };
+            parts.push(MessagePart::Text(rest[..open].to_owned()));
+            let inside = &rest[open + 1..open + length];
+            let mut scratch = eng_grammar::Diagnostics::new();
+            let parsed = eng_grammar::parse_placeholder(
+                inside,
+                message.span.source,
+                offset + open + 1,
+                &mut scratch,
+            );
+            match parsed {
+                Some((expr, unit)) if !scratch.has_errors() => {
+                    let value = self.evaluate_owned(&expr, scope)?;
+                    let unit = match &unit {
+                        Some(u) => {
+                            let u = self.unit(u)?;
+                            DisplayUnit {
+                                symbol: u.symbol,
+                                scale: u.scale,
+                                offset: u.offset,
+                            }
+                        }
+                        None => self.natural_unit(value.dimension),
+                    };
+                    let node = self.bind_node(value, message.span)?;
+                    parts.push(MessagePart::Value(node, unit));
+                }
+                _ => parts.push(MessagePart::Text(format!("{{{inside}}}"))),
+            }
+            offset += open + length + 1;
+            rest = &rest[open + length + 1..];
+        }
+        parts.push(MessagePart::Text(rest.to_owned()));
+        Ok(parts)
+    }
+
+    /// A number of an expression that does not live as long as the program: only names, fields and arithmetic with numbers.
+    fn evaluate_owned(&mut self, expr: &ast::Expr, scope: ScopeId) -> Eval<Scalar> {
+        use ast::ExprKind as K;
+        match &expr.kind {
+            K::Name(name) => {
+                let value = self.lookup(name, scope, expr.span)?;
+                self.as_scalar(value, expr.span)
+            }
+            K::Field { base, name } => match &base.kind {
+                K::Name(n) => {
+                    let base_value = self.lookup(n, scope, base.span)?;
+                    let value = self.field(base_value, name, base.span)?;
+                    self.as_scalar(value, expr.span)
+                }
+                _ => Err(self.too_long(expr.span)),
+            },
+            K::Paren { inner, unit: None } => self.evaluate_owned(inner, scope),
+            K::Number { value, unit, .. } => self.number(*value, unit.as_ref()),
+            K::Binary {
+                op, left, right, ..
+            } => {
+                let a = self.evaluate_owned(left, scope)?;
+                let b = self.evaluate_owned(right, scope)?;
+                match op {
+                    ast::BinaryOp::Add => Ok(self.bench.add(a, b)),
+                    ast::BinaryOp::Subtract => Ok(self.bench.subtract(a, b)),
+                    ast::BinaryOp::Multiply => Ok(self.bench.multiply(a, b)),
+                    ast::BinaryOp::Divide => Ok(self.bench.divide(a, b)),
+                    _ => Err(self.too_long(expr.span)),
+                }
+            }
+            _ => Err(self.too_long(expr.span)),
+        }
+    }
+
+    fn too_long(&mut self, span: Span) -> super::Reported {
+        self.report(
+            Diagnostic::error("E0514", "a message shows names and sums, products of them only")
+                .at(span, "give this a name with `let`"),
+        )
+    }
+
+    /// The dimension that a type expression names; dimensionless for other types.
+    pub fn dimension(&self, ty: &ast::TypeExpr) -> Dimension {
+        use ast::TypeExprKind as K;
+        match &ty.kind {
+            K::Name(name) => self
+                .program
+                .dimensions
+                .get(&name.text)
+                .map_or(Dimension::ONE, |d| d.dimension),
+            K::Generic(_, arguments) => arguments
+                .first()
+                .map_or(Dimension::ONE, |t| self.dimension(t)),
+            K::Array(inner, _) => self.dimension(inner),
+            K::Product(a, b) => self.dimension(a).times(self.dimension(b)),
+            K::Quotient(a, b) => self.dimension(a).over(self.dimension(b)),
+            K::Power(a, n, d) => self.dimension(a).power(*n, *d).unwrap_or(Dimension::ONE),
+            K::Function(_, result) => self.dimension(result),
+            K::One | K::Error => Dimension::ONE,
+        }
+    }
+}
+
+/// A message whose numbers change with the motion: the places are named instead.
+fn plain_message(text: &str) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some(open) = rest.find('{') {
+        let Some(length) = rest[open..].find('}') else {
+            break;
+        };
+        out.push_str(&rest[..open]);
+        let inside = &rest[open + 1..open + length];
+        out.push_str(inside.split(" as ").next().unwrap_or(inside).trim());
+        rest = &rest[open + length + 1..];
+    }
+    out.push_str(rest);
+    out
+}

@@ -1,0 +1,532 @@
+//! Bodies and markers.
+
+use super::scalar::{Scalar, Stage};
+use super::value::{ScopeId, Value};
+use super::{Elaborator, Entry, Eval, location};
+use crate::ir::{Node, Op};
+use eng_grammar::ast::{self, ExprKind, Form, ItemKind, Kind, Statement};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
+use eng_system::system::{Body, BodyRef, Marker, Origin, Role, Slot};
+
+/// A 3×3 matrix of bind nodes, row-major.
+type Matrix = [Node; 9];
+
+impl<'a> Elaborator<'a, '_> {
+    pub fn slot(&mut self, node: Node) -> Slot {
+        self.bench.bind.slot(node)
+    }
+
+    fn slots<const N: usize>(&mut self, nodes: [Node; N]) -> [Slot; N] {
+        nodes.map(|n| self.slot(n))
+    }
+
+    fn zero(&mut self) -> Node {
+        self.bench.bind.graph.constant(0.0)
+    }
+
+    fn identity(&mut self) -> Matrix {
+        let one = self.bench.bind.graph.constant(1.0);
+        let zero = self.zero();
+        [one, zero, zero, zero, one, zero, zero, zero, one]
+    }
+
+    /// The marker at the ground's origin with its axes.
+    pub fn ground_frame(&mut self) -> u32 {
+        if let Some(i) = self.markers.iter().position(|m| {
+            m.body == BodyRef::Ground && m.origin.path == "ground" && m.placed_at.is_none()
+        }) {
+            return i as u32;
+        }
+        let zero = self.zero();
+        let identity = self.identity();
+        self.add_marker(BodyRef::Ground, "ground".into(), None, [zero; 3], identity)
+    }
+
+    /// The marker on the ground that lies where a partner is at the start.
+    pub fn ground_at(&mut self, partner: u32, path: String, span: Span) -> u32 {
+        let zero = self.zero();
+        let identity = self.identity();
+        let marker = self.add_marker(BodyRef::Ground, path, Some(span), [zero; 3], identity);
+        self.markers[marker as usize].placed_at = Some(partner);
+        self.used_markers[marker as usize] = true;
+        marker
+    }
+
+    fn add_marker(
+        &mut self,
+        body: BodyRef,
+        path: String,
+        span: Option<Span>,
+        position: [Node; 3],
+        orientation: Matrix,
+    ) -> u32 {
+        let position = self.slots(position);
+        let orientation = self.slots(orientation);
+        self.markers.push(Marker {
+            origin: Origin {
+                path,
+                used_at: span.map(location),
+                defined_at: None,
+            },
+            body,
+            position,
+            orientation,
+            placed_at: None,
+        });
+        // those without a place in the text are not the user's to use
+        self.used_markers.push(span.is_none());
+        self.markers.len() as u32 - 1
+    }
+
+    /// Instances of `marker name[index] = …` on a body or the ground.
+    pub fn markers_of(
+        &mut self,
+        declaration: &'a ast::Declaration,
+        body: BodyRef,
+        scope: ScopeId,
+        owner: ScopeId,
+    ) -> Eval<()> {
+        let Form::Instance { value, .. } = &declaration.form else {
+            return Err(self.report(
+                Diagnostic::error("E0508", "a marker needs a place")
+                    .at(declaration.name.span, "write `marker name = [x, y, z] mm`"),
+            ));
+        };
+        let name = &declaration.name.text;
+        let base = self.path(owner, name);
+        let mut made = Vec::new();
+        self.for_each(&declaration.index, scope, &mut |e, inner, position| {
+            let path = format!("{base}{}", index_text(position));
+            let (place, orientation) = e.placement(value, inner)?;
+            let marker = e.add_marker(body, path, Some(declaration.name.span), place, orientation);
+            made.push((position.to_vec(), Value::Marker(marker)));
+            Ok(())
+        })?;
+        let value = if declaration.index.is_empty() {
+            made.pop().ok_or(super::Reported)?.1
+        } else {
+            Value::Family(made)
+        };
+        self.define(owner, name, Entry::Value(value));
+        Ok(())
+    }
+
+    fn placement(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<([Node; 3], Matrix)> {
+        let identity = self.identity();
+        match &value.kind {
+            ExprKind::Call { callee, arguments }
+                if matches!(&callee.kind, ExprKind::Name(n) if n == "at") =>
+            {
+                let mut place = None;
+                let mut z = None;
+                let mut x = None;
+                for a in arguments {
+                    match a.name.as_ref().map(|n| n.text.as_str()) {
+                        None => place = Some(self.place(&a.value, scope)?),
+                        Some("z") => z = Some(self.direction(&a.value, scope)?),
+                        Some("x") => x = Some(self.direction(&a.value, scope)?),
+                        Some(other) => {
+                            return Err(self.report(
+                                Diagnostic::error("E0508", format!("`at` has no argument {other}"))
+                                    .at(a.value.span, "it takes a place, `x:` and `z:`"),
+                            ));
+                        }
+                    }
+                }
+                let zero = self.zero();
+                let orientation = self.orientation(x, z);
+                Ok((place.unwrap_or([zero; 3]), orientation))
+            }
+            _ => Ok((self.place(value, scope)?, identity)),
+        }
+    }
+
+    fn place(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<[Node; 3]> {
+        if matches!(&expr.kind, ExprKind::Name(n) if n == "origin") {
+            let zero = self.zero();
+            return Ok([zero; 3]);
+        }
+        self.bind_vector(expr, scope)
+    }
+
+    fn direction(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<[Scalar; 3]> {
+        let value = self.evaluate(expr, scope)?;
+        let v = self.as_vector(value, expr.span)?;
+        let known: Vec<f64> = v.iter().filter_map(|s| self.bench.known(*s)).collect();
+        if known.len() == 3 && known.iter().all(|x| *x == 0.0) {
+            return Err(self.report(
+                Diagnostic::error("E0508", "a direction of length zero").at(expr.span, "here"),
+            ));
+        }
+        Ok(self.normalise(&v))
+    }
+
+    fn normalise(&mut self, v: &[Scalar; 3]) -> [Scalar; 3] {
+        let square = self.bench.dot(v, v);
+        let length = self.bench.sqrt(square);
+        v.map(|s| self.bench.divide(s, length))
+    }
+
+    /// Marker → body from stated x and z directions (unit vectors in body axes): z is kept, x is made perpendicular to it.
+    fn orientation(&mut self, x: Option<[Scalar; 3]>, z: Option<[Scalar; 3]>) -> Matrix {
+        let ex = self.unit_vector(0);
+        let ey = self.unit_vector(1);
+        let ez = self.unit_vector(2);
+        let (x, z) = match (x, z) {
+            (None, None) => (ex, ez),
+            (Some(x), Some(z)) => (x, z),
+            (None, Some(z)) => {
+                // the body's x axis, or its y axis where z is close to x
+                let limit = self.bench.constant(0.9, Dimension::ONE);
+                let along = self.bench.unary(z[0], Dimension::ONE, crate::ir::Graph::abs);
+                let free = self.bench.compare(along, limit, crate::ir::Graph::less);
+                let chosen = match self.bench.known_flag(free) {
+                    Some(true) => ex,
+                    Some(false) => ey,
+                    None => [0, 1, 2].map(|i| self.bench.select(free, ex[i], ey[i])),
+                };
+                (chosen, z)
+            }
+            (Some(x), None) => {
+                // the body's z axis made perpendicular, or its y axis where x is close to z
+                let limit = self.bench.constant(0.9, Dimension::ONE);
+                let along = self.bench.unary(x[2], Dimension::ONE, crate::ir::Graph::abs);
+                let free = self.bench.compare(along, limit, crate::ir::Graph::less);
+                let about = match self.bench.known_flag(free) {
+                    Some(true) => ez,
+                    Some(false) => ey,
+                    None => [0, 1, 2].map(|i| self.bench.select(free, ez[i], ey[i])),
+                };
+                let z = self.perpendicular_part(&about, &x);
+                (x, z)
+            }
+        };
+        let x = self.perpendicular_part(&x, &z);
+        let y = self.bench.cross(&z, &x);
+        let mut matrix = [x[0].node; 9];
+        for i in 0..3 {
+            matrix[3 * i] = x[i].node;
+            matrix[3 * i + 1] = y[i].node;
+            matrix[3 * i + 2] = z[i].node;
+        }
+        matrix
+    }
+
+    /// The unit vector along the part of v that is perpendicular to the unit vector n.
+    fn perpendicular_part(&mut self, v: &[Scalar; 3], n: &[Scalar; 3]) -> [Scalar; 3] {
+        let along = self.bench.dot(v, n);
+        let rest = [0, 1, 2].map(|i| {
+            let p = self.bench.multiply(along, n[i]);
+            self.bench.subtract(v[i], p)
+        });
+        self.normalise(&rest)
+    }
+
+    /// Three numbers of parameters alone.
+    pub fn bind_vector(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<[Node; 3]> {
+        let value = self.evaluate(expr, scope)?;
+        let v = self.as_vector(value, expr.span)?;
+        let mut nodes = [self.zero(); 3];
+        for (node, s) in nodes.iter_mut().zip(v) {
+            *node = self.bind_node(s, expr.span)?;
+        }
+        Ok(nodes)
+    }
+
+    /// Instances of `body name[index] { … }`.
+    pub fn bodies_of(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) -> Eval<()> {
+        if declaration.kind == Kind::Flexible {
+            return Err(self.report(
+                Diagnostic::error("E0390", "flexible bodies are not built yet")
+                    .at(declaration.kind_span, "use a rigid `body`"),
+            ));
+        }
+        let Form::Plain { block } = &declaration.form else {
+            return Err(self.report(
+                Diagnostic::error("E0508", "a body is written as a block")
+                    .at(declaration.name.span, "write `body name { … }`"),
+            ));
+        };
+        let name = &declaration.name.text;
+        let base = self.path(scope, name);
+        let mut made = Vec::new();
+        self.for_each(&declaration.index, scope, &mut |e, inner, position| {
+            let path = format!("{base}{}", index_text(position));
+            made.push((position.to_vec(), Value::Body(e.body(declaration, block, inner, path)?)));
+            Ok(())
+        })?;
+        let value = if declaration.index.is_empty() {
+            made.pop().ok_or(super::Reported)?.1
+        } else {
+            Value::Family(made)
+        };
+        self.define(scope, name, Entry::Value(value));
+        Ok(())
+    }
+
+    fn body(
+        &mut self,
+        declaration: &'a ast::Declaration,
+        block: &'a ast::Block,
+        scope: ScopeId,
+        path: String,
+    ) -> Eval<u32> {
+        self.count_instance(declaration.name.span)?;
+        let module = self.scope(scope).module;
+        let own = self.new_scope(Some(scope), module, path.clone());
+        let index = self.bodies.len() as u32;
+        let zero = self.zero();
+        let mut mass = None;
+        let mut inertia = None;
+        let mut products = [zero; 3];
+        let mut center = [zero; 3];
+        for item in &block.items {
+            if let ItemKind::Attribute(a) = &item.kind {
+                match a.name.text.as_str() {
+                    "mass" => {
+                        let value = self.evaluate(&a.value, own)?;
+                        let parameter = format!("{path}.mass");
+                        let value = self.parameterise(
+                            value,
+                            &parameter,
+                            Some(&a.value),
+                            None,
+                            a.name.span,
+                            own,
+                        )?;
+                        let s = self.as_scalar(value, a.value.span)?;
+                        self.define(own, "mass", Entry::Value(Value::Scalar(s)));
+                        let node = self.bind_node(s, a.value.span)?;
+                        self.positive(node, "the mass must be positive", &path, a.value.span);
+                        mass = Some(node);
+                    }
+                    "inertia" => {
+                        let nodes = self.bind_vector(&a.value, own)?;
+                        for i in 0..3 {
+                            self.triangle(nodes, i, &path, a.value.span);
+                        }
+                        inertia = Some(nodes);
+                    }
+                    "products_of_inertia" => products = self.bind_vector(&a.value, own)?,
+                    "center_of_mass" => center = self.bind_vector(&a.value, own)?,
+                    other => {
+                        return Err(self.report(
+                            Diagnostic::error("E0508", format!("a body has no attribute {other}"))
+                                .at(a.name.span, "mass, inertia, products_of_inertia, center_of_mass"),
+                        ));
+                    }
+                }
+            }
+        }
+        let (Some(mass), Some(inertia)) = (mass, inertia) else {
+            let missing = if mass.is_none() { "mass" } else { "inertia" };
+            return Err(self.report(
+                Diagnostic::error("E0508", format!("body {path} has no {missing}"))
+                    .at(declaration.name.span, format!("add `{missing} = …`")),
+            ));
+        };
+        let mass = self.slot(mass);
+        let center_of_mass = self.slots(center);
+        let inertia = self.slots([
+            inertia[0], inertia[1], inertia[2], products[0], products[1], products[2],
+        ]);
+        self.bodies.push(Body {
+            origin: Origin {
+                path: path.clone(),
+                used_at: Some(location(declaration.name.span)),
+                defined_at: None,
+            },
+            mass,
+            center_of_mass,
+            inertia,
+            position: None,
+            orientation: None,
+        });
+        self.body_scopes.push(own);
+        let reference = BodyRef::Body(index);
+        let identity = self.identity();
+        let origin = self.add_marker(reference, format!("{path}.origin"), None, [zero; 3], identity);
+        self.define(own, "origin", Entry::Value(Value::Marker(origin)));
+        for item in &block.items {
+            match &item.kind {
+                ItemKind::Declaration(d) if d.kind == Kind::Marker => {
+                    // a marker's own message does not hide those of its neighbours
+                    let _ = self.markers_of(d, reference, own, own);
+                }
+                ItemKind::Statement(Statement::Start { target, value }) => {
+                    let _ = self.body_start(index, origin, target, value, own, true);
+                }
+                ItemKind::Statement(Statement::Guess { target, value }) => {
+                    let _ = self.body_start(index, origin, target, value, own, false);
+                }
+                _ => {}
+            }
+        }
+        Ok(index)
+    }
+
+    fn positive(&mut self, node: Node, message: &str, path: &str, span: Span) {
+        let graph = &mut self.bench.bind.graph;
+        let zero = graph.constant(0.0);
+        let flag = graph.less(zero, node);
+        self.bind_check(flag, message, path, span);
+    }
+
+    /// Principal moments of a real body: none exceeds the sum of the others.
+    fn triangle(&mut self, moments: [Node; 3], i: usize, path: &str, span: Span) {
+        let graph = &mut self.bench.bind.graph;
+        let others = graph.add(moments[(i + 1) % 3], moments[(i + 2) % 3]);
+        let slack = graph.constant(1.0 + 1e-9);
+        let limit = graph.multiply(others, slack);
+        let fits = graph.less_equal(moments[i], limit);
+        let zero = graph.constant(0.0);
+        let not_negative = graph.less_equal(zero, moments[i]);
+        let flag = graph.push(Op::And(fits, not_negative));
+        let axis = ["x", "y", "z"][i];
+        self.bind_check(
+            flag,
+            &format!("no body has this inertia: the moment about {axis} is negative or more than the sum of the other two"),
+            path,
+            span,
+        );
+    }
+
+    fn bind_check(&mut self, flag: Node, message: &str, path: &str, span: Span) {
+        let holds = self.bench.flag_number(super::scalar::Flag {
+            stage: Stage::Bind,
+            node: flag,
+        });
+        self.checks.push(super::Check {
+            holds,
+            advise: false,
+            message: vec![super::MessagePart::Text(message.to_owned())],
+            path: path.to_owned(),
+            used_at: Some(location(span)),
+            defined_at: None,
+        });
+    }
+
+    /// `start` and `guess` inside a body.
+    fn body_start(
+        &mut self,
+        body: u32,
+        origin: u32,
+        target: &'a ast::Expr,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+        exact: bool,
+    ) -> Eval<()> {
+        let name = match &target.kind {
+            ExprKind::Name(n) => n.as_str(),
+            _ => "",
+        };
+        let position_role = Role::StartPosition { exact };
+        let velocity_role = Role::StartVelocity { exact };
+        match name {
+            "position" => {
+                let nodes = self.bind_vector(value, scope)?;
+                let slots = self.slots(nodes);
+                self.bodies[body as usize].position = Some(slots);
+                if exact {
+                    self.pending_start(position_role, super::model::StartTarget::Position(origin), value, scope);
+                }
+            }
+            "rotation" => {
+                let nodes = self.bind_vector(value, scope)?;
+                let matrix = self.rotation_matrix(nodes);
+                let slots = self.slots(matrix);
+                self.bodies[body as usize].orientation = Some(slots);
+                if exact {
+                    self.pending_start(
+                        position_role,
+                        super::model::StartTarget::Rotation(origin, matrix),
+                        value,
+                        scope,
+                    );
+                }
+            }
+            "velocity" => self.pending_start(
+                velocity_role,
+                super::model::StartTarget::Velocity(origin),
+                value,
+                scope,
+            ),
+            "angular_velocity" => self.pending_start(
+                velocity_role,
+                super::model::StartTarget::AngularVelocity(origin),
+                value,
+                scope,
+            ),
+            _ => {
+                return Err(self.report(
+                    Diagnostic::error("E0508", "a body has no such start value").at(
+                        target.span,
+                        "position, rotation, velocity, angular_velocity",
+                    ),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// exp(v~) of a rotation vector (Rodrigues); the series at zero.
+    fn rotation_matrix(&mut self, v: [Node; 3]) -> Matrix {
+        let g = &mut self.bench.bind.graph;
+        let mut square = g.constant(0.0);
+        for n in v {
+            let p = g.multiply(n, n);
+            square = g.add(square, p);
+        }
+        let tiny = g.constant(1e-300);
+        let small_limit = g.constant(1e-12);
+        let safe = g.add(square, tiny);
+        let angle = g.sqrt(safe);
+        let small = g.less(square, small_limit);
+        let sine = g.unary(Op::Sin, angle);
+        let ratio = g.divide(sine, angle);
+        let one = g.constant(1.0);
+        let a = g.select(small, one, ratio);
+        let cosine = g.unary(Op::Cos, angle);
+        let versine = g.subtract(one, cosine);
+        let ratio = g.divide(versine, safe);
+        let half = g.constant(0.5);
+        let b = g.select(small, half, ratio);
+        let [x, y, z] = v;
+        let mut matrix = [one; 9];
+        let skew: [(Option<Node>, bool); 9] = [
+            (None, false), (Some(z), true), (Some(y), false),
+            (Some(z), false), (None, false), (Some(x), true),
+            (Some(y), true), (Some(x), false), (None, false),
+        ];
+        for i in 0..3 {
+            for j in 0..3 {
+                // R = 1 + a v~ + b (v vᵀ − v² 1)
+                let outer = g.multiply(v[i], v[j]);
+                let mut second = outer;
+                if i == j {
+                    second = g.subtract(outer, square);
+                }
+                let mut entry = g.multiply(b, second);
+                if i == j {
+                    entry = g.add(entry, one);
+                }
+                if let (Some(n), negative) = skew[3 * i + j] {
+                    let p = g.multiply(a, n);
+                    entry = if negative { g.subtract(entry, p) } else { g.add(entry, p) };
+                }
+                matrix[3 * i + j] = entry;
+            }
+        }
+        matrix
+    }
+}
+
+/// `[2]`, `[2,1]`, or nothing.
+pub(crate) fn index_text(position: &[usize]) -> String {
+    if position.is_empty() {
+        return String::new();
+    }
+    let numbers: Vec<String> = position.iter().map(usize::to_string).collect();
+    format!("[{}]", numbers.join(","))
+}

@@ -1,0 +1,376 @@
+//! The functions that the language itself has.
+
+use super::scalar::{Scalar, Stage};
+use super::value::{ScopeId, Value};
+use super::{Elaborator, Eval};
+use crate::ir::{Graph, Node, Op};
+use eng_grammar::ast;
+use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
+
+/// Names of the built-in functions.
+pub(crate) const NAMES: [&str; 29] = [
+    "dot", "cross", "norm", "local", "vector", "perpendicular", "rotation", "der", "abs", "sqrt",
+    "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "tanh", "atan2", "min", "max", "sum",
+    "length", "distinct", "at", "transient", "assemble", "axis",
+];
+
+/// The built-in function of a name.
+pub(crate) fn find(name: &str) -> Option<&'static str> {
+    NAMES.iter().copied().find(|n| *n == name)
+}
+
+impl<'a> Elaborator<'a, '_> {
+    pub fn builtin(
+        &mut self,
+        name: &'static str,
+        span: Span,
+        arguments: &'a [ast::Argument],
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
+        if name == "der" {
+            return self.rate(span, arguments, scope);
+        }
+        let mut values: Vec<(Value<'a>, Span)> = Vec::new();
+        let mut floor = None;
+        for argument in arguments {
+            let value = self.evaluate(&argument.value, scope)?;
+            match &argument.name {
+                Some(n) if n.text == "floor" => floor = Some(self.as_scalar(value, argument.value.span)?),
+                _ => values.push((value, argument.value.span)),
+            }
+        }
+        let unary: Option<(fn(Node) -> Op, Dimension)> = match name {
+            "exp" => Some((Op::Exp, Dimension::ONE)),
+            "log" => Some((Op::Log, Dimension::ONE)),
+            "sin" => Some((Op::Sin, Dimension::ONE)),
+            "cos" => Some((Op::Cos, Dimension::ONE)),
+            "tan" => Some((Op::Tan, Dimension::ONE)),
+            "tanh" => Some((Op::Tanh, Dimension::ONE)),
+            "asin" => Some((Op::Asin, Dimension::ANGLE)),
+            "acos" => Some((Op::Acos, Dimension::ANGLE)),
+            "atan" => Some((Op::Atan, Dimension::ANGLE)),
+            _ => None,
+        };
+        if let Some((op, dimension)) = unary {
+            let x = self.only_scalar(values, span)?;
+            return Ok(Value::Scalar(
+                self.bench.unary(x, dimension, |g, n| g.unary(op, n)),
+            ));
+        }
+        match name {
+            "abs" => match values.pop() {
+                Some((Value::Int(i), _)) => Ok(Value::Int(i.abs())),
+                Some((v, s)) => {
+                    let x = self.as_scalar(v, s)?;
+                    Ok(Value::Scalar(self.bench.unary(x, x.dimension, Graph::abs)))
+                }
+                None => Err(self.arguments(span)),
+            },
+            "sqrt" => {
+                let x = self.only_scalar(values, span)?;
+                Ok(Value::Scalar(self.bench.sqrt(x)))
+            }
+            "atan2" => {
+                let [y, x] = self.scalars::<2>(values, span)?;
+                Ok(Value::Scalar(self.bench.binary(y, x, Dimension::ANGLE, Graph::atan2)))
+            }
+            "dot" => {
+                let [a, b] = self.take::<2>(values, span)?;
+                let x = self.as_components(a.0, a.1)?;
+                let y = self.as_components(b.0, b.1)?;
+                if x.len() != y.len() {
+                    return Err(self.arguments(span));
+                }
+                Ok(Value::Scalar(self.bench.dot(&x, &y)))
+            }
+            "cross" => {
+                let [a, b] = self.take::<2>(values, span)?;
+                let vector = matches!(a.0, Value::Vector(_)) || matches!(b.0, Value::Vector(_));
+                let x = self.as_vector(a.0, a.1)?;
+                let y = self.as_vector(b.0, b.1)?;
+                let c = self.bench.cross(&x, &y);
+                Ok(if vector { Value::Vector(c) } else { Self::list(&c) })
+            }
+            "norm" => {
+                let [a] = self.take::<1>(values, span)?;
+                let x = self.as_components(a.0, a.1)?;
+                let mut square = self.bench.dot(&x, &x);
+                if let Some(f) = floor {
+                    let f2 = self.bench.multiply(f, f);
+                    square = self.bench.add(square, f2);
+                }
+                Ok(Value::Scalar(self.bench.sqrt(square)))
+            }
+            "perpendicular" => {
+                let [a] = self.take::<1>(values, span)?;
+                let c = self.as_components(a.0, a.1)?;
+                if c.len() != 2 {
+                    return Err(self.arguments(span));
+                }
+                let minus_y = self.bench.negate(c[1]);
+                Ok(Self::list(&[minus_y, c[0]]))
+            }
+            "local" | "vector" => {
+                let [v, m] = self.take::<2>(values, span)?;
+                let components = self.as_vector(v.0, v.1)?;
+                if matches!(m.0, Value::Ground) {
+                    return Ok(if name == "local" {
+                        Self::list(&components)
+                    } else {
+                        Value::Vector(components)
+                    });
+                }
+                let marker = self.as_marker(m.0, m.1)?;
+                let local = self.local_marker(marker, Some(m.1))?;
+                Ok(if name == "local" {
+                    Self::list(&self.into_axes(local, &components))
+                } else {
+                    Value::Vector(self.rotate(local, &components))
+                })
+            }
+            "rotation" => {
+                let [a, b] = self.take::<2>(values, span)?;
+                let a_marker = self.as_marker(a.0, a.1)?;
+                let b_marker = self.as_marker(b.0, b.1)?;
+                let a = self.local_marker(a_marker, Some(a.1))?;
+                let b = self.local_marker(b_marker, Some(b.1))?;
+                self.rotation(a, b, span).map(Value::Scalar)
+            }
+            "min" | "max" => {
+                let list = self.numbers_of(values)?;
+                let op = if name == "min" { Graph::minimum } else { Graph::maximum };
+                let mut rest = list.into_iter();
+                let Some(mut best) = rest.next() else {
+                    return Err(self.arguments(span));
+                };
+                for x in rest {
+                    best = self.bench.binary(best, x, best.dimension, op);
+                }
+                Ok(Value::Scalar(best))
+            }
+            "sum" => {
+                let list = self.numbers_of(values)?;
+                let mut rest = list.into_iter();
+                let Some(mut sum) = rest.next() else {
+                    return Err(self.arguments(span));
+                };
+                for x in rest {
+                    sum = self.bench.add(sum, x);
+                }
+                Ok(Value::Scalar(sum))
+            }
+            "length" => match values.pop() {
+                Some((Value::List(items), _)) => Ok(Value::Int(items.len() as i64)),
+                _ => Err(self.arguments(span)),
+            },
+            "distinct" => match values.pop() {
+                Some((Value::List(items), s)) => {
+                    let mut seen: Vec<f64> = Vec::new();
+                    for item in items {
+                        let x = self.as_scalar(item, s)?;
+                        let v = self.structural(x, s)?;
+                        if seen.contains(&v) {
+                            return Ok(Value::Bool(false));
+                        }
+                        seen.push(v);
+                    }
+                    Ok(Value::Bool(true))
+                }
+                _ => Err(self.arguments(span)),
+            },
+            _ => Err(self.report(
+                Diagnostic::error("E0500", format!("{name} has no meaning here"))
+                    .at(span, "not a value"),
+            )),
+        }
+    }
+
+    fn arguments(&mut self, span: Span) -> super::Reported {
+        self.report(
+            Diagnostic::error("E0500", "the arguments do not fit").at(span, "in this call"),
+        )
+    }
+
+    fn take<const N: usize>(
+        &mut self,
+        values: Vec<(Value<'a>, Span)>,
+        span: Span,
+    ) -> Eval<[(Value<'a>, Span); N]> {
+        match <[(Value<'a>, Span); N]>::try_from(values) {
+            Ok(v) => Ok(v),
+            Err(_) => Err(self.arguments(span)),
+        }
+    }
+
+    fn scalars<const N: usize>(
+        &mut self,
+        values: Vec<(Value<'a>, Span)>,
+        span: Span,
+    ) -> Eval<[Scalar; N]> {
+        let mut scalars = Vec::with_capacity(N);
+        for (value, s) in values {
+            scalars.push(self.as_scalar(value, s)?);
+        }
+        match <[Scalar; N]>::try_from(scalars) {
+            Ok(v) => Ok(v),
+            Err(_) => Err(self.arguments(span)),
+        }
+    }
+
+    fn only_scalar(&mut self, values: Vec<(Value<'a>, Span)>, span: Span) -> Eval<Scalar> {
+        let [x] = self.scalars::<1>(values, span)?;
+        Ok(x)
+    }
+
+    fn numbers_of(&mut self, values: Vec<(Value<'a>, Span)>) -> Eval<Vec<Scalar>> {
+        let mut list = Vec::new();
+        for (value, s) in values {
+            match value {
+                Value::List(items) => {
+                    for item in items {
+                        list.push(self.as_scalar(item, s)?);
+                    }
+                }
+                other => list.push(self.as_scalar(other, s)?),
+            }
+        }
+        Ok(list)
+    }
+
+    /// The marker of a value; `ground` is the marker at the ground's origin.
+    pub fn as_marker(&mut self, value: Value<'a>, span: Span) -> Eval<u32> {
+        match value {
+            Value::Marker(m) => Ok(m),
+            Value::Ground => Ok(self.ground_frame()),
+            other => Err(self.unfit(span, "a marker", &other)),
+        }
+    }
+
+    /// Unwrapped angle of marker a about b.z, from b.x to a.x: the reference (the angle at the last accepted state) plus the
+    /// difference in (−π, π], which is smooth as long as a step turns by less than half a turn.
+    pub fn rotation(&mut self, a: u32, b: u32, span: Span) -> Eval<Scalar> {
+        let known = self
+            .bench
+            .element
+            .as_ref()
+            .and_then(|e| e.rotations.iter().find(|r| r.0 == a && r.1 == b))
+            .map(|r| r.2);
+        let scalar = |node| Scalar {
+            stage: Stage::Motion,
+            node,
+            dimension: Dimension::ANGLE,
+        };
+        if let Some(node) = known {
+            return Ok(scalar(node));
+        }
+        let ax = self.marker_axis(a, 0);
+        let bx = self.marker_axis(b, 0);
+        let by = self.marker_axis(b, 1);
+        let sine = self.bench.dot(&ax, &by).node;
+        let cosine = self.bench.dot(&ax, &bx).node;
+        let Some(element) = self.bench.element.as_mut() else {
+            return Err(super::Reported);
+        };
+        let index = element.rotations.len() as u32;
+        if index >= super::scalar::PROVISIONAL.rotations {
+            return Err(self.report(
+                Diagnostic::error("E0512", "one element measures too many rotations")
+                    .at(span, "the limit is reached here"),
+            ));
+        }
+        let g = &mut element.graph;
+        let reference = g.input(super::scalar::PROVISIONAL.rotation(index));
+        let cr = g.unary(Op::Cos, reference);
+        let sr = g.unary(Op::Sin, reference);
+        let (p, q) = (g.multiply(sine, cr), g.multiply(cosine, sr));
+        let s = g.subtract(p, q);
+        let (p, q) = (g.multiply(cosine, cr), g.multiply(sine, sr));
+        let c = g.add(p, q);
+        let difference = g.atan2(s, c);
+        let node = g.add(reference, difference);
+        element.rotations.push((a, b, node));
+        Ok(scalar(node))
+    }
+
+    fn rate(
+        &mut self,
+        span: Span,
+        arguments: &'a [ast::Argument],
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
+        let [argument] = arguments else {
+            return Err(self.arguments(span));
+        };
+        let outer = std::mem::replace(&mut self.in_rate, true);
+        let value = self.evaluate(&argument.value, scope);
+        self.in_rate = outer;
+        self.rate_of(value?, argument.value.span)
+    }
+
+    /// The time derivative of a value.
+    pub fn rate_of(&mut self, value: Value<'a>, span: Span) -> Eval<Value<'a>> {
+        let components = match &value {
+            Value::Scalar(s) => vec![*s],
+            Value::Int(_) => return Ok(Value::Scalar(self.bench.constant(0.0, Dimension::ONE))),
+            Value::Vector(_) | Value::List(_) => self.as_components(value.clone(), span)?,
+            other => return Err(self.unfit(span, "a number or a vector", other)),
+        };
+        let nodes: Vec<Node> = components
+            .iter()
+            .map(|s| self.bench.lift(s.stage, s.node))
+            .collect();
+        let rates = self.rates.clone();
+        let Some(element) = self.bench.element.as_mut() else {
+            // of parameters alone
+            let zero: Vec<Scalar> = components
+                .iter()
+                .map(|s| self.bench.constant(0.0, s.dimension.over(Dimension::TIME)))
+                .collect();
+            return Ok(match value {
+                Value::Scalar(_) => Value::Scalar(zero[0]),
+                _ => Self::list(&zero),
+            });
+        };
+        let derivative = crate::ir::differentiate::time_derivative(
+            &mut element.graph,
+            &super::scalar::PROVISIONAL,
+            &nodes,
+            rates.as_deref(),
+        );
+        let derivative = match derivative {
+            Ok(d) => d,
+            Err(error) => {
+                return Err(self.report(
+                    Diagnostic::error("E0506", "this has no time derivative")
+                        .at(span, error.to_string()),
+                ));
+            }
+        };
+        let uses_acceleration = crate::ir::differentiate::uses_acceleration(
+            &element.graph,
+            &derivative,
+            &super::scalar::PROVISIONAL,
+        );
+        if uses_acceleration && !self.in_output {
+            return Err(self.report(
+                Diagnostic::error("E0507", "accelerations are known in outputs only")
+                    .at(span, "the derivative of a velocity"),
+            ));
+        }
+        let scalars: Vec<Scalar> = derivative
+            .into_iter()
+            .zip(&components)
+            .map(|(node, s)| Scalar {
+                stage: Stage::Motion,
+                node,
+                dimension: s.dimension.over(Dimension::TIME),
+            })
+            .collect();
+        Ok(match value {
+            Value::Scalar(_) => Value::Scalar(scalars[0]),
+            Value::Vector(_) => Value::Vector([scalars[0], scalars[1], scalars[2]]),
+            _ => Self::list(&scalars),
+        })
+    }
+}

@@ -1,0 +1,275 @@
+//! One model from start to end, and the flat system that comes out.
+
+use super::scalar::Workbench;
+use super::value::{ScopeId, Value};
+use super::{BindProgram, Elaborator, Entry, Eval, Reported};
+use crate::ir::{ClassFunctions, Function};
+use crate::program::{DefinitionId, Program};
+use eng_grammar::ast::{Form, ItemKind, Kind};
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
+use eng_system::Dimension;
+use eng_system::host::Host;
+use eng_system::system::{Element, ElementClass, Role, System};
+use std::collections::BTreeMap;
+
+/// A model as a flat system, the functions of its classes, and its bind graph.
+#[derive(Clone, Debug)]
+pub struct Elaborated {
+    /// The system.
+    pub system: System,
+    /// Functions of each class, by the same index.
+    pub classes: Vec<ClassFunctions>,
+    /// The bind graph.
+    pub bind: BindProgram,
+}
+
+/// A structural argument of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Structural {
+    /// A whole number.
+    Int(i64),
+    /// A truth value.
+    Bool(bool),
+    /// A text.
+    Text(String),
+    /// A number (SI) with its dimension.
+    Number(f64, Dimension),
+    /// A list.
+    List(Vec<Structural>),
+}
+
+/// Elaborates a model. `None` where an error was reported.
+pub fn elaborate(
+    program: &Program,
+    sources: &mut SourceMap,
+    host: &dyn Host,
+    model: DefinitionId,
+    constants: &[(String, Structural)],
+    diagnostics: &mut Diagnostics,
+) -> Option<Elaborated> {
+    let mut found = Diagnostics::new();
+    let mut elaborator = Elaborator::new(program, sources, host, &mut found);
+    let result = elaborator.model(model, constants);
+    let failed = found.has_errors();
+    diagnostics.extend(found);
+    match result {
+        Ok(elaborated) if !failed => Some(elaborated),
+        _ => None,
+    }
+}
+
+impl<'a, 'd> Elaborator<'a, 'd> {
+    pub fn new(
+        program: &'a Program,
+        sources: &'a mut SourceMap,
+        host: &'a dyn Host,
+        diagnostics: &'d mut Diagnostics,
+    ) -> Self {
+        let mut elaborator = Elaborator {
+            program,
+            sources,
+            host,
+            diagnostics,
+            bench: Workbench::default(),
+            scopes: Vec::new(),
+            module_scopes: Vec::new(),
+            depth: 0,
+            instances: 0,
+            bodies: Vec::new(),
+            body_scopes: Vec::new(),
+            markers: Vec::new(),
+            used_markers: Vec::new(),
+            parameters: Vec::new(),
+            parameter_defaults: Vec::new(),
+            checks: Vec::new(),
+            tables: Vec::new(),
+            elements: Vec::new(),
+            channels: Vec::new(),
+            journals: Vec::new(),
+            gravity: None,
+            cycle: None,
+            pending: Vec::new(),
+            in_output: false,
+            in_rate: false,
+            rates: None,
+        };
+        for module in 0..program.modules.len() as u32 {
+            let scope = elaborator.new_scope(None, module, String::new());
+            elaborator.lasting(scope);
+            elaborator.module_scopes.push(scope);
+        }
+        elaborator
+    }
+
+    /// A value brought from another elaboration.
+    fn structural_value(&mut self, value: &Structural) -> Value<'a> {
+        match value {
+            Structural::Int(i) => Value::Int(*i),
+            Structural::Bool(b) => Value::Bool(*b),
+            Structural::Text(t) => Value::Text(t.clone()),
+            Structural::Number(v, d) => Value::Scalar(self.bench.constant(*v, *d)),
+            Structural::List(items) => {
+                Value::List(items.iter().map(|v| self.structural_value(v)).collect())
+            }
+        }
+    }
+
+    pub fn model(
+        &mut self,
+        model: DefinitionId,
+        constants: &[(String, Structural)],
+    ) -> Eval<Elaborated> {
+        let (name, span, items) = match self.program.item(model).map(|i| &i.kind) {
+            Some(ItemKind::Declaration(d)) if d.kind == Kind::Model => match &d.form {
+                Form::Plain { block } => (d.name.text.clone(), d.name.span, &block.items),
+                _ => {
+                    return Err(self.report(
+                        Diagnostic::error("E0516", "a model is written as a block")
+                            .at(d.name.span, "write `model Name { param …  … }`"),
+                    ));
+                }
+            },
+            _ => return Err(Reported),
+        };
+        let scope = self.new_scope(
+            Some(self.module_scopes[model.module as usize]),
+            model.module,
+            String::new(),
+        );
+        self.lasting(scope);
+        self.block_with(items, scope, constants);
+        self.finish_pending();
+        let cycle = self.lower_cycle();
+        self.bench.element = None;
+        let cycle = cycle?;
+        self.connections(span);
+        self.flatten(name, cycle)
+    }
+
+    fn block_with(
+        &mut self,
+        items: &'a [eng_grammar::ast::Item],
+        scope: ScopeId,
+        constants: &[(String, Structural)],
+    ) {
+        self.register(items, scope);
+        for (name, value) in constants {
+            let value = self.structural_value(value);
+            self.define(scope, name, Entry::Value(value));
+        }
+        self.block(items, scope);
+    }
+
+    fn flatten(&mut self, name: String, cycle: Option<eng_system::system::Cycle>) -> Eval<Elaborated> {
+        let zero = self.bench.bind.graph.constant(0.0);
+        let gravity = self.gravity.unwrap_or([zero; 3]).map(|n| self.slot(n));
+        let drafts = std::mem::take(&mut self.elements);
+        let mut class_of: BTreeMap<String, u32> = BTreeMap::new();
+        let mut classes: Vec<ElementClass> = Vec::new();
+        let mut functions: Vec<ClassFunctions> = Vec::new();
+        let mut elements = Vec::new();
+        for draft in drafts {
+            let body = &draft.body;
+            // classes are the same if their graphs and their messages are
+            let key = format!(
+                "{}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
+                draft.class_name,
+                body.layout,
+                body.graph.nodes(),
+                body.rows,
+                body.loads,
+                body.rates,
+                body.outputs,
+                body.conditions,
+                body.rotations,
+                draft.meta,
+            );
+            let class = match class_of.get(&key) {
+                Some(class) => *class,
+                None => {
+                    let made = match body.functions() {
+                        Ok(f) => f,
+                        Err(error) => {
+                            return Err(self.report(
+                                Diagnostic::error("E0506", format!("{} cannot be differentiated", draft.origin.path))
+                                    .at(draft.span, error.to_string()),
+                            ));
+                        }
+                    };
+                    let index = classes.len() as u32;
+                    classes.push(ElementClass {
+                        name: draft.class_name.clone(),
+                        layout: body.layout,
+                        rows: draft.meta.rows.clone(),
+                        states: draft.meta.states.clone(),
+                        outputs: draft.meta.outputs.clone(),
+                        conditions: draft.meta.conditions.clone(),
+                        uses_twist: made.uses_twist,
+                        applies_load: made.applies_load,
+                        tape: made.tape(),
+                    });
+                    functions.push(made);
+                    class_of.insert(key, index);
+                    index
+                }
+            };
+            elements.push(Element {
+                origin: draft.origin,
+                class,
+                role: draft.role,
+                markers: draft.markers,
+                constants: draft
+                    .constants
+                    .iter()
+                    .map(|n| self.bench.bind.slot(*n))
+                    .collect(),
+                state_start: draft
+                    .state_start
+                    .iter()
+                    .map(|n| self.bench.bind.slot(*n))
+                    .collect(),
+                signals: draft.signals,
+                frames: Vec::new(),
+            });
+        }
+        let bind = std::mem::take(&mut self.bench.bind);
+        let parameters = std::mem::take(&mut self.parameters);
+        let slots = bind.slots().len() as u32;
+        let program = BindProgram {
+            function: Function {
+                name: name.clone(),
+                inputs: parameters.len() as u32,
+                outputs: bind.slots().to_vec(),
+                graph: bind.graph,
+            },
+            fixed: bind.fixed,
+            defaults: std::mem::take(&mut self.parameter_defaults),
+            parameters: parameters.clone(),
+            checks: std::mem::take(&mut self.checks),
+        };
+        let system = System {
+            name,
+            bodies: std::mem::take(&mut self.bodies),
+            markers: std::mem::take(&mut self.markers),
+            parameters,
+            slots,
+            classes,
+            elements,
+            channels: std::mem::take(&mut self.channels),
+            tables: std::mem::take(&mut self.tables),
+            gravity,
+            cycle,
+            journals: std::mem::take(&mut self.journals),
+        };
+        Ok(Elaborated {
+            system,
+            classes: functions,
+            bind: program,
+        })
+    }
+
+    /// Whether an element acts in the model (for the topology).
+    pub fn acts(role: Role) -> bool {
+        role == Role::Dynamic
+    }
+}

@@ -1,0 +1,266 @@
+//! From checked definitions to a flat system: instances, paths, numbers, and a graph for every element.
+//!
+//! Evaluates the text once for one model with its structural arguments. It relies on the checker for types: where
+//! something still does not fit, it gives a message (E0500) and never a default.
+
+mod analysis;
+mod binding;
+mod body;
+mod builtin;
+mod element;
+mod expression;
+mod finish;
+mod model;
+mod reference;
+mod scalar;
+mod table;
+mod topology;
+mod value;
+
+pub use binding::{BindProgram, Check, MessagePart, ParameterDefault};
+pub use analysis::{AnalysisPlan, analyses};
+pub use finish::{Elaborated, Structural, elaborate};
+
+use crate::program::{DefinitionId, Program};
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span, ast};
+use eng_system::host::Host;
+use eng_system::system::{Location, Origin};
+use scalar::Workbench;
+use std::collections::HashMap;
+use value::{ScopeId, Value};
+
+/// A message was given; the value does not exist.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reported;
+
+pub(crate) type Eval<T> = Result<T, Reported>;
+
+/// Most instances of one model: a text that asks for more is refused.
+const MOST_INSTANCES: usize = 20_000;
+/// Deepest nesting of calls, lets and parts.
+const DEEPEST: u32 = 100;
+
+/// What a name in a scope means.
+#[derive(Clone, Debug)]
+pub(crate) enum Entry<'a> {
+    Value(Value<'a>),
+    /// Evaluated when first asked for.
+    Lazy(Lazy<'a>),
+    /// The entry of the same name in another scope.
+    In(ScopeId),
+    /// Being evaluated: asking again is a circle.
+    Busy,
+    /// A message was given.
+    Failed,
+}
+
+/// Something that is evaluated when first asked for.
+#[derive(Clone, Debug)]
+pub(crate) enum Lazy<'a> {
+    /// A `let`, `const`, or the value of an output.
+    Binding(&'a ast::Binding),
+    /// A `param` of a model or component; becomes a parameter.
+    Parameter(&'a ast::Binding),
+    /// A default of a class parameter.
+    Default(&'a ast::Parameter),
+    /// A table.
+    Table(&'a ast::Table),
+    /// `part x = Component(…)`.
+    Part(&'a ast::Declaration),
+}
+
+/// Names of a block, a call or a module.
+#[derive(Debug)]
+pub(crate) struct Scope<'a> {
+    pub parent: Option<ScopeId>,
+    pub module: u32,
+    pub path: String,
+    /// Outlives the element being lowered: values of the motion are not kept in it.
+    pub lasting: bool,
+    pub entries: HashMap<String, Entry<'a>>,
+}
+
+/// An element that is done, before classes are shared.
+#[derive(Debug)]
+pub(crate) struct ElementDraft<'a> {
+    pub origin: Origin,
+    pub span: Span,
+    pub role: eng_system::system::Role,
+    /// The definition and arguments, to evaluate its names again in another element.
+    pub source: Option<ElementSource<'a>>,
+    /// Outputs: name, first scalar, shape.
+    pub outputs: Vec<OutputShape>,
+    /// First channel of its outputs.
+    pub first_channel: u32,
+    pub class_name: String,
+    pub body: crate::ir::ClassBody,
+    pub meta: ClassMeta,
+    pub markers: Vec<u32>,
+    pub constants: Vec<crate::ir::Node>,
+    pub state_start: Vec<crate::ir::Node>,
+    pub signals: Vec<u32>,
+}
+
+/// What a class tells besides its graph.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct ClassMeta {
+    pub rows: Vec<eng_system::system::Row>,
+    pub states: Vec<eng_system::system::StateInfo>,
+    pub outputs: Vec<eng_system::system::OutputInfo>,
+    pub conditions: Vec<eng_system::system::Condition>,
+}
+
+/// How to evaluate an element's names once more.
+#[derive(Clone, Debug)]
+pub(crate) struct ElementSource<'a> {
+    pub definition: DefinitionId,
+    /// Evaluated arguments; those of the motion stage are evaluated again.
+    pub arguments: Vec<(String, Argument<'a>)>,
+    pub caller: ScopeId,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Argument<'a> {
+    Value(Value<'a>),
+    Again(&'a ast::Expr),
+}
+
+/// An output's scalars.
+#[derive(Clone, Debug)]
+pub(crate) struct OutputShape {
+    pub name: String,
+    pub first: u32,
+    /// 1 for a scalar, else the number of components.
+    pub count: u32,
+}
+
+/// The state of elaboration of one model.
+pub(crate) struct Elaborator<'a, 'd> {
+    pub program: &'a Program,
+    pub sources: &'a mut SourceMap,
+    pub host: &'a dyn Host,
+    pub diagnostics: &'d mut Diagnostics,
+    pub bench: Workbench,
+    pub scopes: Vec<Scope<'a>>,
+    pub module_scopes: Vec<ScopeId>,
+    pub depth: u32,
+    pub instances: usize,
+
+    pub bodies: Vec<eng_system::system::Body>,
+    pub body_scopes: Vec<ScopeId>,
+    pub markers: Vec<eng_system::system::Marker>,
+    pub used_markers: Vec<bool>,
+    pub parameters: Vec<eng_system::system::Parameter>,
+    pub parameter_defaults: Vec<crate::ir::Node>,
+    pub checks: Vec<Check>,
+    pub tables: Vec<eng_system::table::Table>,
+    pub elements: Vec<ElementDraft<'a>>,
+    pub channels: Vec<eng_system::system::Channel>,
+    pub journals: Vec<eng_system::system::JournalInfo>,
+    pub gravity: Option<[crate::ir::Node; 3]>,
+    pub cycle: Option<CycleDraft<'a>>,
+    pub pending: Vec<model::Pending<'a>>,
+    /// Whether outputs may use accelerations, and element outputs stand for their channels.
+    pub in_output: bool,
+    /// Inside `der(…)`: element outputs are evaluated, not read.
+    pub in_rate: bool,
+    /// Rates of the states of the element being lowered, when known.
+    pub rates: Option<Vec<crate::ir::Node>>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct CycleDraft<'a> {
+    pub declaration: &'a ast::Declaration,
+    pub scope: ScopeId,
+    pub period: crate::ir::Node,
+}
+
+impl<'a> Elaborator<'a, '_> {
+    pub fn report(&mut self, diagnostic: Diagnostic) -> Reported {
+        self.diagnostics.push(diagnostic);
+        Reported
+    }
+
+    /// What the checker should have found.
+    pub fn unfit(&mut self, span: Span, expected: &str, found: &Value<'_>) -> Reported {
+        let found = found.kind();
+        self.report(
+            Diagnostic::error("E0500", format!("expected {expected}, found {found}"))
+                .at(span, format!("this is {found}")),
+        )
+    }
+
+    pub fn scope(&self, id: ScopeId) -> &Scope<'a> {
+        &self.scopes[id.0 as usize]
+    }
+
+    pub fn new_scope(&mut self, parent: Option<ScopeId>, module: u32, path: String) -> ScopeId {
+        self.scopes.push(Scope {
+            parent,
+            module,
+            path,
+            lasting: false,
+            entries: HashMap::new(),
+        });
+        ScopeId(self.scopes.len() as u32 - 1)
+    }
+
+    pub fn define(&mut self, scope: ScopeId, name: &str, entry: Entry<'a>) {
+        self.scopes[scope.0 as usize]
+            .entries
+            .insert(name.to_owned(), entry);
+    }
+
+    pub fn lasting(&mut self, scope: ScopeId) {
+        self.scopes[scope.0 as usize].lasting = true;
+    }
+
+    pub fn path(&self, scope: ScopeId, name: &str) -> String {
+        let prefix = &self.scope(scope).path;
+        if prefix.is_empty() {
+            name.to_owned()
+        } else {
+            format!("{prefix}.{name}")
+        }
+    }
+
+    pub fn count_instance(&mut self, span: Span) -> Eval<()> {
+        self.instances += 1;
+        if self.instances > MOST_INSTANCES {
+            return Err(self.report(
+                Diagnostic::error(
+                    "E0503",
+                    format!("the model has more than {MOST_INSTANCES} instances"),
+                )
+                .at(span, "the limit is reached here"),
+            ));
+        }
+        Ok(())
+    }
+
+    pub fn deeper<T>(
+        &mut self,
+        span: Span,
+        f: impl FnOnce(&mut Self) -> Eval<T>,
+    ) -> Eval<T> {
+        if self.depth >= DEEPEST {
+            return Err(self.report(
+                Diagnostic::error("E0502", "definitions are nested too deep")
+                    .at(span, "the limit is reached here")
+                    .with_help("does a function or a component use itself?"),
+            ));
+        }
+        self.depth += 1;
+        let result = f(self);
+        self.depth -= 1;
+        result
+    }
+}
+
+pub(crate) fn location(span: Span) -> Location {
+    Location {
+        source: span.source.0,
+        start: span.start,
+        end: span.end,
+    }
+}

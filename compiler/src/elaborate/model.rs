@@ -1,0 +1,577 @@
+//! Blocks of models and components: parameters, bodies, parts, elements, starts, outputs.
+
+use super::scalar::{ElementBuilder, Scalar, Stage};
+use super::value::{ScopeId, Value};
+use super::{CycleDraft, Elaborator, ElementSource, Entry, Eval, Lazy, Reported, body::index_text};
+use crate::ir::{Node, Op};
+use crate::program::DefinitionId;
+use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind, Statement};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::system::{BodyRef, Role};
+use eng_system::{Dimension, DisplayUnit};
+
+/// What is set at the start.
+#[derive(Clone, Debug)]
+pub(crate) enum StartTarget {
+    /// A body's origin.
+    Position(u32),
+    /// A body's orientation, with the stated matrix.
+    Rotation(u32, [Node; 9]),
+    Velocity(u32),
+    AngularVelocity(u32),
+}
+
+/// What waits until all elements are known.
+#[derive(Clone, Debug)]
+pub(crate) enum Pending<'a> {
+    Start {
+        role: Role,
+        target: StartTarget,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+    },
+    /// `start`/`guess` of an expression: position or velocity is found out when it is lowered.
+    StartExpression {
+        exact: bool,
+        target: &'a ast::Expr,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+    },
+    Output {
+        binding: &'a ast::Binding,
+        scope: ScopeId,
+    },
+}
+
+impl<'a> Elaborator<'a, '_> {
+    pub fn pending_start(
+        &mut self,
+        role: Role,
+        target: StartTarget,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+    ) {
+        self.pending.push(Pending::Start {
+            role,
+            target,
+            value,
+            scope,
+        });
+    }
+
+    /// All items of a model's or component's block.
+    pub fn block(&mut self, items: &'a [ast::Item], scope: ScopeId) {
+        self.register(items, scope);
+        // outputs of a block are channels, not values inside it
+        for item in items {
+            if let ItemKind::Binding(b) = &item.kind {
+                match b.kind {
+                    BindingKind::Param
+                        if !self.scope(scope).entries.contains_key(&b.name.text) =>
+                    {
+                        self.define(scope, &b.name.text, Entry::Lazy(Lazy::Parameter(b)));
+                    }
+                    BindingKind::Output => self.pending.push(Pending::Output { binding: b, scope }),
+                    _ => {}
+                }
+            }
+        }
+        let declarations = items.iter().filter_map(|i| match &i.kind {
+            ItemKind::Declaration(d) => Some(d),
+            _ => None,
+        });
+        for d in declarations.clone() {
+            if d.kind == Kind::Part {
+                self.define(scope, &d.name.text, Entry::Lazy(Lazy::Part(d)));
+            }
+            if d.kind == Kind::Cycle {
+                self.cycle_of(d, scope);
+            }
+        }
+        // messages were given; what can be elaborated still is, for more messages in one run
+        for item in items {
+            if let ItemKind::Binding(b) = &item.kind
+                && b.kind == BindingKind::Param
+            {
+                let _ = self.entry(scope, &b.name.text, b.name.span);
+            }
+            if let ItemKind::Attribute(a) = &item.kind {
+                let _ = self.model_attribute(a, scope);
+            }
+        }
+        for d in declarations.clone() {
+            let failed = match d.kind {
+                Kind::Body | Kind::Flexible => self.bodies_of(d, scope).is_err(),
+                Kind::Marker => self.markers_of(d, BodyRef::Ground, scope, scope).is_err(),
+                _ => false,
+            };
+            if failed {
+                self.define(scope, &d.name.text, Entry::Failed);
+            }
+        }
+        for d in declarations.clone() {
+            if d.kind == Kind::Part {
+                let _ = self.entry(scope, &d.name.text, d.name.span);
+            }
+        }
+        for d in declarations {
+            if matches!(d.kind, Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive)
+                && self.elements_of(d, scope).is_err()
+            {
+                self.bench.element = None;
+                self.in_output = false;
+                self.in_rate = false;
+                self.rates = None;
+                self.define(scope, &d.name.text, Entry::Failed);
+            }
+        }
+        let path = self.scope(scope).path.clone();
+        for item in items {
+            match &item.kind {
+                ItemKind::Statement(Statement::Start { target, value }) => {
+                    self.pending.push(Pending::StartExpression {
+                        exact: true,
+                        target,
+                        value,
+                        scope,
+                    });
+                }
+                ItemKind::Statement(Statement::Guess { target, value }) => {
+                    self.pending.push(Pending::StartExpression {
+                        exact: false,
+                        target,
+                        value,
+                        scope,
+                    });
+                }
+                ItemKind::Statement(Statement::Require {
+                    advise,
+                    condition,
+                    message,
+                }) => {
+                    let _ = self.requirement(*advise, condition, message, scope, &path, None);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn cycle_of(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) {
+        if let Some(first) = &self.cycle {
+            let d = Diagnostic::error("E0515", "a model has one cycle")
+                .at(declaration.name.span, "a second one")
+                .also(first.declaration.name.span, "the first");
+            self.diagnostics.push(d);
+            return;
+        }
+        let mut period = None;
+        if let Form::Instance {
+            block: Some(block), ..
+        } = &declaration.form
+        {
+            for item in &block.items {
+                if let ItemKind::Attribute(a) = &item.kind
+                    && a.name.text == "period"
+                {
+                    period = Some(a);
+                }
+            }
+        }
+        let Some(attribute) = period else {
+            let d = Diagnostic::error("E0515", "the cycle has no period")
+                .at(declaration.name.span, "add `{ period = 720 deg }`");
+            self.diagnostics.push(d);
+            return;
+        };
+        let node = self
+            .evaluate(&attribute.value, scope)
+            .and_then(|v| self.as_scalar(v, attribute.value.span))
+            .and_then(|s| self.bind_node(s, attribute.value.span));
+        if let Ok(period) = node {
+            self.cycle = Some(CycleDraft {
+                declaration,
+                scope,
+                period,
+            });
+        }
+    }
+
+    fn model_attribute(&mut self, attribute: &'a ast::Attribute, scope: ScopeId) -> Eval<()> {
+        match attribute.name.text.as_str() {
+            "gravity" => {
+                self.gravity = Some(self.bind_vector(&attribute.value, scope)?);
+                Ok(())
+            }
+            other => Err(self.report(
+                Diagnostic::error("E0508", format!("a model has no attribute {other}"))
+                    .at(attribute.name.span, "it has `gravity`"),
+            )),
+        }
+    }
+
+    /// `part name[index] = Component(arguments)`.
+    pub fn part(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) -> Eval<Value<'a>> {
+        let Form::Instance { value, .. } = &declaration.form else {
+            return Err(self.report(
+                Diagnostic::error("E0500", "a part is an instance of a component")
+                    .at(declaration.name.span, "write `part name = Component(…)`"),
+            ));
+        };
+        let ExprKind::Call { callee, arguments } = &value.kind else {
+            return Err(self.report(
+                Diagnostic::error("E0500", "a part is made by calling a component").at(value.span, "not a call"),
+            ));
+        };
+        let base = self.path(scope, &declaration.name.text);
+        let mut made = Vec::new();
+        self.for_each(&declaration.index, scope, &mut |e, inner, position| {
+            e.count_instance(declaration.name.span)?;
+            let path = format!("{base}{}", index_text(position));
+            let class = match e.evaluate(callee, inner)? {
+                Value::Definition(id) => e.class_of(id, callee.span)?,
+                other => return Err(e.unfit(callee.span, "a component", &other)),
+            };
+            let bound = e.bind_arguments(class, arguments, inner, &path, value.span)?;
+            let source = ElementSource {
+                definition: class.definition,
+                arguments: bound,
+                caller: inner,
+            };
+            if source
+                .arguments
+                .iter()
+                .any(|(_, a)| matches!(a, super::Argument::Again(_)))
+            {
+                return Err(e.report(
+                    Diagnostic::error("E0504", "arguments of a component depend on parameters alone")
+                        .at(value.span, "one of these depends on the motion"),
+                ));
+            }
+            let own = e.class_scope(&source, class, &path)?;
+            e.lasting(own);
+            e.deeper(value.span, |e| {
+                e.block(&class.block.items, own);
+                Ok(())
+            })?;
+            made.push((position.to_vec(), Value::Part(own)));
+            Ok(())
+        })?;
+        if declaration.index.is_empty() {
+            made.pop().map(|m| m.1).ok_or(Reported)
+        } else {
+            Ok(Value::Family(made))
+        }
+    }
+
+    /// Calls a record, which makes a value.
+    pub fn construct(
+        &mut self,
+        id: DefinitionId,
+        span: Span,
+        arguments: &'a [ast::Argument],
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
+        let Some(ItemKind::Declaration(declaration)) = self.program.item(id).map(|i| &i.kind) else {
+            return Err(Reported);
+        };
+        let (Kind::Record, Form::Plain { block }) = (declaration.kind, &declaration.form) else {
+            return Err(self.report(
+                Diagnostic::error("E0500", format!("{} is not a value", declaration.name.text))
+                    .at(span, "a class is used by a declaration: `joint name = Class(…)`"),
+            ));
+        };
+        let own = self.new_scope(Some(self.module_scopes[id.module as usize]), id.module, String::new());
+        self.register(&block.items, own);
+        let fields: Vec<&'a ast::Binding> = block
+            .items
+            .iter()
+            .filter_map(|i| match &i.kind {
+                ItemKind::Binding(b) if b.value.is_none() => Some(b),
+                _ => None,
+            })
+            .collect();
+        let mut given = Vec::new();
+        for (position, argument) in arguments.iter().enumerate() {
+            let name = match (&argument.name, fields.get(position)) {
+                (Some(n), _) => n.text.clone(),
+                (None, Some(f)) => f.name.text.clone(),
+                (None, None) => {
+                    return Err(self.report(
+                        Diagnostic::error("E0500", "too many arguments").at(argument.value.span, "here"),
+                    ));
+                }
+            };
+            let value = self.evaluate(&argument.value, scope)?;
+            self.define(own, &name, Entry::Value(value));
+            given.push(name);
+        }
+        if let Some(missing) = fields.iter().find(|f| !given.contains(&f.name.text)) {
+            return Err(self.report(
+                Diagnostic::error("E0402", format!("field {} is missing", missing.name.text))
+                    .at(span, "in this call")
+                    .also(missing.name.span, "the field"),
+            ));
+        }
+        Ok(Value::Record(own))
+    }
+
+    /// Lowers starts and outputs.
+    pub fn finish_pending(&mut self) {
+        for pending in std::mem::take(&mut self.pending) {
+            self.bench.element = Some(ElementBuilder::default());
+            let result = match pending {
+                Pending::Start {
+                    role,
+                    target,
+                    value,
+                    scope,
+                } => self.lower_start(role, &target, value, scope),
+                Pending::StartExpression {
+                    exact,
+                    target,
+                    value,
+                    scope,
+                } => self.lower_start_expression(exact, target, value, scope),
+                Pending::Output { binding, scope } => self.lower_output(binding, scope),
+            };
+            // a message was given
+            let _ = result;
+            self.bench.element = None;
+            self.in_output = false;
+        }
+    }
+
+    fn lower_start(
+        &mut self,
+        role: Role,
+        target: &StartTarget,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+    ) -> Eval<()> {
+        let (marker, name) = match target {
+            StartTarget::Position(m) => (*m, "position"),
+            StartTarget::Rotation(m, _) => (*m, "rotation"),
+            StartTarget::Velocity(m) => (*m, "velocity"),
+            StartTarget::AngularVelocity(m) => (*m, "angular_velocity"),
+        };
+        let path = self.markers[marker as usize].origin.path.replace(".origin", "");
+        let path = format!("start of {path}.{name}");
+        let local = self.local_marker(marker, Some(value.span))?;
+        let velocity = Dimension::LENGTH.over(Dimension::TIME);
+        let angular = Dimension::ANGLE.over(Dimension::TIME);
+        let actual = match target {
+            StartTarget::Position(_) => self.marker_origin(local),
+            StartTarget::Velocity(_) => [0, 1, 2].map(|i| self.marker_input(local, 12 + i, velocity)),
+            StartTarget::AngularVelocity(_) => {
+                let w = [0, 1, 2].map(|i| self.marker_input(local, 15 + i, angular));
+                self.rotate(local, &w)
+            }
+            _ => {
+                let StartTarget::Rotation(_, matrix) = target else {
+                    return Err(Reported);
+                };
+                // x·Y, y·Z, z·X of the actual and the stated axes vanish together at alignment
+                let column = |j: usize| {
+                    [0, 1, 2].map(|i| Scalar {
+                        stage: Stage::Bind,
+                        node: matrix[3 * i + j],
+                        dimension: Dimension::ONE,
+                    })
+                };
+                let rows = [(0, 1), (1, 2), (2, 0)].map(|(a, b)| {
+                    let axis = self.marker_axis(local, a);
+                    self.bench.dot(&axis, &column(b as usize))
+                });
+                let rows = rows
+                    .into_iter()
+                    .map(|s| (s, "rotation".to_owned()))
+                    .collect();
+                return self.start_element(role, path, value.span, rows);
+            }
+        };
+        let v = self.evaluate(value, scope)?;
+        let stated = self.as_vector(v, value.span)?;
+        let text = self.sources.text(value.span).to_owned();
+        let rows = [0, 1, 2]
+            .map(|i| {
+                (
+                    self.bench.subtract(actual[i], stated[i]),
+                    format!("{name}.{} == {text}", ["x", "y", "z"][i]),
+                )
+            })
+            .to_vec();
+        self.start_element(role, path, value.span, rows)
+    }
+
+    fn lower_start_expression(
+        &mut self,
+        exact: bool,
+        target: &'a ast::Expr,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+    ) -> Eval<()> {
+        let actual = self.evaluate(target, scope)?;
+        let stated = self.evaluate(value, scope)?;
+        let a = self.as_components(
+            match actual {
+                Value::Scalar(s) => Value::List(vec![Value::Scalar(s)]),
+                other => other,
+            },
+            target.span,
+        )?;
+        let b = self.as_components(
+            match stated {
+                Value::Scalar(_) | Value::Int(_) => Value::List(vec![stated]),
+                other => other,
+            },
+            value.span,
+        )?;
+        if a.len() != b.len() {
+            return Err(self.report(
+                Diagnostic::error("E0500", "both sides differ in length").at(value.span, "here"),
+            ));
+        }
+        let is_rotation = |e: &Self, s: &Scalar| {
+            e.bench
+                .element
+                .as_ref()
+                .is_some_and(|b| b.rotations.iter().any(|r| r.2 == s.node))
+        };
+        let text = format!(
+            "{} == {}",
+            self.sources.text(target.span),
+            self.sources.text(value.span)
+        );
+        let mut rows = Vec::new();
+        let mut velocity = false;
+        for (x, y) in a.into_iter().zip(b) {
+            let mut difference = self.bench.subtract(x, y);
+            if is_rotation(self, &x) {
+                // an angle is reached at any turn
+                let sine = self.bench.unary(difference, Dimension::ONE, |g, n| g.unary(Op::Sin, n));
+                let cosine = self.bench.unary(difference, Dimension::ONE, |g, n| g.unary(Op::Cos, n));
+                difference = self
+                    .bench
+                    .binary(sine, cosine, Dimension::ANGLE, crate::ir::Graph::atan2);
+            }
+            velocity |= self.uses_twist(difference.node);
+            rows.push((difference, text.clone()));
+        }
+        let role = if velocity {
+            Role::StartVelocity { exact }
+        } else {
+            Role::StartPosition { exact }
+        };
+        let path = format!("start of {}", self.sources.text(target.span));
+        self.start_element(role, path, target.span, rows)
+    }
+
+    /// Whether a value of the element being lowered depends on a marker's twist.
+    fn uses_twist(&self, node: Node) -> bool {
+        let Some(element) = self.bench.element.as_ref() else {
+            return false;
+        };
+        let mut stack = vec![node];
+        let mut seen = vec![false; element.graph.nodes().len()];
+        while let Some(n) = stack.pop() {
+            if std::mem::replace(&mut seen[n.0 as usize], true) {
+                continue;
+            }
+            match element.graph.op(n) {
+                Op::Input(i) => {
+                    let end = super::scalar::PROVISIONAL.state(0);
+                    if (1..end).contains(&i) && (i - 1) % eng_system::layout::MARKER_WIDTH >= 12 {
+                        return true;
+                    }
+                }
+                op => stack.extend(op.operands()),
+            }
+        }
+        false
+    }
+
+    fn lower_output(&mut self, binding: &'a ast::Binding, scope: ScopeId) -> Eval<()> {
+        let name = &binding.name.text;
+        let base = self.path(scope, name);
+        let Some(expr) = &binding.value else {
+            return Ok(());
+        };
+        let display = match &binding.display {
+            Some(u) => {
+                let unit = self.unit(u)?;
+                Some(DisplayUnit {
+                    symbol: unit.symbol,
+                    scale: unit.scale,
+                    offset: unit.offset,
+                })
+            }
+            None => None,
+        };
+        self.for_each(&binding.index, scope, &mut |e, inner, position| {
+            e.bench.element = Some(ElementBuilder::default());
+            e.in_output = true;
+            let path = format!("{base}{}", index_text(position));
+            let declared = binding.ty.as_ref().map(|t| e.dimension(t));
+            let value = e.evaluate(expr, inner)?;
+            let frame = match &binding.frame {
+                Some(frame) => match e.evaluate(frame, inner)? {
+                    Value::Ground => None,
+                    other => {
+                        let m = e.as_marker(other, frame.span)?;
+                        Some((m, e.markers[m as usize].origin.path.clone()))
+                    }
+                },
+                None => None,
+            };
+            e.output_element(
+                path,
+                declared,
+                vec![(name.clone(), value)],
+                frame,
+                display.clone(),
+                binding.name.span,
+            )?;
+            e.bench.element = None;
+            e.in_output = false;
+            Ok(())
+        })
+    }
+
+    /// The cycle's element: angle and its rate.
+    pub fn lower_cycle(&mut self) -> Eval<Option<eng_system::system::Cycle>> {
+        let Some(cycle) = self.cycle.clone() else {
+            return Ok(None);
+        };
+        let Form::Instance { value, .. } = &cycle.declaration.form else {
+            return Ok(None);
+        };
+        self.bench.element = Some(ElementBuilder::default());
+        self.in_output = true;
+        let angle = self.evaluate(value, cycle.scope)?;
+        let rate = self.rate_of(angle.clone(), value.span)?;
+        let before = self.channels.len();
+        let binding_values = vec![("angle".to_owned(), angle), ("speed".to_owned(), rate)];
+        let element = self.output_element(
+            "cycle".into(),
+            None,
+            binding_values,
+            None,
+            None,
+            cycle.declaration.name.span,
+        )?;
+        // time, angle and speed are columns of their own
+        self.channels.truncate(before);
+        self.in_output = false;
+        self.bench.element = None;
+        let period = self.slot(cycle.period);
+        Ok(Some(eng_system::system::Cycle {
+            origin: eng_system::system::Origin {
+                path: "cycle".into(),
+                used_at: Some(super::location(cycle.declaration.name.span)),
+                defined_at: None,
+            },
+            element,
+            period,
+        }))
+    }
+}

@@ -1,0 +1,377 @@
+//! What names and fields mean.
+
+use super::scalar::Scalar;
+use super::value::{Closure, ScopeId, TableValue, Value};
+use super::{Elaborator, Entry, Eval, Lazy, Reported};
+use crate::program::DefinitionId;
+use eng_grammar::ast::{self, BindingKind, ItemKind};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
+use eng_system::layout::InputLayout;
+
+impl<'a> Elaborator<'a, '_> {
+    /// The value of a name; a message if there is none.
+    pub fn lookup(&mut self, name: &str, scope: ScopeId, span: Span) -> Eval<Value<'a>> {
+        match self.try_lookup(name, scope, span)? {
+            Some(value) => Ok(value),
+            None => Err(self.report(
+                Diagnostic::error("E0203", format!("there is no {name} here"))
+                    .at(span, "not defined"),
+            )),
+        }
+    }
+
+    /// The value of a name, if it has one.
+    pub fn try_lookup(
+        &mut self,
+        name: &str,
+        scope: ScopeId,
+        span: Span,
+    ) -> Eval<Option<Value<'a>>> {
+        let mut at = Some(scope);
+        while let Some(id) = at {
+            if self.scope(id).entries.contains_key(name) {
+                return self.entry(id, name, span).map(Some);
+            }
+            at = self.scope(id).parent;
+        }
+        let module = self.scope(scope).module;
+        if let Some(definition) = self.program.lookup(module, name) {
+            return self.definition(definition, span).map(Some);
+        }
+        match name {
+            "pi" => Ok(Some(Value::Scalar(
+                self.bench
+                    .constant(std::f64::consts::PI, Dimension::ONE),
+            ))),
+            "ground" => Ok(Some(Value::Ground)),
+            "cycle" if self.cycle.is_some() => Ok(Some(Value::Cycle)),
+            "time" => {
+                let Some(element) = self.bench.element.as_mut() else {
+                    return Err(self.report(
+                        Diagnostic::error("E0504", "time is known in classes and outputs only")
+                            .at(span, "not here"),
+                    ));
+                };
+                let node = element.graph.input(InputLayout::TIME);
+                Ok(Some(Value::Scalar(Scalar {
+                    stage: super::scalar::Stage::Motion,
+                    node,
+                    dimension: Dimension::TIME,
+                })))
+            }
+            _ => Ok(super::builtin::find(name).map(Value::Builtin)),
+        }
+    }
+
+    /// The value of an entry of a scope, evaluated at its first use.
+    pub fn entry(&mut self, scope: ScopeId, name: &str, span: Span) -> Eval<Value<'a>> {
+        let found = self.scope(scope).entries.get(name).cloned();
+        match found {
+            None => Err(self.report(
+                Diagnostic::error("E0203", format!("there is no {name} here"))
+                    .at(span, "not defined"),
+            )),
+            Some(Entry::Value(value)) => Ok(value),
+            Some(Entry::Failed) => Err(Reported),
+            Some(Entry::In(other)) => self.entry(other, name, span),
+            Some(Entry::Busy) => Err(self.report(
+                Diagnostic::error("E0502", format!("{name} is defined by itself"))
+                    .at(span, "the circle closes here"),
+            )),
+            Some(Entry::Lazy(lazy)) => {
+                self.define(scope, name, Entry::Busy);
+                let result = self.deeper(span, |e| e.force(&lazy, scope));
+                let entry = match &result {
+                    Ok(value) if self.scope(scope).lasting && value.moves() => Entry::Lazy(lazy),
+                    Ok(value) => Entry::Value(value.clone()),
+                    Err(_) => Entry::Failed,
+                };
+                self.define(scope, name, entry);
+                result
+            }
+        }
+    }
+
+    fn force(&mut self, lazy: &Lazy<'a>, scope: ScopeId) -> Eval<Value<'a>> {
+        match lazy {
+            Lazy::Binding(binding) => self.binding_value(binding, scope),
+            Lazy::Parameter(binding) => {
+                let Some(expr) = &binding.value else {
+                    return Err(self.report(
+                        Diagnostic::error(
+                            "E0405",
+                            format!("parameter {} has no value", binding.name.text),
+                        )
+                        .at(binding.name.span, "no default and no argument"),
+                    ));
+                };
+                let value = self.evaluate(expr, scope)?;
+                let path = self.path(scope, &binding.name.text);
+                self.parameterise(value, &path, Some(expr), binding.limits.as_ref(), binding.name.span, scope)
+            }
+            Lazy::Default(parameter) => match &parameter.default {
+                Some(expr) => self.evaluate(expr, scope),
+                None => Err(Reported),
+            },
+            Lazy::Table(table) => {
+                let module = self.scope(scope).module;
+                self.table_value(table, scope, module)
+            }
+            Lazy::Part(declaration) => self.part(declaration, scope),
+        }
+    }
+
+    fn binding_value(&mut self, binding: &'a ast::Binding, scope: ScopeId) -> Eval<Value<'a>> {
+        if binding.index.is_empty() {
+            return match &binding.value {
+                Some(expr) => self.evaluate(expr, scope),
+                None => Err(self.report(
+                    Diagnostic::error("E0405", format!("{} has no value", binding.name.text))
+                        .at(binding.name.span, "add `= value`"),
+                )),
+            };
+        }
+        let mut values = Vec::new();
+        let Some(expr) = &binding.value else {
+            return Err(Reported);
+        };
+        self.for_each(&binding.index, scope, &mut |e, inner, position| {
+            values.push((position.to_vec(), e.evaluate(expr, inner)?));
+            Ok(())
+        })?;
+        Ok(Value::Family(values))
+    }
+
+    /// The value of a definition at the top level of a module.
+    fn definition(&mut self, id: DefinitionId, span: Span) -> Eval<Value<'a>> {
+        let Some(item) = self.program.item(id) else {
+            return Err(Reported);
+        };
+        let scope = self.module_scopes[id.module as usize];
+        let lazy = match &item.kind {
+            ItemKind::Binding(b) if matches!(b.kind, BindingKind::Param) => Lazy::Parameter(b),
+            ItemKind::Binding(b) => Lazy::Binding(b),
+            ItemKind::Table(t) => Lazy::Table(t),
+            ItemKind::Function(function) => {
+                return Ok(Value::Closure(Closure { function, scope }));
+            }
+            ItemKind::Declaration(_) => return Ok(Value::Definition(id)),
+            _ => {
+                return Err(self.report(
+                    Diagnostic::error("E0500", "this is not a value").at(span, "used as a value"),
+                ));
+            }
+        };
+        let name = match &item.kind {
+            ItemKind::Binding(b) => b.name.text.clone(),
+            ItemKind::Table(t) => t.name.text.clone(),
+            _ => return Err(Reported),
+        };
+        if !self.scope(scope).entries.contains_key(&name) {
+            self.define(scope, &name, Entry::Lazy(lazy));
+        }
+        self.entry(scope, &name, span)
+    }
+
+    /// `base.name`.
+    pub fn field(&mut self, base: Value<'a>, name: &ast::Name, span: Span) -> Eval<Value<'a>> {
+        match base {
+            Value::Marker(m) => self.marker_field(m, name),
+            Value::Ground => {
+                if let Some(i) = ["x", "y", "z"].iter().position(|n| *n == name.text) {
+                    return Ok(Value::Vector(self.unit_vector(i)));
+                }
+                if name.text == "origin" {
+                    let zero = self.bench.constant(0.0, Dimension::LENGTH);
+                    return Ok(Value::Vector([zero; 3]));
+                }
+                let marker = self.ground_frame();
+                self.marker_field(marker, name)
+            }
+            Value::Body(b) => {
+                let scope = self.body_scopes[b as usize];
+                self.entry(scope, &name.text, name.span)
+            }
+            Value::Part(scope) | Value::Record(scope) => self.entry(scope, &name.text, name.span),
+            Value::Element(e) => self.element_field(e, name),
+            Value::List(items) => {
+                if let Some(i) = ["x", "y", "z"].iter().position(|n| *n == name.text)
+                    && items.len() <= 3
+                    && items
+                        .iter()
+                        .all(|v| matches!(v, Value::Scalar(_) | Value::Int(_)))
+                {
+                    return match items.into_iter().nth(i) {
+                        Some(v) => Ok(v),
+                        None => Err(self.report(
+                            Diagnostic::error("E0501", format!("there is no component {}", name.text))
+                                .at(name.span, "too few components"),
+                        )),
+                    };
+                }
+                // a field of every element: piston[*].pin
+                let items = items.into_iter().map(|v| (Vec::new(), v)).collect::<Vec<_>>();
+                self.field(Value::Family(items), name, span)
+            }
+            Value::Family(items) => {
+                items
+                    .into_iter()
+                    .map(|(_, v)| self.field(v, name, span))
+                    .collect::<Eval<Vec<_>>>()
+                    .map(Value::List)
+            }
+            Value::Cycle => match (name.text.as_str(), self.cycle.clone()) {
+                ("angle", Some(cycle)) => self.cycle_angle(&cycle),
+                ("period", Some(cycle)) => Ok(Value::Scalar(Scalar {
+                    stage: super::scalar::Stage::Bind,
+                    node: cycle.period,
+                    dimension: Dimension::ANGLE,
+                })),
+                _ => Err(self.report(
+                    Diagnostic::error("E0203", format!("the cycle has no {}", name.text))
+                        .at(name.span, "it has `angle` and `period`"),
+                )),
+            },
+            other => {
+                let found = other.kind();
+                Err(self.report(
+                    Diagnostic::error("E0500", format!("{found} has no {}", name.text))
+                        .at(name.span, "no such field")
+                        .also(span, format!("this is {found}")),
+                ))
+            }
+        }
+    }
+
+    pub fn unit_vector(&mut self, axis: usize) -> [Scalar; 3] {
+        [0, 1, 2].map(|i| {
+            self.bench
+                .constant(if i == axis { 1.0 } else { 0.0 }, Dimension::ONE)
+        })
+    }
+
+    /// The local index of a marker in the element being lowered.
+    pub fn local_marker(&mut self, marker: u32, span: Option<Span>) -> Eval<u32> {
+        if let Some(used) = self.used_markers.get_mut(marker as usize) {
+            *used = true;
+        }
+        let local = match self.bench.element.as_mut() {
+            Some(element) => element.marker(marker),
+            None => {
+                let mut message =
+                    Diagnostic::error("E0504", "a marker moves: it is known in classes and outputs only");
+                if let Some(span) = span {
+                    message = message.at(span, "used where only parameters are known");
+                }
+                return Err(self.report(message));
+            }
+        };
+        match local {
+            Some(local) => Ok(local),
+            None => {
+                let mut message = Diagnostic::error(
+                    "E0512",
+                    format!("one element touches more than {} markers", super::scalar::PROVISIONAL.markers),
+                );
+                if let Some(span) = span {
+                    message = message.at(span, "the limit is reached here");
+                }
+                Err(self.report(message))
+            }
+        }
+    }
+
+    pub fn marker_input(&mut self, local: u32, component: u32, dimension: Dimension) -> Scalar {
+        let node = match self.bench.element.as_mut() {
+            Some(element) => element.marker_input(local, component),
+            None => self.bench.bind.graph.constant(f64::NAN),
+        };
+        Scalar {
+            stage: super::scalar::Stage::Motion,
+            node,
+            dimension,
+        }
+    }
+
+    /// Column of a marker's rotation matrix, in ground axes.
+    pub fn marker_axis(&mut self, local: u32, axis: u32) -> [Scalar; 3] {
+        [0, 1, 2].map(|i| self.marker_input(local, 3 + 3 * i + axis, Dimension::ONE))
+    }
+
+    pub fn marker_origin(&mut self, local: u32) -> [Scalar; 3] {
+        [0, 1, 2].map(|i| self.marker_input(local, i, Dimension::LENGTH))
+    }
+
+    /// Ground-axes components of a vector given along a marker's axes.
+    pub fn rotate(&mut self, local: u32, v: &[Scalar; 3]) -> [Scalar; 3] {
+        [0, 1, 2].map(|i| {
+            let row = [0, 1, 2].map(|j| self.marker_input(local, 3 + 3 * i + j, Dimension::ONE));
+            self.bench.dot(&row, v)
+        })
+    }
+
+    /// Components of a vector along a marker's axes.
+    pub fn into_axes(&mut self, local: u32, v: &[Scalar; 3]) -> [Scalar; 3] {
+        [0, 1, 2].map(|j| {
+            let axis = self.marker_axis(local, j);
+            self.bench.dot(&axis, v)
+        })
+    }
+
+    fn marker_field(&mut self, marker: u32, name: &ast::Name) -> Eval<Value<'a>> {
+        let velocity = Dimension::LENGTH.over(Dimension::TIME);
+        let angular = Dimension::ANGLE.over(Dimension::TIME);
+        let local = self.local_marker(marker, Some(name.span))?;
+        let vector = match name.text.as_str() {
+            "origin" => self.marker_origin(local),
+            "x" => self.marker_axis(local, 0),
+            "y" => self.marker_axis(local, 1),
+            "z" => self.marker_axis(local, 2),
+            "velocity" => [0, 1, 2].map(|i| self.marker_input(local, 12 + i, velocity)),
+            "angular_velocity" => {
+                let w = [0, 1, 2].map(|i| self.marker_input(local, 15 + i, angular));
+                self.rotate(local, &w)
+            }
+            "acceleration" | "angular_acceleration" => {
+                let base = ast::Name {
+                    text: if name.text == "acceleration" {
+                        "velocity".into()
+                    } else {
+                        "angular_velocity".into()
+                    },
+                    span: name.span,
+                };
+                let value = self.marker_field(marker, &base)?;
+                return self.rate_of(value, name.span);
+            }
+            _ => {
+                return Err(self.report(
+                    Diagnostic::error("E0203", format!("a marker has no {}", name.text)).at(
+                        name.span,
+                        "it has origin, x, y, z, velocity, angular_velocity, acceleration, angular_acceleration",
+                    ),
+                ));
+            }
+        };
+        Ok(Value::Vector(vector))
+    }
+
+    fn cycle_angle(&mut self, cycle: &super::CycleDraft<'a>) -> Eval<Value<'a>> {
+        match &cycle.declaration.form {
+            ast::Form::Instance { value, .. } => {
+                self.deeper(value.span, |e| e.evaluate(value, cycle.scope))
+            }
+            _ => Err(Reported),
+        }
+    }
+
+    /// A table's handle as a value.
+    pub fn table_handle(&mut self, index: usize, result: Dimension) -> Value<'a> {
+        let handle = self.bench.bind.fixed(index as f64);
+        Value::Table(TableValue {
+            handle,
+            result,
+        })
+    }
+}

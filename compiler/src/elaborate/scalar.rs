@@ -1,0 +1,427 @@
+//! Scalars in two stages: those of parameters alone live in the bind graph, those of the motion in an element's graph.
+//!
+//! A value of the bind stage that meets one of the motion becomes a constant of the element: the class's code is
+//! the same for every instance, the number comes from the instance's slots. Literals of a class's text stay in its code.
+
+use crate::ir::{Graph, Node, Op};
+use eng_system::Dimension;
+use eng_system::layout::{InputLayout, MARKER_WIDTH};
+use std::collections::HashMap;
+
+/// Which graph a scalar's node is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// Parameters alone.
+    Bind,
+    /// Poses, twists, states, time.
+    Motion,
+}
+
+/// A number with its dimension.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Scalar {
+    pub stage: Stage,
+    pub node: Node,
+    pub dimension: Dimension,
+}
+
+/// A truth value that is not known while compiling.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Flag {
+    pub stage: Stage,
+    pub node: Node,
+}
+
+/// Room for every element while it is lowered; compacted to its real size at the end.
+pub(crate) const PROVISIONAL: InputLayout = InputLayout {
+    markers: 64,
+    states: 64,
+    rows: 256,
+    rotations: 16,
+    constants: 4096,
+    signals: 1024,
+};
+
+/// First input of the bind graph that is a fixed number instead of a parameter.
+pub(crate) const FIXED: u32 = 1 << 24;
+
+/// The bind graph while it grows.
+#[derive(Debug, Default)]
+pub(crate) struct BindBuilder {
+    pub graph: Graph,
+    /// Numbers that stay slots although they are known: table handles and literals given as arguments.
+    pub fixed: Vec<f64>,
+    slots: Vec<Node>,
+    slot_of: HashMap<Node, u32>,
+}
+
+impl BindBuilder {
+    /// The slot that holds a node's value.
+    pub fn slot(&mut self, node: Node) -> eng_system::system::Slot {
+        let next = self.slots.len() as u32;
+        let index = *self.slot_of.entry(node).or_insert(next);
+        if index == next {
+            self.slots.push(node);
+        }
+        eng_system::system::Slot(index)
+    }
+
+    /// A number that is not folded into code.
+    pub fn fixed(&mut self, value: f64) -> Node {
+        let index = FIXED + self.fixed.len() as u32;
+        self.fixed.push(value);
+        self.graph.input(index)
+    }
+
+    pub fn slots(&self) -> &[Node] {
+        &self.slots
+    }
+}
+
+/// An element while it is lowered.
+#[derive(Debug, Default)]
+pub(crate) struct ElementBuilder {
+    pub graph: Graph,
+    /// Global indices of its markers.
+    pub markers: Vec<u32>,
+    /// Bind nodes of its constants.
+    pub constants: Vec<Node>,
+    constant_of: HashMap<Node, u32>,
+    /// Pairs of local markers and the unwrapped angle's node.
+    pub rotations: Vec<(u32, u32, Node)>,
+    /// Channels it reads.
+    pub signals: Vec<u32>,
+    /// States: name, dimension, start value, rate.
+    pub states: Vec<StateDraft>,
+    pub rows: Vec<RowDraft>,
+    /// Loads by local marker.
+    pub loads: Vec<[Node; 6]>,
+}
+
+#[derive(Debug)]
+pub(crate) struct StateDraft {
+    pub name: String,
+    pub dimension: Dimension,
+    pub start: Node,
+    pub rate: Option<Node>,
+}
+
+#[derive(Debug)]
+pub(crate) struct RowDraft {
+    pub node: Node,
+    pub row: eng_system::system::Row,
+}
+
+impl ElementBuilder {
+    /// The local index of a global marker; `None` if there is no room.
+    pub fn marker(&mut self, global: u32) -> Option<u32> {
+        if let Some(i) = self.markers.iter().position(|m| *m == global) {
+            return Some(i as u32);
+        }
+        if self.markers.len() as u32 >= PROVISIONAL.markers {
+            return None;
+        }
+        self.markers.push(global);
+        Some(self.markers.len() as u32 - 1)
+    }
+
+    /// An input of a marker: 0…2 x, 3…11 R, 12…14 ẋ, 15…17 ω in marker axes.
+    pub fn marker_input(&mut self, marker: u32, component: u32) -> Node {
+        debug_assert!(component < MARKER_WIDTH);
+        self.graph.input(PROVISIONAL.marker(marker) + component)
+    }
+
+    /// The input of a constant that comes from a bind node.
+    pub fn constant(&mut self, bind: Node) -> Node {
+        let next = self.constants.len() as u32;
+        let index = *self.constant_of.entry(bind).or_insert(next);
+        if index == next {
+            self.constants.push(bind);
+        }
+        self.graph.input(PROVISIONAL.constant(index))
+    }
+
+    /// The input of a channel.
+    pub fn signal(&mut self, channel: u32) -> Node {
+        let index = match self.signals.iter().position(|c| *c == channel) {
+            Some(i) => i,
+            None => {
+                self.signals.push(channel);
+                self.signals.len() - 1
+            }
+        };
+        self.graph.input(PROVISIONAL.signal(index as u32))
+    }
+
+    /// The layout with just the room that is used.
+    pub fn layout(&self) -> InputLayout {
+        InputLayout {
+            markers: self.markers.len() as u32,
+            states: self.states.len() as u32,
+            rows: self.rows.len() as u32,
+            rotations: self.rotations.len() as u32,
+            constants: self.constants.len() as u32,
+            signals: self.signals.len() as u32,
+        }
+    }
+}
+
+/// Maps a provisional input to its place in the compact layout.
+pub(crate) fn compact_input(index: u32, to: &InputLayout) -> u32 {
+    let p = &PROVISIONAL;
+    if index < p.state(0) {
+        index
+    } else if index < p.multiplier(0) {
+        to.state(index - p.state(0))
+    } else if index < p.rotation(0) {
+        to.multiplier(index - p.multiplier(0))
+    } else if index < p.constant(0) {
+        to.rotation(index - p.rotation(0))
+    } else if index < p.len() {
+        to.constant(index - p.constant(0))
+    } else if index < p.state_rate(0) {
+        to.acceleration(0) + (index - p.acceleration(0))
+    } else if index < p.signal(0) {
+        to.state_rate(index - p.state_rate(0))
+    } else {
+        to.signal(index - p.signal(0))
+    }
+}
+
+/// The two graphs that are being built.
+#[derive(Debug, Default)]
+pub(crate) struct Workbench {
+    pub bind: BindBuilder,
+    pub element: Option<ElementBuilder>,
+}
+
+impl Workbench {
+    pub fn constant(&mut self, value: f64, dimension: Dimension) -> Scalar {
+        Scalar {
+            stage: Stage::Bind,
+            node: self.bind.graph.constant(value),
+            dimension,
+        }
+    }
+
+    /// The value of a scalar that is known while compiling.
+    pub fn known(&self, a: Scalar) -> Option<f64> {
+        match a.stage {
+            Stage::Bind => self.bind.graph.as_constant(a.node),
+            Stage::Motion => None,
+        }
+    }
+
+    /// The node in the element's graph.
+    pub fn lift(&mut self, stage: Stage, node: Node) -> Node {
+        match (stage, self.element.as_mut()) {
+            (Stage::Motion, _) | (_, None) => node,
+            (Stage::Bind, Some(element)) => match self.bind.graph.as_constant(node) {
+                Some(value) => element.graph.constant(value),
+                None => element.constant(node),
+            },
+        }
+    }
+
+    fn graph(&mut self, stage: Stage) -> &mut Graph {
+        match (stage, self.element.as_mut()) {
+            (Stage::Motion, Some(element)) => &mut element.graph,
+            _ => &mut self.bind.graph,
+        }
+    }
+
+    fn join(&mut self, a: (Stage, Node), b: (Stage, Node)) -> (Stage, Node, Node) {
+        if a.0 == Stage::Bind && b.0 == Stage::Bind {
+            (Stage::Bind, a.1, b.1)
+        } else {
+            (Stage::Motion, self.lift(a.0, a.1), self.lift(b.0, b.1))
+        }
+    }
+
+    /// An operation on two numbers.
+    pub fn binary(
+        &mut self,
+        a: Scalar,
+        b: Scalar,
+        dimension: Dimension,
+        op: impl FnOnce(&mut Graph, Node, Node) -> Node,
+    ) -> Scalar {
+        let (stage, x, y) = self.join((a.stage, a.node), (b.stage, b.node));
+        let node = op(self.graph(stage), x, y);
+        Scalar {
+            stage,
+            node,
+            dimension,
+        }
+    }
+
+    /// An operation on one number.
+    pub fn unary(
+        &mut self,
+        a: Scalar,
+        dimension: Dimension,
+        op: impl FnOnce(&mut Graph, Node) -> Node,
+    ) -> Scalar {
+        let node = op(self.graph(a.stage), a.node);
+        Scalar {
+            stage: a.stage,
+            node,
+            dimension,
+        }
+    }
+
+    pub fn add(&mut self, a: Scalar, b: Scalar) -> Scalar {
+        self.binary(a, b, a.dimension, Graph::add)
+    }
+
+    pub fn subtract(&mut self, a: Scalar, b: Scalar) -> Scalar {
+        self.binary(a, b, a.dimension, Graph::subtract)
+    }
+
+    pub fn multiply(&mut self, a: Scalar, b: Scalar) -> Scalar {
+        self.binary(a, b, a.dimension.times(b.dimension), Graph::multiply)
+    }
+
+    pub fn divide(&mut self, a: Scalar, b: Scalar) -> Scalar {
+        self.binary(a, b, a.dimension.over(b.dimension), Graph::divide)
+    }
+
+    pub fn negate(&mut self, a: Scalar) -> Scalar {
+        self.unary(a, a.dimension, Graph::negate)
+    }
+
+    pub fn sqrt(&mut self, a: Scalar) -> Scalar {
+        let dimension = a.dimension.power(1, 2).unwrap_or(Dimension::ONE);
+        self.unary(a, dimension, Graph::sqrt)
+    }
+
+    pub fn dot(&mut self, a: &[Scalar], b: &[Scalar]) -> Scalar {
+        let mut sum: Option<Scalar> = None;
+        for (x, y) in a.iter().zip(b) {
+            let p = self.multiply(*x, *y);
+            sum = Some(match sum {
+                Some(s) => self.add(s, p),
+                None => p,
+            });
+        }
+        match sum {
+            Some(s) => s,
+            None => self.constant(0.0, Dimension::ONE),
+        }
+    }
+
+    pub fn cross(&mut self, a: &[Scalar; 3], b: &[Scalar; 3]) -> [Scalar; 3] {
+        let mut component = |i: usize, j: usize| {
+            let p = self.multiply(a[i], b[j]);
+            let q = self.multiply(a[j], b[i]);
+            self.subtract(p, q)
+        };
+        [component(1, 2), component(2, 0), component(0, 1)]
+    }
+
+    /// A comparison.
+    pub fn compare(
+        &mut self,
+        a: Scalar,
+        b: Scalar,
+        op: impl FnOnce(&mut Graph, Node, Node) -> Node,
+    ) -> Flag {
+        let (stage, x, y) = self.join((a.stage, a.node), (b.stage, b.node));
+        let node = op(self.graph(stage), x, y);
+        Flag { stage, node }
+    }
+
+    /// A comparison of numbers known while compiling is known too.
+    pub fn known_flag(&self, flag: Flag) -> Option<bool> {
+        if flag.stage != Stage::Bind {
+            return None;
+        }
+        let graph = &self.bind.graph;
+        match graph.op(flag.node) {
+            Op::Less(a, b) => Some(graph.as_constant(a)? < graph.as_constant(b)?),
+            Op::LessEqual(a, b) => Some(graph.as_constant(a)? <= graph.as_constant(b)?),
+            Op::Equal(a, b) => Some(graph.as_constant(a)? == graph.as_constant(b)?),
+            _ => None,
+        }
+    }
+
+    /// `and`, `or` of two flags.
+    pub fn logic(&mut self, a: Flag, b: Flag, op: fn(Node, Node) -> Op) -> Flag {
+        let (stage, x, y) = self.join_flags(a, b);
+        let node = self.graph(stage).push(op(x, y));
+        Flag { stage, node }
+    }
+
+    pub fn not(&mut self, a: Flag) -> Flag {
+        let node = self.graph(a.stage).push(Op::Not(a.node));
+        Flag {
+            stage: a.stage,
+            node,
+        }
+    }
+
+    fn join_flags(&mut self, a: Flag, b: Flag) -> (Stage, Node, Node) {
+        if a.stage == Stage::Bind && b.stage == Stage::Bind {
+            (Stage::Bind, a.node, b.node)
+        } else {
+            (Stage::Motion, self.lift_flag(a), self.lift_flag(b))
+        }
+    }
+
+    /// A flag of the bind stage reaches an element as a constant 1 or 0.
+    pub fn lift_flag(&mut self, flag: Flag) -> Node {
+        if flag.stage == Stage::Motion || self.element.is_none() {
+            return flag.node;
+        }
+        let number = self.flag_number(flag);
+        let lifted = self.lift(Stage::Bind, number);
+        match self.element.as_mut() {
+            Some(element) => {
+                let half = element.graph.constant(0.5);
+                element.graph.less(half, lifted)
+            }
+            None => flag.node,
+        }
+    }
+
+    /// 1 where a bind flag holds, else 0.
+    pub fn flag_number(&mut self, flag: Flag) -> Node {
+        let graph = &mut self.bind.graph;
+        let one = graph.constant(1.0);
+        let zero = graph.constant(0.0);
+        graph.select(flag.node, one, zero)
+    }
+
+    pub fn select(&mut self, flag: Flag, a: Scalar, b: Scalar) -> Scalar {
+        let all_bind = [flag.stage, a.stage, b.stage]
+            .iter()
+            .all(|s| *s == Stage::Bind);
+        if all_bind {
+            let node = self.bind.graph.select(flag.node, a.node, b.node);
+            return Scalar { node, ..a };
+        }
+        let f = self.lift_flag(flag);
+        let x = self.lift(a.stage, a.node);
+        let y = self.lift(b.stage, b.node);
+        let node = self.graph(Stage::Motion).select(f, x, y);
+        Scalar {
+            stage: Stage::Motion,
+            node,
+            dimension: a.dimension,
+        }
+    }
+
+    /// A table look-up.
+    pub fn table(&mut self, handle: Node, x: Scalar, dimension: Dimension) -> Scalar {
+        let handle = match x.stage {
+            Stage::Bind => handle,
+            Stage::Motion => self.lift(Stage::Bind, handle),
+        };
+        let node = self.graph(x.stage).table(handle, x.node, 0);
+        Scalar {
+            stage: x.stage,
+            node,
+            dimension,
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! Tables: numbers from a CSV file of the model or from the text.
+
+use super::value::{ScopeId, Value};
+use super::{Elaborator, Eval};
+use eng_grammar::ast::{self, ExprKind};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
+use eng_system::table::{Extrapolation, Interpolation, Table};
+
+impl<'a> Elaborator<'a, '_> {
+    pub fn table_value(&mut self, table: &'a ast::Table, scope: ScopeId, module: u32) -> Eval<Value<'a>> {
+        let argument = match table.parameters.first() {
+            Some(p) => self.dimension(&p.ty),
+            None => Dimension::ONE,
+        };
+        let result = table
+            .result
+            .as_ref()
+            .map_or(Dimension::ONE, |t| self.dimension(t));
+        let source = &table.source;
+        let ExprKind::Call { callee, arguments } = &source.kind else {
+            return Err(self.not_a_source(source.span));
+        };
+        let ExprKind::Name(kind) = &callee.kind else {
+            return Err(self.not_a_source(source.span));
+        };
+        let mut interpolation = Interpolation::Cubic;
+        let mut extrapolation = None;
+        let mut period = None;
+        let mut columns: Option<&'a ast::Expr> = None;
+        let mut plain = Vec::new();
+        for a in arguments {
+            match a.name.as_ref().map(|n| n.text.as_str()) {
+                None => plain.push(&a.value),
+                Some("columns") => columns = Some(&a.value),
+                Some("periodic") => {
+                    let value = self.evaluate(&a.value, scope)?;
+                    let s = self.as_scalar(value, a.value.span)?;
+                    period = Some(self.structural(s, a.value.span)?);
+                }
+                Some("interpolation") => {
+                    interpolation = match &a.value.kind {
+                        ExprKind::Name(n) if n == "cubic" => Interpolation::Cubic,
+                        ExprKind::Name(n) if n == "monotone" => Interpolation::Monotone,
+                        _ => {
+                            return Err(self.report(
+                                Diagnostic::error("E0506", "unknown interpolation")
+                                    .at(a.value.span, "`cubic` or `monotone`"),
+                            ));
+                        }
+                    }
+                }
+                Some("extrapolation") => {
+                    extrapolation = match &a.value.kind {
+                        ExprKind::Name(n) if n == "hold" => Some(Extrapolation::Hold),
+                        ExprKind::Name(n) if n == "linear" => Some(Extrapolation::Linear),
+                        _ => {
+                            return Err(self.report(
+                                Diagnostic::error("E0506", "unknown extrapolation")
+                                    .at(a.value.span, "`hold` or `linear`"),
+                            ));
+                        }
+                    }
+                }
+                Some(other) => {
+                    let name_span = a.name.as_ref().map_or(a.value.span, |n| n.span);
+                    return Err(self.report(
+                        Diagnostic::error("E0506", format!("a table has no argument {other}")).at(
+                            name_span,
+                            "columns, periodic, interpolation, extrapolation",
+                        ),
+                    ));
+                }
+            }
+        }
+        let (x, y) = match (kind.as_str(), plain.as_slice()) {
+            ("points", [xs, ys]) => (self.numbers(xs, scope)?, self.numbers(ys, scope)?),
+            ("csv", [file]) => {
+                let Some(columns) = columns else {
+                    return Err(self.report(
+                        Diagnostic::error("E0506", "csv needs its columns")
+                            .at(source.span, "add `columns: [\"x [unit]\", \"y [unit]\"]`"),
+                    ));
+                };
+                self.read_csv(file, columns, module, (argument, result))?
+            }
+            _ => return Err(self.not_a_source(source.span)),
+        };
+        if x.len() != y.len() {
+            return Err(self.report(
+                Diagnostic::error("E0506", format!("{} arguments and {} values", x.len(), y.len()))
+                    .at(source.span, "the lists differ in length"),
+            ));
+        }
+        match Table::new(table.name.text.clone(), x, y, interpolation, extrapolation, period) {
+            Ok(t) => {
+                self.tables.push(t);
+                let index = self.tables.len() - 1;
+                Ok(self.table_handle(index, result))
+            }
+            Err(error) => Err(self.report(
+                Diagnostic::error("E0506", "this table cannot be used")
+                    .at(source.span, error.to_string()),
+            )),
+        }
+    }
+
+    fn not_a_source(&mut self, span: Span) -> super::Reported {
+        self.report(
+            Diagnostic::error("E0506", "a table takes its numbers from `csv(…)` or `points(…)`")
+                .at(span, "this is neither"),
+        )
+    }
+
+    fn numbers(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<Vec<f64>> {
+        let value = self.evaluate(expr, scope)?;
+        let components = self.as_components(value, expr.span)?;
+        components
+            .into_iter()
+            .map(|s| self.structural(s, expr.span))
+            .collect()
+    }
+
+    fn read_csv(
+        &mut self,
+        file: &'a ast::Expr,
+        columns: &'a ast::Expr,
+        module: u32,
+        dimensions: (Dimension, Dimension),
+    ) -> Eval<(Vec<f64>, Vec<f64>)> {
+        let ExprKind::Text(name) = &file.kind else {
+            return Err(self.not_a_source(file.span));
+        };
+        let names: Vec<(String, Span)> = match &columns.kind {
+            ExprKind::List { items, .. } => items
+                .iter()
+                .filter_map(|i| match &i.kind {
+                    ExprKind::Text(t) => Some((t.clone(), i.span)),
+                    _ => None,
+                })
+                .collect(),
+            _ => Vec::new(),
+        };
+        let [x_name, y_name] = names.as_slice() else {
+            return Err(self.report(
+                Diagnostic::error("E0506", "csv needs two columns")
+                    .at(columns.span, "`[\"x [unit]\", \"y [unit]\"]`"),
+            ));
+        };
+        // a module in a folder reads beside itself
+        let module_path = &self.program.modules[module as usize].path;
+        let path = match module_path.rsplit_once('.') {
+            Some((folder, _)) if !module_path.starts_with("std.") => {
+                format!("{}/{name}", folder.replace('.', "/"))
+            }
+            _ => name.clone(),
+        };
+        let text = match self.host.read_text(&path) {
+            Ok(text) => text,
+            Err(error) => {
+                return Err(self.report(
+                    Diagnostic::error("E0505", "the file cannot be read").at(file.span, error.to_string()),
+                ));
+            }
+        };
+        let text = text.trim_start_matches('\u{feff}');
+        let mut lines = text
+            .lines()
+            .enumerate()
+            .filter(|(_, l)| !l.trim().is_empty() && !l.trim_start().starts_with('#'));
+        let Some((_, header)) = lines.next() else {
+            return Err(self.report(
+                Diagnostic::error("E0506", format!("{path} is empty")).at(file.span, "no header row"),
+            ));
+        };
+        let separator = if header.contains(';') {
+            ';'
+        } else if header.contains('\t') {
+            '\t'
+        } else {
+            ','
+        };
+        let cells = |line: &str| -> Vec<String> {
+            line.split(separator)
+                .map(|c| c.trim().trim_matches('"').trim().to_owned())
+                .collect()
+        };
+        let header = cells(header);
+        let mut index = [0; 2];
+        let mut scale = [(1.0, 0.0); 2];
+        for (k, (wanted, span)) in [x_name, y_name].into_iter().enumerate() {
+            index[k] = match header.iter().position(|h| h == wanted) {
+                Some(i) => i,
+                None => {
+                    return Err(self.report(
+                        Diagnostic::error("E0506", format!("{path} has no column {wanted:?}"))
+                            .at(*span, "not in the header")
+                            .with_note(format!("its header is: {}", header.join(" | "))),
+                    ));
+                }
+            };
+            scale[k] = self.column_unit(wanted, *span, if k == 0 { dimensions.0 } else { dimensions.1 })?;
+        }
+        let mut x = Vec::new();
+        let mut y = Vec::new();
+        for (number, line) in lines {
+            let row = cells(line);
+            for k in 0..2 {
+                let cell = row.get(index[k]).map_or("", String::as_str);
+                // a decimal comma is read where the comma does not separate cells
+                let plain = if separator == ',' {
+                    cell.to_owned()
+                } else {
+                    cell.replace(',', ".")
+                };
+                match plain.parse::<f64>() {
+                    Ok(v) if v.is_finite() => {
+                        let si = v * scale[k].0 + scale[k].1;
+                        if k == 0 { x.push(si) } else { y.push(si) }
+                    }
+                    _ => {
+                        return Err(self.report(
+                            Diagnostic::error("E0506", format!("{path}:{} is not a number", number + 1))
+                                .at(file.span, format!("column {:?} holds {cell:?}", header[index[k]])),
+                        ));
+                    }
+                }
+            }
+        }
+        Ok((x, y))
+    }
+
+    /// Scale and offset of `theta [deg]`.
+    fn column_unit(&mut self, header: &str, span: Span, expected: Dimension) -> Eval<(f64, f64)> {
+        let unit = header
+            .split_once('[')
+            .and_then(|(_, rest)| rest.split_once(']'))
+            .map_or("1", |(unit, _)| unit.trim());
+        if unit == "1" || unit.is_empty() {
+            return Ok((1.0, 0.0));
+        }
+        let mut scratch = eng_grammar::Diagnostics::new();
+        let source = self.sources.add(format!("unit of {header}"), format!("1 {unit}"));
+        let parsed = eng_grammar::parse_expression(&format!("1 {unit}"), source, 0, &mut scratch);
+        let Some(ast::Expr {
+            kind: ExprKind::Number {
+                unit: Some(unit_expr),
+                ..
+            },
+            ..
+        }) = parsed
+        else {
+            return Err(self.report(
+                Diagnostic::error("E0506", format!("{unit:?} is not a unit")).at(span, "in this header"),
+            ));
+        };
+        let unit = match self.program.unit(&unit_expr) {
+            Ok(u) => u,
+            Err((_, name)) => {
+                return Err(self.report(
+                    Diagnostic::error("E0310", format!("there is no unit {name}")).at(span, "in this header"),
+                ));
+            }
+        };
+        if unit.dimension.without_angle() != expected.without_angle() {
+            return Err(self.report(
+                Diagnostic::error("E0301", format!("the column is in {}, the table says {expected}", unit.dimension))
+                    .at(span, "the dimension differs"),
+            ));
+        }
+        Ok((unit.scale, unit.offset))
+    }
+}

@@ -1,0 +1,93 @@
+//! Values of expressions while a model is elaborated.
+
+use super::scalar::{Flag, Scalar};
+use crate::ir::Node;
+use crate::program::DefinitionId;
+use eng_grammar::ast;
+use eng_system::Dimension;
+
+/// Index of a scope.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct ScopeId(pub u32);
+
+/// A function of the text.
+#[derive(Clone, Debug)]
+pub(crate) struct Closure<'a> {
+    pub function: &'a ast::Function,
+    /// Where its free names are looked up.
+    pub scope: ScopeId,
+}
+
+/// A value.
+#[derive(Clone, Debug)]
+pub(crate) enum Value<'a> {
+    Int(i64),
+    Bool(bool),
+    Text(String),
+    Scalar(Scalar),
+    Flag(Flag),
+    /// Components in ground axes.
+    Vector([Scalar; 3]),
+    List(Vec<Value<'a>>),
+    /// Things named by the values of their binders: `pin[i in 2..4]`.
+    Family(Vec<(Vec<usize>, Value<'a>)>),
+    Marker(u32),
+    /// `ground` before it is known whether it is an argument.
+    Ground,
+    Body(u32),
+    /// Index into the elaborator's elements.
+    Element(u32),
+    Record(ScopeId),
+    Part(ScopeId),
+    Closure(Closure<'a>),
+    Builtin(&'static str),
+    Table(TableValue),
+    /// A class, record, model, component: something that is called with arguments.
+    Definition(DefinitionId),
+    Cycle,
+}
+
+/// A table as a value.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TableValue {
+    /// Its handle in the bind graph.
+    pub handle: Node,
+    pub result: Dimension,
+}
+
+impl Value<'_> {
+    /// Whether it depends on the motion, and so belongs to one element.
+    pub fn moves(&self) -> bool {
+        let motion = |stage| stage == super::scalar::Stage::Motion;
+        match self {
+            Value::Scalar(s) => motion(s.stage),
+            Value::Flag(f) => motion(f.stage),
+            Value::Vector(v) => v.iter().any(|s| motion(s.stage)),
+            Value::List(items) => items.iter().any(Value::moves),
+            Value::Family(items) => items.iter().any(|(_, v)| v.moves()),
+            _ => false,
+        }
+    }
+
+    /// For messages.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Value::Int(_) => "a whole number",
+            Value::Bool(_) | Value::Flag(_) => "a truth value",
+            Value::Text(_) => "a text",
+            Value::Scalar(_) => "a number",
+            Value::Vector(_) => "a vector",
+            Value::List(_) | Value::Family(_) => "a list",
+            Value::Marker(_) => "a marker",
+            Value::Ground => "the ground",
+            Value::Body(_) => "a body",
+            Value::Element(_) => "an element",
+            Value::Record(_) => "a record",
+            Value::Part(_) => "a part",
+            Value::Closure(_) | Value::Builtin(_) => "a function",
+            Value::Table(_) => "a table",
+            Value::Definition(_) => "a class",
+            Value::Cycle => "the cycle",
+        }
+    }
+}

@@ -1,0 +1,516 @@
+//! Exact derivatives: forward, reverse, in time.
+//!
+//! Rules where a function has no unique derivative:
+//!
+//! * `abs`, `min`, `max`, `select`: the derivative of the active branch. At the kink `abs` takes +1, `min` and `max` their
+//!   first argument. A derivative of the other branch that is not finite does not spread: branches are chosen by
+//!   `select`, never by multiplying with zero.
+//! * `sqrt` at 0 has an infinite slope, `atan2` at (0, 0), `asin` and `acos` at ±1, and `log` at 0 have none: the result is not finite.
+//!   Laws keep away from there by a floor.
+//! * `power(b, e)`: the slope over b is e·power(b, e − 1), finite at b = 0 for e ≥ 1; the slope over e is
+//!   power(b, e)·log b for b > 0 and taken as zero for b ≤ 0.
+//! * The fourth derivative of a table is zero.
+
+use super::graph::{Graph, Node, Op};
+use super::optimise::dependencies;
+use eng_system::layout::InputLayout;
+use std::collections::BTreeMap;
+
+/// A rate that cannot be formed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DifferentiateError {
+    /// The value depends on an acceleration or on a state's rate.
+    #[error("the rate of an acceleration is not known")]
+    Acceleration,
+    /// The value depends on a channel.
+    #[error("the rate of another element's output is not known")]
+    Signal,
+    /// The value depends on an input outside the layout.
+    #[error("input {0} is not in the layout")]
+    Input(u32),
+    /// Not one rate a state, or not one load a marker.
+    #[error("{found} values were given where {expected} are needed")]
+    Count {
+        /// How many there should be.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+}
+
+/// The derivatives of an operation with respect to those of its operands that it depends on smoothly.
+pub(crate) fn partials(graph: &mut Graph, node: Node) -> Vec<(Node, Node)> {
+    let one = graph.constant(1.0);
+    match graph.op(node) {
+        Op::Input(_)
+        | Op::Constant(_)
+        | Op::Less(..)
+        | Op::LessEqual(..)
+        | Op::Equal(..)
+        | Op::And(..)
+        | Op::Or(..)
+        | Op::Not(_) => Vec::new(),
+        Op::Add(a, b) => vec![(a, one), (b, one)],
+        Op::Subtract(a, b) => {
+            let minus = graph.constant(-1.0);
+            vec![(a, one), (b, minus)]
+        }
+        Op::Multiply(a, b) => vec![(a, b), (b, a)],
+        Op::Divide(a, b) => {
+            let reciprocal = graph.divide(one, b);
+            let slope = graph.multiply(node, reciprocal);
+            let slope = graph.negate(slope);
+            vec![(a, reciprocal), (b, slope)]
+        }
+        Op::Negate(a) => vec![(a, graph.constant(-1.0))],
+        Op::Abs(a) => {
+            let zero = graph.constant(0.0);
+            let minus = graph.constant(-1.0);
+            let negative = graph.less(a, zero);
+            vec![(a, graph.select(negative, minus, one))]
+        }
+        Op::Sqrt(a) => {
+            let half = graph.constant(0.5);
+            vec![(a, graph.divide(half, node))]
+        }
+        Op::Minimum(a, b) => {
+            let second = graph.less(b, a);
+            choice(graph, second, b, a)
+        }
+        Op::Maximum(a, b) => {
+            let second = graph.less(a, b);
+            choice(graph, second, b, a)
+        }
+        Op::Sin(a) => vec![(a, graph.unary(Op::Cos, a))],
+        Op::Cos(a) => {
+            let sine = graph.unary(Op::Sin, a);
+            vec![(a, graph.negate(sine))]
+        }
+        Op::Tan(a) => {
+            let square = graph.multiply(node, node);
+            vec![(a, graph.add(one, square))]
+        }
+        Op::Asin(a) | Op::Acos(a) => {
+            let (below, above) = (graph.subtract(one, a), graph.add(one, a));
+            let square = graph.multiply(below, above);
+            let root = graph.sqrt(square);
+            let slope = graph.divide(one, root);
+            match graph.op(node) {
+                Op::Asin(_) => vec![(a, slope)],
+                _ => vec![(a, graph.negate(slope))],
+            }
+        }
+        Op::Atan(a) => {
+            let square = graph.multiply(a, a);
+            let sum = graph.add(one, square);
+            vec![(a, graph.divide(one, sum))]
+        }
+        Op::Tanh(a) => {
+            let (below, above) = (graph.subtract(one, node), graph.add(one, node));
+            vec![(a, graph.multiply(below, above))]
+        }
+        Op::Exp(a) => vec![(a, node)],
+        Op::Log(a) => vec![(a, graph.divide(one, a))],
+        Op::Atan2(y, x) => {
+            let (xx, yy) = (graph.multiply(x, x), graph.multiply(y, y));
+            let square = graph.add(xx, yy);
+            let over_y = graph.divide(x, square);
+            let over_x = graph.divide(y, square);
+            vec![(y, over_y), (x, graph.negate(over_x))]
+        }
+        Op::Power(base, exponent) => {
+            let zero = graph.constant(0.0);
+            let less = graph.subtract(exponent, one);
+            let power = graph.power(base, less);
+            let over_base = graph.multiply(exponent, power);
+            let mut list = vec![(base, over_base)];
+            if graph.as_constant(exponent).is_none() {
+                let positive = graph.less(zero, base);
+                let log = graph.unary(Op::Log, base);
+                let slope = graph.multiply(node, log);
+                list.push((exponent, graph.select(positive, slope, zero)));
+            }
+            list
+        }
+        Op::Select(flag, then, otherwise) => choice(graph, flag, then, otherwise),
+        Op::Table(handle, argument, order) if order < 3 => {
+            vec![(argument, graph.table(handle, argument, order + 1))]
+        }
+        Op::Table(..) => Vec::new(),
+    }
+}
+
+/// Slopes of `select(flag, then, otherwise)`.
+fn choice(graph: &mut Graph, flag: Node, then: Node, otherwise: Node) -> Vec<(Node, Node)> {
+    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+    vec![
+        (then, graph.select(flag, one, zero)),
+        (otherwise, graph.select(flag, zero, one)),
+    ]
+}
+
+/// Whether a slope is zero by choice of a branch: such a slope must stay zero whatever it is multiplied with.
+fn is_guarded(graph: &Graph, node: Node, depth: u32) -> bool {
+    // a guard that deep is not met; giving up there costs no exactness where all branches are finite
+    if depth == 0 {
+        return false;
+    }
+    let zero_or_guarded = |n| graph.as_constant(n) == Some(0.0) || is_guarded(graph, n, depth - 1);
+    match graph.op(node) {
+        Op::Select(_, a, b) => zero_or_guarded(a) || zero_or_guarded(b),
+        Op::Negate(a) => is_guarded(graph, a, depth - 1),
+        Op::Add(a, b) | Op::Subtract(a, b) => {
+            is_guarded(graph, a, depth - 1) && is_guarded(graph, b, depth - 1)
+        }
+        _ => false,
+    }
+}
+
+const GUARD_DEPTH: u32 = 12;
+
+/// Product of slopes in which the zero of a branch that was not chosen wins over infinity and NaN.
+pub(crate) fn guarded_multiply(graph: &mut Graph, a: Node, b: Node) -> Node {
+    if is_guarded(graph, a, GUARD_DEPTH) {
+        distribute(graph, a, b)
+    } else if is_guarded(graph, b, GUARD_DEPTH) {
+        distribute(graph, b, a)
+    } else {
+        graph.multiply(a, b)
+    }
+}
+
+fn distribute(graph: &mut Graph, guarded: Node, factor: Node) -> Node {
+    match graph.op(guarded) {
+        Op::Select(flag, a, b) => {
+            let a = zero_or_product(graph, a, factor);
+            let b = zero_or_product(graph, b, factor);
+            graph.select(flag, a, b)
+        }
+        Op::Negate(a) => {
+            let product = guarded_multiply(graph, a, factor);
+            graph.negate(product)
+        }
+        Op::Add(a, b) => {
+            let a = guarded_multiply(graph, a, factor);
+            let b = guarded_multiply(graph, b, factor);
+            graph.add(a, b)
+        }
+        Op::Subtract(a, b) => {
+            let a = guarded_multiply(graph, a, factor);
+            let b = guarded_multiply(graph, b, factor);
+            graph.subtract(a, b)
+        }
+        _ => graph.multiply(guarded, factor),
+    }
+}
+
+fn zero_or_product(graph: &mut Graph, a: Node, factor: Node) -> Node {
+    if graph.as_constant(a) == Some(0.0) {
+        a
+    } else {
+        guarded_multiply(graph, a, factor)
+    }
+}
+
+/// Sum of slopes; two choices by one flag become one choice.
+pub(crate) fn guarded_add(graph: &mut Graph, a: Node, b: Node) -> Node {
+    if let (Op::Select(f, a1, a2), Op::Select(g, b1, b2)) = (graph.op(a), graph.op(b))
+        && f == g
+        && is_guarded(graph, a, GUARD_DEPTH)
+        && is_guarded(graph, b, GUARD_DEPTH)
+    {
+        let then = guarded_add(graph, a1, b1);
+        let otherwise = guarded_add(graph, a2, b2);
+        return graph.select(f, then, otherwise);
+    }
+    graph.add(a, b)
+}
+
+/// Directional derivatives of nodes. `seeds` gives the derivative of an input; `None` is zero. Only what depends on
+/// a seeded input is differentiated.
+pub fn forward(
+    graph: &mut Graph,
+    outputs: &[Node],
+    seeds: &dyn Fn(u32) -> Option<Node>,
+) -> Vec<Node> {
+    let needed = dependencies(graph, outputs);
+    let mut tangents: Vec<Option<Node>> = vec![None; needed.len()];
+    for index in 0..needed.len() {
+        if !needed[index] {
+            continue;
+        }
+        let node = Node(index as u32);
+        let of = |n: Node| tangents[n.0 as usize];
+        let op = graph.op(node);
+        tangents[index] = match op {
+            Op::Input(i) => seeds(i),
+            Op::Select(flag, a, b) => chosen(graph, |_| flag, of(a), of(b)),
+            Op::Minimum(a, b) => chosen(graph, |g| g.less(b, a), of(b), of(a)),
+            Op::Maximum(a, b) => chosen(graph, |g| g.less(a, b), of(b), of(a)),
+            op if op.operands().all(|n| of(n).is_none()) => None,
+            _ => {
+                let mut sum: Option<Node> = None;
+                for (operand, slope) in partials(graph, node) {
+                    let Some(tangent) = tangents[operand.0 as usize] else {
+                        continue;
+                    };
+                    let term = guarded_multiply(graph, slope, tangent);
+                    sum = Some(match sum {
+                        Some(sum) => graph.add(sum, term),
+                        None => term,
+                    });
+                }
+                sum
+            }
+        };
+    }
+    let zero = graph.constant(0.0);
+    outputs
+        .iter()
+        .map(|n| tangents[n.0 as usize].unwrap_or(zero))
+        .collect()
+}
+
+fn chosen(
+    graph: &mut Graph,
+    flag: impl FnOnce(&mut Graph) -> Node,
+    then: Option<Node>,
+    otherwise: Option<Node>,
+) -> Option<Node> {
+    if then.is_none() && otherwise.is_none() {
+        return None;
+    }
+    let zero = graph.constant(0.0);
+    let flag = flag(graph);
+    Some(graph.select(flag, then.unwrap_or(zero), otherwise.unwrap_or(zero)))
+}
+
+/// Derivatives of one node with respect to several inputs, in one reverse sweep.
+pub fn gradient(graph: &mut Graph, output: Node, inputs: &[u32]) -> Vec<Node> {
+    let zero = graph.constant(0.0);
+    let count = output.0 as usize + 1;
+    // a node is active if it depends on one of the inputs
+    let mut active = vec![false; count];
+    for index in 0..count {
+        active[index] = match graph.op(Node(index as u32)) {
+            Op::Input(i) => inputs.contains(&i),
+            op => op.operands().any(|n| active[n.0 as usize]),
+        };
+    }
+    let mut adjoints: Vec<Option<Node>> = vec![None; count];
+    adjoints[output.0 as usize] = Some(graph.constant(1.0));
+    let mut of_input: BTreeMap<u32, Node> = BTreeMap::new();
+    for index in (0..count).rev() {
+        let Some(adjoint) = adjoints[index].filter(|_| active[index]) else {
+            continue;
+        };
+        let node = Node(index as u32);
+        if let Op::Input(i) = graph.op(node) {
+            let sum = match of_input.get(&i) {
+                Some(before) => guarded_add(graph, *before, adjoint),
+                None => adjoint,
+            };
+            of_input.insert(i, sum);
+            continue;
+        }
+        for (operand, slope) in partials(graph, node) {
+            let place = operand.0 as usize;
+            if !active[place] {
+                continue;
+            }
+            let term = guarded_multiply(graph, slope, adjoint);
+            adjoints[place] = Some(match adjoints[place] {
+                Some(sum) => guarded_add(graph, sum, term),
+                None => term,
+            });
+        }
+    }
+    inputs
+        .iter()
+        .map(|i| of_input.get(i).copied().unwrap_or(zero))
+        .collect()
+}
+
+/// What the rates of velocities are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Accelerations {
+    /// The acceleration inputs.
+    Inputs,
+    /// Zero: what remains is the part quadratic in velocities.
+    Zero,
+}
+
+/// Rates along the motion: time runs at 1, x at ẋ, R at R ω~ (ω in marker axes), velocities at the acceleration inputs,
+/// states at `rates` or else at their rate inputs; rotation references, constants and multipliers stand still.
+pub fn time_derivative(
+    graph: &mut Graph,
+    layout: &InputLayout,
+    nodes: &[Node],
+    rates: Option<&[Node]>,
+) -> Result<Vec<Node>, DifferentiateError> {
+    time_derivative_with(graph, layout, nodes, rates, Accelerations::Inputs)
+}
+
+pub(crate) fn time_derivative_with(
+    graph: &mut Graph,
+    layout: &InputLayout,
+    nodes: &[Node],
+    rates: Option<&[Node]>,
+    accelerations: Accelerations,
+) -> Result<Vec<Node>, DifferentiateError> {
+    if let Some(rates) = rates
+        && rates.len() != layout.states as usize
+    {
+        return Err(DifferentiateError::Count {
+            expected: layout.states as usize,
+            found: rates.len(),
+        });
+    }
+    let mut seeds: BTreeMap<u32, Node> = BTreeMap::new();
+    for input in inputs_of(graph, nodes) {
+        let seed = match Place::of(layout, input) {
+            Place::Time => Some(graph.constant(1.0)),
+            Place::Position { marker, axis } => {
+                Some(graph.input(layout.marker(marker) + 12 + axis))
+            }
+            Place::Orientation {
+                marker,
+                row,
+                column,
+            } => Some(turned_entry(
+                graph,
+                layout,
+                marker,
+                row,
+                column,
+                layout.marker(marker) + 15,
+            )),
+            Place::Velocity { marker, axis } => match accelerations {
+                Accelerations::Inputs => Some(graph.input(layout.acceleration(marker) + axis)),
+                Accelerations::Zero => None,
+            },
+            Place::State(state) => match rates {
+                Some(rates) => Some(rates[state as usize]),
+                None => Some(graph.input(layout.state_rate(state))),
+            },
+            Place::Fixed => None,
+            Place::Acceleration => return Err(DifferentiateError::Acceleration),
+            Place::Signal => return Err(DifferentiateError::Signal),
+            Place::Outside => return Err(DifferentiateError::Input(input)),
+        };
+        if let Some(seed) = seed {
+            seeds.insert(input, seed);
+        }
+    }
+    Ok(forward(graph, nodes, &|i| seeds.get(&i).copied()))
+}
+
+/// An entry of R p~, where p are three inputs from `first` on.
+fn turned_entry(
+    graph: &mut Graph,
+    layout: &InputLayout,
+    marker: u32,
+    row: u32,
+    column: u32,
+    first: u32,
+) -> Node {
+    // column j of R p~ is R (p × e_j)ᵀ turned: column 0 is p₂ R₁ − p₁ R₂, and cyclically
+    let (next, last) = ((column + 1) % 3, (column + 2) % 3);
+    let orientation = layout.marker(marker) + 3 + 3 * row;
+    let a = graph.input(orientation + next);
+    let b = graph.input(orientation + last);
+    let p = graph.input(first + last);
+    let q = graph.input(first + next);
+    let ap = graph.multiply(a, p);
+    let bq = graph.multiply(b, q);
+    graph.subtract(ap, bq)
+}
+
+/// The inputs that nodes depend on, rising.
+pub fn inputs_of(graph: &Graph, nodes: &[Node]) -> Vec<u32> {
+    let needed = dependencies(graph, nodes);
+    let mut inputs: Vec<u32> = graph
+        .nodes()
+        .iter()
+        .zip(&needed)
+        .filter_map(|(op, needed)| match op {
+            Op::Input(i) if *needed => Some(*i),
+            _ => None,
+        })
+        .collect();
+    inputs.sort_unstable();
+    inputs.dedup();
+    inputs
+}
+
+/// Whether nodes depend on accelerations or state rates.
+pub fn uses_acceleration(graph: &Graph, nodes: &[Node], layout: &InputLayout) -> bool {
+    inputs_of(graph, nodes)
+        .into_iter()
+        .any(|i| Place::of(layout, i) == Place::Acceleration)
+}
+
+/// What an input of a layout is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    Time,
+    Position {
+        marker: u32,
+        axis: u32,
+    },
+    Orientation {
+        marker: u32,
+        row: u32,
+        column: u32,
+    },
+    /// Axes 0…2 are ẋ, 3…5 are ω.
+    Velocity {
+        marker: u32,
+        axis: u32,
+    },
+    State(u32),
+    /// Multipliers, rotation references, constants.
+    Fixed,
+    /// Accelerations and state rates.
+    Acceleration,
+    Signal,
+    Outside,
+}
+
+impl Place {
+    pub(crate) fn of(layout: &InputLayout, input: u32) -> Place {
+        use eng_system::layout::MARKER_WIDTH;
+        if input == InputLayout::TIME {
+            return Place::Time;
+        }
+        if input < layout.state(0) {
+            let (marker, component) = ((input - 1) / MARKER_WIDTH, (input - 1) % MARKER_WIDTH);
+            return match component {
+                0..3 => Place::Position {
+                    marker,
+                    axis: component,
+                },
+                3..12 => Place::Orientation {
+                    marker,
+                    row: (component - 3) / 3,
+                    column: (component - 3) % 3,
+                },
+                _ => Place::Velocity {
+                    marker,
+                    axis: component - 12,
+                },
+            };
+        }
+        if input < layout.multiplier(0) {
+            Place::State(input - layout.state(0))
+        } else if input < layout.len() {
+            Place::Fixed
+        } else if input < layout.signal(0) {
+            Place::Acceleration
+        } else if input < layout.outputs_len() {
+            Place::Signal
+        } else {
+            Place::Outside
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! Smaller graphs with the same meaning: folding, common subexpressions, dead code, order.
+
+use super::graph::{Function, Graph, Node, Op};
+
+/// Which nodes the given ones depend on, themselves included.
+pub fn dependencies(graph: &Graph, nodes: &[Node]) -> Vec<bool> {
+    let mut needed = vec![false; graph.nodes().len()];
+    for node in nodes {
+        needed[node.0 as usize] = true;
+    }
+    for (index, op) in graph.nodes().iter().enumerate().rev() {
+        if needed[index] {
+            for operand in op.operands() {
+                needed[operand.0 as usize] = true;
+            }
+        }
+    }
+    needed
+}
+
+/// Copies nodes and what they need into another graph, through its folding builders. `input` makes the node that
+/// stands for an input: the same input, another index, or any expression.
+pub fn copy_into(
+    source: &Graph,
+    nodes: &[Node],
+    target: &mut Graph,
+    input: &mut dyn FnMut(&mut Graph, u32) -> Node,
+) -> Vec<Node> {
+    let needed = dependencies(source, nodes);
+    let mut copies = vec![Node(0); source.nodes().len()];
+    for (index, op) in source.nodes().iter().enumerate() {
+        if needed[index] {
+            copies[index] = match *op {
+                Op::Input(i) => input(target, i),
+                op => {
+                    let op = op.map_operands(|n| copies[n.0 as usize]);
+                    target.build(op)
+                }
+            };
+        }
+    }
+    nodes.iter().map(|n| copies[n.0 as usize]).collect()
+}
+
+/// The same function without dead, double or constant operations, each value placed near its use.
+pub fn optimise(function: &Function) -> Function {
+    let mut outputs = function.outputs.clone();
+    let mut graph = function.graph.clone();
+    // a folded operand may let its user fold; a fixed point is reached at once or after one more round
+    for _ in 0..3 {
+        let mut folded = Graph::new();
+        outputs = copy_into(&graph, &outputs, &mut folded, &mut |g, i| g.input(i));
+        let settled = folded.nodes().len() == graph.nodes().len();
+        graph = folded;
+        if settled {
+            break;
+        }
+    }
+    let (graph, outputs) = order(&graph, &outputs);
+    Function {
+        name: function.name.clone(),
+        inputs: function.inputs,
+        graph,
+        outputs,
+    }
+}
+
+/// Puts operations in the order of a walk from the outputs, the operand that needs more registers first
+/// (Sethi & Ullman 1970, which is exact for trees), so that few values live at once.
+fn order(graph: &Graph, outputs: &[Node]) -> (Graph, Vec<Node>) {
+    let mut registers = vec![1_u32; graph.nodes().len()];
+    for (index, op) in graph.nodes().iter().enumerate() {
+        let mut needs: Vec<u32> = op.operands().map(|n| registers[n.0 as usize]).collect();
+        needs.sort_unstable_by(|a, b| b.cmp(a));
+        registers[index] = needs
+            .iter()
+            .zip(0..)
+            .map(|(need, held)| need + held)
+            .max()
+            .unwrap_or(1);
+    }
+    let mut ordered = Graph::new();
+    let mut places: Vec<Option<Node>> = vec![None; graph.nodes().len()];
+    let mut stack: Vec<(Node, bool)> = Vec::new();
+    for output in outputs {
+        stack.push((*output, false));
+        while let Some((node, operands_done)) = stack.pop() {
+            let index = node.0 as usize;
+            if places[index].is_some() {
+                continue;
+            }
+            let op = graph.op(node);
+            if operands_done {
+                let op = op.map_operands(|n| places[n.0 as usize].unwrap_or(n));
+                places[index] = Some(ordered.push(op));
+                continue;
+            }
+            stack.push((node, true));
+            let mut operands: Vec<Node> = op.operands().collect();
+            // the stack turns the order round: the greediest operand goes on last
+            operands.reverse();
+            operands.sort_by_key(|n| registers[n.0 as usize]);
+            stack.extend(operands.into_iter().map(|n| (n, false)));
+        }
+    }
+    let outputs = outputs
+        .iter()
+        .map(|n| places[n.0 as usize].unwrap_or(*n))
+        .collect();
+    (ordered, outputs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sharing_folding_and_dead_code() {
+        let mut graph = Graph::plain();
+        let (x, y) = (graph.input(0), graph.input(1));
+        let zero = graph.constant(0.0);
+        let one = graph.constant(1.0);
+        let dead = graph.unary(Op::Sin, y);
+        let _ = graph.add(dead, x);
+        let a = graph.multiply(x, y);
+        let b = graph.multiply(y, x);
+        let a = graph.add(a, zero);
+        let b = graph.multiply(b, one);
+        let sum = graph.subtract(a, b);
+        let sum = graph.add(sum, a);
+        let function = Function {
+            name: "f".into(),
+            inputs: 2,
+            graph,
+            outputs: vec![sum],
+        };
+        let small = optimise(&function);
+        assert_eq!(small.graph.nodes().len(), 3);
+        assert_eq!(
+            small.graph.op(small.outputs[0]),
+            Op::Multiply(Node(0), Node(1))
+        );
+    }
+}

@@ -1,0 +1,31 @@
+//! The standard library's texts, compiled in.
+//!
+//! May contain: the texts of `stdlib/` with the paths by which they are used. Must not contain: any knowledge of what
+//! stands in them.
+
+/// Module paths and texts, for [`crate::resolve`]; a model uses them as `use std.joints.Revolute`.
+pub const LIBRARY: [(&str, &str); 9] = [
+    ("std.prelude", include_str!("../../stdlib/prelude.eng")),
+    ("std.units", include_str!("../../stdlib/units.eng")),
+    ("std.constants", include_str!("../../stdlib/constants.eng")),
+    ("std.materials", include_str!("../../stdlib/materials.eng")),
+    ("std.oils", include_str!("../../stdlib/oils.eng")),
+    ("std.joints", include_str!("../../stdlib/joints.eng")),
+    ("std.drives", include_str!("../../stdlib/drives.eng")),
+    ("std.forces", include_str!("../../stdlib/forces.eng")),
+    ("std.journals", include_str!("../../stdlib/journals.eng")),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::LIBRARY;
+
+    #[test]
+    fn the_prelude_is_there_and_no_path_twice() {
+        assert!(LIBRARY.iter().any(|(path, _)| *path == "std.prelude"));
+        for (i, (path, text)) in LIBRARY.iter().enumerate() {
+            assert!(path.starts_with("std.") && !text.trim().is_empty());
+            assert!(LIBRARY[i + 1..].iter().all(|(other, _)| other != path));
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Elaboration of small models: counts, paths, numbers, shared classes.
+
+use eng_compiler::elaborate::{Elaborated, analyses, elaborate};
+use eng_compiler::resolve::resolve;
+use eng_grammar::{Diagnostics, SourceMap};
+use eng_system::code::BindCode;
+use eng_system::host::{Host, HostError};
+use eng_system::system::{AnalysisKind, Extent, Role};
+
+struct Texts(Vec<(&'static str, String)>);
+
+impl Host for Texts {
+    fn read_text(&self, path: &str) -> Result<String, HostError> {
+        self.0
+            .iter()
+            .find(|(name, _)| *name == path)
+            .map(|(_, text)| text.clone())
+            .ok_or_else(|| HostError::NotFound(path.into()))
+    }
+}
+
+const UNITS: &str = r#"
+dimension Length
+dimension Mass
+dimension Time
+dimension Angle
+dimension Velocity = Length/Time
+dimension AngularVelocity = Angle/Time
+dimension Force = Mass*Length/Time^2
+dimension Stiffness = Force/Length
+dimension MomentOfInertia = Mass*Length^2
+unit m: Length
+unit kg: Mass
+unit s: Time
+unit rad: Angle
+unit mm = 1e-3 m
+unit g = 1e-3 kg
+unit N = 1 kg*m/s^2
+unit deg = pi/180 rad
+unit rpm = 2*pi/60 rad/s
+"#;
+
+const MODEL: &str = r#"
+joint Revolute(a: Marker, b: Marker) {
+    constrain a.origin == b.origin
+    constrain dot(b.z, a.x) == 0
+    constrain dot(b.z, a.y) == 0
+    branch dot(a.z, b.z) > 0
+    output angle = rotation(a, b) as deg
+    output speed = der(angle)
+}
+force Spring(a: Marker, b: Marker, stiffness: Stiffness, free: Length = 10 mm) {
+    require free > 0 mm else "free length {free as mm}"
+    let d = a.origin - b.origin
+    let length = norm(d, floor: 1e-9 m)
+    output tension = stiffness*(length - free)
+    apply force -tension/length*d on a against b
+}
+model Chain {
+    const count = 3
+    param step: Length = 100 mm in (1 mm, 1 m)
+    gravity = [0, -9.81, 0] m/s^2
+    body link[i in 1..count] {
+        mass = 2 kg
+        inertia = [1, 2, 2] g*m^2
+        marker tail = [-1, 0, 0]*step/2
+        marker head = [1, 0, 0]*step/2
+    }
+    marker wall = [0, 0, 0] mm
+    joint first = Revolute(link[1].tail, wall)
+    joint pin[i in 2..count] = Revolute(link[i].tail, link[i - 1].head)
+    force spring = Spring(link[count].head, wall, stiffness: 5 N/mm)
+    start first.angle = 30 deg
+    output bend[i in 2..count] = pin[i].angle - 1 deg
+    output reach = norm(link[count].head.origin) as mm
+    cycle angle = rotation(link[1].tail, ground) { period = 720 deg }
+}
+analysis swing = transient(Chain(step: 50 mm), duration: 1 s, sample: 1 deg)
+analysis long[n in 2..4] = assemble(Chain(count: n))
+"#;
+
+fn run(model: &str) -> (Option<Elaborated>, Diagnostics, usize) {
+    let host = Texts(vec![("chain.eng", model.to_owned())]);
+    let library = [("std.prelude", UNITS)];
+    let mut sources = SourceMap::new();
+    let mut diagnostics = Diagnostics::new();
+    let program = resolve("chain.eng", &host, &library, &mut sources, &mut diagnostics);
+    let plans = analyses(&program, &mut sources, &host, &mut diagnostics);
+    let Some(plan) = plans.first() else {
+        return (None, diagnostics, 0);
+    };
+    assert_eq!(plan.analysis.origin.path, "swing");
+    assert_eq!(plan.analysis.set, [("step".to_owned(), 0.05)]);
+    match &plan.analysis.kind {
+        AnalysisKind::Transient(t) => {
+            assert_eq!(t.duration, Extent::Time(1.0));
+            assert!(matches!(t.sample, Extent::Angle(a) if (a - 1f64.to_radians()).abs() < 1e-15));
+        }
+        AnalysisKind::Assemble => panic!("swing is a transient"),
+    }
+    let made = elaborate(
+        &program,
+        &mut sources,
+        &host,
+        plan.model,
+        &plan.constants,
+        &mut diagnostics,
+    );
+    (made, diagnostics, plans.len())
+}
+
+#[test]
+fn a_chain_becomes_a_flat_system() {
+    let (made, diagnostics, plans) = run(MODEL);
+    let errors: Vec<_> = diagnostics.iter().filter(|d| d.is_error()).collect();
+    assert!(errors.is_empty(), "{errors:#?}");
+    let made = made.expect("no errors, so a system");
+    assert_eq!(plans, 4);
+    let system = &made.system;
+    assert_eq!(system.bodies.len(), 3);
+    let dynamic: Vec<_> = system
+        .elements
+        .iter()
+        .filter(|e| e.role == Role::Dynamic)
+        .collect();
+    assert_eq!(dynamic.len(), 4);
+    // three revolutes share one class
+    assert_eq!(dynamic[0].class, dynamic[1].class);
+    assert_eq!(dynamic[1].class, dynamic[2].class);
+    let revolute = &system.classes[dynamic[0].class as usize];
+    assert_eq!(revolute.rows.len(), 5);
+    assert_eq!(revolute.rows[0].text, "a.origin == b.origin (x)");
+    assert_eq!(revolute.layout.rotations, 1);
+    assert_eq!(revolute.layout.constants, 0);
+    let paths: Vec<&str> = system.channels.iter().map(|c| c.path.as_str()).collect();
+    for wanted in ["first.angle", "pin[2].force.x", "spring.tension", "bend[3]", "reach"] {
+        assert!(paths.contains(&wanted), "{wanted} is not in {paths:?}");
+    }
+    let force = system
+        .channels
+        .iter()
+        .find(|c| c.path == "pin[2].force.x")
+        .expect("a channel");
+    assert_eq!(force.frame, "link[1].head");
+    assert_eq!(force.display.symbol, "N");
+    assert!(system.cycle.is_some());
+}
+
+#[test]
+fn parameters_bind_by_path() {
+    let (made, _, _) = run(MODEL);
+    let made = made.expect("a system");
+    let index = |path: &str| {
+        made.system
+            .parameters
+            .iter()
+            .position(|p| p.origin.path == path)
+            .unwrap_or_else(|| panic!("no parameter {path}"))
+    };
+    let mut overrides = vec![None; made.system.parameters.len()];
+    let before = made.bind.bind(&overrides, &made.system.tables).expect("defaults fit");
+    assert!((before.parameters[index("spring.stiffness")] - 5000.0).abs() < 1e-9);
+    assert_eq!(before.parameters[index("spring.free")], 0.01);
+    let head = made
+        .system
+        .markers
+        .iter()
+        .find(|m| m.origin.path == "link[2].head")
+        .expect("a marker");
+    assert!((before.slots[head.position[0].0 as usize] - 0.05).abs() < 1e-15);
+    overrides[index("step")] = Some(0.3);
+    let after = made.bind.bind(&overrides, &made.system.tables).expect("fits");
+    assert!((after.slots[head.position[0].0 as usize] - 0.15).abs() < 1e-15);
+    overrides[index("step")] = Some(2.0);
+    let error = made.bind.bind(&overrides, &made.system.tables).expect_err("outside its limits");
+    assert_eq!(error.to_string(), "step = 2000 mm is outside (1, 1000) mm");
+    overrides[index("step")] = None;
+    overrides[index("spring.free")] = Some(-0.02);
+    let error = made.bind.bind(&overrides, &made.system.tables).expect_err("a require fails");
+    assert_eq!(error.to_string(), "spring: free length -20 mm");
+}

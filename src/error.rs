@@ -1,0 +1,77 @@
+//! What an embedding program has to deal with.
+
+use crate::{QuantityError, Report};
+use eng_system::Dimension;
+
+/// Any failure between a text and a result.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The text is wrong.
+    #[error("{0}")]
+    Report(Report),
+    /// No such model.
+    #[error("there is no model {name}; there are: {}", known.join(", "))]
+    NoModel {
+        /// As asked for.
+        name: String,
+        /// Those of the file.
+        known: Vec<String>,
+    },
+    /// No such analysis.
+    #[error("there is no analysis {name}; there are: {}", known.join(", "))]
+    NoAnalysis {
+        /// As asked for.
+        name: String,
+        /// Those of the file.
+        known: Vec<String>,
+    },
+    /// No such parameter.
+    #[error("there is no parameter {path}{}", hint(nearest))]
+    NoParameter {
+        /// As asked for.
+        path: String,
+        /// Written alike.
+        nearest: Option<String>,
+    },
+    /// No such channel.
+    #[error("there is no channel {path}{}", hint(nearest))]
+    NoChannel {
+        /// As asked for.
+        path: String,
+        /// Written alike.
+        nearest: Option<String>,
+    },
+    /// A value of the wrong dimension.
+    #[error("{path} is in {expected} ({unit}), the value is in {found}")]
+    Dimension {
+        /// The parameter.
+        path: String,
+        /// Its dimension.
+        expected: Dimension,
+        /// The value's.
+        found: Dimension,
+        /// A unit that fits.
+        unit: String,
+    },
+    /// Not a quantity.
+    #[error(transparent)]
+    Quantity(#[from] QuantityError),
+    /// The model cannot be assembled or integrated.
+    #[error("{report}")]
+    Run {
+        /// The cause.
+        cause: eng_runtime::RuntimeError,
+        /// The cause with its places in the text.
+        report: Report,
+    },
+    /// Files.
+    #[error(transparent)]
+    Results(#[from] crate::results::ResultsError),
+}
+
+fn hint(nearest: &Option<String>) -> String {
+    match nearest {
+        Some(n) => format!("; did you mean {n}?"),
+        None => String::new(),
+    }
+}

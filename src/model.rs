@@ -1,0 +1,164 @@
+//! Compiled models and handles to what is in them.
+
+use crate::{Error, Quantity, SimulationBuilder};
+use eng_grammar::SourceMap;
+use eng_system::code::Compiled;
+use eng_system::{Dimension, DisplayUnit};
+use std::sync::Arc;
+
+/// A compiled model. Cheap to clone; clones on several threads share the code.
+#[derive(Clone, Debug)]
+pub struct Model {
+    compiled: Compiled,
+    texts: Arc<SourceMap>,
+}
+
+/// A number of a model that can be set without compiling again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parameter {
+    pub(crate) index: usize,
+}
+
+/// A column of the results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Channel {
+    pub(crate) index: usize,
+}
+
+/// What is known about a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterInfo {
+    /// `main[5].radial_clearance`.
+    pub path: String,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// How it is shown.
+    pub display: DisplayUnit,
+    /// Open limits (SI).
+    pub limits: (f64, f64),
+}
+
+/// What is known about a channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChannelInfo {
+    /// `main[5].force.x`.
+    pub path: String,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// How it is shown.
+    pub display: DisplayUnit,
+    /// The axes that a component is along, as a path; empty for a scalar.
+    pub frame: String,
+}
+
+impl Model {
+    pub(crate) fn new(compiled: Compiled, texts: Arc<SourceMap>) -> Model {
+        Model { compiled, texts }
+    }
+
+    pub(crate) fn compiled(&self) -> &Compiled {
+        &self.compiled
+    }
+
+    pub(crate) fn texts(&self) -> &Arc<SourceMap> {
+        &self.texts
+    }
+
+    /// The model's name.
+    pub fn name(&self) -> &str {
+        &self.compiled.system.name
+    }
+
+    /// The parameter with a path.
+    pub fn parameter(&self, path: &str) -> Result<Parameter, Error> {
+        let all = &self.compiled.system.parameters;
+        match all.iter().position(|p| p.origin.path == path) {
+            Some(index) => Ok(Parameter { index }),
+            None => Err(Error::NoParameter {
+                path: path.to_owned(),
+                nearest: nearest(path, all.iter().map(|p| p.origin.path.as_str())),
+            }),
+        }
+    }
+
+    /// The channel with a path.
+    pub fn channel(&self, path: &str) -> Result<Channel, Error> {
+        let all = &self.compiled.system.channels;
+        match all.iter().position(|c| c.path == path) {
+            Some(index) => Ok(Channel { index }),
+            None => Err(Error::NoChannel {
+                path: path.to_owned(),
+                nearest: nearest(path, all.iter().map(|c| c.path.as_str())),
+            }),
+        }
+    }
+
+    /// All parameters, in a fixed order.
+    pub fn parameters(&self) -> Vec<ParameterInfo> {
+        self.compiled
+            .system
+            .parameters
+            .iter()
+            .map(|p| ParameterInfo {
+                path: p.origin.path.clone(),
+                dimension: p.dimension,
+                display: p.display.clone(),
+                limits: p.limits,
+            })
+            .collect()
+    }
+
+    /// All channels, in a fixed order.
+    pub fn channels(&self) -> Vec<ChannelInfo> {
+        self.compiled
+            .system
+            .channels
+            .iter()
+            .map(|c| ChannelInfo {
+                path: c.path.clone(),
+                dimension: c.dimension,
+                display: c.display.clone(),
+                frame: c.frame.clone(),
+            })
+            .collect()
+    }
+
+    /// Bytes of machine code of each class of element.
+    pub fn code_bytes(&self) -> Vec<(String, usize)> {
+        self.compiled
+            .system
+            .classes
+            .iter()
+            .zip(&self.compiled.code)
+            .map(|(class, code)| (class.name.clone(), code.code_bytes()))
+            .collect()
+    }
+
+    /// Begins a simulation: set parameters, then start.
+    pub fn simulation(&self) -> SimulationBuilder {
+        SimulationBuilder::new(self.clone())
+    }
+
+    /// One entry a parameter, `None` for its default; wrong dimensions are refused.
+    pub(crate) fn checked(&self, parameter: Parameter, value: Quantity) -> Result<f64, Error> {
+        let p = &self.compiled.system.parameters[parameter.index];
+        if p.dimension != value.dimension() {
+            return Err(Error::Dimension {
+                path: p.origin.path.clone(),
+                expected: p.dimension,
+                found: value.dimension(),
+                unit: p.display.symbol.clone(),
+            });
+        }
+        Ok(value.value())
+    }
+}
+
+/// The known path that is written most alike.
+fn nearest<'a>(wanted: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
+    known
+        .map(|k| (strsim::damerau_levenshtein(wanted, k), k))
+        .min_by_key(|(distance, _)| *distance)
+        .filter(|(distance, _)| *distance <= 1 + wanted.len() / 3)
+        .map(|(_, k)| k.to_owned())
+}

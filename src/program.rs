@@ -1,0 +1,263 @@
+//! From texts to checked programs and compiled models.
+
+use crate::{Model, Sources};
+use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses, elaborate};
+use eng_compiler::program::{DefinitionId, Program as Resolved};
+use eng_grammar::ast::{ItemKind, Kind};
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
+use eng_system::code::Compiled;
+use std::sync::Arc;
+
+/// The outcome of a check: messages, and the program if it has no errors.
+#[derive(Clone, Debug)]
+pub struct Checked {
+    texts: Arc<SourceMap>,
+    diagnostics: Diagnostics,
+    program: Option<Program>,
+}
+
+/// Messages with the texts that they point into.
+#[derive(Clone, Debug)]
+pub struct Report {
+    texts: Arc<SourceMap>,
+    diagnostics: Diagnostics,
+}
+
+impl Report {
+    pub(crate) fn new(texts: Arc<SourceMap>, diagnostics: Diagnostics) -> Report {
+        Report { texts, diagnostics }
+    }
+
+    /// The messages.
+    pub fn diagnostics(&self) -> &Diagnostics {
+        &self.diagnostics
+    }
+
+    /// The texts.
+    pub fn texts(&self) -> &SourceMap {
+        &self.texts
+    }
+
+    /// The messages as JSON; see [`crate::render`].
+    pub fn to_json(&self) -> String {
+        crate::render::json(&self.diagnostics, &self.texts)
+    }
+}
+
+impl std::fmt::Display for Report {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&crate::render::human(&self.diagnostics, &self.texts, false))
+    }
+}
+
+impl std::error::Error for Report {}
+
+/// Parses and checks a file with everything it uses: names, units, and every model with its default constants.
+/// Always returns; see [`Checked::into_program`].
+///
+/// ```
+/// let sources = eng::Sources::from_text("empty.eng", "model Empty { }");
+/// let program = eng::check(&sources, "empty.eng").into_program()?;
+/// assert_eq!(program.models(), ["Empty"]);
+/// # Ok::<(), eng::Report>(())
+/// ```
+pub fn check(sources: &Sources, file: &str) -> Checked {
+    let mut texts = SourceMap::new();
+    let mut diagnostics = Diagnostics::new();
+    let resolved = eng_compiler::resolve::resolve(
+        file,
+        sources,
+        eng_compiler::library::LIBRARY,
+        &mut texts,
+        &mut diagnostics,
+    );
+    if !diagnostics.has_errors() {
+        eng_compiler::check::check(&resolved, &texts, &mut diagnostics);
+    }
+    let mut plans = Vec::new();
+    if !diagnostics.has_errors() {
+        plans = analyses(&resolved, &mut texts, sources, &mut diagnostics);
+        // what only shows with instances: paths, indices, files, connections
+        for model in models_of(&resolved) {
+            elaborate(&resolved, &mut texts, sources, model, &[], &mut diagnostics);
+        }
+    }
+    let failed = diagnostics.has_errors();
+    let texts = Arc::new(texts);
+    let program = (!failed).then(|| Program {
+        inner: Arc::new(Inner {
+            sources: sources.clone(),
+            resolved,
+            plans,
+            texts: Arc::clone(&texts),
+            file: file.to_owned(),
+        }),
+    });
+    Checked {
+        texts,
+        diagnostics,
+        program,
+    }
+}
+
+fn models_of(resolved: &Resolved) -> Vec<DefinitionId> {
+    let root = resolved.root();
+    let Some(module) = resolved.modules.get(root as usize) else {
+        return Vec::new();
+    };
+    module
+        .file
+        .items
+        .iter()
+        .enumerate()
+        .filter(|(_, item)| {
+            matches!(&item.kind, ItemKind::Declaration(d) if d.kind == Kind::Model)
+        })
+        .map(|(i, _)| DefinitionId {
+            module: root,
+            item: i as u32,
+        })
+        .collect()
+}
+
+impl Checked {
+    /// All messages, warnings and notes among them.
+    pub fn report(&self) -> Report {
+        Report::new(Arc::clone(&self.texts), self.diagnostics.clone())
+    }
+
+    /// The program, if there is no error.
+    pub fn program(&self) -> Option<&Program> {
+        self.program.as_ref()
+    }
+
+    /// The program, or the messages.
+    pub fn into_program(self) -> Result<Program, Report> {
+        match self.program {
+            Some(program) => Ok(program),
+            None => Err(Report::new(self.texts, self.diagnostics)),
+        }
+    }
+}
+
+#[derive(Debug)]
+struct Inner {
+    sources: Sources,
+    resolved: Resolved,
+    plans: Vec<AnalysisPlan>,
+    texts: Arc<SourceMap>,
+    file: String,
+}
+
+/// A checked program: models and analyses.
+#[derive(Clone, Debug)]
+pub struct Program {
+    inner: Arc<Inner>,
+}
+
+impl Program {
+    /// Names of the models of the file.
+    pub fn models(&self) -> Vec<&str> {
+        models_of(&self.inner.resolved)
+            .into_iter()
+            .filter_map(|id| self.name_of(id))
+            .collect()
+    }
+
+    /// Names of the analyses, in the order of the text.
+    pub fn analyses(&self) -> Vec<&str> {
+        self.inner
+            .plans
+            .iter()
+            .map(|p| p.analysis.origin.path.as_str())
+            .collect()
+    }
+
+    /// The file's name.
+    pub fn file(&self) -> &str {
+        &self.inner.file
+    }
+
+    /// The texts that messages point into.
+    pub fn texts(&self) -> &Arc<SourceMap> {
+        &self.inner.texts
+    }
+
+    fn name_of(&self, id: DefinitionId) -> Option<&str> {
+        match &self.inner.resolved.item(id)?.kind {
+            ItemKind::Declaration(d) => Some(&d.name.text),
+            _ => None,
+        }
+    }
+
+    /// Compiles a model with its default constants.
+    pub fn model(&self, name: &str) -> Result<Model, crate::Error> {
+        let id = models_of(&self.inner.resolved)
+            .into_iter()
+            .find(|id| self.name_of(*id) == Some(name))
+            .ok_or_else(|| crate::Error::NoModel {
+                name: name.to_owned(),
+                known: self.models().iter().map(ToString::to_string).collect(),
+            })?;
+        self.compile(id, &[])
+    }
+
+    /// The plan of an analysis and its compiled model.
+    pub fn analysis(&self, name: &str) -> Result<crate::Analysis, crate::Error> {
+        let plan = self
+            .inner
+            .plans
+            .iter()
+            .find(|p| p.analysis.origin.path == name)
+            .ok_or_else(|| crate::Error::NoAnalysis {
+                name: name.to_owned(),
+                known: self.analyses().iter().map(ToString::to_string).collect(),
+            })?;
+        let model = self.compile(plan.model, &plan.constants)?;
+        crate::Analysis::new(model, plan.analysis.clone(), self.clone())
+    }
+
+    fn compile(
+        &self,
+        id: DefinitionId,
+        constants: &[(String, Structural)],
+    ) -> Result<Model, crate::Error> {
+        let mut texts = SourceMap::clone(&self.inner.texts);
+        let mut diagnostics = Diagnostics::new();
+        let elaborated = elaborate(
+            &self.inner.resolved,
+            &mut texts,
+            &self.inner.sources,
+            id,
+            constants,
+            &mut diagnostics,
+        );
+        let Some(elaborated) = elaborated else {
+            return Err(crate::Error::Report(Report::new(
+                Arc::new(texts),
+                diagnostics,
+            )));
+        };
+        let mut code = Vec::with_capacity(elaborated.classes.len());
+        for functions in elaborated.classes {
+            match eng_compiler::compile_class(functions, true) {
+                Ok(c) => code.push(c),
+                Err(error) => {
+                    diagnostics.push(Diagnostic::error("E0601", error.to_string()));
+                    return Err(crate::Error::Report(Report::new(
+                        Arc::new(texts),
+                        diagnostics,
+                    )));
+                }
+            }
+        }
+        Ok(Model::new(
+            Compiled {
+                system: Arc::new(elaborated.system),
+                code,
+                bind: Arc::new(elaborated.bind),
+            },
+            Arc::clone(&self.inner.texts),
+        ))
+    }
+}

@@ -1,0 +1,110 @@
+//! Where model texts and data files come from.
+
+use eng_system::host::{Host, HostError};
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+/// The files of a model: a folder, or texts in memory. Nothing outside is ever read.
+#[derive(Clone, Debug)]
+pub struct Sources {
+    kind: Kind,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Folder(PathBuf),
+    Texts(Arc<BTreeMap<String, String>>),
+}
+
+impl Sources {
+    /// A folder on disk.
+    pub fn folder(path: impl AsRef<Path>) -> Result<Sources, HostError> {
+        let path = path.as_ref();
+        let canonical = path.canonicalize().map_err(|error| HostError::System {
+            path: path.display().to_string(),
+            message: error.to_string(),
+        })?;
+        if !canonical.is_dir() {
+            return Err(HostError::System {
+                path: path.display().to_string(),
+                message: "this is not a folder".into(),
+            });
+        }
+        Ok(Sources {
+            kind: Kind::Folder(canonical),
+        })
+    }
+
+    /// One text under a file name.
+    pub fn from_text(name: impl Into<String>, text: impl Into<String>) -> Sources {
+        Sources::from_texts([(name.into(), text.into())])
+    }
+
+    /// Several texts, models and data alike, under their file names.
+    pub fn from_texts(texts: impl IntoIterator<Item = (String, String)>) -> Sources {
+        Sources {
+            kind: Kind::Texts(Arc::new(texts.into_iter().collect())),
+        }
+    }
+}
+
+impl Host for Sources {
+    fn read_text(&self, path: &str) -> Result<String, HostError> {
+        match &self.kind {
+            Kind::Texts(texts) => texts
+                .get(path)
+                .cloned()
+                .ok_or_else(|| HostError::NotFound(path.into())),
+            Kind::Folder(folder) => {
+                let relative = Path::new(path);
+                let inside = relative
+                    .components()
+                    .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+                if !inside {
+                    return Err(HostError::Outside(path.into()));
+                }
+                let system = |error: std::io::Error| match error.kind() {
+                    std::io::ErrorKind::NotFound => HostError::NotFound(path.into()),
+                    _ => HostError::System {
+                        path: path.into(),
+                        message: error.to_string(),
+                    },
+                };
+                // a link may point outside: what counts is where it ends
+                let real = folder.join(relative).canonicalize().map_err(system)?;
+                if !real.starts_with(folder) {
+                    return Err(HostError::Outside(path.into()));
+                }
+                let bytes = std::fs::read(&real).map_err(system)?;
+                String::from_utf8(bytes).map_err(|_| HostError::System {
+                    path: path.into(),
+                    message: "the file is not UTF-8 text".into(),
+                })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_reads_nothing_outside() {
+        let sources = Sources::folder(env!("CARGO_MANIFEST_DIR")).expect("a folder");
+        assert!(sources.read_text("Cargo.toml").is_ok());
+        assert_eq!(
+            sources.read_text("../Cargo.toml"),
+            Err(HostError::Outside("../Cargo.toml".into()))
+        );
+        assert!(matches!(
+            sources.read_text("/etc/passwd"),
+            Err(HostError::Outside(_))
+        ));
+        assert_eq!(
+            sources.read_text("no.eng"),
+            Err(HostError::NotFound("no.eng".into()))
+        );
+    }
+}
