@@ -1,0 +1,577 @@
+//! Calls of functions, tables and records; arguments of any call.
+
+use super::Checker;
+use super::declare::written_unit;
+use super::mismatch::Due;
+use super::scope::{Member, Scope};
+use super::types::{Misfit, Quantity, Signature, Solution, Type};
+use crate::codes;
+use crate::program::DefinitionId;
+use crate::resolve::suggest::{listing, nearest};
+use eng_grammar::ast::{Argument, BindingKind, Expr, ExprKind, Form, Kind};
+use eng_grammar::{Diagnostic, Span};
+
+/// A place for an argument.
+#[derive(Clone, Debug)]
+pub(super) struct Slot {
+    pub name: String,
+    pub ty: Type,
+    pub optional: bool,
+    /// Where it is declared.
+    pub span: Option<Span>,
+    /// The unit its own default uses.
+    pub unit: Option<String>,
+    /// Taken by name only.
+    pub named_only: bool,
+}
+
+/// Words that mean something only in certain places, and where.
+const PLACED: [(&str, &str); 6] = [
+    ("at", "the place of a marker: `marker pin = at(origin, z: [1, 0, 0])`"),
+    ("csv", "the source of a table"),
+    ("points", "the source of a table"),
+    ("transient", "the right side of an analysis"),
+    ("assemble", "the right side of an analysis"),
+    ("origin", "a marker of every body"),
+];
+
+/// What flexible bodies are made with.
+pub(super) const FLEXIBLE_WORDS: [&str; 6] = ["node", "ring", "static", "normal", "nastran", "op4"];
+
+impl<'p> Checker<'p> {
+    pub(super) fn flexible(&mut self, span: Span) {
+        self.report(
+            Diagnostic::error(codes::FLEXIBLE, "flexible bodies are not built yet")
+                .at(span, "belongs to flexible bodies")
+                .with_help("use a rigid `body` with mass, inertia and markers"),
+        );
+    }
+
+    pub(super) fn not_built(&mut self, span: Span, what: &str) {
+        self.report(
+            Diagnostic::error(codes::NOT_BUILT, format!("{what} are not built yet"))
+                .at(span, "reserved for later"),
+        );
+    }
+
+    pub(super) fn call(
+        &mut self,
+        scope: &Scope<'p>,
+        span: Span,
+        callee: &Expr,
+        arguments: &[Argument],
+    ) -> Type {
+        if let ExprKind::Name(name) = &callee.kind {
+            let found = self.find(scope, name).is_some();
+            let built_in = super::builtin::NAMES.contains(&name.as_str());
+            // A value named `length` does not hide the function.
+            if built_in
+                && (!found
+                    || !matches!(
+                        self.name(scope, name, callee.span),
+                        Type::Function(_) | Type::Class(_) | Type::ClassOf(_)
+                    ))
+            {
+                return self.built_in(scope, name, span, arguments);
+            }
+            if !found && FLEXIBLE_WORDS.contains(&name.as_str()) {
+                self.flexible(callee.span);
+                return Type::Error;
+            }
+            if !found && let Some((_, place)) = PLACED.iter().find(|(word, _)| word == name) {
+                self.report(
+                    Diagnostic::error(codes::MISPLACED, format!("`{name}` is no function"))
+                        .at(callee.span, format!("it is {place}")),
+                );
+                return Type::Error;
+            }
+        }
+        match self.infer(scope, callee) {
+            Type::Error => {
+                for argument in arguments {
+                    self.infer(scope, &argument.value);
+                }
+                Type::Error
+            }
+            Type::Function(signature) => self.call_of_function(scope, span, &signature, arguments),
+            Type::Class(id) => match self.declaration(id).map(|d| d.kind) {
+                Some(Kind::Record) => {
+                    self.arguments_of_class(scope, id, arguments, span);
+                    Type::Instance(id)
+                }
+                Some(kind) => {
+                    let word = super::describe::kind_word(kind);
+                    let class = self.class_name(id);
+                    let form = match kind {
+                        Kind::Component => format!("part name = {class}(…)"),
+                        Kind::Model => format!("analysis name = transient({class}(…), duration: …)"),
+                        _ => format!("{word} name = {class}(…)"),
+                    };
+                    self.report(
+                        Diagnostic::error(
+                            codes::MISPLACED,
+                            format!("the {word} `{class}` is no value"),
+                        )
+                        .at(span, "used inside an expression")
+                        .with_help(format!("it is an item of its own: `{form}`")),
+                    );
+                    Type::Error
+                }
+                None => Type::Error,
+            },
+            other => {
+                let found = self.describe(&other);
+                let shown = self.sources.text(callee.span).to_owned();
+                let mut message = Diagnostic::error(
+                    codes::NOT_CALLABLE,
+                    format!("`{shown}` cannot be called: it is {found}"),
+                )
+                .at(callee.span, "neither a function nor a record");
+                if other.quantity().is_some() {
+                    message = message.with_help(format!("for a product write `{shown} * (…)`"));
+                }
+                self.report(message);
+                Type::Error
+            }
+        }
+    }
+
+    fn call_of_function(
+        &mut self,
+        scope: &Scope<'p>,
+        span: Span,
+        signature: &Signature,
+        arguments: &[Argument],
+    ) -> Type {
+        let slots: Vec<Slot> = signature
+            .parameters
+            .iter()
+            .enumerate()
+            .map(|(index, parameter)| Slot {
+                name: if parameter.name.is_empty() {
+                    format!("argument {}", index + 1)
+                } else {
+                    parameter.name.clone()
+                },
+                ty: parameter.ty.clone(),
+                optional: parameter.optional,
+                span: Some(parameter.span),
+                unit: None,
+                named_only: false,
+            })
+            .collect();
+        let mut solution = Solution::default();
+        let ok = self.arguments(scope, &signature.name, &slots, arguments, span, &mut solution);
+        if !ok && has_variables(&signature.result) {
+            return Type::Error;
+        }
+        signature.result.with(&solution)
+    }
+
+    /// The parameters of a class, component, model, interface or record, in order.
+    pub(super) fn slots_of(&mut self, id: DefinitionId) -> Vec<Slot> {
+        let Some(declaration) = self.declaration(id) else {
+            return Vec::new();
+        };
+        let mut slots = Vec::new();
+        if let Form::Class { parameters, .. } = &declaration.form {
+            for parameter in parameters {
+                let name = &parameter.name;
+                let ty = self.member_type(id, &name.text, Member::Parameter(parameter), name.span);
+                slots.push(Slot {
+                    name: name.text.clone(),
+                    ty,
+                    optional: parameter.default.is_some(),
+                    span: Some(name.span),
+                    unit: parameter.default.as_ref().and_then(written_unit),
+                    named_only: false,
+                });
+            }
+        }
+        let record = declaration.kind == Kind::Record;
+        for item in super::scope::block_of(declaration)
+            .into_iter()
+            .flat_map(|block| &block.items)
+        {
+            let eng_grammar::ast::ItemKind::Binding(binding) = &item.kind else {
+                continue;
+            };
+            let taken = match binding.kind {
+                BindingKind::Param | BindingKind::Const => true,
+                BindingKind::Let => record,
+                BindingKind::State | BindingKind::Output => false,
+            };
+            if !taken {
+                continue;
+            }
+            let name = &binding.name;
+            let ty = self.member_type(id, &name.text, Member::Binding(binding), name.span);
+            slots.push(Slot {
+                name: name.text.clone(),
+                ty,
+                optional: binding.value.is_some(),
+                span: Some(name.span),
+                unit: binding.value.as_ref().and_then(written_unit),
+                named_only: false,
+            });
+        }
+        slots
+    }
+
+    /// Checks the arguments of a use of a class.
+    pub(super) fn arguments_of_class(
+        &mut self,
+        scope: &Scope<'p>,
+        id: DefinitionId,
+        arguments: &[Argument],
+        span: Span,
+    ) {
+        let slots = self.slots_of(id);
+        let name = self.class_name(id);
+        self.arguments(scope, &name, &slots, arguments, span, &mut Solution::default());
+    }
+
+    /// Checks arguments against parameters: names, number, types. Whether all is well.
+    pub(super) fn arguments(
+        &mut self,
+        scope: &Scope<'p>,
+        callee: &str,
+        slots: &[Slot],
+        arguments: &[Argument],
+        span: Span,
+        solution: &mut Solution,
+    ) -> bool {
+        let mut ok = true;
+        let mut given: Vec<Option<Span>> = vec![None; slots.len()];
+        let mut position = 0;
+        for argument in arguments {
+            let place = match &argument.name {
+                Some(name) => slots.iter().position(|slot| slot.name == name.text),
+                None => {
+                    let place = (position < slots.len() && !slots[position].named_only)
+                        .then_some(position);
+                    position += 1;
+                    place
+                }
+            };
+            let Some(place) = place else {
+                ok = false;
+                match &argument.name {
+                    Some(name) => {
+                        let near = nearest(&name.text, slots.iter().map(|slot| slot.name.as_str()));
+                        let mut message = Diagnostic::error(
+                            codes::UNKNOWN_ARGUMENT,
+                            format!("`{callee}` has no parameter `{}`", name.text),
+                        )
+                        .at(name.span, "no parameter of this name");
+                        if let Some(near) = near {
+                            message = message
+                                .with_help(format!("did you mean `{near}`?"))
+                                .with_fix(format!("write `{near}`"), name.span, near);
+                            // The same mistake is not told again as a missing argument.
+                            if let Some(meant) = slots.iter().position(|slot| slot.name == near) {
+                                given[meant] = given[meant].or(Some(name.span));
+                            }
+                        } else {
+                            message = message.with_note(format!(
+                                "it takes {}",
+                                listing(slots.iter().map(|slot| slot.name.as_str()), 12)
+                            ));
+                        }
+                        self.report(message);
+                    }
+                    None => {
+                        let count = slots.iter().filter(|slot| !slot.named_only).count();
+                        self.report(
+                            Diagnostic::error(
+                                codes::TOO_MANY_ARGUMENTS,
+                                format!(
+                                    "`{callee}` takes {count} argument{}{}",
+                                    if count == 1 { "" } else { "s" },
+                                    if count < slots.len() { " without a name" } else { "" }
+                                ),
+                            )
+                            .at(argument.value.span, "one too many")
+                            .with_note(format!(
+                                "it takes {}",
+                                listing(slots.iter().map(|slot| slot.name.as_str()), 12)
+                            )),
+                        );
+                    }
+                }
+                self.infer(scope, &argument.value);
+                continue;
+            };
+            let slot = &slots[place];
+            if let Some(first) = given[place] {
+                ok = false;
+                self.report(
+                    Diagnostic::error(
+                        codes::ARGUMENT_TWICE,
+                        format!("`{}` is given twice", slot.name),
+                    )
+                    .at(argument.value.span, "again here")
+                    .also(first, "first here"),
+                );
+                self.infer(scope, &argument.value);
+                continue;
+            }
+            given[place] = Some(argument.value.span);
+            ok &= self.argument(scope, callee, slot, &argument.value, solution);
+        }
+        let missing: Vec<&Slot> = slots
+            .iter()
+            .zip(&given)
+            .filter(|(slot, given)| given.is_none() && !slot.optional)
+            .map(|(slot, _)| slot)
+            .collect();
+        if let Some(first) = missing.first() {
+            ok = false;
+            let names = listing(missing.iter().map(|slot| slot.name.as_str()), 12);
+            let mut message = Diagnostic::error(
+                codes::MISSING_ARGUMENT,
+                format!("`{callee}` needs {names}"),
+            )
+            .at(span, format!("without {names}"));
+            if let Some(place) = first.span {
+                message = message.also(place, "declared here");
+            }
+            if !first.ty.is_error() {
+                message = message.with_note(format!(
+                    "`{}` is {}",
+                    first.name,
+                    self.describe(&first.ty)
+                ));
+            }
+            self.report(message);
+        }
+        ok
+    }
+
+    fn argument(
+        &mut self,
+        scope: &Scope<'p>,
+        callee: &str,
+        slot: &Slot,
+        value: &Expr,
+        solution: &mut Solution,
+    ) -> bool {
+        let found = self.infer(scope, value);
+        if found.is_error() {
+            return false;
+        }
+        solve(&slot.ty, &found, solution);
+        let expected = slot.ty.with(solution);
+        let what = if callee.is_empty() {
+            slot.name.clone()
+        } else {
+            format!("`{}` of `{callee}`", slot.name)
+        };
+        let mut due = Due::new(what);
+        if let Some(span) = slot.span {
+            due = due.declared(span, "declared here");
+        }
+        due.unit = slot.unit.clone();
+        if expected.is_error() {
+            return true;
+        }
+        !self.fit(value, &found, &expected, &due).is_error()
+    }
+
+    /// A function or table where one of a signature is due.
+    pub(super) fn function_for(
+        &mut self,
+        expr: &Expr,
+        wanted: &Signature,
+        given: &Signature,
+        due: &Due,
+    ) -> Type {
+        let mut solution = Solution::default();
+        let count = given
+            .parameters
+            .iter()
+            .filter(|parameter| !parameter.optional)
+            .count();
+        let mut fits = count <= wanted.parameters.len() && wanted.parameters.len() <= given.parameters.len();
+        for (a, b) in wanted.parameters.iter().zip(&given.parameters) {
+            solve(&b.ty, &a.ty, &mut solution);
+            fits &= self.assignable(&a.ty, &b.ty.with(&solution));
+        }
+        let result = given.result.with(&solution);
+        if result.is_error() {
+            return Type::Error;
+        }
+        fits &= self.assignable(&result, &wanted.result);
+        if fits {
+            return Type::Function(wanted.clone().into());
+        }
+        let shape = |signature: &Signature, result: &Type| {
+            let unnamed = Signature {
+                name: String::new(),
+                parameters: signature.parameters.clone(),
+                result: result.clone(),
+            };
+            Type::Function(unnamed.into())
+        };
+        let expected_text = self.describe(&shape(wanted, &wanted.result));
+        let found_text = self.describe(&shape(given, &result));
+        let mut message = Diagnostic::error(
+            codes::WRONG_TYPE,
+            format!("{} is {expected_text}", due.what),
+        )
+        .at(expr.span, format!("this is {found_text}"));
+        if let Some((span, text)) = &due.declared {
+            message = message.also(*span, text.clone());
+        }
+        self.report(message);
+        Type::Error
+    }
+
+    /// A class where one of an interface is due.
+    pub(super) fn class_for(
+        &mut self,
+        expr: &Expr,
+        interface: DefinitionId,
+        class: DefinitionId,
+        due: &Due,
+    ) -> Type {
+        let (interface_name, class_name) = (self.class_name(interface), self.class_name(class));
+        if self.interface_of(class) != Some(interface) {
+            let mut message = Diagnostic::error(
+                codes::NOT_OF_INTERFACE,
+                format!("{} is a class of `{interface_name}`; `{class_name}` is not", due.what),
+            )
+            .at(expr.span, "does not say that it fits the interface");
+            if let Some((span, text)) = &due.declared {
+                message = message.also(*span, text.clone());
+            }
+            let all: Vec<DefinitionId> = self
+                .program
+                .modules
+                .iter()
+                .enumerate()
+                .flat_map(|(module, m)| {
+                    (0..m.file.items.len()).map(move |item| DefinitionId {
+                        module: module as u32,
+                        item: item as u32,
+                    })
+                })
+                .collect();
+            let mut fitting = Vec::new();
+            for id in all {
+                if self.interface_of(id) == Some(interface) {
+                    fitting.push(self.class_name(id));
+                }
+            }
+            if !fitting.is_empty() {
+                message = message.with_help(format!(
+                    "classes of `{interface_name}`: {}",
+                    listing(fitting.iter().map(String::as_str), 8)
+                ));
+            }
+            self.report(message);
+            return Type::Error;
+        }
+        let promised = self.slots_of(interface);
+        let extra = self.slots_of(class).into_iter().find(|slot| {
+            !slot.optional && promised.iter().all(|promise| promise.name != slot.name)
+        });
+        if let Some(extra) = extra {
+            let mut message = Diagnostic::error(
+                codes::NOT_OF_INTERFACE,
+                format!("`{class_name}` needs `{}`, which `{interface_name}` does not give", extra.name),
+            )
+            .at(expr.span, format!("nobody would give it `{}`", extra.name));
+            if let Some(span) = extra.span {
+                message = message.also(span, "has no default");
+            }
+            self.report(message.with_help("give the parameter a default, or put it into the interface"));
+            return Type::Error;
+        }
+        Type::ClassOf(interface)
+    }
+}
+
+fn has_variables(ty: &Type) -> bool {
+    match ty {
+        Type::Scalar(quantity) | Type::Vector { quantity, .. } => !quantity.dim.variables.is_empty(),
+        Type::List { element, .. } | Type::Range(element) => has_variables(element),
+        _ => false,
+    }
+}
+
+/// Finds what a parameter's dimension variables stand for, given an argument.
+pub(super) fn solve(parameter: &Type, found: &Type, solution: &mut Solution) {
+    match (parameter, found) {
+        (Type::Scalar(quantity), _) => {
+            if let Some(found) = found.quantity() {
+                solve_quantity(quantity, &found, solution);
+            }
+        }
+        (
+            Type::Vector { quantity, .. },
+            Type::Vector {
+                quantity: found, ..
+            },
+        ) => solve_quantity(quantity, found, solution),
+        (Type::Vector { quantity, .. }, Type::List { .. }) => {
+            if let Some((found, _)) = found.components() {
+                solve_quantity(quantity, &found, solution);
+            }
+        }
+        (Type::List { element, .. }, Type::List { element: found, .. }) => {
+            solve(element, found, solution);
+        }
+        (Type::Function(wanted), Type::Function(given)) => {
+            for (a, b) in wanted.parameters.iter().zip(&given.parameters) {
+                solve(&a.ty, &b.ty, solution);
+            }
+            solve(&wanted.result, &given.result, solution);
+        }
+        _ => {}
+    }
+}
+
+fn solve_quantity(parameter: &Quantity, found: &Quantity, solution: &mut Solution) {
+    let alone = parameter.dim.base.is_one() && matches!(parameter.dim.variables.as_slice(), [(_, 60)]);
+    let unsolved: Vec<(u32, i32)> = parameter
+        .dim
+        .variables
+        .iter()
+        .copied()
+        .filter(|(number, _)| solution.get(*number).is_none())
+        .collect();
+    match unsolved.as_slice() {
+        [(number, exponent)] => {
+            if alone {
+                solution.set(*number, found.clone());
+                return;
+            }
+            let known = parameter.dim.with(solution);
+            let own = super::types::Dim::variable(*number)
+                .power(*exponent, 60)
+                .unwrap_or_default();
+            let rest = found.dim.over(&known.over(&own));
+            let (n, d) = if *exponent < 0 {
+                (-60, -exponent)
+            } else {
+                (60, *exponent)
+            };
+            if let Some(dim) = rest.power(n, d) {
+                solution.set(*number, Quantity::soft(dim));
+            }
+        }
+        [] if alone => {
+            // A harder or more definite argument says more about the variable.
+            if let [(number, _)] = parameter.dim.variables.as_slice()
+                && let Some(old) = solution.get(*number)
+            {
+                match old.join(found) {
+                    Ok(joined) => solution.set(*number, joined),
+                    Err(Misfit::Dimension | Misfit::Angle | Misfit::Point) => {}
+                }
+            }
+        }
+        _ => {}
+    }
+}

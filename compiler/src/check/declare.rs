@@ -1,0 +1,665 @@
+//! Types as written, and the things that are declared with one: bindings, parameters, functions.
+
+use super::mismatch::Due;
+use super::scope::{Found, Member, Scope};
+use super::types::{Dim, FunctionParameter, Kind as PointKind, Quantity, Signature, Type};
+use super::{Checker, Progress};
+use crate::codes;
+use crate::program::{DefinitionId, unit_text};
+use crate::resolve::suggest::nearest;
+use eng_grammar::ast::{
+    Binding, BindingKind, Expr, ExprKind, Function, IndexArgument, ItemKind, Kind, Name, Parameter,
+    TypeExpr, TypeExprKind,
+};
+use eng_grammar::{Diagnostic, Span};
+use std::rc::Rc;
+
+/// Types that the language itself gives.
+const BUILT_IN_TYPES: [&str; 8] = [
+    "Int", "Bool", "Text", "Vector", "Vector2", "Vector3", "Marker", "Body",
+];
+
+/// The unit that an expression is written in, if it is a literal.
+pub(super) fn written_unit(expr: &Expr) -> Option<String> {
+    match &expr.kind {
+        ExprKind::Number { unit, .. } | ExprKind::List { unit, .. } => unit.as_ref().map(unit_text),
+        ExprKind::Paren { inner, unit } => {
+            unit.as_ref().map(unit_text).or_else(|| written_unit(inner))
+        }
+        ExprKind::Unary { operand, .. } => written_unit(operand),
+        _ => None,
+    }
+}
+
+impl<'p> Checker<'p> {
+    /// The type that is written.
+    pub(super) fn ty(&mut self, scope: &Scope<'p>, ty: &TypeExpr) -> Type {
+        match &ty.kind {
+            TypeExprKind::Error => Type::Error,
+            TypeExprKind::One => Type::one(),
+            TypeExprKind::Name(name) => self.named_type(scope, name),
+            TypeExprKind::Generic(name, arguments) => {
+                let length = match name.text.as_str() {
+                    "Vector" => None,
+                    "Vector2" => Some(2),
+                    "Vector3" => Some(3),
+                    _ => {
+                        self.unknown_type(scope, name);
+                        return Type::Error;
+                    }
+                };
+                let [argument] = arguments.as_slice() else {
+                    self.report(
+                        Diagnostic::error(
+                            codes::UNKNOWN_TYPE,
+                            format!("`{}` has one dimension", name.text),
+                        )
+                        .at(ty.span, format!("{} are given", arguments.len())),
+                    );
+                    return Type::Error;
+                };
+                let Some(quantity) = self.quantity(scope, argument) else {
+                    return Type::Error;
+                };
+                match length {
+                    None => Type::vector(quantity),
+                    length => Type::list(Type::Scalar(quantity), length),
+                }
+            }
+            TypeExprKind::Array(element, length) => {
+                let element = self.ty(scope, element);
+                self.expect(scope, length, &Type::Int, &Due::new("the length of an array"));
+                let known = match &length.kind {
+                    ExprKind::Number {
+                        value,
+                        integer: true,
+                        unit: None,
+                    } if *value >= 0.0 => Some(*value as u32),
+                    _ => None,
+                };
+                self.structural(scope, length);
+                if element.is_error() {
+                    Type::Error
+                } else {
+                    Type::list(element, known)
+                }
+            }
+            TypeExprKind::Product(..) | TypeExprKind::Quotient(..) | TypeExprKind::Power(..) => {
+                match self.quantity(scope, ty) {
+                    Some(quantity) => Type::Scalar(quantity),
+                    None => Type::Error,
+                }
+            }
+            TypeExprKind::Function(parameters, result) => {
+                let parameters = parameters
+                    .iter()
+                    .map(|parameter| FunctionParameter {
+                        name: String::new(),
+                        ty: self.ty(scope, parameter),
+                        optional: false,
+                        span: parameter.span,
+                    })
+                    .collect();
+                Type::Function(Rc::new(Signature {
+                    name: String::new(),
+                    parameters,
+                    result: self.ty(scope, result),
+                }))
+            }
+        }
+    }
+
+    fn named_type(&mut self, scope: &Scope<'p>, name: &Name) -> Type {
+        if let Some((_, number)) = scope.generics.iter().find(|(n, _)| *n == name.text) {
+            return Type::Scalar(Quantity {
+                dim: Dim::variable(*number),
+                soft: false,
+                kind: PointKind::Any,
+            });
+        }
+        match name.text.as_str() {
+            "Int" => return Type::Int,
+            "Bool" => return Type::Bool,
+            "Text" => return Type::Text,
+            "Marker" => return Type::Marker,
+            "Body" => return Type::Body(None),
+            "ModeSet" => {
+                self.flexible(name.span);
+                return Type::Error;
+            }
+            "Vector" | "Vector2" | "Vector3" => {
+                self.report(
+                    Diagnostic::error(
+                        codes::UNKNOWN_TYPE,
+                        format!("`{}` needs the dimension of its components", name.text),
+                    )
+                    .at(name.span, "of what?")
+                    .with_help(format!("for instance `{}<Length>`", name.text)),
+                );
+                return Type::Error;
+            }
+            _ => {}
+        }
+        if let Some(id) = self.find_top(scope.module, &name.text)
+            && let Some(item) = self.program.item(id)
+        {
+            match &item.kind {
+                ItemKind::Declaration(declaration) => match declaration.kind {
+                    Kind::Interface => return Type::ClassOf(id),
+                    Kind::Model | Kind::Analysis | Kind::Default | Kind::Flexible => {}
+                    _ => return Type::Instance(id),
+                },
+                ItemKind::Dimension(_) => return self.dimension(&name.text),
+                _ => {}
+            }
+        }
+        if self.program.dimensions.contains_key(&name.text) {
+            return self.dimension(&name.text);
+        }
+        let defined = self.program.modules.iter().any(|module| {
+            module.file.items.iter().any(|item| {
+                matches!(&item.kind, ItemKind::Dimension(d) if d.name.text == name.text)
+            })
+        });
+        if !defined {
+            self.unknown_type(scope, name);
+        }
+        Type::Error
+    }
+
+    fn dimension(&self, name: &str) -> Type {
+        let Some(named) = self.program.dimensions.get(name) else {
+            return Type::Error;
+        };
+        let kind = if named.point_of.is_some() {
+            PointKind::Point(name.into())
+        } else if self
+            .program
+            .dimensions
+            .values()
+            .any(|other| other.point_of.as_deref() == Some(name))
+        {
+            PointKind::Difference
+        } else {
+            PointKind::Any
+        };
+        Type::Scalar(Quantity {
+            kind,
+            ..Quantity::hard(named.dimension)
+        })
+    }
+
+    fn unknown_type(&mut self, scope: &Scope<'p>, name: &Name) {
+        let mut known: Vec<&str> = BUILT_IN_TYPES.to_vec();
+        known.extend(self.program.dimensions.keys().map(String::as_str));
+        known.extend(scope.generics.iter().map(|(n, _)| n.as_str()));
+        if let Some(module) = self.program.modules.get(scope.module as usize) {
+            known.extend(module.scope.keys().map(String::as_str));
+        }
+        let mut message = Diagnostic::error(
+            codes::UNKNOWN_TYPE,
+            format!("there is no type `{}`", name.text),
+        )
+        .at(name.span, "neither a type nor a dimension");
+        if let Some(near) = nearest(&name.text, known) {
+            message = message
+                .with_help(format!("did you mean `{near}`?"))
+                .with_fix(format!("write `{near}`"), name.span, near);
+        } else if let Some(unit) = self.program.units.get(&name.text) {
+            let dimension = self.dimension_name(&Dim::known(unit.dimension));
+            message = message.with_help(format!(
+                "`{}` is a unit; its dimension is {dimension}",
+                name.text
+            ));
+        }
+        self.report(message);
+    }
+
+    /// A type that must be a dimension.
+    fn quantity(&mut self, scope: &Scope<'p>, ty: &TypeExpr) -> Option<Quantity> {
+        match &ty.kind {
+            TypeExprKind::Product(left, right) | TypeExprKind::Quotient(left, right) => {
+                let (left, right) = (self.quantity(scope, left), self.quantity(scope, right));
+                let (left, right) = (left?.dim, right?.dim);
+                let dim = match &ty.kind {
+                    TypeExprKind::Product(..) => left.times(&right),
+                    _ => left.over(&right),
+                };
+                Some(Quantity {
+                    dim,
+                    ..Quantity::one()
+                })
+            }
+            TypeExprKind::Power(base, numerator, denominator) => {
+                let base = self.quantity(scope, base)?;
+                let Some(dim) = base.dim.power(*numerator, *denominator) else {
+                    self.report(
+                        Diagnostic::error(codes::POWER, "this power has no dimension")
+                            .at(ty.span, "not a ratio of small whole numbers"),
+                    );
+                    return None;
+                };
+                Some(Quantity {
+                    dim,
+                    ..Quantity::one()
+                })
+            }
+            _ => match self.ty(scope, ty) {
+                Type::Scalar(quantity) => Some(quantity),
+                Type::Error => None,
+                other => {
+                    let found = self.describe(&other);
+                    self.report(
+                        Diagnostic::error(codes::UNKNOWN_TYPE, "a dimension is due here")
+                            .at(ty.span, format!("this is {found}")),
+                    );
+                    None
+                }
+            },
+        }
+    }
+
+    /// Refuses a `param` that decides a count.
+    pub(super) fn structural(&mut self, scope: &Scope<'p>, expr: &Expr) {
+        let mut names: Vec<(String, Span)> = Vec::new();
+        collect_names(expr, &mut names);
+        for (name, span) in names {
+            let binding = match self.find(scope, &name) {
+                Some(Found::Member(_, Member::Binding(binding))) => Some(binding),
+                Some(Found::Top(id)) => match self.program.item(id).map(|item| &item.kind) {
+                    Some(ItemKind::Binding(binding)) => Some(binding),
+                    _ => None,
+                },
+                _ => None,
+            };
+            let Some(binding) = binding.filter(|b| b.kind == BindingKind::Param) else {
+                continue;
+            };
+            let message = Diagnostic::error(
+                codes::STRUCTURAL,
+                format!("the parameter `{name}` decides how many there are"),
+            )
+            .at(span, "a count must be known when the model is compiled")
+            .also(binding.name.span, "declared as `param` here");
+            let message = self.const_instead(message, binding);
+            self.report(message);
+        }
+    }
+
+    /// Offers `const` for `param`.
+    fn const_instead(&self, message: Diagnostic, binding: &Binding) -> Diagnostic {
+        let message = message.with_help("make it a `const`");
+        let span = binding.name.span;
+        let before = self
+            .sources
+            .get(span.source)
+            .and_then(|source| source.text.get(..span.start as usize))
+            .and_then(|text| text.rfind("param"));
+        match before {
+            Some(start) => message.with_fix(
+                "write `const`",
+                Span::new(span.source, start, start + "param".len()),
+                "const",
+            ),
+            None => message,
+        }
+    }
+
+    /// Checks a `const`, `param`, `let`, `state` or `output`, and gives its type.
+    pub(super) fn binding(&mut self, outer: &Scope<'p>, binding: &Binding) -> Type {
+        let mut scope = self.binders(outer, &binding.index);
+        scope.output = binding.kind == BindingKind::Output;
+        let declared = binding.ty.as_ref().map(|ty| self.ty(&scope, ty));
+        let due = || {
+            let mut due = Due::new(format!("`{}`", binding.name.text));
+            if let Some(ty) = &binding.ty {
+                due = due.declared(ty.span, "declared here");
+            }
+            due.unit = binding.value.as_ref().and_then(written_unit);
+            due
+        };
+        let found = match (&binding.value, &declared) {
+            (Some(value), Some(declared)) => {
+                let found = self.expect(&scope, value, declared, &due());
+                match declared {
+                    // The declaration holds, whatever the value is; known lengths are more.
+                    Type::List { .. } if !found.is_error() => found,
+                    _ => declared.clone(),
+                }
+            }
+            (Some(value), None) => self.infer(&scope, value),
+            (None, Some(declared)) => declared.clone(),
+            (None, None) => Type::Error,
+        };
+        self.binding_needs(outer, binding, &found);
+        let ty = self.output_axes(&scope, outer, binding, found);
+        if let Some(display) = &binding.display {
+            self.display(&scope, &ty, display);
+        }
+        if let Some((low, high)) = &binding.limits {
+            let due = Due::new(format!("the limit of `{}`", binding.name.text))
+                .declared(binding.name.span, "the parameter");
+            self.expect(&scope, low, &ty, &due);
+            self.expect(&scope, high, &ty, &due);
+        }
+        if ty.is_error() {
+            return Type::Error;
+        }
+        self.arrayed(&binding.index, ty)
+    }
+
+    /// What a binding must have to mean something.
+    fn binding_needs(&mut self, scope: &Scope<'p>, binding: &Binding, ty: &Type) {
+        let around = scope.definition.and_then(|id| self.declaration(id)).map(|d| d.kind);
+        let name = &binding.name;
+        if binding.value.is_none() {
+            let in_interface = around == Some(Kind::Interface);
+            let without_value = match binding.kind {
+                BindingKind::Const | BindingKind::Param => around.is_some(),
+                BindingKind::Let => around == Some(Kind::Record),
+                BindingKind::State => false,
+                BindingKind::Output => in_interface,
+            };
+            let missing = match (without_value, &binding.ty) {
+                (true, Some(_)) => None,
+                (true, None) => Some(("needs a type", format!("for instance `{}: Length`", name.text))),
+                (false, _) => Some(("needs a value", format!("write `{} = …`", name.text))),
+            };
+            if let Some((what, help)) = missing {
+                self.report(
+                    Diagnostic::error(codes::MISSING_VALUE, format!("`{}` {what}", name.text))
+                        .at(name.span, what)
+                        .with_help(help),
+                );
+            }
+        }
+        if binding.kind == BindingKind::Param
+            && around != Some(Kind::Interface)
+            && matches!(ty, Type::Int | Type::Bool | Type::Text)
+        {
+            let found = self.describe(ty);
+            let message = Diagnostic::error(
+                codes::STRUCTURAL,
+                format!("`{}` is {found} and cannot change without compiling again", name.text),
+            )
+            .at(name.span, format!("a `param` that is {found}"));
+            let message = self.const_instead(message, binding);
+            let message = if *ty == Type::Int && binding.ty.is_none() {
+                message.with_note(format!("a number that may change is written `{}: 1 = …`", name.text))
+            } else {
+                message
+            };
+            self.report(message);
+        }
+    }
+
+    /// An output's axes: `in shell`.
+    fn output_axes(
+        &mut self,
+        scope: &Scope<'p>,
+        outer: &Scope<'p>,
+        binding: &Binding,
+        ty: Type,
+    ) -> Type {
+        let Some(frame) = &binding.frame else {
+            let in_interface = outer
+                .definition
+                .and_then(|id| self.declaration(id))
+                .is_some_and(|d| d.kind == Kind::Interface);
+            if binding.kind == BindingKind::Output && !in_interface {
+                let mut element = &ty;
+                while let Type::List { element: inner, .. } = element {
+                    element = inner;
+                }
+                if matches!(element, Type::Vector { framed: false, .. }) {
+                    let place = binding.value.as_ref().map_or(binding.name.span, |v| v.span);
+                    let end = Span::new(place.source, place.end as usize, place.end as usize);
+                    self.report(
+                        Diagnostic::error(
+                            codes::OUTPUT_WITHOUT_FRAME,
+                            format!("the output `{}` is a vector: along which axes?", binding.name.text),
+                        )
+                        .at(place, "a vector carries no axes, a channel must state them")
+                        .with_help(format!("for instance `output {} = … in ground`", binding.name.text))
+                        .with_fix("along the ground's axes", end, " in ground"),
+                    );
+                    return Type::Error;
+                }
+            }
+            return ty;
+        };
+        let due = Due::new("what stands after `in`");
+        let marker = self.infer(scope, frame);
+        if !marker.is_error() && marker != Type::Marker {
+            let found = self.describe(&marker);
+            let mut message = Diagnostic::error(
+                codes::FRAME,
+                format!("{} must be a marker, not {found}", due.what),
+            )
+            .at(frame.span, format!("this is {found}"));
+            if let Type::Body(Some(body)) = &marker {
+                let names = self.markers_of(body);
+                message = message.with_help(format!(
+                    "say which marker: {}",
+                    crate::resolve::suggest::listing(names.iter().map(String::as_str), 8)
+                ));
+            }
+            self.report(message);
+        }
+        match ty {
+            Type::Error => Type::Error,
+            Type::Vector { quantity, .. } => Type::Vector {
+                quantity,
+                framed: true,
+            },
+            Type::List { ref framed, .. } if !framed && ty.components().is_some() => {
+                let quantity = ty.components().map(|(q, _)| q).unwrap_or_default();
+                match &binding.value {
+                    Some(value) => {
+                        let due = Due::new(format!("`{}`", binding.name.text));
+                        match self.fit(value, &ty, &Type::vector(quantity.clone()), &due) {
+                            Type::Error => Type::Error,
+                            _ => Type::Vector {
+                                quantity,
+                                framed: true,
+                            },
+                        }
+                    }
+                    None => ty,
+                }
+            }
+            other => {
+                let found = self.describe(&other);
+                self.report(
+                    Diagnostic::error(codes::FRAME, format!("{found} has no axes to be shown in"))
+                        .at(frame.span, "only a vector is shown along axes")
+                        .also(
+                            binding.value.as_ref().map_or(binding.name.span, |v| v.span),
+                            format!("this is {found}"),
+                        ),
+                );
+                Type::Error
+            }
+        }
+    }
+
+    /// Checks a parameter of a class or function, and gives its type.
+    pub(super) fn parameter(&mut self, scope: &Scope<'p>, parameter: &Parameter) -> Type {
+        let ty = self.ty(scope, &parameter.ty);
+        if let Some(default) = &parameter.default {
+            let mut due = Due::new(format!("`{}`", parameter.name.text))
+                .declared(parameter.ty.span, "declared here");
+            due.unit = written_unit(default);
+            self.expect(scope, default, &ty, &due);
+        }
+        if let Some((low, high)) = &parameter.limits {
+            let due = Due::new(format!("the limit of `{}`", parameter.name.text))
+                .declared(parameter.ty.span, "declared here");
+            self.expect(scope, low, &ty, &due);
+            self.expect(scope, high, &ty, &due);
+        }
+        ty
+    }
+
+    /// Checks a function once, and gives its signature.
+    pub(super) fn function(
+        &mut self,
+        outer: &Scope<'p>,
+        function: &'p Function,
+    ) -> Rc<Signature> {
+        let key = function.name.span;
+        match self.signatures.get(&key) {
+            Some(Progress::Done(signature)) => return signature.clone(),
+            Some(Progress::Open) => {
+                self.report(
+                    Diagnostic::error(
+                        codes::VALUE_CIRCLE,
+                        format!("the function `{}` calls itself", function.name.text),
+                    )
+                    .at(function.name.span, "its value leads back to it")
+                    .with_note("functions are put in where they are called, so none can call itself"),
+                );
+                return Rc::new(Signature {
+                    name: function.name.text.clone(),
+                    parameters: Vec::new(),
+                    result: Type::Error,
+                });
+            }
+            None => {}
+        }
+        self.signatures.insert(key, Progress::Open);
+        let mut scope = Scope {
+            locals: Vec::new(),
+            body: None,
+            at_use: None,
+            output: false,
+            ..outer.clone()
+        };
+        for generic in &function.generics {
+            let number = self.variables.len() as u32;
+            self.variables.push(generic.text.clone());
+            scope.generics.push((generic.text.clone(), number));
+        }
+        let mut parameters: Vec<FunctionParameter> = Vec::new();
+        for parameter in &function.parameters {
+            let ty = self.parameter(&scope, parameter);
+            if let Some(first) = parameters.iter().find(|p| p.name == parameter.name.text) {
+                let first = first.span;
+                self.defined_twice(&parameter.name.text, parameter.name.span, first);
+            }
+            parameters.push(FunctionParameter {
+                name: parameter.name.text.clone(),
+                ty: ty.clone(),
+                optional: parameter.default.is_some(),
+                span: parameter.name.span,
+            });
+            scope.locals.push((parameter.name.text.clone(), ty));
+        }
+        let declared = function.result.as_ref().map(|ty| self.ty(&scope, ty));
+        for binding in &function.lets {
+            if scope.locals.iter().any(|(name, _)| *name == binding.name.text) {
+                let first = function
+                    .parameters
+                    .iter()
+                    .map(|p| p.name.span)
+                    .chain(function.lets.iter().map(|l| l.name.span))
+                    .find(|span| self.sources.text(*span) == binding.name.text);
+                self.defined_twice(
+                    &binding.name.text,
+                    binding.name.span,
+                    first.unwrap_or(binding.name.span),
+                );
+            }
+            let ty = self.binding(&scope, binding);
+            scope.locals.push((binding.name.text.clone(), ty));
+        }
+        let result = match declared {
+            Some(declared) => {
+                let mut due = Due::new(format!("the value of `{}`", function.name.text));
+                if let Some(ty) = &function.result {
+                    due = due.declared(ty.span, "declared here");
+                }
+                self.expect(&scope, &function.value, &declared, &due);
+                declared
+            }
+            None => self.infer(&scope, &function.value),
+        };
+        let signature = Rc::new(Signature {
+            name: function.name.text.clone(),
+            parameters,
+            result,
+        });
+        self.signatures
+            .insert(key, Progress::Done(signature.clone()));
+        signature
+    }
+
+    /// The interface that a class says it fits.
+    pub(super) fn interface_of(&mut self, class: DefinitionId) -> Option<DefinitionId> {
+        let declaration = self.declaration(class)?;
+        let eng_grammar::ast::Form::Class {
+            interface: Some(name),
+            ..
+        } = &declaration.form
+        else {
+            return None;
+        };
+        let id = self.find_top(class.module, &name.text)?;
+        (self.declaration(id)?.kind == Kind::Interface).then_some(id)
+    }
+}
+
+/// All names that an expression reads.
+pub(super) fn collect_names(expr: &Expr, names: &mut Vec<(String, Span)>) {
+    match &expr.kind {
+        ExprKind::Name(name) => names.push((name.clone(), expr.span)),
+        ExprKind::List { items, .. } => items.iter().for_each(|item| collect_names(item, names)),
+        ExprKind::Comprehension { body, binders, .. } => {
+            let mut inner = Vec::new();
+            collect_names(body, &mut inner);
+            inner.retain(|(name, _)| binders.iter().all(|binder| binder.name.text != *name));
+            names.extend(inner);
+            binders
+                .iter()
+                .for_each(|binder| collect_names(&binder.range, names));
+        }
+        ExprKind::Paren { inner, .. } => collect_names(inner, names),
+        ExprKind::Field { base, .. } => collect_names(base, names),
+        ExprKind::Call { callee, arguments } => {
+            collect_names(callee, names);
+            arguments
+                .iter()
+                .for_each(|argument| collect_names(&argument.value, names));
+        }
+        ExprKind::Index { base, indices } => {
+            collect_names(base, names);
+            for index in indices {
+                if let IndexArgument::At(at) = index {
+                    collect_names(at, names);
+                }
+            }
+        }
+        ExprKind::Unary { operand, .. } => collect_names(operand, names),
+        ExprKind::Binary { left, right, .. } => {
+            collect_names(left, names);
+            collect_names(right, names);
+        }
+        ExprKind::If {
+            condition,
+            then,
+            otherwise,
+        } => {
+            collect_names(condition, names);
+            collect_names(then, names);
+            collect_names(otherwise, names);
+        }
+        ExprKind::Range { from, to, by } => {
+            collect_names(from, names);
+            collect_names(to, names);
+            if let Some(by) = by {
+                collect_names(by, names);
+            }
+        }
+        ExprKind::Number { .. } | ExprKind::Text(_) | ExprKind::Bool(_) | ExprKind::Error => {}
+    }
+}

@@ -1,0 +1,234 @@
+//! Types in words.
+
+use super::Checker;
+use super::types::{Dim, Kind as PointKind, Quantity, Type};
+use crate::program::DefinitionId;
+use eng_grammar::ast::Kind;
+use eng_system::Dimension;
+
+/// Names that say most, where several dimensions have the same exponents.
+const PREFERRED: [&str; 18] = [
+    "Length", "Mass", "Time", "Angle", "Force", "Pressure", "Velocity", "AngularVelocity", "Acceleration", "Power",
+    "Area", "Volume", "Density", "DynamicViscosity", "Frequency", "Stiffness", "TemperatureDifference",
+    "AngularAcceleration",
+];
+
+/// Units in which a reader expects a dimension, the likeliest first.
+const USUAL_UNITS: [&str; 32] = [
+    "mm", "deg", "rpm", "kg", "N", "bar", "s", "K", "m/s", "m/s^2", "N*m", "mm^2", "cm^3", "kg*m^2", "kg/m^3", "mPa*s",
+    "kW", "Hz", "N/m", "N*s/m", "N*m/rad", "N*m*s/rad", "m", "rad", "rad/s", "Pa", "J", "W", "m^2", "m^3", "Pa*s",
+    "rad/s^2",
+];
+
+/// `joint`, `body`: as it is written.
+pub(super) fn kind_word(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Model => "model",
+        Kind::Component => "component",
+        Kind::Interface => "interface",
+        Kind::Record => "record",
+        Kind::Body => "body",
+        Kind::Flexible => "flexible",
+        Kind::Marker => "marker",
+        Kind::Joint => "joint",
+        Kind::Force => "force",
+        Kind::Journal => "journal",
+        Kind::Drive => "drive",
+        Kind::Part => "part",
+        Kind::Cycle => "cycle",
+        Kind::Analysis => "analysis",
+        Kind::Default => "default",
+    }
+}
+
+/// `a Length`, `an Angle`.
+pub(super) fn with_article(noun: &str) -> String {
+    let vowel = noun
+        .chars()
+        .next()
+        .is_some_and(|c| "aeiouAEIOU".contains(c));
+    format!("{} {noun}", if vowel { "an" } else { "a" })
+}
+
+impl Checker<'_> {
+    /// The names of all dimensions of the same exponents, points left out.
+    fn names_of(&self, dimension: Dimension) -> Vec<&str> {
+        let all: Vec<&str> = self
+            .program
+            .dimensions
+            .iter()
+            .filter(|(_, named)| named.dimension == dimension && named.point_of.is_none())
+            .map(|(name, _)| name.as_str())
+            .collect();
+        match all.iter().find(|name| PREFERRED.contains(name)) {
+            Some(name) => vec![name],
+            None => all.into_iter().take(3).collect(),
+        }
+    }
+
+    /// `Length`, `Energy or Torque`, `kg/s^4`, `D^2*Length`.
+    pub(super) fn dimension_name(&self, dim: &Dim) -> String {
+        if dim.variables.is_empty() {
+            if dim.base.is_one() {
+                return "number".to_owned();
+            }
+            let names = self.names_of(dim.base);
+            return if names.is_empty() {
+                dim.base.to_string()
+            } else {
+                names.join(" or ")
+            };
+        }
+        let mut text = String::new();
+        for (number, exponent) in &dim.variables {
+            if !text.is_empty() {
+                text.push('*');
+            }
+            let name = self.variables.get(*number as usize);
+            text.push_str(name.map_or("?", String::as_str));
+            match (*exponent, exponent % 60) {
+                (60, _) => {}
+                (whole, 0) => text.push_str(&format!("^{}", whole / 60)),
+                (part, _) => text.push_str(&format!("^({part}/60)")),
+            }
+        }
+        if !dim.base.is_one() {
+            text.push('*');
+            text.push_str(&self.dimension_name(&Dim::known(dim.base)));
+        }
+        text
+    }
+
+    /// The name with what it is made of: `Pressure (kg/m/s^2)`.
+    pub(super) fn quantity_in_full(&self, quantity: &Quantity) -> String {
+        let name = self.quantity_name(quantity);
+        if !quantity.dim.variables.is_empty() {
+            return name;
+        }
+        let si = quantity.dim.base.to_string();
+        if quantity.dim.is_one() || name == si {
+            name
+        } else {
+            format!("{name} ({si})")
+        }
+    }
+
+    pub(super) fn quantity_name(&self, quantity: &Quantity) -> String {
+        match &quantity.kind {
+            PointKind::Point(name) => name.to_string(),
+            _ => self.dimension_name(&quantity.dim),
+        }
+    }
+
+    pub(super) fn class_name(&self, id: DefinitionId) -> String {
+        self.declaration(id)
+            .map_or_else(|| "class".to_owned(), |d| d.name.text.clone())
+    }
+
+    /// A noun with its article: `a Length`, `a vector of Force`, `the class Revolute`.
+    pub(super) fn describe(&self, ty: &Type) -> String {
+        match ty {
+            Type::Error => "something in error".to_owned(),
+            Type::Int => "a whole number".to_owned(),
+            Type::Bool => "true or false".to_owned(),
+            Type::Text => "a text".to_owned(),
+            Type::Scalar(quantity) if quantity.dim.is_one() => "a plain number".to_owned(),
+            Type::Scalar(quantity) => with_article(&self.quantity_name(quantity)),
+            Type::Vector { quantity, .. } if quantity.dim.is_one() => {
+                "a vector of numbers".to_owned()
+            }
+            Type::Vector { quantity, .. } => {
+                format!("a vector of {}", self.quantity_name(quantity))
+            }
+            Type::List {
+                element,
+                length,
+                framed,
+            } => {
+                let axes = if *framed { " along a marker's axes" } else { "" };
+                let of = match element.as_ref() {
+                    Type::Scalar(quantity) if !quantity.dim.is_one() => self.quantity_name(quantity),
+                    Type::Scalar(_) => "numbers".to_owned(),
+                    Type::Int => "whole numbers".to_owned(),
+                    Type::Marker => "markers".to_owned(),
+                    Type::Body(_) => "bodies".to_owned(),
+                    Type::Text => "texts".to_owned(),
+                    other => {
+                        let noun = self.describe(other);
+                        noun.strip_prefix("a ").map_or(noun.clone(), str::to_owned)
+                    }
+                };
+                match length {
+                    Some(length) => format!("a list of {length} {of}{axes}"),
+                    None => format!("a list of {of}{axes}"),
+                }
+            }
+            Type::Range(_) => "a range".to_owned(),
+            Type::Marker => "a marker".to_owned(),
+            Type::Body(_) => "a body".to_owned(),
+            Type::Function(signature) if signature.name.is_empty() => {
+                let parameters: Vec<String> = signature
+                    .parameters
+                    .iter()
+                    .map(|parameter| self.describe(&parameter.ty))
+                    .collect();
+                format!(
+                    "a function of {} that gives {}",
+                    parameters.join(" and "),
+                    self.describe(&signature.result)
+                )
+            }
+            Type::Function(signature) => format!("the function `{}`", signature.name),
+            Type::Class(id) => match self.declaration(*id) {
+                Some(declaration) => format!(
+                    "the {} `{}`",
+                    kind_word(declaration.kind),
+                    declaration.name.text
+                ),
+                None => "a class".to_owned(),
+            },
+            Type::ClassOf(id) => format!("a class of the interface `{}`", self.class_name(*id)),
+            Type::Instance(id) | Type::InstanceOf(id) => {
+                with_article(&format!("`{}`", self.class_name(*id)))
+            }
+            Type::Cycle => "the cycle".to_owned(),
+        }
+    }
+
+    /// A unit in which a reader expects this dimension.
+    pub(super) fn usual_unit(&self, dimension: Dimension) -> Option<String> {
+        USUAL_UNITS
+            .iter()
+            .find(|text| self.size_of_text(text) == Some(dimension))
+            .map(|text| (*text).to_owned())
+            .or_else(|| {
+                self.program
+                    .units
+                    .values()
+                    .find(|unit| unit.dimension == dimension && unit.offset == 0.0)
+                    .map(|unit| unit.symbol.clone())
+            })
+    }
+
+    /// The dimension of `N*m/rad`, where all its units are known.
+    fn size_of_text(&self, text: &str) -> Option<Dimension> {
+        let mut dimension = Dimension::ONE;
+        let mut sign = 1;
+        let mut rest = text;
+        loop {
+            let end = rest.find(['*', '/']).unwrap_or(rest.len());
+            let factor = &rest[..end];
+            let (name, exponent) = match factor.split_once('^') {
+                Some((name, exponent)) => (name, exponent.parse::<i32>().ok()?),
+                None => (factor, 1),
+            };
+            let unit = self.program.units.get(name)?;
+            dimension = dimension.times(unit.dimension.power(sign * exponent, 1)?);
+            let Some(operator) = rest[end..].chars().next() else {
+                return Some(dimension);
+            };
+            sign = if operator == '/' { -1 } else { 1 };
+            rest = &rest[end + 1..];
+        }
+    }
+}

@@ -1,0 +1,765 @@
+//! Types of expressions.
+
+use super::Checker;
+use super::mismatch::Due;
+use super::scope::Scope;
+use super::types::{Misfit, Quantity, Type};
+use crate::codes;
+use crate::program::unit_text;
+use eng_grammar::ast::{Binder, Expr, ExprKind, IndexArgument, Name, UnaryOp, UnitExpr};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
+
+/// The number of elements of a range or list, where it is written in plain numbers.
+pub(super) fn literal_length(range: &Expr) -> Option<u32> {
+    let whole = |expr: &Expr| match &expr.kind {
+        ExprKind::Number {
+            value,
+            integer: true,
+            unit: None,
+        } => Some(*value as i64),
+        _ => None,
+    };
+    match &range.kind {
+        ExprKind::Range { from, to, by: None } => {
+            u32::try_from(whole(to)? - whole(from)? + 1).ok()
+        }
+        ExprKind::List { items, .. } => u32::try_from(items.len()).ok(),
+        _ => None,
+    }
+}
+
+impl<'p> Checker<'p> {
+    pub(super) fn infer(&mut self, scope: &Scope<'p>, expr: &Expr) -> Type {
+        match &expr.kind {
+            ExprKind::Error => Type::Error,
+            ExprKind::Number { integer, unit, .. } => match unit {
+                Some(unit) => match self.quantity_of(scope, unit) {
+                    Some(quantity) => Type::Scalar(quantity),
+                    None => Type::Error,
+                },
+                None if *integer => Type::Int,
+                None => Type::one(),
+            },
+            ExprKind::Text(_) => Type::Text,
+            ExprKind::Bool(_) => Type::Bool,
+            ExprKind::Name(name) => self.name(scope, name, expr.span),
+            ExprKind::List { items, unit } => self.list(scope, items, unit.as_ref(), expr.span),
+            ExprKind::Comprehension {
+                body,
+                binders,
+                unit,
+            } => self.comprehension(scope, body, binders, unit.as_ref()),
+            ExprKind::Paren { inner, unit } => {
+                let ty = self.infer(scope, inner);
+                match unit {
+                    Some(unit) => self.scaled(scope, ty, unit, inner.span),
+                    None => ty,
+                }
+            }
+            ExprKind::Field { base, name } => self.field(scope, base, name),
+            ExprKind::Call { callee, arguments } => {
+                self.call(scope, expr.span, callee, arguments)
+            }
+            ExprKind::Index { base, indices } => self.index(scope, base, indices, expr.span),
+            ExprKind::Unary { op, operand } => self.unary(scope, *op, operand),
+            ExprKind::Binary {
+                op,
+                op_span,
+                left,
+                right,
+            } => self.binary(scope, *op, *op_span, left, right),
+            ExprKind::If {
+                condition,
+                then,
+                otherwise,
+            } => {
+                self.condition(scope, condition, "the condition of `if`");
+                let (a, b) = (self.infer(scope, then), self.infer(scope, otherwise));
+                self.join(otherwise, (&a, then.span), (&b, otherwise.span), "the two values of `if`")
+            }
+            ExprKind::Range { from, to, by } => self.range(scope, from, to, by.as_deref()),
+        }
+    }
+
+    /// Something that must be true or false.
+    pub(super) fn condition(&mut self, scope: &Scope<'p>, expr: &Expr, what: &str) {
+        let ty = self.infer(scope, expr);
+        if ty.is_error() || ty == Type::Bool {
+            return;
+        }
+        let found = self.describe(&ty);
+        self.report(
+            Diagnostic::error(
+                codes::CONDITION,
+                format!("{what} must be true or false, not {found}"),
+            )
+            .at(expr.span, format!("this is {found}"))
+            .with_help("compare it with something: `x > 0 mm`"),
+        );
+    }
+
+    /// A unit after a list or a parenthesis: the numbers inside must be plain.
+    fn scaled(&mut self, scope: &Scope<'p>, ty: Type, unit: &UnitExpr, inside: Span) -> Type {
+        let Some(quantity) = self.quantity_of(scope, unit) else {
+            return Type::Error;
+        };
+        match ty {
+            Type::Error => Type::Error,
+            Type::Int => Type::Scalar(quantity),
+            Type::Scalar(inner) if inner.dim.is_plain() && (inner.soft || inner.dim.is_one()) => {
+                Type::Scalar(quantity)
+            }
+            Type::List {
+                element,
+                length,
+                framed,
+            } => {
+                let element = self.scaled(scope, *element, unit, inside);
+                Type::List {
+                    element: Box::new(element),
+                    length,
+                    framed,
+                }
+            }
+            other => {
+                let found = self.describe(&other);
+                self.report(
+                    Diagnostic::error(
+                        codes::UNIT_TWICE,
+                        format!("the unit `{}` stands on {found}", unit_text(unit)),
+                    )
+                    .at(unit.span, "a unit makes a quantity of a plain number")
+                    .also(inside, format!("this is {found} already"))
+                    .with_help(
+                        "leave the unit away; a product of values is written with spaces and a number: `x * 1 mm`",
+                    ),
+                );
+                Type::Error
+            }
+        }
+    }
+
+    fn list(
+        &mut self,
+        scope: &Scope<'p>,
+        items: &[Expr],
+        unit: Option<&UnitExpr>,
+        span: Span,
+    ) -> Type {
+        let Some(first) = items.first() else {
+            self.report(
+                Diagnostic::error(codes::LIST_LENGTH, "a list needs an element")
+                    .at(span, "an empty list has no type"),
+            );
+            return Type::Error;
+        };
+        let mut element = self.infer(scope, first);
+        let mut failed = element.is_error();
+        let mut place = first;
+        for item in &items[1..] {
+            let ty = self.infer(scope, item);
+            if ty.is_error() {
+                failed = true;
+            }
+            if failed {
+                continue;
+            }
+            element = self.join_elements((&element, place), (&ty, item));
+            failed = element.is_error();
+            if ty.quantity().is_some_and(|q| !q.dim.is_one()) {
+                place = item;
+            }
+        }
+        if failed {
+            return Type::Error;
+        }
+        if matches!(element, Type::Range(_)) {
+            self.report(
+                Diagnostic::error(codes::RANGE, "a range stands in a list").at(
+                    span,
+                    "a range is a list itself: leave the brackets away",
+                ),
+            );
+            return Type::Error;
+        }
+        let list = Type::list(element, u32::try_from(items.len()).ok());
+        match unit {
+            Some(unit) => self.scaled(scope, list, unit, span),
+            None => list,
+        }
+    }
+
+    /// The common type of two elements of a list; a missing unit has its own message.
+    fn join_elements(&mut self, (a, at_a): (&Type, &Expr), (b, at_b): (&Type, &Expr)) -> Type {
+        if let (Some(qa), Some(qb)) = (a.quantity(), b.quantity())
+            && qa.join(&qb) == Err(Misfit::Dimension)
+            && (qa.dim.is_one() || qb.dim.is_one())
+        {
+            let (plain, other, wanted) = if qa.dim.is_one() {
+                (at_a, at_b, &qb)
+            } else {
+                (at_b, at_a, &qa)
+            };
+            if matches!(plain.kind, ExprKind::Number { unit: None, .. }) {
+                let due = Due::new("an element of this list").declared(
+                    other.span,
+                    format!("this element is {}", self.describe(&Type::Scalar(wanted.clone()))),
+                );
+                return self.misfit(plain, Misfit::Dimension, &Quantity::one(), wanted, &due);
+            }
+        }
+        self.join(at_b, (a, at_a.span), (b, at_b.span), "the elements of a list")
+    }
+
+    /// The common type of two values that stand for one.
+    pub(super) fn join(
+        &mut self,
+        at: &Expr,
+        (a, a_span): (&Type, Span),
+        (b, b_span): (&Type, Span),
+        what: &str,
+    ) -> Type {
+        if a.is_error() || b.is_error() {
+            return Type::Error;
+        }
+        let joined = match (a, b) {
+            (Type::Int, Type::Int) => return Type::Int,
+            (Type::Vector { quantity: p, .. }, Type::Vector { quantity: q, .. }) => {
+                p.join(q).map(Type::vector)
+            }
+            (
+                Type::List {
+                    element: e,
+                    length: m,
+                    framed: f,
+                },
+                Type::List {
+                    element: g,
+                    length: n,
+                    framed: h,
+                },
+            ) if m.is_none() || n.is_none() || m == n => {
+                let element = self.join(at, (e, a_span), (g, b_span), what);
+                if element.is_error() {
+                    return Type::Error;
+                }
+                return Type::List {
+                    element: Box::new(element),
+                    length: m.or(*n),
+                    framed: *f || *h,
+                };
+            }
+            (Type::Body(_), Type::Body(_)) if a != b => return Type::Body(None),
+            // Classes that are chosen between: what matters is the interface.
+            (Type::Class(c), Type::Class(d)) if c != d => {
+                let (c, d) = (self.interface_of(*c), self.interface_of(*d));
+                if let (Some(c), Some(d)) = (c, d)
+                    && c == d
+                {
+                    return Type::ClassOf(c);
+                }
+                Err(Misfit::Dimension)
+            }
+            _ => match (a.quantity(), b.quantity()) {
+                (Some(p), Some(q)) => p.join(&q).map(Type::Scalar),
+                _ if a == b => return a.clone(),
+                _ => Err(Misfit::Dimension),
+            },
+        };
+        match joined {
+            Ok(ty) => ty,
+            Err(misfit) => {
+                let (text_a, text_b) = (self.describe(a), self.describe(b));
+                let title = match misfit {
+                    Misfit::Angle => format!("{what} differ by an angle: {text_a} and {text_b}"),
+                    Misfit::Dimension | Misfit::Point => {
+                        format!("{what} differ: {text_a} and {text_b}")
+                    }
+                };
+                self.report(
+                    Diagnostic::error(codes::LIST_ELEMENTS, title)
+                        .at(b_span, format!("this is {text_b}"))
+                        .also(a_span, format!("this is {text_a}")),
+                );
+                Type::Error
+            }
+        }
+    }
+
+    /// The locals that binders give.
+    pub(super) fn binders(&mut self, scope: &Scope<'p>, binders: &[Binder]) -> Scope<'p> {
+        let mut inner = scope.clone();
+        for binder in binders {
+            let ty = self.infer(&inner, &binder.range);
+            let element = match ty {
+                Type::Range(element) => *element,
+                Type::List { element, .. } => *element,
+                Type::Error => Type::Error,
+                other => {
+                    let found = self.describe(&other);
+                    self.report(
+                        Diagnostic::error(
+                            codes::RANGE,
+                            format!("`{}` must run over a range or a list", binder.name.text),
+                        )
+                        .at(binder.range.span, format!("this is {found}"))
+                        .with_help("for instance `i in 1..4`"),
+                    );
+                    Type::Error
+                }
+            };
+            self.structural(&inner, &binder.range);
+            inner.locals.push((binder.name.text.clone(), element));
+        }
+        inner
+    }
+
+    fn comprehension(
+        &mut self,
+        scope: &Scope<'p>,
+        body: &Expr,
+        binders: &[Binder],
+        unit: Option<&UnitExpr>,
+    ) -> Type {
+        let inner = self.binders(scope, binders);
+        let element = self.infer(&inner, body);
+        if element.is_error() {
+            return Type::Error;
+        }
+        let length = match binders {
+            [one] => literal_length(&one.range),
+            _ => None,
+        };
+        let list = Type::list(element, length);
+        match unit {
+            Some(unit) => self.scaled(scope, list, unit, body.span),
+            None => list,
+        }
+    }
+
+    fn range(&mut self, scope: &Scope<'p>, from: &Expr, to: &Expr, by: Option<&Expr>) -> Type {
+        let a = self.infer(scope, from);
+        let b = self.infer(scope, to);
+        let step = by.map(|by| (by, self.infer(scope, by)));
+        if a.is_error() || b.is_error() || step.as_ref().is_some_and(|(_, ty)| ty.is_error()) {
+            return Type::Error;
+        }
+        for (ty, expr) in [(&a, from), (&b, to)] {
+            if ty.quantity().is_none() {
+                let found = self.describe(ty);
+                self.report(
+                    Diagnostic::error(codes::RANGE, "a range runs from a number to a number")
+                        .at(expr.span, format!("this is {found}")),
+                );
+                return Type::Error;
+            }
+        }
+        let element = self.join(to, (&a, from.span), (&b, to.span), "the ends of a range");
+        if element.is_error() {
+            return Type::Error;
+        }
+        match step {
+            None if element != Type::Int => {
+                self.report(
+                    Diagnostic::error(codes::RANGE, "a range of quantities needs a step")
+                        .at(from.span.to(to.span), "which values lie between?")
+                        .with_help("for instance `1000 rpm .. 6000 rpm by 250 rpm`"),
+                );
+                Type::Error
+            }
+            None => Type::Range(Box::new(element)),
+            Some((by, ty)) => {
+                let (Some(quantity), Some(whole)) = (ty.quantity(), element.quantity()) else {
+                    let found = self.describe(&ty);
+                    self.report(
+                        Diagnostic::error(codes::RANGE, "the step of a range is a number")
+                            .at(by.span, format!("this is {found}")),
+                    );
+                    return Type::Error;
+                };
+                // The step is a difference even where the ends are points.
+                let ends = Quantity {
+                    kind: super::types::Kind::Any,
+                    ..whole
+                };
+                if let Err(misfit) = quantity.fits(&ends) {
+                    let due = Due::new("the step of this range")
+                        .declared(from.span.to(to.span), "the range");
+                    return self.misfit(by, misfit, &quantity, &ends, &due);
+                }
+                if element == Type::Int && ty != Type::Int {
+                    return Type::Range(Box::new(Type::one()));
+                }
+                Type::Range(Box::new(element))
+            }
+        }
+    }
+
+    fn field(&mut self, scope: &Scope<'p>, base: &Expr, name: &Name) -> Type {
+        let ty = self.infer(scope, base);
+        // `rod[*].big`: of each element.
+        if let (Type::List { element, length, .. }, true) = (&ty, selects_all(base)) {
+            let inner = self.field_of(scope, element, base, name);
+            return if inner.is_error() {
+                Type::Error
+            } else {
+                Type::list(inner, *length)
+            };
+        }
+        self.field_of(scope, &ty, base, name)
+    }
+
+    fn field_of(&mut self, scope: &Scope<'p>, ty: &Type, base: &Expr, name: &Name) -> Type {
+        match ty {
+            Type::Error => Type::Error,
+            Type::Marker => self.field_of_marker(name),
+            Type::Body(body) => {
+                if name.text == "origin" {
+                    return Type::Marker;
+                }
+                let Some(body) = body else {
+                    self.no_member(
+                        format!("a body that is a parameter has no marker `{}` that is known", name.text),
+                        name,
+                        ["origin"],
+                    );
+                    return Type::Error;
+                };
+                let declared = match self.member(body.definition, &body.name) {
+                    Some(super::scope::Member::Declaration(declaration)) => declaration,
+                    _ => return Type::Error,
+                };
+                if let Some(marker) = super::scope::marker_of(declared, &name.text) {
+                    return self.arrayed(&marker.index, Type::Marker);
+                }
+                let markers = self.markers_of(body);
+                let title = format!("the body `{}` has no marker `{}`", body.name, name.text);
+                self.no_member(title, name, markers.iter().map(String::as_str));
+                Type::Error
+            }
+            Type::Vector { quantity, framed } => {
+                if !matches!(name.text.as_str(), "x" | "y" | "z") {
+                    self.no_member(
+                        format!("a vector has no `{}`", name.text),
+                        name,
+                        if *framed { vec!["x", "y", "z"] } else { Vec::new() },
+                    );
+                    return Type::Error;
+                }
+                if *framed {
+                    return Type::Scalar(quantity.clone());
+                }
+                let text = self.sources.text(base.span);
+                let shown = match base.kind {
+                    ExprKind::Binary { .. } | ExprKind::Unary { .. } => {
+                        text.trim_matches(['(', ')'])
+                    }
+                    _ => text,
+                };
+                let mended = format!("local({shown}, ground).{}", name.text);
+                self.report(
+                    Diagnostic::error(
+                        codes::COMPONENT_WITHOUT_AXES,
+                        format!("`.{}` of a vector: along which axes?", name.text),
+                    )
+                    .at(name.span, "a vector carries no axes")
+                    .also(base.span, self.describe(ty))
+                    .with_help(format!(
+                        "say whose axes: `local({shown}, marker).{}`",
+                        name.text
+                    ))
+                    .with_fix("along the ground's axes", base.span.to(name.span), mended),
+                );
+                Type::Error
+            }
+            Type::List {
+                element, length, ..
+            } => {
+                if matches!(name.text.as_str(), "x" | "y" | "z") && element.quantity().is_some() {
+                    let place = match name.text.as_str() {
+                        "x" => 1,
+                        "y" => 2,
+                        _ => 3,
+                    };
+                    if length.is_some_and(|length| place > length || length > 3) {
+                        self.no_member(
+                            format!("{} has no `.{}`", self.describe(ty), name.text),
+                            name,
+                            [],
+                        );
+                        return Type::Error;
+                    }
+                    return match element.as_ref() {
+                        Type::Int => Type::one(),
+                        other => other.clone(),
+                    };
+                }
+                let shown = self.sources.text(base.span).to_owned();
+                let found = self.describe(ty);
+                self.report(
+                    Diagnostic::error(
+                        codes::INDEX,
+                        format!("`{shown}` is {found}: of which one is `{}` meant?", name.text),
+                    )
+                    .at(base.span, "an index is missing")
+                    .with_help(format!(
+                        "`{shown}[1].{}` is of the first, `{shown}[*].{}` a list of all",
+                        name.text, name.text
+                    )),
+                );
+                Type::Error
+            }
+            Type::Instance(id) => self.field_of_instance(*id, name, false),
+            Type::InstanceOf(id) => self.field_of_instance(*id, name, true),
+            Type::Cycle => self.field_of_cycle(scope, name),
+            other => {
+                let what = self.describe(other);
+                self.no_member(format!("{what} has no `{}`", name.text), name, []);
+                Type::Error
+            }
+        }
+    }
+
+    /// Names of a body's markers, `origin` last.
+    pub(super) fn markers_of(&mut self, body: &super::types::BodyRef) -> Vec<String> {
+        let mut names = Vec::new();
+        if let Some(super::scope::Member::Declaration(declared)) =
+            self.member(body.definition, &body.name)
+        {
+            for item in super::scope::block_of(declared).into_iter().flat_map(|b| &b.items) {
+                if let eng_grammar::ast::ItemKind::Declaration(marker) = &item.kind
+                    && marker.kind == eng_grammar::ast::Kind::Marker
+                {
+                    names.push(marker.name.text.clone());
+                }
+            }
+        }
+        names.push("origin".to_owned());
+        names
+    }
+
+    fn field_of_marker(&mut self, name: &Name) -> Type {
+        let per_second = |dimension: Dimension| dimension.over(Dimension::TIME);
+        let dimension = match name.text.as_str() {
+            "origin" => Dimension::LENGTH,
+            "x" | "y" | "z" => Dimension::ONE,
+            "velocity" => per_second(Dimension::LENGTH),
+            "angular_velocity" => per_second(Dimension::ANGLE),
+            "acceleration" => per_second(per_second(Dimension::LENGTH)),
+            "angular_acceleration" => per_second(per_second(Dimension::ANGLE)),
+            _ => {
+                self.no_member(
+                    format!("a marker has no `{}`", name.text),
+                    name,
+                    [
+                        "origin",
+                        "x",
+                        "y",
+                        "z",
+                        "velocity",
+                        "angular_velocity",
+                        "acceleration",
+                        "angular_acceleration",
+                    ],
+                );
+                return Type::Error;
+            }
+        };
+        Type::vector(Quantity::hard(dimension))
+    }
+
+    fn field_of_cycle(&mut self, scope: &Scope<'p>, name: &Name) -> Type {
+        if let Some(definition) = scope.definition
+            && let Some(model) = self.declaration(definition)
+            && model.kind == eng_grammar::ast::Kind::Model
+            && !has_cycle(model)
+        {
+            self.report(
+                Diagnostic::error(
+                    codes::NO_CYCLE,
+                    format!("`{}` has no cycle", model.name.text),
+                )
+                .at(name.span, "of which cycle?")
+                .also(model.name.span, "this model states none")
+                .with_help("for instance `cycle angle = rotation(crank.main, ground) { period = 720 deg }`"),
+            );
+            return Type::Error;
+        }
+        match name.text.as_str() {
+            "angle" => {
+                let point = self.program.dimensions.get("CrankAngle");
+                let kind = match point {
+                    Some(named) if named.point_of.is_some() => {
+                        super::types::Kind::Point("CrankAngle".into())
+                    }
+                    _ => super::types::Kind::Any,
+                };
+                Type::Scalar(Quantity {
+                    kind,
+                    ..Quantity::hard(Dimension::ANGLE)
+                })
+            }
+            "period" => Type::Scalar(Quantity::hard(Dimension::ANGLE)),
+            _ => {
+                self.no_member(
+                    format!("the cycle has no `{}`", name.text),
+                    name,
+                    ["angle", "period"],
+                );
+                Type::Error
+            }
+        }
+    }
+
+    fn index(
+        &mut self,
+        scope: &Scope<'p>,
+        base: &Expr,
+        indices: &[IndexArgument],
+        span: Span,
+    ) -> Type {
+        let mut ty = self.infer(scope, base);
+        let mut taken: Vec<Option<u32>> = Vec::new();
+        for index in indices {
+            if let IndexArgument::At(at) = index {
+                let found = self.infer(scope, at);
+                let slice = matches!(&found, Type::Range(inner) if **inner == Type::Int);
+                if slice {
+                    taken.push(literal_length(at));
+                    ty = match ty {
+                        Type::List { element, .. } => *element,
+                        other => self.not_indexed(base, &other, span),
+                    };
+                    continue;
+                }
+                if !found.is_error() && found != Type::Int {
+                    let text = self.describe(&found);
+                    self.report(
+                        Diagnostic::error(codes::INDEX, "an index is a whole number, counted from 1")
+                            .at(at.span, format!("this is {text}")),
+                    );
+                    ty = Type::Error;
+                }
+                if found.is_error() {
+                    ty = Type::Error;
+                }
+                if let (
+                    Type::List {
+                        length: Some(length),
+                        ..
+                    },
+                    ExprKind::Number { value, .. },
+                ) = (&ty, &at.kind)
+                    && (*value < 1.0 || *value > f64::from(*length))
+                {
+                    let shown = self.sources.text(base.span).to_owned();
+                    self.report(
+                        Diagnostic::error(
+                            codes::INDEX,
+                            format!("`{shown}` has {length} elements, and none at {value}"),
+                        )
+                        .at(at.span, format!("counts from 1 to {length}")),
+                    );
+                    ty = Type::Error;
+                }
+            }
+            ty = match ty {
+                Type::List {
+                    element, length, ..
+                } => {
+                    if matches!(index, IndexArgument::All(_)) {
+                        taken.push(length);
+                    }
+                    *element
+                }
+                Type::Error => Type::Error,
+                other => self.not_indexed(base, &other, span),
+            };
+        }
+        if ty.is_error() {
+            return Type::Error;
+        }
+        taken.into_iter().rev().fold(ty, Type::list)
+    }
+
+    fn not_indexed(&mut self, base: &Expr, ty: &Type, span: Span) -> Type {
+        if ty.is_error() {
+            return Type::Error;
+        }
+        let found = self.describe(ty);
+        let shown = self.sources.text(base.span).to_owned();
+        let mut message = Diagnostic::error(
+            codes::INDEX,
+            format!("`{shown}` has no such index: it is {found}"),
+        )
+        .at(span, "one index too many");
+        if matches!(ty, Type::Vector { .. }) {
+            message = message.with_help("components are taken by `local(v, marker).x`");
+        }
+        self.report(message);
+        Type::Error
+    }
+
+    fn unary(&mut self, scope: &Scope<'p>, op: UnaryOp, operand: &Expr) -> Type {
+        let ty = self.infer(scope, operand);
+        match (op, &ty) {
+            (_, Type::Error) => Type::Error,
+            (UnaryOp::Not, Type::Bool) => Type::Bool,
+            (UnaryOp::Negate, Type::Int) => Type::Int,
+            (UnaryOp::Negate, Type::Scalar(quantity)) => {
+                if self.is_affine_point(quantity) {
+                    return self.multiple_of_point(quantity, operand.span, "turned in sign");
+                }
+                let kind = match &quantity.kind {
+                    super::types::Kind::Point(_) => super::types::Kind::Any,
+                    kind => kind.clone(),
+                };
+                Type::Scalar(Quantity {
+                    kind,
+                    ..quantity.clone()
+                })
+            }
+            (UnaryOp::Negate, Type::Vector { quantity, .. }) => Type::vector(quantity.clone()),
+            (UnaryOp::Negate, Type::List { .. }) if ty.components().is_some() => ty,
+            _ => {
+                let found = self.describe(&ty);
+                let (sign, wants) = match op {
+                    UnaryOp::Not => ("not", "true or false"),
+                    UnaryOp::Negate => ("-", "a number or a vector"),
+                };
+                self.report(
+                    Diagnostic::error(
+                        codes::OPERATOR,
+                        format!("`{sign}` does not apply to {found}"),
+                    )
+                    .at(operand.span, format!("needs {wants}")),
+                );
+                Type::Error
+            }
+        }
+    }
+}
+
+/// Whether the last index of an expression is `[*]`.
+fn selects_all(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Index { indices, .. } => indices
+            .iter()
+            .any(|index| matches!(index, IndexArgument::All(_))),
+        _ => false,
+    }
+}
+
+/// Whether a model's block states a cycle.
+pub(super) fn has_cycle(model: &eng_grammar::ast::Declaration) -> bool {
+    super::scope::block_of(model).is_some_and(|block| {
+        block.items.iter().any(|item| {
+            matches!(
+                &item.kind,
+                eng_grammar::ast::ItemKind::Declaration(inner)
+                    if inner.kind == eng_grammar::ast::Kind::Cycle
+            )
+        })
+    })
+}

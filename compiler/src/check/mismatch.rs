@@ -1,0 +1,483 @@
+//! Whether a value can stand where a type is due, and the messages where it cannot.
+
+use super::Checker;
+use super::describe::with_article;
+use super::types::{Kind, Misfit, Quantity, Type};
+use crate::codes;
+use crate::program::unit_text;
+use eng_grammar::ast::{Expr, ExprKind, UnaryOp};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
+
+/// What is due, in words, and where that is said.
+#[derive(Clone, Debug)]
+pub(super) struct Due {
+    /// "`width` of `Short`".
+    pub what: String,
+    /// Where the type was declared, with a few words.
+    pub declared: Option<(Span, String)>,
+    /// The unit that the declaration itself uses.
+    pub unit: Option<String>,
+}
+
+impl Due {
+    pub(super) fn new(what: impl Into<String>) -> Due {
+        Due {
+            what: what.into(),
+            declared: None,
+            unit: None,
+        }
+    }
+
+    pub(super) fn declared(mut self, span: Span, text: impl Into<String>) -> Due {
+        self.declared = Some((span, text.into()));
+        self
+    }
+
+    fn label(&self, message: Diagnostic) -> Diagnostic {
+        match &self.declared {
+            Some((span, text)) => message.also(*span, text.clone()),
+            None => message,
+        }
+    }
+}
+
+/// Whether nothing but numbers without units is written.
+fn is_plain_literal(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Number { unit, .. } => unit.is_none(),
+        ExprKind::List { items, unit } => {
+            unit.is_none() && !items.is_empty() && items.iter().all(is_plain_literal)
+        }
+        ExprKind::Paren { inner, unit } => unit.is_none() && is_plain_literal(inner),
+        ExprKind::Unary {
+            op: UnaryOp::Negate,
+            operand,
+        } => is_plain_literal(operand),
+        _ => false,
+    }
+}
+
+/// The unit of a literal.
+fn unit_of(expr: &Expr) -> Option<&eng_grammar::ast::UnitExpr> {
+    match &expr.kind {
+        ExprKind::Number { unit, .. }
+        | ExprKind::List { unit, .. }
+        | ExprKind::Comprehension { unit, .. } => unit.as_ref(),
+        ExprKind::Paren { inner, unit } => unit.as_ref().or_else(|| unit_of(inner)),
+        ExprKind::Unary { operand, .. } => unit_of(operand),
+        _ => None,
+    }
+}
+
+impl<'p> Checker<'p> {
+    /// Infers `expr` and checks that it can stand where `expected` is due. Gives what it was found to be, read as due.
+    pub(super) fn expect(
+        &mut self,
+        scope: &super::scope::Scope<'p>,
+        expr: &Expr,
+        expected: &Type,
+        due: &Due,
+    ) -> Type {
+        let found = self.infer(scope, expr);
+        self.fit(expr, &found, expected, due)
+    }
+
+    /// As [`Checker::expect`], for a type that is known.
+    pub(super) fn fit(&mut self, expr: &Expr, found: &Type, expected: &Type, due: &Due) -> Type {
+        if found.is_error() || expected.is_error() {
+            return Type::Error;
+        }
+        match (expected, found) {
+            (Type::Scalar(wanted), _) if found.quantity().is_some() => {
+                let quantity = found.quantity().unwrap_or_default();
+                match quantity.fits(wanted) {
+                    Ok(()) => expected.clone(),
+                    Err(misfit) => self.misfit(expr, misfit, &quantity, wanted, due),
+                }
+            }
+            (
+                Type::Vector {
+                    quantity: wanted,
+                    framed,
+                },
+                Type::Vector { quantity, .. },
+            ) => match quantity.fits(wanted) {
+                Ok(()) => Type::Vector {
+                    quantity: wanted.clone(),
+                    framed: *framed,
+                },
+                Err(misfit) => self.misfit(expr, misfit, quantity, wanted, due),
+            },
+            (
+                Type::Vector {
+                    quantity: wanted, ..
+                },
+                Type::List { length, framed, .. },
+            ) if found.components().is_some() => {
+                let quantity = found.components().map(|(q, _)| q).unwrap_or_default();
+                if *framed {
+                    self.report(
+                        due.label(
+                            Diagnostic::error(
+                                codes::FRAME,
+                                format!("{} is a vector, not components along a marker's axes", due.what),
+                            )
+                            .at(expr.span, "components, whose axes would be lost"),
+                        )
+                        .with_note("a list of three stands for a vector only where it means the ground's axes")
+                        .with_help("make a vector of it: `vector(components, marker)`"),
+                    );
+                    return Type::Error;
+                }
+                if !matches!(length, None | Some(3)) {
+                    return self.wrong_length(expr, 3, length.unwrap_or(0), due);
+                }
+                match quantity.fits(wanted) {
+                    Ok(()) => expected.clone(),
+                    Err(misfit) => self.misfit(expr, misfit, &quantity, wanted, due),
+                }
+            }
+            (
+                Type::List {
+                    element,
+                    length: wanted,
+                    framed,
+                },
+                Type::List {
+                    element: inner,
+                    length,
+                    framed: found_framed,
+                },
+            ) => {
+                if let (Some(wanted), Some(length)) = (wanted, length)
+                    && wanted != length
+                {
+                    return self.wrong_length(expr, *wanted, *length, due);
+                }
+                if self.fit(expr, inner, element, due).is_error() {
+                    return Type::Error;
+                }
+                Type::List {
+                    element: element.clone(),
+                    length: wanted.or(*length),
+                    framed: *framed || *found_framed,
+                }
+            }
+            (Type::Int, Type::Int)
+            | (Type::Bool, Type::Bool)
+            | (Type::Text, Type::Text)
+            | (Type::Marker, Type::Marker)
+            | (Type::Body(_), Type::Body(_))
+            | (Type::Cycle, Type::Cycle) => found.clone(),
+            (Type::Instance(a), Type::Instance(b)) if a == b => found.clone(),
+            (Type::InstanceOf(a), Type::InstanceOf(b)) if a == b => found.clone(),
+            (Type::InstanceOf(interface), Type::Instance(class))
+                if self.interface_of(*class) == Some(*interface) =>
+            {
+                expected.clone()
+            }
+            (Type::ClassOf(a), Type::ClassOf(b)) if a == b => found.clone(),
+            (Type::ClassOf(interface), Type::Class(class)) => {
+                self.class_for(expr, *interface, *class, due)
+            }
+            (Type::Function(wanted), Type::Function(given)) => {
+                self.function_for(expr, wanted, given, due)
+            }
+            _ => {
+                self.wrong_type(expr, found, expected, due);
+                Type::Error
+            }
+        }
+    }
+
+    fn wrong_length(&mut self, expr: &Expr, wanted: u32, found: u32, due: &Due) -> Type {
+        self.report(due.label(
+            Diagnostic::error(
+                codes::LIST_LENGTH,
+                format!("{} has {wanted} elements, not {found}", due.what),
+            )
+            .at(expr.span, format!("{found} elements")),
+        ));
+        Type::Error
+    }
+
+    pub(super) fn wrong_type(&mut self, expr: &Expr, found: &Type, expected: &Type, due: &Due) {
+        let (expected_text, found_text) = (self.describe(expected), self.describe(found));
+        let mut message = due.label(
+            Diagnostic::error(
+                codes::WRONG_TYPE,
+                format!("{} is {expected_text}, not {found_text}", due.what),
+            )
+            .at(expr.span, format!("this is {found_text}")),
+        );
+        match (expected, found) {
+            (Type::Marker, Type::Body(Some(body))) => {
+                let markers = self.markers_of(body);
+                if let Some(first) = markers.first() {
+                    message = message.with_help(format!(
+                        "say which marker of the body: {}",
+                        crate::resolve::suggest::listing(markers.iter().map(String::as_str), 8)
+                    ));
+                    if markers.len() == 2 {
+                        let text = format!("{}.{first}", self.sources.text(expr.span));
+                        message = message.with_fix(format!("take `{first}`"), expr.span, text);
+                    }
+                }
+            }
+            (_, Type::List { element, .. }) if self.assignable(element, expected) => {
+                message = message.with_help(format!(
+                    "say which one: `{}[1]`",
+                    self.sources.text(expr.span)
+                ));
+            }
+            (Type::Scalar(_), Type::Vector { .. }) => {
+                message = message.with_help(
+                    "a vector gives a number by `norm(v)`, `dot(v, m.z)` or a component `local(v, m).x`",
+                );
+            }
+            (Type::Int, Type::Scalar(_)) => {
+                message = message.with_note("a count is written without point, exponent and unit");
+            }
+            (_, Type::Function(signature)) if self.assignable(&signature.result, expected) => {
+                message = message.with_help(format!("call it: `{}(…)`", signature.name));
+            }
+            _ => {}
+        }
+        self.report(message);
+    }
+
+    /// Whether types agree, without a message.
+    pub(super) fn assignable(&self, found: &Type, expected: &Type) -> bool {
+        match (expected, found) {
+            (Type::Scalar(wanted), found) => found
+                .quantity()
+                .is_some_and(|quantity| quantity.fits(wanted).is_ok()),
+            (
+                Type::Vector {
+                    quantity: wanted, ..
+                },
+                Type::Vector { quantity, .. },
+            ) => quantity.fits(wanted).is_ok(),
+            (
+                Type::List {
+                    element: a,
+                    length: m,
+                    ..
+                },
+                Type::List {
+                    element: b,
+                    length: n,
+                    ..
+                },
+            ) => (m.is_none() || n.is_none() || m == n) && self.assignable(b, a),
+            (Type::Body(_), Type::Body(_)) => true,
+            (a, b) => a == b,
+        }
+    }
+
+    /// The message for a number of the wrong quantity; always the error type.
+    pub(super) fn misfit(
+        &mut self,
+        expr: &Expr,
+        misfit: Misfit,
+        found: &Quantity,
+        wanted: &Quantity,
+        due: &Due,
+    ) -> Type {
+        let plain = is_plain_literal(expr) && found.dim.is_one();
+        let message = match misfit {
+            _ if plain => self.unit_missing(expr, wanted, due),
+            Misfit::Dimension => self.other_dimension(expr, found, wanted, due),
+            Misfit::Angle => self.other_angle(expr, found, wanted, due),
+            Misfit::Point => self.other_point(expr, found, wanted, due),
+        };
+        self.report(due.label(message));
+        Type::Error
+    }
+
+    /// The message for a number without a unit.
+    pub(super) fn unit_missing(&self, expr: &Expr, wanted: &Quantity, due: &Due) -> Diagnostic {
+        let name = with_article(&self.quantity_name(wanted));
+        let mut message = Diagnostic::error(
+            codes::UNIT_MISSING,
+            format!("{} needs a unit: it is {name}", due.what),
+        )
+        .at(expr.span, "a number without a unit");
+        let unit = due.unit.clone().or_else(|| {
+            wanted
+                .dim
+                .variables
+                .is_empty()
+                .then(|| self.usual_unit(wanted.dim.base))
+                .flatten()
+        });
+        if let Some(unit) = unit {
+            let mended = format!("{} {unit}", self.sources.text(expr.span));
+            message = message
+                .with_help(format!("write `{mended}`, or the unit that is meant"))
+                .with_fix(format!("add the unit `{unit}`"), expr.span, mended);
+        }
+        message
+    }
+
+    fn other_dimension(
+        &self,
+        expr: &Expr,
+        found: &Quantity,
+        wanted: &Quantity,
+        due: &Due,
+    ) -> Diagnostic {
+        let found_name = self.quantity_name(found);
+        let label = if found.dim.is_one() {
+            "this is a plain number".to_owned()
+        } else {
+            format!("this is {}", with_article(&found_name))
+        };
+        let wanted_text = if wanted.dim.is_one() {
+            "a plain number".to_owned()
+        } else {
+            with_article(&self.quantity_name(wanted))
+        };
+        let found_text = if found.dim.is_one() {
+            "a plain number".to_owned()
+        } else {
+            with_article(&found_name)
+        };
+        let mut message = Diagnostic::error(
+            codes::DIMENSION,
+            format!("{} is {wanted_text}, not {found_text}", due.what),
+        )
+        .at(expr.span, label)
+        .with_note(format!(
+            "expected {}, found {}",
+            self.quantity_in_full(wanted),
+            self.quantity_in_full(found)
+        ));
+        if wanted.dim.variables.is_empty() && found.dim.variables.is_empty() {
+            if let Some(unit) = unit_of(expr)
+                && let Some(usual) = due.unit.clone().or_else(|| self.usual_unit(wanted.dim.base))
+            {
+                message = message.with_help(format!(
+                    "a unit of {} is `{usual}`, not `{}`",
+                    self.quantity_name(wanted),
+                    unit_text(unit)
+                ));
+            } else if unit_of(expr).is_none() {
+                let factor = wanted.dim.over(&found.dim);
+                let name = self.dimension_name(&factor);
+                if !factor.is_one() && !name.contains(['^', '/', '*']) && !found.dim.is_one() {
+                    message = message.with_help(format!("a factor of the dimension {name} is missing"));
+                } else {
+                    let inverse = self.dimension_name(&found.dim.over(&wanted.dim));
+                    if !inverse.contains(['^', '/', '*']) && !wanted.dim.is_one() {
+                        message =
+                            message.with_help(format!("a factor of the dimension {inverse} is too much"));
+                    }
+                }
+            }
+        }
+        message
+    }
+
+    /// The message for `66 Hz` where an angular velocity is due, and its kin.
+    pub(super) fn other_angle(
+        &self,
+        expr: &Expr,
+        found: &Quantity,
+        wanted: &Quantity,
+        due: &Due,
+    ) -> Diagnostic {
+        let mut message = Diagnostic::error(
+            codes::ANGLE,
+            format!(
+                "{} is {}, not {}",
+                due.what,
+                with_article(&self.quantity_name(wanted)),
+                with_article(&self.quantity_name(found))
+            ),
+        )
+        .at(expr.span, "differs by an angle")
+        .with_note(format!(
+            "expected {}, found {}; a computed value may drop its angle, a written or declared one keeps it",
+            self.quantity_in_full(wanted),
+            self.quantity_in_full(found)
+        ));
+        let speed = Dimension::ANGLE.over(Dimension::TIME);
+        match unit_of(expr) {
+            Some(unit)
+                if wanted.dim.base == speed && wanted.dim.variables.is_empty() && unit_text(unit) == "Hz" =>
+            {
+                message = message
+                    .with_help("turns a second are `rev/s`, turns a minute `rpm`; `rad/s` is the SI unit");
+                for replacement in ["rev/s", "rpm", "rad/s"] {
+                    if self.known_units(replacement) {
+                        message = message.with_fix(
+                            format!("write `{replacement}`"),
+                            unit.span,
+                            replacement,
+                        );
+                    }
+                }
+            }
+            Some(unit) => {
+                if let Some(usual) = due.unit.clone().or_else(|| self.usual_unit(wanted.dim.base)) {
+                    message = message.with_help(format!(
+                        "a unit of {} is `{usual}`, not `{}`",
+                        self.quantity_name(wanted),
+                        unit_text(unit)
+                    ));
+                }
+            }
+            None => {
+                message = message.with_help("multiply or divide by `1 rad` where that is meant");
+            }
+        }
+        message
+    }
+
+    fn known_units(&self, text: &str) -> bool {
+        text.split(['*', '/'])
+            .all(|name| self.program.units.contains_key(name))
+    }
+
+    fn other_point(
+        &self,
+        expr: &Expr,
+        found: &Quantity,
+        wanted: &Quantity,
+        due: &Due,
+    ) -> Diagnostic {
+        let (found_name, wanted_name) = (self.quantity_name(found), self.quantity_name(wanted));
+        let message = Diagnostic::error(
+            codes::POINT,
+            format!(
+                "{} is {}, not {}",
+                due.what,
+                with_article(&wanted_name),
+                with_article(&found_name)
+            ),
+        );
+        match (&found.kind, &wanted.kind) {
+            (Kind::Point(_), Kind::Point(_)) => message
+                .at(expr.span, "counted from another zero")
+                .with_help("take the difference to a reference, and add it to a reference of the other kind"),
+            (Kind::Point(_), _) => {
+                let message = message
+                    .at(expr.span, "a point, counted from a zero")
+                    .with_note(format!("{wanted_name} is a difference of two {found_name} values"))
+                    .with_help("subtract the reference it is counted from");
+                match unit_of(expr) {
+                    Some(unit) if found.dim.base == Dimension::base(4) && unit_text(unit) == "degC" => {
+                        message.with_fix("a difference in kelvin", unit.span, "K")
+                    }
+                    _ => message,
+                }
+            }
+            _ => message
+                .at(expr.span, "a difference of points")
+                .with_note(format!("{found_name} is a difference of two {wanted_name} values"))
+                .with_help("add it to the reference it is counted from"),
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Checks names, dimensions and uses. Each definition is checked once, where it stands, for all its uses; then the
+//! arguments of each use against the parameters.
+//!
+//! May contain: types. Must not contain: values, lengths of arrays that parameters decide, instances.
+//!
+//! A thing in error has [`types::Type::Error`] and raises no further message.
+
+mod analysis;
+mod body;
+mod builtin;
+mod call;
+mod class;
+mod declare;
+mod describe;
+mod expression;
+mod level;
+mod mismatch;
+mod operator;
+mod scope;
+mod statement;
+mod table;
+mod types;
+mod unit;
+mod unused;
+
+use crate::program::{Checked, DefinitionId, Program, ValueType};
+use eng_grammar::ast::{BindingKind, Form, Item, ItemKind, Kind};
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
+use scope::{ClassTable, Member, Scope};
+use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
+use types::{Signature, Type};
+
+/// Where the inference of a named value stands.
+#[derive(Clone)]
+enum Progress<T> {
+    Open,
+    Done(T),
+}
+
+/// The state of one run.
+struct Checker<'p> {
+    program: &'p Program,
+    sources: &'p SourceMap,
+    diagnostics: Diagnostics,
+    tables: BTreeMap<DefinitionId, Rc<ClassTable<'p>>>,
+    /// Types of members by definition and name; a top-level binding has the empty name.
+    values: BTreeMap<(DefinitionId, String), Progress<Type>>,
+    signatures: BTreeMap<Span, Progress<Rc<Signature>>>,
+    /// Names of dimension variables, by number.
+    variables: Vec<String>,
+    /// Members that are read, by definition and name.
+    used: BTreeSet<(DefinitionId, String)>,
+    /// Top-level names that each module reads.
+    used_top: BTreeSet<(u32, DefinitionId)>,
+    /// Units that each module reads, by source.
+    used_units: BTreeSet<(u32, String)>,
+}
+
+/// Checks every definition of every module.
+pub fn check(program: &Program, sources: &SourceMap, diagnostics: &mut Diagnostics) -> Checked {
+    let earlier = diagnostics.has_errors();
+    let mut checker = Checker {
+        program,
+        sources,
+        diagnostics: Diagnostics::new(),
+        tables: BTreeMap::new(),
+        values: BTreeMap::new(),
+        signatures: BTreeMap::new(),
+        variables: Vec::new(),
+        used: BTreeSet::new(),
+        used_top: BTreeSet::new(),
+        used_units: BTreeSet::new(),
+    };
+    for (index, module) in program.modules.iter().enumerate() {
+        for (item_index, item) in module.file.items.iter().enumerate() {
+            let id = DefinitionId {
+                module: index as u32,
+                item: item_index as u32,
+            };
+            checker.item(id, item);
+        }
+    }
+    if !checker.diagnostics.has_errors() {
+        level::check(&mut checker);
+    }
+    if !earlier && !checker.diagnostics.has_errors() {
+        unused::warn(&mut checker);
+    }
+    let checked = checker.export();
+    diagnostics.extend(checker.diagnostics);
+    checked
+}
+
+impl<'p> Checker<'p> {
+    fn report(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics.push(diagnostic);
+    }
+
+    /// One item at the top of a file.
+    fn item(&mut self, id: DefinitionId, item: &'p Item) {
+        let scope = Scope::top(id.module);
+        match &item.kind {
+            ItemKind::Use(_) | ItemKind::Dimension(_) | ItemKind::Unit(_) | ItemKind::Error => {}
+            ItemKind::Binding(binding) => {
+                if matches!(
+                    binding.kind,
+                    BindingKind::Const | BindingKind::Let | BindingKind::Param
+                ) {
+                    self.top_value(id);
+                } else {
+                    self.misplaced(
+                        binding.name.span,
+                        "a state or an output",
+                        "at the top of a file",
+                        "it belongs into a class or a model",
+                    );
+                }
+            }
+            ItemKind::Function(function) => {
+                self.function(&scope, function);
+            }
+            ItemKind::Table(table) => {
+                self.table(&scope, table);
+            }
+            ItemKind::Statement(_) => self.misplaced(
+                item.span,
+                "this statement",
+                "at the top of a file",
+                "it belongs into a class or a model",
+            ),
+            ItemKind::Attribute(attribute) => self.misplaced(
+                attribute.name.span,
+                "an attribute",
+                "at the top of a file",
+                "a value that all may use is a `const`",
+            ),
+            ItemKind::Declaration(declaration) => match (&declaration.form, declaration.kind) {
+                (_, Kind::Flexible) => self.flexible(declaration.kind_span),
+                (_, Kind::Default) => self.not_built(declaration.kind_span, "`default` blocks"),
+                (_, Kind::Analysis) => self.analysis(&scope, declaration),
+                (Form::Class { .. }, _)
+                | (Form::Plain { .. }, Kind::Model | Kind::Interface | Kind::Record | Kind::Component) => {
+                    self.definition(id, declaration);
+                }
+                _ => self.misplaced(
+                    declaration.kind_span,
+                    &format!("a {}", describe::kind_word(declaration.kind)),
+                    "at the top of a file",
+                    "put it into a model or a component",
+                ),
+            },
+        }
+    }
+
+    fn export(&self) -> Checked {
+        let mut types: BTreeMap<(DefinitionId, String), ValueType> = BTreeMap::new();
+        for (id, table) in &self.tables {
+            for (name, member) in &table.members {
+                if !matches!(member, Member::Parameter(_) | Member::Binding(_)) {
+                    continue;
+                }
+                if let Some(Progress::Done(ty)) = self.values.get(&(*id, (*name).to_owned())) {
+                    types.insert((*id, (*name).to_owned()), ty.exported());
+                }
+            }
+        }
+        for ((id, name), progress) in &self.values {
+            if let (true, Progress::Done(ty)) = (name.is_empty(), progress) {
+                types.insert((*id, String::new()), ty.exported());
+            }
+        }
+        Checked { types }
+    }
+}

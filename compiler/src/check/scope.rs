@@ -1,0 +1,519 @@
+//! What a name means at a place.
+//!
+//! Looked up from inside out: binders and function parameters; markers of the body around; names of the class whose
+//! use has the block around; members of the definition around; the module's names; what is built in.
+
+use super::types::{BodyRef, Quantity, Type};
+use super::{Checker, Progress};
+use crate::codes;
+use crate::program::DefinitionId;
+use crate::resolve::suggest::nearest;
+use eng_grammar::ast::{
+    Binding, BindingKind, Block, Declaration, Form, Function, ItemKind, Kind, Name, Parameter, Table,
+};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// A named thing of a definition.
+#[derive(Clone, Copy)]
+pub(super) enum Member<'p> {
+    Parameter(&'p Parameter),
+    Binding(&'p Binding),
+    Function(&'p Function),
+    Table(&'p Table),
+    /// A body, marker, element, part or cycle.
+    Declaration(&'p Declaration),
+    /// The reaction that every joint and drive gives; `true` for the torque.
+    Reaction(bool),
+}
+
+impl Member<'_> {
+    pub(super) fn span(&self) -> Option<Span> {
+        match self {
+            Member::Parameter(parameter) => Some(parameter.name.span),
+            Member::Binding(binding) => Some(binding.name.span),
+            Member::Function(function) => Some(function.name.span),
+            Member::Table(table) => Some(table.name.span),
+            Member::Declaration(declaration) => Some(declaration.name.span),
+            Member::Reaction(_) => None,
+        }
+    }
+}
+
+/// The named things of a definition.
+pub(super) struct ClassTable<'p> {
+    pub(super) members: BTreeMap<&'p str, Member<'p>>,
+}
+
+/// A place in a program, as names see it.
+#[derive(Clone)]
+pub(super) struct Scope<'p> {
+    pub(super) module: u32,
+    /// The model, class, component, interface or record around.
+    pub(super) definition: Option<DefinitionId>,
+    /// The body around.
+    pub(super) body: Option<&'p Declaration>,
+    /// The class whose use has the block around.
+    pub(super) at_use: Option<DefinitionId>,
+    /// Binders and function parameters, innermost last.
+    pub(super) locals: Vec<(String, Type)>,
+    /// Dimension variables.
+    pub(super) generics: Vec<(String, u32)>,
+    /// Inside an output.
+    pub(super) output: bool,
+}
+
+/// What a name was found to be.
+pub(super) enum Found<'p> {
+    Local(Type),
+    BodyMarker(&'p Declaration),
+    Member(DefinitionId, Member<'p>),
+    Top(DefinitionId),
+}
+
+impl<'p> Scope<'p> {
+    pub(super) fn top(module: u32) -> Scope<'p> {
+        Scope {
+            module,
+            definition: None,
+            body: None,
+            at_use: None,
+            locals: Vec::new(),
+            generics: Vec::new(),
+            output: false,
+        }
+    }
+
+    pub(super) fn of(definition: DefinitionId) -> Scope<'p> {
+        Scope {
+            definition: Some(definition),
+            ..Scope::top(definition.module)
+        }
+    }
+
+    /// With more locals.
+    pub(super) fn with(&self, locals: impl IntoIterator<Item = (String, Type)>) -> Scope<'p> {
+        let mut scope = self.clone();
+        scope.locals.extend(locals);
+        scope
+    }
+}
+
+/// The block of a definition's or body's declaration.
+pub(super) fn block_of(declaration: &Declaration) -> Option<&Block> {
+    match &declaration.form {
+        Form::Class { block, .. } | Form::Plain { block } => Some(block),
+        Form::Instance { block, .. } => block.as_ref(),
+    }
+}
+
+/// Names that the language itself gives.
+pub(super) const BUILT_IN_NAMES: [&str; 4] = ["pi", "time", "ground", "cycle"];
+
+impl<'p> Checker<'p> {
+    pub(super) fn declaration(&self, id: DefinitionId) -> Option<&'p Declaration> {
+        match &self.program.item(id)?.kind {
+            ItemKind::Declaration(declaration) => Some(declaration),
+            _ => None,
+        }
+    }
+
+    /// The members of a definition; names met twice are reported when it is made.
+    pub(super) fn class_table(&mut self, id: DefinitionId) -> Rc<ClassTable<'p>> {
+        if let Some(table) = self.tables.get(&id) {
+            return table.clone();
+        }
+        let mut members: BTreeMap<&'p str, Member<'p>> = BTreeMap::new();
+        let mut twice: Vec<(&'p Name, Span)> = Vec::new();
+        let mut add = |name: &'p Name, member: Member<'p>| {
+            match members.get(name.text.as_str()).and_then(Member::span) {
+                Some(first) => twice.push((name, first)),
+                None => {
+                    members.insert(&name.text, member);
+                }
+            }
+        };
+        if let Some(declaration) = self.declaration(id) {
+            if let Form::Class { parameters, .. } = &declaration.form {
+                for parameter in parameters {
+                    add(&parameter.name, Member::Parameter(parameter));
+                }
+            }
+            for item in block_of(declaration).into_iter().flat_map(|b| &b.items) {
+                match &item.kind {
+                    ItemKind::Binding(binding) => add(&binding.name, Member::Binding(binding)),
+                    ItemKind::Function(function) => add(&function.name, Member::Function(function)),
+                    ItemKind::Table(table) => add(&table.name, Member::Table(table)),
+                    ItemKind::Declaration(inner) if inner.kind != Kind::Cycle => {
+                        add(&inner.name, Member::Declaration(inner));
+                    }
+                    _ => {}
+                }
+            }
+            if matches!(declaration.kind, Kind::Joint | Kind::Drive) {
+                members.entry("force").or_insert(Member::Reaction(false));
+                members.entry("torque").or_insert(Member::Reaction(true));
+            }
+        }
+        for (name, first) in twice {
+            self.defined_twice(&name.text, name.span, first);
+        }
+        let table = Rc::new(ClassTable { members });
+        self.tables.insert(id, table.clone());
+        table
+    }
+
+    pub(super) fn defined_twice(&mut self, name: &str, again: Span, first: Span) {
+        self.report(
+            Diagnostic::error(codes::DEFINED_TWICE, format!("`{name}` is defined twice"))
+                .at(again, "again here")
+                .also(first, "first here")
+                .with_help("every name has one meaning in a definition: rename one of them"),
+        );
+    }
+
+    pub(super) fn member(&mut self, id: DefinitionId, name: &str) -> Option<Member<'p>> {
+        self.class_table(id).members.get(name).copied()
+    }
+
+    /// What a name means, without what is built in.
+    pub(super) fn find(&mut self, scope: &Scope<'p>, name: &str) -> Option<Found<'p>> {
+        if let Some((_, ty)) = scope.locals.iter().rev().find(|(n, _)| n == name) {
+            return Some(Found::Local(ty.clone()));
+        }
+        if let Some(marker) = scope.body.and_then(|body| marker_of(body, name)) {
+            return Some(Found::BodyMarker(marker));
+        }
+        for definition in [scope.at_use, scope.definition].into_iter().flatten() {
+            if let Some(member) = self.member(definition, name) {
+                self.used.insert((definition, name.to_owned()));
+                return Some(Found::Member(definition, member));
+            }
+        }
+        self.find_top(scope.module, name).map(Found::Top)
+    }
+
+    /// A top-level name.
+    pub(super) fn find_top(&mut self, module: u32, name: &str) -> Option<DefinitionId> {
+        let id = self.program.lookup(module, name)?;
+        self.used_top.insert((module, id));
+        Some(id)
+    }
+
+    /// The type of a name.
+    pub(super) fn name(&mut self, scope: &Scope<'p>, name: &str, span: Span) -> Type {
+        if let Some(found) = self.find(scope, name) {
+            return match found {
+                Found::Local(ty) => ty,
+                Found::BodyMarker(marker) => self.arrayed(&marker.index, Type::Marker),
+                Found::Member(definition, member) => {
+                    self.member_type(definition, name, member, span)
+                }
+                Found::Top(id) => self.top_type(id, span),
+            };
+        }
+        match name {
+            "pi" => return Type::one(),
+            "time" => {
+                if scope.definition.is_none() && scope.at_use.is_none() {
+                    self.report(
+                        Diagnostic::error(codes::MISPLACED, "there is no time at the top of a file")
+                            .at(span, "only classes and models live in time"),
+                    );
+                    return Type::Error;
+                }
+                return Type::Scalar(Quantity::hard(Dimension::TIME));
+            }
+            "ground" => return Type::Marker,
+            "cycle" => return Type::Cycle,
+            // In a body every body has it; elsewhere it is a marker's member.
+            "origin" if scope.body.is_some() => return Type::Marker,
+            _ => {}
+        }
+        self.unknown_name(scope, name, span);
+        Type::Error
+    }
+
+    fn unknown_name(&mut self, scope: &Scope<'p>, name: &str, span: Span) {
+        let mut known: Vec<String> = scope.locals.iter().map(|(n, _)| n.clone()).collect();
+        for definition in [scope.at_use, scope.definition].into_iter().flatten() {
+            let table = self.class_table(definition);
+            known.extend(table.members.keys().map(|n| (*n).to_owned()));
+        }
+        if let Some(module) = self.program.modules.get(scope.module as usize) {
+            known.extend(
+                module
+                    .scope
+                    .iter()
+                    .filter(|(_, id)| {
+                        !matches!(
+                            self.program.item(**id).map(|item| &item.kind),
+                            Some(ItemKind::Dimension(_))
+                        )
+                    })
+                    .map(|(n, _)| n.clone()),
+            );
+        }
+        known.extend(BUILT_IN_NAMES.iter().map(|n| (*n).to_owned()));
+        known.extend(super::builtin::NAMES.iter().map(|n| (*n).to_owned()));
+        let mut message =
+            Diagnostic::error(codes::UNKNOWN_NAME, format!("there is no `{name}` here"))
+                .at(span, "not known");
+        let elsewhere = self.program.modules.iter().find(|module| {
+            module.file.items.iter().any(|item| {
+                crate::resolve::defined_name(&item.kind).is_some_and(|n| n.text == name)
+            })
+        });
+        if let Some(module) = elsewhere {
+            message = message.with_help(format!(
+                "`{}` has it: `use {}.{name}`",
+                module.path, module.path
+            ));
+        } else if let Some(near) = nearest(name, known.iter().map(String::as_str)) {
+            message = message
+                .with_help(format!("did you mean `{near}`?"))
+                .with_fix(format!("write `{near}`"), span, near);
+        } else if self.program.units.contains_key(name) {
+            message = message.with_help(format!(
+                "`{name}` is a unit: it stands after a number, as in `1 {name}`, a list or a parenthesis"
+            ));
+        }
+        self.report(message);
+    }
+
+    /// The type of a top-level item.
+    pub(super) fn top_type(&mut self, id: DefinitionId, span: Span) -> Type {
+        let Some(item) = self.program.item(id) else {
+            return Type::Error;
+        };
+        match &item.kind {
+            ItemKind::Binding(_) => {
+                self.used.insert((id, String::new()));
+                self.top_value(id)
+            }
+            ItemKind::Function(function) => {
+                Type::Function(self.function(&Scope::top(id.module), function))
+            }
+            ItemKind::Table(table) => Type::Function(self.table(&Scope::top(id.module), table)),
+            ItemKind::Declaration(declaration) => match declaration.kind {
+                Kind::Analysis | Kind::Default | Kind::Flexible => {
+                    self.report(
+                        Diagnostic::error(
+                            codes::WRONG_TYPE,
+                            format!("`{}` is no value", declaration.name.text),
+                        )
+                        .at(span, "a value is due here")
+                        .also(declaration.name.span, "defined here"),
+                    );
+                    Type::Error
+                }
+                _ => Type::Class(id),
+            },
+            ItemKind::Dimension(dimension) => {
+                self.report(
+                    Diagnostic::error(
+                        codes::WRONG_TYPE,
+                        format!("`{}` is a dimension, not a value", dimension.name.text),
+                    )
+                    .at(span, "a value is due here"),
+                );
+                Type::Error
+            }
+            _ => Type::Error,
+        }
+    }
+
+    /// The type of a top-level `const`, `let` or `param`.
+    pub(super) fn top_value(&mut self, id: DefinitionId) -> Type {
+        let Some(ItemKind::Binding(binding)) = self.program.item(id).map(|item| &item.kind) else {
+            return Type::Error;
+        };
+        let scope = Scope::top(id.module);
+        self.remembered(id, "", binding.name.span, |checker| {
+            checker.binding(&scope, binding)
+        })
+    }
+
+    /// The type of a member of a definition, as the definition itself sees it.
+    pub(super) fn member_type(
+        &mut self,
+        id: DefinitionId,
+        name: &str,
+        member: Member<'p>,
+        span: Span,
+    ) -> Type {
+        let scope = Scope::of(id);
+        match member {
+            Member::Parameter(parameter) => {
+                self.remembered(id, name, span, |c| c.parameter(&scope, parameter))
+            }
+            Member::Binding(binding) => {
+                self.remembered(id, name, span, |c| c.binding(&scope, binding))
+            }
+            Member::Function(function) => Type::Function(self.function(&scope, function)),
+            Member::Table(table) => Type::Function(self.table(&scope, table)),
+            Member::Reaction(torque) => Type::Vector {
+                quantity: Quantity::hard(if torque { torque_dimension() } else { force_dimension() }),
+                framed: true,
+            },
+            Member::Declaration(declaration) => match declaration.kind {
+                Kind::Body => {
+                    let body = Type::Body(Some(BodyRef {
+                        definition: id,
+                        name: name.to_owned(),
+                    }));
+                    self.arrayed(&declaration.index, body)
+                }
+                Kind::Marker => self.arrayed(&declaration.index, Type::Marker),
+                Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive | Kind::Part => {
+                    self.remembered(id, name, span, |c| {
+                        let instance = c.element_type(&scope, declaration);
+                        c.arrayed(&declaration.index, instance)
+                    })
+                }
+                _ => Type::Error,
+            },
+        }
+    }
+
+    /// Infers a named value once; a value that needs itself is an error.
+    pub(super) fn remembered(
+        &mut self,
+        id: DefinitionId,
+        name: &str,
+        span: Span,
+        infer: impl FnOnce(&mut Self) -> Type,
+    ) -> Type {
+        let key = (id, name.to_owned());
+        match self.values.get(&key) {
+            Some(Progress::Done(ty)) => return ty.clone(),
+            Some(Progress::Open) => {
+                self.report(
+                    Diagnostic::error(codes::VALUE_CIRCLE, "values are defined by each other")
+                        .at(span, "this leads back to where it came from")
+                        .with_help("order does not matter, but each value must follow from others"),
+                );
+                self.values.insert(key, Progress::Done(Type::Error));
+                return Type::Error;
+            }
+            None => {}
+        }
+        self.values.insert(key.clone(), Progress::Open);
+        let ty = infer(self);
+        // A circle has put an error there meanwhile.
+        let ty = match self.values.get(&key) {
+            Some(Progress::Done(error)) => error.clone(),
+            _ => ty,
+        };
+        self.values.insert(key, Progress::Done(ty.clone()));
+        ty
+    }
+
+    /// `T` in as many lists as there are binders.
+    pub(super) fn arrayed(&self, index: &[eng_grammar::ast::Binder], ty: Type) -> Type {
+        index.iter().rev().fold(ty, |ty, binder| {
+            Type::list(ty, super::expression::literal_length(&binder.range))
+        })
+    }
+
+    /// `base.name` for an instance of a class, a part, or a record: what is visible from outside.
+    pub(super) fn field_of_instance(
+        &mut self,
+        id: DefinitionId,
+        name: &Name,
+        by_interface: bool,
+    ) -> Type {
+        let Some(member) = self.member(id, &name.text) else {
+            let table = self.class_table(id);
+            let class = self
+                .declaration(id)
+                .map_or(String::new(), |d| d.name.text.clone());
+            let what = if by_interface {
+                format!("the interface `{class}` has no `{}`", name.text)
+            } else {
+                format!("`{class}` has no `{}`", name.text)
+            };
+            self.no_member(what, name, table.members.keys().copied());
+            return Type::Error;
+        };
+        self.used.insert((id, name.text.clone()));
+        let ty = self.member_type(id, &name.text, member, name.span);
+        // Seen from outside, an output's vectors have the axes that the class states.
+        match (member, ty) {
+            (Member::Binding(binding), Type::Vector { quantity, .. })
+                if binding.kind == BindingKind::Output =>
+            {
+                Type::Vector {
+                    quantity,
+                    framed: true,
+                }
+            }
+            (Member::Binding(binding), Type::List { element, length, framed })
+                if binding.kind == BindingKind::Output =>
+            {
+                let element = match *element {
+                    Type::Vector { quantity, .. } => Type::Vector {
+                        quantity,
+                        framed: true,
+                    },
+                    other => other,
+                };
+                Type::List {
+                    element: Box::new(element),
+                    length,
+                    framed,
+                }
+            }
+            (_, ty) => ty,
+        }
+    }
+
+    pub(super) fn no_member<'a>(
+        &mut self,
+        title: String,
+        name: &Name,
+        known: impl IntoIterator<Item = &'a str>,
+    ) {
+        let known: Vec<&str> = known.into_iter().collect();
+        let mut message =
+            Diagnostic::error(codes::NO_MEMBER, title).at(name.span, "not among its members");
+        if let Some(near) = nearest(&name.text, known.iter().copied()) {
+            message = message
+                .with_help(format!("did you mean `{near}`?"))
+                .with_fix(format!("write `{near}`"), name.span, near);
+        } else if !known.is_empty() {
+            message = message.with_note(format!(
+                "it has {}",
+                crate::resolve::suggest::listing(known, 12)
+            ));
+        }
+        self.report(message);
+    }
+}
+
+/// A marker that stands in a body's block.
+pub(super) fn marker_of<'p>(body: &'p Declaration, name: &str) -> Option<&'p Declaration> {
+    block_of(body)?.items.iter().find_map(|item| match &item.kind {
+        ItemKind::Declaration(marker)
+            if marker.kind == Kind::Marker && marker.name.text == name =>
+        {
+            Some(marker)
+        }
+        _ => None,
+    })
+}
+
+/// kg m/s².
+pub(super) fn force_dimension() -> Dimension {
+    Dimension::MASS
+        .times(Dimension::LENGTH)
+        .over(Dimension::TIME)
+        .over(Dimension::TIME)
+}
+
+/// N m.
+pub(super) fn torque_dimension() -> Dimension {
+    force_dimension().times(Dimension::LENGTH)
+}

@@ -1,0 +1,512 @@
+//! Types of values, and the arithmetic of dimensions with variables, soft angle and points.
+
+use crate::program::{DefinitionId, ValueType};
+use eng_grammar::Span;
+use eng_system::Dimension;
+use std::rc::Rc;
+
+/// Exponents of dimension variables are stored as multiples of 1/60, like those of the bases.
+const DENOMINATOR: i32 = 60;
+
+/// A dimension that may contain the variables of generic functions.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Dim {
+    /// The known part.
+    pub base: Dimension,
+    /// Variables with their exponents in 1/60, by number, none zero.
+    pub variables: Vec<(u32, i32)>,
+}
+
+impl Dim {
+    pub fn known(base: Dimension) -> Dim {
+        Dim {
+            base,
+            variables: Vec::new(),
+        }
+    }
+
+    pub fn variable(number: u32) -> Dim {
+        Dim {
+            base: Dimension::ONE,
+            variables: vec![(number, DENOMINATOR)],
+        }
+    }
+
+    pub fn is_one(&self) -> bool {
+        self.base.is_one() && self.variables.is_empty()
+    }
+
+    pub fn times(&self, other: &Dim) -> Dim {
+        let mut variables = self.variables.clone();
+        for (number, exponent) in &other.variables {
+            match variables.iter_mut().find(|(n, _)| n == number) {
+                Some((_, e)) => *e += exponent,
+                None => variables.push((*number, *exponent)),
+            }
+        }
+        variables.retain(|(_, e)| *e != 0);
+        variables.sort_unstable();
+        Dim {
+            base: self.base.times(other.base),
+            variables,
+        }
+    }
+
+    pub fn over(&self, other: &Dim) -> Dim {
+        match other.power(-1, 1) {
+            Some(inverse) => self.times(&inverse),
+            None => self.clone(),
+        }
+    }
+
+    pub fn power(&self, numerator: i32, denominator: i32) -> Option<Dim> {
+        let base = self.base.power(numerator, denominator)?;
+        let mut variables = Vec::new();
+        for (number, exponent) in &self.variables {
+            let product = exponent.checked_mul(numerator)?;
+            if product % denominator != 0 {
+                return None;
+            }
+            if product != 0 {
+                variables.push((*number, product / denominator));
+            }
+        }
+        Some(Dim { base, variables })
+    }
+
+    pub fn without_angle(&self) -> Dim {
+        Dim {
+            base: self.base.without_angle(),
+            variables: self.variables.clone(),
+        }
+    }
+
+    /// Whether nothing or only an angle is left.
+    pub fn is_plain(&self) -> bool {
+        self.variables.is_empty() && self.base.without_angle().is_one()
+    }
+
+    /// With the variables that are solved put in.
+    pub fn with(&self, solved: &Solution) -> Dim {
+        let mut result = Dim::known(self.base);
+        for (number, exponent) in &self.variables {
+            let factor = match solved.get(*number) {
+                Some(quantity) => quantity.dim.power(*exponent, DENOMINATOR),
+                None => Dim::variable(*number).power(*exponent, DENOMINATOR),
+            };
+            if let Some(factor) = factor {
+                result = result.times(&factor);
+            }
+        }
+        result
+    }
+}
+
+/// What generic functions' variables stand for at one call.
+#[derive(Clone, Debug, Default)]
+pub struct Solution {
+    solved: Vec<(u32, Quantity)>,
+}
+
+impl Solution {
+    pub fn get(&self, number: u32) -> Option<&Quantity> {
+        self.solved
+            .iter()
+            .find(|(n, _)| *n == number)
+            .map(|(_, quantity)| quantity)
+    }
+
+    pub fn set(&mut self, number: u32, quantity: Quantity) {
+        match self.solved.iter_mut().find(|(n, _)| *n == number) {
+            Some((_, old)) => *old = quantity,
+            None => self.solved.push((number, quantity)),
+        }
+    }
+}
+
+/// Whether a quantity is a point (a temperature) or a difference of points.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub enum Kind {
+    /// It can stand for either: a literal, a computed value, or a dimension without points.
+    #[default]
+    Any,
+    /// Declared as a difference.
+    Difference,
+    /// Declared as a point of this dimension.
+    Point(Rc<str>),
+}
+
+/// A dimension with what is known about its angle and its zero.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Quantity {
+    pub dim: Dim,
+    /// Computed from other quantities: its angle may be dropped.
+    pub soft: bool,
+    pub kind: Kind,
+}
+
+/// Why two quantities do not fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Misfit {
+    /// Other exponents.
+    Dimension,
+    /// Other exponent of the angle only, and both are declared.
+    Angle,
+    /// A point and a difference, or points of two kinds.
+    Point,
+}
+
+impl Quantity {
+    pub const fn one() -> Quantity {
+        Quantity {
+            dim: Dim {
+                base: Dimension::ONE,
+                variables: Vec::new(),
+            },
+            soft: false,
+            kind: Kind::Any,
+        }
+    }
+
+    /// A declared quantity of a dimension without points.
+    pub fn hard(base: Dimension) -> Quantity {
+        Quantity {
+            dim: Dim::known(base),
+            soft: false,
+            kind: Kind::Any,
+        }
+    }
+
+    /// A computed quantity.
+    pub fn soft(dim: Dim) -> Quantity {
+        Quantity {
+            dim,
+            soft: true,
+            kind: Kind::Any,
+        }
+    }
+
+    /// A number that leaves the other factor's angle alone.
+    pub fn is_plain_number(&self) -> bool {
+        self.dim.is_one() && !self.soft
+    }
+
+    fn misfit_of_dimension(&self, other: &Quantity) -> Option<Misfit> {
+        if self.dim == other.dim {
+            None
+        } else if self.dim.without_angle() == other.dim.without_angle() {
+            (!self.soft && !other.soft).then_some(Misfit::Angle)
+        } else {
+            Some(Misfit::Dimension)
+        }
+    }
+
+    /// Whether this can stand where `expected` is due.
+    pub fn fits(&self, expected: &Quantity) -> Result<(), Misfit> {
+        if let Some(misfit) = self.misfit_of_dimension(expected) {
+            return Err(misfit);
+        }
+        match (&self.kind, &expected.kind) {
+            (Kind::Any, _) | (_, Kind::Any) => Ok(()),
+            (a, b) if a == b => Ok(()),
+            _ => Err(Misfit::Point),
+        }
+    }
+
+    /// What two quantities that stand side by side (`max(a, b)`, `if`, a list) have in common.
+    pub fn join(&self, other: &Quantity) -> Result<Quantity, Misfit> {
+        self.fits(other)?;
+        let kind = match (&self.kind, &other.kind) {
+            (Kind::Any, kind) => kind.clone(),
+            (kind, _) => kind.clone(),
+        };
+        let (dim, soft) = self.angle_with(other);
+        Ok(Quantity { dim, soft, kind })
+    }
+
+    /// The harder of two angles.
+    fn angle_with(&self, other: &Quantity) -> (Dim, bool) {
+        if self.soft && !other.soft {
+            (other.dim.clone(), false)
+        } else {
+            (self.dim.clone(), self.soft && other.soft)
+        }
+    }
+
+    /// A sum or difference.
+    pub fn plus(&self, other: &Quantity, minus: bool) -> Result<Quantity, Misfit> {
+        if let Some(misfit) = self.misfit_of_dimension(other) {
+            return Err(misfit);
+        }
+        let kind = match (&self.kind, &other.kind, minus) {
+            (Kind::Point(a), Kind::Point(b), true) if a == b => Kind::Difference,
+            (Kind::Point(_), Kind::Point(_), _) => return Err(Misfit::Point),
+            (Kind::Point(p), Kind::Difference, _) => Kind::Point(p.clone()),
+            // A literal or computed value is read as what makes sense; taken off a point it may be either.
+            (Kind::Point(p), Kind::Any, false) => Kind::Point(p.clone()),
+            (Kind::Point(_), Kind::Any, true) => Kind::Any,
+            (Kind::Difference, Kind::Point(p), false) => Kind::Point(p.clone()),
+            (Kind::Difference, Kind::Point(_), true) => return Err(Misfit::Point),
+            (Kind::Any, Kind::Point(p), false) => Kind::Point(p.clone()),
+            (Kind::Any, Kind::Point(_), true) => Kind::Difference,
+            (Kind::Difference, Kind::Difference, _) => Kind::Difference,
+            (Kind::Difference, Kind::Any, _)
+            | (Kind::Any, Kind::Difference, _)
+            | (Kind::Any, Kind::Any, _) => Kind::Any,
+        };
+        let (dim, soft) = self.angle_with(other);
+        Ok(Quantity { dim, soft, kind })
+    }
+
+    fn product_kind(&self, other: &Quantity) -> (bool, Kind) {
+        let soft = !(self.is_plain_number() || other.is_plain_number());
+        let kind = match (&self.kind, &other.kind) {
+            (Kind::Difference, _) if other.is_plain_number() => Kind::Difference,
+            (_, Kind::Difference) if self.is_plain_number() => Kind::Difference,
+            _ => Kind::Any,
+        };
+        (soft || self.soft || other.soft, kind)
+    }
+
+    pub fn times(&self, other: &Quantity) -> Quantity {
+        let (soft, kind) = self.product_kind(other);
+        Quantity {
+            dim: self.dim.times(&other.dim),
+            soft,
+            kind,
+        }
+    }
+
+    pub fn over(&self, other: &Quantity) -> Quantity {
+        let (soft, kind) = self.product_kind(other);
+        Quantity {
+            dim: self.dim.over(&other.dim),
+            soft,
+            kind,
+        }
+    }
+
+    /// With the variables that are solved put in; `D` itself takes over all that is known of its solution.
+    pub fn with(&self, solved: &Solution) -> Quantity {
+        if self.dim.base.is_one()
+            && let [(number, DENOMINATOR)] = self.dim.variables.as_slice()
+            && let Some(solution) = solved.get(*number)
+        {
+            return solution.clone();
+        }
+        let soft_solution = self
+            .dim
+            .variables
+            .iter()
+            .any(|(number, _)| solved.get(*number).is_some_and(|q| q.soft));
+        Quantity {
+            dim: self.dim.with(solved),
+            soft: self.soft || soft_solution,
+            kind: self.kind.clone(),
+        }
+    }
+}
+
+/// A body that stands in a definition.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct BodyRef {
+    pub definition: DefinitionId,
+    pub name: String,
+}
+
+/// A parameter of a function.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FunctionParameter {
+    pub name: String,
+    pub ty: Type,
+    pub optional: bool,
+    pub span: Span,
+}
+
+/// What a function takes and gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Signature {
+    pub name: String,
+    pub parameters: Vec<FunctionParameter>,
+    pub result: Type,
+}
+
+/// The type of a value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Type {
+    /// In error: the message was given.
+    Error,
+    Int,
+    Bool,
+    Text,
+    Scalar(Quantity),
+    /// A vector in space; `framed` where it is an output that states its axes.
+    Vector {
+        quantity: Quantity,
+        framed: bool,
+    },
+    /// An array, or components where the elements are scalars; `framed` where they are along a marker's axes.
+    List {
+        element: Box<Type>,
+        length: Option<u32>,
+        framed: bool,
+    },
+    /// `1..5`: what a binder runs over.
+    Range(Box<Type>),
+    Marker,
+    /// A body; `None` for the parameter type `Body`.
+    Body(Option<BodyRef>),
+    Function(Rc<Signature>),
+    /// A class, record, component or model itself.
+    Class(DefinitionId),
+    /// A class that belongs to an interface, known only as such.
+    ClassOf(DefinitionId),
+    /// An instance of a class, or a record.
+    Instance(DefinitionId),
+    /// An instance of a class known only by its interface.
+    InstanceOf(DefinitionId),
+    Cycle,
+}
+
+impl Type {
+    pub fn one() -> Type {
+        Type::Scalar(Quantity::one())
+    }
+
+    pub fn list(element: Type, length: Option<u32>) -> Type {
+        Type::List {
+            element: Box::new(element),
+            length,
+            framed: false,
+        }
+    }
+
+    pub fn vector(quantity: Quantity) -> Type {
+        Type::Vector {
+            quantity,
+            framed: false,
+        }
+    }
+
+    pub fn is_error(&self) -> bool {
+        match self {
+            Type::Error => true,
+            Type::List { element, .. } | Type::Range(element) => element.is_error(),
+            _ => false,
+        }
+    }
+
+    /// A number's quantity; whole numbers are plain numbers too.
+    pub fn quantity(&self) -> Option<Quantity> {
+        match self {
+            Type::Int => Some(Quantity::one()),
+            Type::Scalar(quantity) => Some(quantity.clone()),
+            _ => None,
+        }
+    }
+
+    /// The quantity of a list of numbers, and its length.
+    pub fn components(&self) -> Option<(Quantity, Option<u32>)> {
+        match self {
+            Type::List {
+                element, length, ..
+            } => Some((element.quantity()?, *length)),
+            _ => None,
+        }
+    }
+
+    /// With the variables that are solved put in.
+    pub fn with(&self, solved: &Solution) -> Type {
+        match self {
+            Type::Scalar(quantity) => Type::Scalar(quantity.with(solved)),
+            Type::Vector { quantity, framed } => Type::Vector {
+                quantity: quantity.with(solved),
+                framed: *framed,
+            },
+            Type::List {
+                element,
+                length,
+                framed,
+            } => Type::List {
+                element: Box::new(element.with(solved)),
+                length: *length,
+                framed: *framed,
+            },
+            Type::Range(element) => Type::Range(Box::new(element.with(solved))),
+            Type::Function(signature) => {
+                let mut signature = Signature::clone(signature);
+                signature.result = signature.result.with(solved);
+                for parameter in &mut signature.parameters {
+                    parameter.ty = parameter.ty.with(solved);
+                }
+                Type::Function(Rc::new(signature))
+            }
+            other => other.clone(),
+        }
+    }
+
+    /// As it is handed on to elaboration.
+    pub fn exported(&self) -> ValueType {
+        match self {
+            Type::Int => ValueType::Int,
+            Type::Bool => ValueType::Bool,
+            Type::Text => ValueType::Text,
+            Type::Marker => ValueType::Marker,
+            Type::Scalar(quantity) => ValueType::Scalar(quantity.dim.base),
+            Type::Vector { quantity, .. } => ValueType::Vector(quantity.dim.base),
+            Type::List {
+                element, length, ..
+            } => match (element.as_ref(), length) {
+                (Type::Scalar(quantity), Some(length)) => {
+                    ValueType::Components(*length, quantity.dim.base)
+                }
+                (element, _) => ValueType::Array(Box::new(element.exported())),
+            },
+            _ => ValueType::Other,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(name: &str) -> Quantity {
+        Quantity {
+            kind: Kind::Point(name.into()),
+            ..Quantity::hard(Dimension::base(4))
+        }
+    }
+
+    #[test]
+    fn points_differ_and_differences_move_them() {
+        let t = point("Temperature");
+        let difference = t.plus(&t, true).expect("a difference");
+        assert_eq!(difference.kind, Kind::Difference);
+        assert_eq!(t.plus(&difference, false).map(|q| q.kind), Ok(t.kind.clone()));
+        assert_eq!(t.plus(&t, false), Err(Misfit::Point));
+        assert_eq!(difference.plus(&t, true), Err(Misfit::Point));
+        assert_eq!(difference.fits(&t), Err(Misfit::Point));
+    }
+
+    #[test]
+    fn declared_angles_stay_and_computed_ones_go() {
+        let per_second = Quantity::hard(Dimension::TIME.power(-1, 1).expect("1/s"));
+        let speed = Quantity::hard(Dimension::ANGLE.over(Dimension::TIME));
+        assert_eq!(per_second.fits(&speed), Err(Misfit::Angle));
+        let computed = Quantity::hard(Dimension::LENGTH)
+            .over(&Quantity::hard(Dimension::TIME))
+            .over(&Quantity::hard(Dimension::LENGTH));
+        assert_eq!(computed.fits(&speed), Ok(()));
+        let doubled = Quantity::one().times(&per_second);
+        assert_eq!(doubled.fits(&speed), Err(Misfit::Angle));
+    }
+
+    #[test]
+    fn variables_have_powers() {
+        let d = Dim::variable(3);
+        let square = d.times(&d);
+        assert_eq!(square.power(1, 2), Some(d.clone()));
+        assert!(square.over(&d).over(&d).is_one());
+    }
+}

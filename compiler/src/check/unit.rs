@@ -1,0 +1,160 @@
+//! Units as written.
+
+use super::Checker;
+use super::scope::Scope;
+use super::types::{Dim, Kind, Quantity, Type};
+use crate::codes;
+use crate::program::{Unit, unit_text};
+use crate::resolve::suggest::nearest;
+use eng_grammar::ast::UnitExpr;
+use eng_grammar::{Diagnostic, Span};
+
+impl<'p> Checker<'p> {
+    /// A unit's size; says which of its names is not known.
+    pub(super) fn unit(&mut self, scope: &Scope<'p>, unit: &UnitExpr) -> Option<Unit> {
+        for factor in &unit.factors {
+            let name = &factor.name.text;
+            self.used_units.insert((scope.module, name.clone()));
+            let Some(known) = self.program.units.get(name) else {
+                self.unknown_unit(&factor.name.text, factor.name.span, unit);
+                return None;
+            };
+            if known.offset != 0.0
+                && (unit.factors.len() > 1 || factor.numerator != 1 || factor.denominator != 1)
+            {
+                let plain = self
+                    .program
+                    .units
+                    .values()
+                    .find(|u| {
+                        u.dimension == known.dimension && u.scale == known.scale && u.offset == 0.0
+                    })
+                    .map(|u| u.symbol.clone());
+                let mut message = Diagnostic::error(
+                    codes::AFFINE_UNIT,
+                    format!("`{name}` has a shifted zero and makes no unit with others"),
+                )
+                .at(factor.name.span, "counts from a zero of its own");
+                if let Some(plain) = plain {
+                    message = message
+                        .with_help(format!("a difference of one `{name}` is one `{plain}`"))
+                        .with_fix(format!("write `{plain}`"), factor.name.span, plain);
+                }
+                self.report(message);
+                return None;
+            }
+        }
+        self.program.unit(unit).ok()
+    }
+
+    fn unknown_unit(&mut self, name: &str, span: Span, whole: &UnitExpr) {
+        let mut message =
+            Diagnostic::error(codes::UNKNOWN_UNIT, format!("there is no unit `{name}`"))
+                .at(span, "not known");
+        let units = &self.program.units;
+        // `Nm` is N*m, `kgm2` is not guessed.
+        let split = name.char_indices().skip(1).find_map(|(at, _)| {
+            let (left, right) = name.split_at(at);
+            (units.contains_key(left) && units.contains_key(right)).then(|| format!("{left}*{right}"))
+        });
+        let same_letters = units
+            .keys()
+            .find(|known| known.eq_ignore_ascii_case(name))
+            .cloned();
+        let celsius = matches!(name, "C" | "degree" | "celsius" | "Celsius").then_some("degC");
+        let meant = celsius
+            .filter(|unit| units.contains_key(*unit))
+            .map(str::to_owned)
+            .or(same_letters)
+            .or(split)
+            .or_else(|| nearest(name, units.keys().map(String::as_str)).map(str::to_owned));
+        if let Some(meant) = meant {
+            message = message
+                .with_help(format!("did you mean `{meant}`?"))
+                .with_fix(format!("write `{meant}`"), span, meant);
+        } else if whole.factors.first().is_some_and(|f| f.name.span != span) {
+            message = message.with_help(
+                "a unit binds to its number without spaces: put spaces around `*` and `/` for a product of values",
+            );
+        } else {
+            message = message.with_help("a factor stands after `*`: `5 * x`");
+        }
+        self.report(message);
+    }
+
+    /// What a number in this unit is.
+    pub(super) fn quantity_of(&mut self, scope: &Scope<'p>, unit: &UnitExpr) -> Option<Quantity> {
+        let unit = self.unit(scope, unit)?;
+        let kind = match unit.point {
+            Some(point) => Kind::Point(point.as_str().into()),
+            None => Kind::Any,
+        };
+        Some(Quantity {
+            dim: Dim::known(unit.dimension),
+            soft: false,
+            kind,
+        })
+    }
+
+    /// Whether a value can be shown in a unit: `x as kN`.
+    pub(super) fn display(&mut self, scope: &Scope<'p>, ty: &Type, display: &UnitExpr) {
+        let Some(unit) = self.quantity_of(scope, display) else {
+            return;
+        };
+        let quantity = match ty {
+            Type::Vector { quantity, .. } => Some(quantity.clone()),
+            Type::List { element, .. } => match element.as_ref() {
+                Type::List { .. } | Type::Vector { .. } => {
+                    let element = element.as_ref().clone();
+                    return self.display(scope, &element, display);
+                }
+                other => other.quantity(),
+            },
+            other => other.quantity(),
+        };
+        if ty.is_error() {
+            return;
+        }
+        let Some(quantity) = quantity else {
+            let what = self.describe(ty);
+            self.report(
+                Diagnostic::error(codes::DISPLAY, format!("{what} has no unit"))
+                    .at(display.span, "a unit for what is no number"),
+            );
+            return;
+        };
+        let affine = self
+            .program
+            .unit(display)
+            .is_ok_and(|unit| unit.offset != 0.0);
+        let fits = match quantity.fits(&unit) {
+            Ok(()) => true,
+            // Shown in a unit of the same size, a difference and a point are the same number, unless the zero moves.
+            Err(super::types::Misfit::Point) => !affine,
+            Err(_) => false,
+        };
+        if !fits {
+            let message = Diagnostic::error(
+                codes::DISPLAY,
+                format!(
+                    "{} cannot be shown in `{}`",
+                    self.describe(ty),
+                    unit_text(display)
+                ),
+            )
+            .at(display.span, format!("a unit of {}", self.quantity_name(&unit)))
+            .with_note(format!(
+                "the value is {}, the unit is one of {}",
+                self.quantity_in_full(&quantity),
+                self.quantity_in_full(&unit)
+            ));
+            let message = match self.usual_unit(quantity.dim.base) {
+                Some(usual) if quantity.dim.variables.is_empty() => {
+                    message.with_help(format!("for instance `as {usual}`"))
+                }
+                _ => message,
+            };
+            self.report(message);
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Finds the modules of a program, gives every module its scope, and makes the tables of dimensions and units.
+//!
+//! May contain: names of modules, items, dimensions and units. Must not contain: types of values.
+
+mod modules;
+mod scopes;
+pub(crate) use scopes::defined_name;
+pub(crate) mod suggest;
+mod units;
+pub(crate) use units::product_of;
+
+use crate::program::Program;
+use eng_grammar::{Diagnostics, SourceMap};
+use eng_system::host::Host;
+
+/// The module that every file uses.
+pub const PRELUDE: &str = "std.prelude";
+
+/// Reads the root file and every module it uses. `root` is a file's name for `host`; `library` maps the paths of
+/// modules (`std.joints`) to their texts. Modules come before those that use them; the root is the last.
+pub fn resolve(
+    root: &str,
+    host: &dyn Host,
+    library: &[(&str, &str)],
+    sources: &mut SourceMap,
+    diagnostics: &mut Diagnostics,
+) -> Program {
+    let mut program = Program::default();
+    modules::load(root, host, library, sources, diagnostics, &mut program);
+    scopes::fill(&mut program, diagnostics);
+    units::dimensions(&mut program, diagnostics);
+    units::units(&mut program, diagnostics);
+    program
+}

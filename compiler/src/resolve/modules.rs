@@ -1,0 +1,208 @@
+//! Reading of files, in the order of their `use`s.
+
+use super::PRELUDE;
+use super::suggest::nearest;
+use crate::codes;
+use crate::program::{Module, Program};
+use eng_grammar::ast::{ItemKind, Use, UseNames};
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
+use eng_system::host::{Host, HostError};
+use std::collections::BTreeMap;
+
+/// Where a `use` points: the path of a module, and whether the last segment belonged to the path.
+pub(super) fn dotted(path: &[eng_grammar::ast::Name]) -> String {
+    let names: Vec<&str> = path.iter().map(|name| name.text.as_str()).collect();
+    names.join(".")
+}
+
+/// The path of a file's module: `inline4` for `inline4.eng`.
+pub(super) fn path_of_file(file: &str) -> String {
+    file.strip_suffix(".eng").unwrap_or(file).replace('/', ".")
+}
+
+struct Loader<'a> {
+    host: &'a dyn Host,
+    library: &'a [(&'a str, &'a str)],
+    sources: &'a mut SourceMap,
+    diagnostics: &'a mut Diagnostics,
+    program: &'a mut Program,
+    /// Modules being read, outermost first.
+    open: Vec<String>,
+    /// Modules that could not be read: said once.
+    missing: Vec<String>,
+}
+
+pub(super) fn load(
+    root: &str,
+    host: &dyn Host,
+    library: &[(&str, &str)],
+    sources: &mut SourceMap,
+    diagnostics: &mut Diagnostics,
+    program: &mut Program,
+) {
+    let mut loader = Loader {
+        host,
+        library,
+        sources,
+        diagnostics,
+        program,
+        open: Vec::new(),
+        missing: Vec::new(),
+    };
+    if loader.text_of_library(PRELUDE).is_some() {
+        loader.module(PRELUDE, None);
+    }
+    match host.read_text(root) {
+        Ok(text) => loader.text(&path_of_file(root), root, &text),
+        Err(error) => loader.diagnostics.push(Diagnostic::error(
+            codes::NO_MODULE,
+            format!("the model cannot be read: {error}"),
+        )),
+    }
+}
+
+impl Loader<'_> {
+    fn text_of_library(&self, path: &str) -> Option<&str> {
+        self.library
+            .iter()
+            .find(|(name, _)| *name == path)
+            .map(|(_, text)| *text)
+    }
+
+    /// Whether a module of this path can be had, without reading it twice.
+    fn exists(&self, path: &str) -> bool {
+        path.split('.').all(|segment| !segment.is_empty())
+            && (self.text_of_library(path).is_some()
+                || self.program.modules.iter().any(|m| m.path == path)
+                || (!is_library(path) && self.host.read_text(&file_of(path)).is_ok()))
+    }
+
+    fn module(&mut self, path: &str, used_at: Option<Span>) {
+        if self.program.modules.iter().any(|m| m.path == path)
+            || self.missing.iter().any(|m| m == path)
+        {
+            return;
+        }
+        if let Some(first) = self.open.iter().position(|open| open == path) {
+            let mut circle: Vec<&str> = self.open[first..].iter().map(String::as_str).collect();
+            circle.push(path);
+            let mut message = Diagnostic::error(
+                codes::USE_CIRCLE,
+                format!("modules use each other in a circle: {}", circle.join(" → ")),
+            );
+            if let Some(span) = used_at {
+                message = message.at(span, "this closes the circle");
+            }
+            self.diagnostics
+                .push(message.with_help("put what both need into a third file that uses neither"));
+            return;
+        }
+        if let Some(text) = self.text_of_library(path).map(str::to_owned) {
+            let name = file_of(path);
+            self.text(path, &name, &text);
+            return;
+        }
+        let found = if is_library(path) {
+            Err(None)
+        } else {
+            self.host.read_text(&file_of(path)).map_err(Some)
+        };
+        match found {
+            Ok(text) => self.text(path, &file_of(path), &text),
+            Err(error) => {
+                self.missing.push(path.to_owned());
+                self.no_module(path, used_at, error.as_ref());
+            }
+        }
+    }
+
+    fn no_module(&mut self, path: &str, used_at: Option<Span>, error: Option<&HostError>) {
+        let title = match error {
+            None => format!("the library has no module `{path}`"),
+            Some(HostError::NotFound(_)) => {
+                format!("there is no module `{path}`: no file {}", file_of(path))
+            }
+            Some(error) => format!("the module `{path}` cannot be read: {error}"),
+        };
+        let mut message = Diagnostic::error(codes::NO_MODULE, title);
+        if let Some(span) = used_at {
+            message = message.at(span, "used here");
+            let known = self
+                .library
+                .iter()
+                .map(|(name, _)| *name)
+                .filter(|name| *name != PRELUDE);
+            if let Some(near) = nearest(path, known) {
+                message = message
+                    .with_help(format!("did you mean `{near}`?"))
+                    .with_fix(format!("use `{near}`"), span, near);
+            } else if is_library(path) {
+                let names: Vec<&str> = self.library.iter().map(|(name, _)| *name).collect();
+                message = message.with_note(format!(
+                    "the library has {}",
+                    super::suggest::listing(names, 30)
+                ));
+            }
+        }
+        self.diagnostics.push(message);
+    }
+
+    fn text(&mut self, path: &str, file: &str, text: &str) {
+        let source = self.sources.add(file, text);
+        let mut tree = eng_grammar::parse(text, source, self.diagnostics);
+        self.open.push(path.to_owned());
+        for item in &mut tree.items {
+            if let ItemKind::Use(used) = &mut item.kind {
+                self.settle(used);
+                if !used.path.is_empty() {
+                    let (path, span) = (dotted(&used.path), span_of(used));
+                    self.module(&path, span);
+                }
+            }
+        }
+        self.open.pop();
+        self.program.modules.push(Module {
+            path: path.to_owned(),
+            source,
+            file: tree,
+            scope: BTreeMap::new(),
+        });
+    }
+
+    /// `use oils` and `use std.units` name a module and take all of it: the tree says "item `units` of `std`" until the
+    /// modules are known.
+    fn settle(&self, used: &mut Use) {
+        let UseNames::Some(names) = &used.names else {
+            return;
+        };
+        let [last] = names.as_slice() else {
+            return;
+        };
+        let base = dotted(&used.path);
+        let whole = if base.is_empty() {
+            last.text.clone()
+        } else {
+            format!("{base}.{}", last.text)
+        };
+        if base.is_empty() || (!self.exists(&base) && self.exists(&whole)) {
+            let last = last.clone();
+            used.path.push(last);
+            used.names = UseNames::All;
+        }
+    }
+}
+
+fn is_library(path: &str) -> bool {
+    path == "std" || path.starts_with("std.")
+}
+
+fn file_of(path: &str) -> String {
+    format!("{}.eng", path.replace('.', "/"))
+}
+
+/// The place of a path.
+pub(super) fn span_of(used: &Use) -> Option<Span> {
+    let first = used.path.first()?;
+    let last = used.path.last()?;
+    Some(first.span.to(last.span))
+}

@@ -1,0 +1,69 @@
+//! "Did you mean": the nearest known name.
+
+/// The known name nearest to one that is not known, if any is near enough to have been meant.
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let length = name.chars().count();
+    let allowed = match length {
+        0..=1 => 0,
+        2..=3 => 1,
+        4..=6 => 2,
+        _ => length / 3,
+    };
+    let mut best: Option<(usize, &str)> = None;
+    for candidate in known {
+        if candidate == name {
+            continue;
+        }
+        let distance = if candidate.eq_ignore_ascii_case(name) {
+            0
+        } else {
+            strsim::damerau_levenshtein(name, candidate)
+        };
+        let shared = distance < candidate.chars().count().max(length);
+        let better = best.is_none_or(|(d, text)| (distance, candidate) < (d, text));
+        if distance <= allowed && shared && better {
+            best = Some((distance, candidate));
+        }
+    }
+    best.map(|(_, candidate)| candidate)
+}
+
+/// "a, b and c"; at most `limit` names, then "…".
+pub fn listing<'a>(names: impl IntoIterator<Item = &'a str>, limit: usize) -> String {
+    let names: Vec<&str> = names.into_iter().collect();
+    let shown: Vec<String> = names
+        .iter()
+        .take(limit)
+        .map(|name| format!("`{name}`"))
+        .collect();
+    if names.len() > limit {
+        return format!("{}, …", shown.join(", "));
+    }
+    match shown.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        Some((last, _)) => last.clone(),
+        None => "none".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_name_is_found() {
+        let known = ["Revolute", "Spherical", "Fixed"];
+        assert_eq!(nearest("Revolut", known), Some("Revolute"));
+        assert_eq!(nearest("fixed", known), Some("Fixed"));
+        assert_eq!(nearest("Gear", known), None);
+        assert_eq!(nearest("mn", ["mm", "N", "kg"]), Some("mm"));
+    }
+
+    #[test]
+    fn lists_read_like_sentences() {
+        assert_eq!(listing([], 3), "none");
+        assert_eq!(listing(["a"], 3), "`a`");
+        assert_eq!(listing(["a", "b", "c"], 3), "`a`, `b` and `c`");
+        assert_eq!(listing(["a", "b", "c"], 2), "`a`, `b`, …");
+    }
+}

@@ -1,0 +1,108 @@
+//! What the command line may say.
+
+use super::Setting;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Eng: engines as text.
+///
+/// Reads a model of an engine written in the Eng language, checks its units and its topology, compiles it to machine
+/// code and integrates its motion. Exit codes: 0 done, 1 the model is wrong or a run failed because of it,
+/// 2 wrong usage or the system refused.
+#[derive(Debug, Parser)]
+#[command(name = "eng", version, about, long_about, max_term_width = 100)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Run the analyses of a model; write results, pictures and a table a journal
+    ///
+    /// Writes into the output folder, for each analysis: ANALYSIS.parquet (a column a channel, named by its path, in its
+    /// display unit, which stands in the column's metadata), pictures of the journals' forces and orbits and of the
+    /// model's own outputs as SVG and PNG, and on request ANALYSIS.csv.
+    Run(RunArguments),
+    /// Check a model without running it
+    ///
+    /// Reports everything that is wrong or doubtful in one go: names, units, connections, degrees of freedom.
+    Check(CheckArguments),
+}
+
+#[derive(Debug, Args)]
+pub(super) struct RunArguments {
+    /// The model's file
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// Run this analysis only; may be given several times [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub analysis: Vec<String>,
+    /// Set a parameter: `--set "speed=5000 rpm"`; may be given several times
+    #[arg(long, value_name = "PATH=VALUE", value_parser = setting)]
+    pub set: Vec<Setting>,
+    /// Write into this folder [default: results/MODEL]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Write CSV files, too: a row of paths, a row of units, then the numbers
+    #[arg(long)]
+    pub csv: bool,
+    /// Draw no pictures
+    #[arg(long)]
+    pub no_plots: bool,
+    /// Say nothing but warnings and errors
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct CheckArguments {
+    /// The model's file
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// Form of the messages
+    #[arg(long, value_enum, default_value_t = Format::Human)]
+    pub format: Format,
+}
+
+/// Form of messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Format {
+    /// With the lines they speak of
+    Human,
+    /// One JSON document for tools
+    Json,
+}
+
+fn setting(text: &str) -> Result<Setting, String> {
+    match text.split_once('=') {
+        Some((path, value)) if !path.trim().is_empty() && !value.trim().is_empty() => Ok(Setting {
+            path: path.trim().to_owned(),
+            value: value.trim().to_owned(),
+        }),
+        _ => Err("give a parameter's path and its value: \"speed=5000 rpm\"".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn definition_is_sound() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn settings_have_path_and_value() {
+        let read = setting("cylinder[2].bore = 86 mm").unwrap();
+        assert_eq!(
+            (read.path.as_str(), read.value.as_str()),
+            ("cylinder[2].bore", "86 mm")
+        );
+        for text in ["speed", "=3", "speed=", ""] {
+            assert!(setting(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! What the command needs from the compiler and the runtime.
+
+use crate::plot::Upright;
+use crate::results::Results;
+use eng_grammar::{Diagnostics, SourceMap};
+use std::path::Path;
+
+/// Checks and runs models for the command line.
+pub trait Engine {
+    /// Reads a model and everything it uses, and checks it. An `Err` means that its file could not be read.
+    fn check(&mut self, model: &Path) -> Result<CheckOutcome, EngineError>;
+
+    /// Runs an analysis of the model that was checked last and had no errors. `progress` is called at accepted steps.
+    fn run(
+        &mut self,
+        analysis: &str,
+        settings: &[Setting],
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<RunOutcome, EngineError>;
+}
+
+/// What a check found.
+#[derive(Clone, Debug, Default)]
+pub struct CheckOutcome {
+    /// The texts that were read.
+    pub sources: SourceMap,
+    /// What was found.
+    pub diagnostics: Diagnostics,
+    /// Names of the analyses, in the order of the text: `unfired`, `sweep[3]`.
+    pub analyses: Vec<String>,
+    /// Facts worth a line each: `Inline4: 11 bodies, 5 journals, 54 unknowns, 31 constraints`.
+    pub facts: Vec<String>,
+}
+
+/// A parameter set on the command line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// The parameter's path.
+    pub path: String,
+    /// Its value with unit, as written.
+    pub value: String,
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Done part, 0…1.
+    pub fraction: f64,
+    /// Simulated time (s).
+    pub time: f64,
+    /// Unwrapped cycle angle (rad), if the model has a cycle.
+    pub cycle_angle: Option<f64>,
+}
+
+/// A journal for the summary and the pictures. The columns are named by the journal's path:
+/// `main[1].force.x` and `.y` (N), `main[1].eccentricity.x` and `.y` (m, pin's centre from the shell's along the shell's axes),
+/// `main[1].minimum_film` (m), `main[1].power_loss` (W). What is absent is left out of table and pictures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JournalGeometry {
+    /// `main[1]`.
+    pub path: String,
+    /// Diameter (m).
+    pub diameter: f64,
+    /// Width (m).
+    pub width: f64,
+    /// Radial clearance (m).
+    pub radial_clearance: f64,
+}
+
+/// What a run made.
+#[derive(Clone, Debug)]
+pub struct RunOutcome {
+    /// All columns.
+    pub results: Results,
+    /// Journals in the order of the text.
+    pub journals: Vec<JournalGeometry>,
+    /// The cycle's period (rad), if the model has a cycle.
+    pub cycle_period: Option<f64>,
+    /// Which shell axis is drawn upwards.
+    pub upright: Upright,
+    /// Warnings of the run (an `advise` that did not hold) with the texts of the check.
+    pub diagnostics: Diagnostics,
+    /// Facts worth a line each: steps, Newton iterations, computing time.
+    pub facts: Vec<String>,
+}
+
+/// Why a model was not checked or run.
+#[derive(Debug, thiserror::Error)]
+pub enum EngineError {
+    /// The model's fault, told with its places; what was computed until then is kept.
+    #[error("the run failed")]
+    Model {
+        /// Messages; their places are of the checked model's sources.
+        diagnostics: Diagnostics,
+        /// Results up to the failure.
+        partial: Option<Box<RunOutcome>>,
+    },
+    /// A wrong parameter path or value on the command line.
+    #[error("{0}")]
+    Usage(String),
+    /// The system's refusal.
+    #[error("{0}")]
+    System(String),
+}

@@ -1,0 +1,299 @@
+//! Which pictures belong to an analysis.
+
+use super::RunOutcome;
+use crate::plot::{Abscissa, Curve, History, Orbit, Orbits, Ordinate, Panel};
+use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
+
+/// File names (without extension) and SVG texts: the forces and orbits of the journals, and the model's own outputs.
+pub(super) fn of_analysis(outcome: &RunOutcome) -> Vec<(String, String)> {
+    let results = &outcome.results;
+    let mut figures = Vec::new();
+    for family in families(results) {
+        let figure = history(
+            &family.title(),
+            &about(results),
+            &family,
+            &[(String::new(), results)],
+        );
+        figures.extend(figure.map(|f| {
+            (
+                format!("{}-{}", results.analysis(), family.name),
+                f.to_svg(),
+            )
+        }));
+    }
+    for axis in ["x", "y"] {
+        let family = journal_forces(outcome, axis);
+        let figure = history(
+            &family.title(),
+            &about(results),
+            &family,
+            &[(String::new(), results)],
+        );
+        figures.extend(figure.map(|f| {
+            (
+                format!("{}-journal-force-{axis}", results.analysis()),
+                f.to_svg(),
+            )
+        }));
+    }
+    if let Some(orbits) = orbits(outcome) {
+        figures.push((format!("{}-orbits", results.analysis()), orbits.to_svg()));
+    }
+    figures
+}
+
+/// One figure a family of model outputs that several analyses have: an analysis a panel, up to four of one model.
+pub(super) fn comparisons(outcomes: &[RunOutcome]) -> Vec<(String, String)> {
+    let Some(first) = outcomes.first() else {
+        return Vec::new();
+    };
+    let compared: Vec<&Results> = outcomes
+        .iter()
+        .map(|o| &o.results)
+        .filter(|r| r.model() == first.results.model())
+        .collect();
+    if !(2..=4).contains(&compared.len()) {
+        return Vec::new();
+    }
+    let names: Vec<&str> = compared.iter().map(|r| r.analysis()).collect();
+    let panels: Vec<(String, &Results)> = compared
+        .iter()
+        .map(|r| (r.analysis().to_owned(), *r))
+        .collect();
+    let subtitle = format!(
+        "{}, {}, not filtered",
+        first.results.model(),
+        names.join(" and ")
+    );
+    let mut wanted = families(&first.results);
+    wanted.push(journal_forces(first, "x"));
+    wanted
+        .iter()
+        .filter(|family| {
+            panels
+                .iter()
+                .all(|(_, r)| family.columns(r).len() == family.paths.len())
+        })
+        .filter_map(|family| {
+            let figure = history(&family.title(), &subtitle, family, &panels)?;
+            Some((
+                format!("{}-{}", names.join("-"), family.name),
+                figure.to_svg(),
+            ))
+        })
+        .collect()
+}
+
+/// Columns that belong in one pair of axes.
+struct Family {
+    /// For the file's name.
+    name: String,
+    /// What is drawn.
+    quantity: String,
+    paths: Vec<String>,
+}
+
+impl Family {
+    fn title(&self) -> String {
+        self.quantity.clone()
+    }
+
+    fn columns<'a>(&self, results: &'a Results) -> Vec<&'a Column> {
+        self.paths
+            .iter()
+            .filter_map(|path| results.column(path))
+            .collect()
+    }
+}
+
+/// The model's own outputs (no dot in the path), those of one name and different index together.
+fn families(results: &Results) -> Vec<Family> {
+    let mut families: Vec<Family> = Vec::new();
+    for column in results.columns() {
+        if column.path.contains('.') || column.path == TIME {
+            continue;
+        }
+        let name = column.path.split('[').next().unwrap_or_default();
+        match families.iter_mut().find(|f| f.name == name) {
+            Some(family) => family.paths.push(column.path.clone()),
+            None => families.push(Family {
+                name: name.to_owned(),
+                quantity: name.replace('_', " "),
+                paths: vec![column.path.clone()],
+            }),
+        }
+    }
+    families
+}
+
+fn journal_forces(outcome: &RunOutcome, axis: &str) -> Family {
+    Family {
+        name: format!("journal-force-{axis}"),
+        quantity: format!("Journal force {axis} on the pin"),
+        paths: outcome
+            .journals
+            .iter()
+            .map(|journal| format!("{}.force.{axis}", journal.path))
+            .collect(),
+    }
+}
+
+fn about(results: &Results) -> String {
+    format!(
+        "{}, analysis {}, not filtered",
+        results.model(),
+        results.analysis()
+    )
+}
+
+/// A history of a family, a panel for each of the results; `None` where there is nothing to draw.
+fn history(
+    title: &str,
+    subtitle: &str,
+    family: &Family,
+    panels: &[(String, &Results)],
+) -> Option<History> {
+    let columns: Vec<&Column> = panels.iter().flat_map(|(_, r)| family.columns(r)).collect();
+    let display = &columns.first()?.display;
+    let with_angle = panels.iter().all(|(_, r)| r.column(CYCLE_ANGLE).is_some());
+    let abscissa = if with_angle { CYCLE_ANGLE } else { TIME };
+    let frames: Vec<&str> = columns.iter().map(|c| c.frame.as_str()).collect();
+    let mut drawn = Vec::new();
+    for (title, results) in panels {
+        drawn.push(Panel {
+            title: title.clone(),
+            x: results.column(abscissa)?.shown(),
+            curves: family
+                .columns(results)
+                .into_iter()
+                .map(|column| Curve {
+                    name: curve_name(&column.path),
+                    values: column.values.iter().map(|v| display.from_si(*v)).collect(),
+                })
+                .collect(),
+        });
+    }
+    Some(History {
+        title: title.to_owned(),
+        subtitle: subtitle.to_owned(),
+        abscissa: if with_angle {
+            Abscissa::CrankAngle
+        } else {
+            Abscissa::Time
+        },
+        ordinate: Ordinate {
+            quantity: family.quantity.clone(),
+            unit: display.symbol.clone(),
+            frame: common_frame(&frames),
+        },
+        panels: drawn,
+    })
+}
+
+/// `main[1]` of `main[1].force.x`.
+fn curve_name(path: &str) -> String {
+    path.split(".force.").next().unwrap_or(path).to_owned()
+}
+
+/// One name for the frames of several curves: `block.main[1…5]` where they differ in one number.
+fn common_frame(frames: &[&str]) -> String {
+    let mut distinct: Vec<&str> = Vec::new();
+    for frame in frames {
+        if !distinct.contains(frame) {
+            distinct.push(frame);
+        }
+    }
+    let (Some(first), Some(last)) = (distinct.first(), distinct.last()) else {
+        return String::new();
+    };
+    if distinct.len() == 1 {
+        return (*first).to_owned();
+    }
+    let around = |frame: &str| {
+        let (head, rest) = frame.rsplit_once('[')?;
+        let (index, tail) = rest.split_once(']')?;
+        Some((head.to_owned(), index.to_owned(), tail.to_owned()))
+    };
+    match (around(first), around(last)) {
+        (Some((head, from, tail)), Some((_, to, _)))
+            if distinct
+                .iter()
+                .all(|f| around(f).is_some_and(|(h, _, t)| h == head && t == tail)) =>
+        {
+            format!("{head}[{from}…{to}]{tail}")
+        }
+        _ => distinct.join(", "),
+    }
+}
+
+fn orbits(outcome: &RunOutcome) -> Option<Orbits> {
+    let results = &outcome.results;
+    let angle = results
+        .column(CYCLE_ANGLE)
+        .map_or_else(Vec::new, Column::shown);
+    let orbits: Vec<Orbit> = outcome
+        .journals
+        .iter()
+        .filter_map(|journal| {
+            let x = results.column(&format!("{}.eccentricity.x", journal.path))?;
+            let y = results.column(&format!("{}.eccentricity.y", journal.path))?;
+            Some(Orbit {
+                name: journal.path.clone(),
+                frame: x.frame.clone(),
+                clearance: journal.radial_clearance,
+                x: x.values.clone(),
+                y: y.values.clone(),
+                angle: angle.clone(),
+            })
+        })
+        .collect();
+    if orbits.is_empty() {
+        return None;
+    }
+    Some(Orbits {
+        title: "Orbits of the pins in their shells".to_owned(),
+        subtitle: about(results),
+        period: outcome.cycle_period.map_or(360.0, f64::to_degrees),
+        upright: outcome.upright,
+        orbits,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_named_together() {
+        assert_eq!(common_frame(&["ground", "ground"]), "ground");
+        assert_eq!(common_frame(&["", ""]), "");
+        let shells = ["block.main[1]", "block.main[2]", "block.main[5]"];
+        assert_eq!(common_frame(&shells), "block.main[1…5]");
+        assert_eq!(common_frame(&["a", "b"]), "a, b");
+    }
+
+    #[test]
+    fn families_are_the_models_outputs() {
+        let mut results = Results::new("a", "M");
+        results.push(Column::time(vec![0.0])).unwrap();
+        for path in [
+            "vertical[1]",
+            "vertical[2]",
+            "crank_torque",
+            "main[1].force.x",
+        ] {
+            let mut column = Column::time(vec![1.0]);
+            column.path = path.to_owned();
+            results.push(column).unwrap();
+        }
+        let found: Vec<(String, usize)> = families(&results)
+            .into_iter()
+            .map(|f| (f.quantity, f.paths.len()))
+            .collect();
+        assert_eq!(
+            found,
+            [("vertical".to_owned(), 2), ("crank torque".to_owned(), 1)]
+        );
+    }
+}

@@ -1,0 +1,114 @@
+//! The `eng` command: arguments, progress, tables, exit codes.
+//!
+//! May contain: what a person at a terminal sees. Must not contain: compiling and solving; these come through [`Engine`].
+//! Only this module and `main.rs` print.
+
+mod arguments;
+mod check;
+mod engine;
+mod figures;
+mod run;
+mod summary;
+mod table;
+
+pub use engine::{
+    CheckOutcome, Engine, EngineError, JournalGeometry, Progress, RunOutcome, Setting,
+};
+pub use summary::{JournalSummary, journal_table};
+
+use arguments::{Arguments, Command};
+use clap::Parser;
+use std::ffi::OsString;
+use std::io::{IsTerminal, Write};
+use std::process::ExitCode;
+
+/// Done.
+pub const DONE: u8 = 0;
+/// The model is wrong, or a run failed because of it.
+pub const MODEL_WRONG: u8 = 1;
+/// Wrong usage, or the system refused.
+pub const USAGE_OR_SYSTEM: u8 = 2;
+
+/// Runs the command on the process's own output, error and terminal.
+pub fn run(arguments: impl IntoIterator<Item = OsString>, engine: &mut dyn Engine) -> ExitCode {
+    let color = std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
+    let mut console = Console {
+        colored_output: color && std::io::stdout().is_terminal(),
+        colored_errors: color && std::io::stderr().is_terminal(),
+        live: std::io::stderr().is_terminal(),
+        output: &mut std::io::stdout().lock(),
+        errors: &mut std::io::stderr(),
+    };
+    ExitCode::from(run_on(arguments, engine, &mut console))
+}
+
+/// Where the command writes.
+pub struct Console<'a> {
+    /// What was asked for: tables, messages of `check`.
+    pub output: &'a mut dyn Write,
+    /// Messages about the run.
+    pub errors: &'a mut dyn Write,
+    /// Whether `output` understands escape sequences.
+    pub colored_output: bool,
+    /// Whether `errors` understands escape sequences.
+    pub colored_errors: bool,
+    /// Whether a progress bar may be drawn on the process's standard error.
+    pub live: bool,
+}
+
+/// Why a command ends early.
+#[derive(Debug)]
+enum Stop {
+    /// With this exit code; the reason was told.
+    Code(u8),
+    /// The reader of the output has gone.
+    Output(std::io::Error),
+}
+
+impl From<std::io::Error> for Stop {
+    fn from(error: std::io::Error) -> Self {
+        Stop::Output(error)
+    }
+}
+
+/// Runs the command on any output and returns the exit code.
+pub fn run_on(
+    arguments: impl IntoIterator<Item = OsString>,
+    engine: &mut dyn Engine,
+    console: &mut Console<'_>,
+) -> u8 {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(refusal) => return explain(&refusal, console),
+    };
+    let done = match &arguments.command {
+        Command::Run(run) => run::run(run, engine, console),
+        Command::Check(check) => check::check(check, engine, console),
+    };
+    match done {
+        Ok(()) => DONE,
+        Err(Stop::Code(code)) => code,
+        // `eng … | head`: nobody is left to be told
+        Err(Stop::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => {
+            USAGE_OR_SYSTEM
+        }
+        Err(Stop::Output(error)) => {
+            let _ = writeln!(console.errors, "error: {error}");
+            USAGE_OR_SYSTEM
+        }
+    }
+}
+
+/// Prints clap's text: help and version to the output, refusals to the errors.
+fn explain(refusal: &clap::Error, console: &mut Console<'_>) -> u8 {
+    let text = refusal.render();
+    let (writer, code): (&mut dyn Write, u8) = if refusal.use_stderr() {
+        (&mut *console.errors, USAGE_OR_SYSTEM)
+    } else {
+        (&mut *console.output, DONE)
+    };
+    match write!(writer, "{text}") {
+        Ok(()) => code,
+        Err(_) => USAGE_OR_SYSTEM,
+    }
+}

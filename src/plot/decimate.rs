@@ -1,0 +1,118 @@
+//! Fewer points, same picture.
+
+/// More points than this in one curve are reduced.
+const MANY: usize = 4000;
+
+/// Runs of points to be drawn as one line each; a point that is not finite ends a run. Above 4,000 points, those that fall
+/// into one of `columns` of the range of x are replaced by the first, lowest, highest and last: no peak is lost.
+pub(super) fn runs(
+    x: &[f64],
+    y: &[f64],
+    range: (f64, f64),
+    columns: usize,
+) -> Vec<Vec<(f64, f64)>> {
+    let reduce = x.len().min(y.len()) > MANY;
+    let width = (range.1 - range.0) / columns.max(1) as f64;
+    let mut runs = Vec::new();
+    let mut run: Vec<(f64, f64)> = Vec::new();
+    let mut bucket: Vec<(f64, f64)> = Vec::new();
+    let mut current = i64::MIN;
+    for point in x.iter().copied().zip(y.iter().copied()) {
+        if !(point.0.is_finite() && point.1.is_finite()) {
+            flush(&mut bucket, &mut run);
+            if !run.is_empty() {
+                runs.push(std::mem::take(&mut run));
+            }
+            continue;
+        }
+        if !reduce {
+            run.push(point);
+            continue;
+        }
+        let column = ((point.0 - range.0) / width).floor() as i64;
+        if column != current {
+            flush(&mut bucket, &mut run);
+            current = column;
+        }
+        bucket.push(point);
+    }
+    flush(&mut bucket, &mut run);
+    if !run.is_empty() {
+        runs.push(run);
+    }
+    runs
+}
+
+fn flush(bucket: &mut Vec<(f64, f64)>, run: &mut Vec<(f64, f64)>) {
+    let Some(last) = bucket.len().checked_sub(1) else {
+        return;
+    };
+    let (mut low, mut high) = (0, 0);
+    for (index, point) in bucket.iter().enumerate() {
+        if point.1 < bucket[low].1 {
+            low = index;
+        }
+        if point.1 > bucket[high].1 {
+            high = index;
+        }
+    }
+    let mut kept = [0, low.min(high), low.max(high), last].to_vec();
+    kept.dedup();
+    run.extend(kept.into_iter().map(|index| bucket[index]));
+    bucket.clear();
+}
+
+/// Leaves out points that lie closer than `distance` to the last one kept; the ends stay.
+pub(super) fn thinned(points: &[(f64, f64)], distance: f64) -> Vec<(f64, f64)> {
+    let mut kept: Vec<(f64, f64)> = Vec::new();
+    for (index, point) in points.iter().enumerate() {
+        let far = kept.last().is_none_or(|last| {
+            let (dx, dy) = (point.0 - last.0, point.1 - last.1);
+            dx * dx + dy * dy >= distance * distance
+        });
+        if far || index + 1 == points.len() {
+            kept.push(*point);
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keeps_every_peak() {
+        let n = 100_000;
+        let x: Vec<f64> = (0..n).map(f64::from).collect();
+        let mut y: Vec<f64> = x.iter().map(|x| libm::sin(x * 1e-4)).collect();
+        y[31_234] = 5.0;
+        y[77_777] = -7.0;
+        let runs = runs(&x, &y, (0.0, f64::from(n)), 1000);
+        assert_eq!(runs.len(), 1);
+        assert!(runs[0].len() <= 4000, "{}", runs[0].len());
+        assert!(runs[0].contains(&(31_234.0, 5.0)) && runs[0].contains(&(77_777.0, -7.0)));
+        assert!(runs[0].windows(2).all(|w| w[0].0 < w[1].0));
+        assert_eq!(
+            (runs[0][0].0, runs[0][runs[0].len() - 1].0),
+            (0.0, 99_999.0)
+        );
+    }
+
+    #[test]
+    fn gaps_stay_gaps() {
+        let x = [0.0, 1.0, 2.0, 3.0, 4.0];
+        let y = [0.0, 1.0, f64::NAN, 3.0, 4.0];
+        assert_eq!(
+            runs(&x, &y, (0.0, 4.0), 10),
+            vec![vec![(0.0, 0.0), (1.0, 1.0)], vec![(3.0, 3.0), (4.0, 4.0)]]
+        );
+    }
+
+    #[test]
+    fn thinning_keeps_the_ends() {
+        let points: Vec<(f64, f64)> = (0..=100).map(|i| (f64::from(i) * 0.1, 0.0)).collect();
+        let kept = thinned(&points, 1.0);
+        assert!(kept.len() <= 12 && kept[0] == points[0] && kept.last() == points.last());
+    }
+}

@@ -1,0 +1,69 @@
+//! Pictures of results: histories and orbits as SVG, and as PNG.
+//!
+//! May contain: scales, ticks, colours, text placement. Must not contain: models, results files, printing.
+//! The text of an SVG depends on the data alone; PNGs use the two embedded fonts and no font of the machine.
+
+mod decimate;
+mod font;
+mod history;
+mod orbit;
+mod palette;
+mod png;
+mod svg;
+mod ticks;
+
+pub use history::{Abscissa, Curve, History, Ordinate, Panel};
+pub use orbit::{Orbit, Orbits, Upright};
+pub use png::to_png;
+
+use std::path::PathBuf;
+
+/// A picture that cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum PlotError {
+    /// The SVG text was refused by the rasteriser.
+    #[error("the picture cannot be drawn: {0}")]
+    Svg(String),
+    /// More pixels than an image can have, or none.
+    #[error("a picture of {width} × {height} pixels cannot be made")]
+    Size {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+    },
+    /// The image could not be encoded.
+    #[error("the picture cannot be encoded as PNG: {0}")]
+    Png(String),
+    /// The system refused.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// Writes `NAME.svg` and `NAME.png` into a folder and returns their paths.
+pub fn write_svg_and_png(
+    svg: &str,
+    folder: &std::path::Path,
+    name: &str,
+) -> Result<[PathBuf; 2], PlotError> {
+    let image = to_png(svg, 2.0)?;
+    let paths = [
+        folder.join(format!("{name}.svg")),
+        folder.join(format!("{name}.png")),
+    ];
+    for (path, bytes) in paths.iter().zip([svg.as_bytes(), &image]) {
+        crate::results::replace_file(path, |file: &mut std::fs::File| {
+            std::io::Write::write_all(file, bytes)
+        })
+        .map_err(|source| PlotError::File {
+            path: path.clone(),
+            source,
+        })?;
+    }
+    Ok(paths)
+}

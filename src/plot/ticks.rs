@@ -1,0 +1,202 @@
+//! Where the marks of an axis stand, and how its numbers read.
+
+/// Marks of an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Ticks {
+    /// Ends of the axis.
+    pub range: (f64, f64),
+    /// Marks with a number.
+    pub values: Vec<f64>,
+    /// Distance of the marks.
+    pub step: f64,
+}
+
+/// Smallest and largest finite value; (0, 0) without any.
+pub(super) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = values
+        .into_iter()
+        .filter(|value| value.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+    if low > high { (0.0, 0.0) } else { (low, high) }
+}
+
+/// Marks at 1, 2, 2.5 or 5 times a power of ten, about `count` of them; the axis ends at marks.
+pub(super) fn rounded(low: f64, high: f64, count: usize) -> Ticks {
+    let (low, high) = widened(low, high);
+    let step = nice_step((high - low) / count.max(1) as f64);
+    let first = (low / step + 1e-9).floor();
+    let last = (high / step - 1e-9).ceil();
+    let values = marks(first, last, step);
+    Ticks {
+        range: (first * step, last * step),
+        values,
+        step,
+    }
+}
+
+/// Marks at round numbers inside an axis that ends where the data end.
+pub(super) fn inside(low: f64, high: f64, count: usize) -> Ticks {
+    let (low, high) = widened(low, high);
+    let step = nice_step((high - low) / count.max(1) as f64);
+    within(low, high, step)
+}
+
+/// Marks of a crank angle (°): steps that divide a revolution, or whole revolutions; at most `count` of them.
+pub(super) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
+    const STEPS: [f64; 11] = [
+        1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0, 720.0,
+    ];
+    let (low, high) = widened(low, high);
+    let most = count.max(2) as f64 - 1.0;
+    let step = STEPS
+        .into_iter()
+        .find(|step| (high - low) / step <= most)
+        .unwrap_or_else(|| 720.0 * nice_step((high - low) / most / 720.0).ceil());
+    within(low, high, step)
+}
+
+fn within(low: f64, high: f64, step: f64) -> Ticks {
+    let first = (low / step - 1e-6).ceil();
+    let last = (high / step + 1e-6).floor();
+    Ticks {
+        range: (low, high),
+        values: marks(first, last, step),
+        step,
+    }
+}
+
+fn marks(first: f64, last: f64, step: f64) -> Vec<f64> {
+    // nothing more than a few hundred is ever asked for; the limit guards against steps lost to rounding
+    let count = (last - first).clamp(-1.0, 1000.0) as i64;
+    (0..=count).map(|i| (first + i as f64) * step).collect()
+}
+
+/// A range of some width.
+fn widened(low: f64, high: f64) -> (f64, f64) {
+    let size = low.abs().max(high.abs());
+    if !(high - low).is_finite() || size == 0.0 {
+        (-1.0, 1.0)
+    } else if high - low <= 1e-9 * size {
+        (low - 0.1 * size, high + 0.1 * size)
+    } else {
+        (low, high)
+    }
+}
+
+fn nice_step(raw: f64) -> f64 {
+    let power = libm::pow(10.0, libm::log10(raw).floor());
+    let ratio = raw / power;
+    let factor = [1.0, 2.0, 2.5, 5.0]
+        .into_iter()
+        .find(|factor| ratio <= factor * (1.0 + 1e-9))
+        .unwrap_or(10.0);
+    factor * power
+}
+
+/// The power of ten, a multiple of three, to be drawn out of an axis's numbers; 0 for numbers that read well.
+pub(super) fn exponent(range: (f64, f64)) -> i32 {
+    let size = range.0.abs().max(range.1.abs());
+    if size == 0.0 || !size.is_finite() || (0.01..100_000.0).contains(&size) {
+        return 0;
+    }
+    3 * (libm::log10(size) / 3.0).floor() as i32
+}
+
+/// A mark's number with as many decimals as the step needs and a true minus sign.
+pub(super) fn number(value: f64, step: f64) -> String {
+    let decimals = (0..=9)
+        .find(|decimals| {
+            let scaled = step * libm::pow(10.0, f64::from(*decimals));
+            (scaled - scaled.round()).abs() <= 1e-6 * scaled
+        })
+        .unwrap_or(9) as usize;
+    let text = format!("{value:.decimals$}");
+    let zero = text
+        .trim_start_matches('-')
+        .chars()
+        .all(|c| c == '0' || c == '.');
+    match text.strip_prefix('-') {
+        Some(digits) if zero => digits.to_owned(),
+        Some(digits) => format!("−{digits}"),
+        None => text,
+    }
+}
+
+/// `10³`.
+pub(super) fn power_of_ten(exponent: i32) -> String {
+    let digits: String = exponent
+        .to_string()
+        .chars()
+        .map(|c| match c {
+            '-' => '⁻',
+            '0' => '⁰',
+            '1' => '¹',
+            '2' => '²',
+            '3' => '³',
+            '4' => '⁴',
+            '5' => '⁵',
+            '6' => '⁶',
+            '7' => '⁷',
+            '8' => '⁸',
+            _ => '⁹',
+        })
+        .collect();
+    format!("10{digits}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn ends_at_marks() {
+        let ticks = rounded(-7.3, 12.1, 6);
+        assert_eq!(ticks.range, (-10.0, 15.0));
+        assert_eq!(ticks.values, vec![-10.0, -5.0, 0.0, 5.0, 10.0, 15.0]);
+    }
+
+    #[test]
+    fn crank_angles_by_quarters_and_halves() {
+        let ticks = crank_angle(0.0, 720.0, 13);
+        assert_eq!(
+            ticks.values,
+            (0..=8).map(|i| f64::from(i) * 90.0).collect::<Vec<_>>()
+        );
+        assert_eq!(crank_angle(0.0, 1440.0, 13).step, 180.0);
+        assert_eq!(crank_angle(0.0, 72_000.0, 13).step % 720.0, 0.0);
+    }
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!(number(-2.5, 2.5), "−2.5");
+        assert_eq!(number(-0.0, 0.25), "0.00");
+        assert_eq!(number(1e3, 500.0), "1000");
+        assert_eq!(exponent((-2.0e6, 1.0)), 6);
+        assert_eq!(exponent((0.0, 3.0e-5)), -6);
+        assert_eq!(exponent((0.0, 0.5)), 0);
+        assert_eq!(power_of_ten(-6), "10⁻⁶");
+    }
+
+    proptest! {
+        #[test]
+        fn few_marks_that_cover_the_data(a in -1e12f64..1e12, width in 0.0f64..1e12, count in 2usize..12) {
+            let ticks = rounded(a, a + width, count);
+            prop_assert!(ticks.values.len() >= 2 && ticks.values.len() <= 2 * count + 4);
+            prop_assert!(ticks.range.0 <= a + 1e-6 * ticks.step && ticks.range.1 >= a + width - 1e-6 * ticks.step);
+            let angle = crank_angle(a, a + width, count);
+            prop_assert!(angle.values.len() <= count.max(2) + 1);
+        }
+
+        #[test]
+        fn never_panics(a in proptest::num::f64::ANY, b in proptest::num::f64::ANY) {
+            for ticks in [rounded(a, b, 6), inside(a, b, 6), crank_angle(a, b, 6)] {
+                for value in &ticks.values {
+                    prop_assert!(!number(*value, ticks.step).is_empty());
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! Messages with the lines they speak of.
+
+use super::{count, inside};
+use codespan_reporting::diagnostic as codespan;
+use codespan_reporting::files::SimpleFiles;
+use codespan_reporting::term::termcolor::Buffer;
+use codespan_reporting::term::{self, Config};
+use eng_grammar::{Diagnostic, Diagnostics, Fix, Severity, SourceId, SourceMap};
+use std::collections::BTreeMap;
+
+/// Whether escape sequences for colours are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Colors {
+    /// ANSI escape sequences.
+    Ansi,
+    /// Plain text.
+    None,
+}
+
+/// All messages, then a line that counts them; empty without messages.
+pub fn human(diagnostics: &Diagnostics, sources: &SourceMap, colors: Colors) -> String {
+    let mut files = SimpleFiles::new();
+    let mut ids = BTreeMap::new();
+    for (id, source) in sources.iter() {
+        ids.insert(id, files.add(source.name.as_str(), source.text.as_str()));
+    }
+    let config = Config::default();
+    let mut text = String::new();
+    for diagnostic in diagnostics.iter() {
+        let message = translate(diagnostic, sources, &ids);
+        let mut buffer = match colors {
+            Colors::Ansi => Buffer::ansi(),
+            Colors::None => Buffer::no_color(),
+        };
+        match term::emit_to_write_style(&mut buffer, &config, &files, &message) {
+            Ok(()) => text.push_str(&String::from_utf8_lossy(buffer.as_slice())),
+            Err(_) => text.push_str(&without_source(diagnostic)),
+        }
+    }
+    if !diagnostics.is_empty() {
+        text.push_str(&summary(diagnostics));
+        text.push('\n');
+    }
+    text
+}
+
+/// `2 errors, 1 warning`; notes are not counted.
+fn summary(diagnostics: &Diagnostics) -> String {
+    let counted = |severity, singular: &str| match count(diagnostics, severity) {
+        1 => format!("1 {singular}"),
+        n => format!("{n} {singular}s"),
+    };
+    format!(
+        "{}, {}",
+        counted(Severity::Error, "error"),
+        counted(Severity::Warning, "warning")
+    )
+}
+
+fn translate(
+    diagnostic: &Diagnostic,
+    sources: &SourceMap,
+    ids: &BTreeMap<SourceId, usize>,
+) -> codespan::Diagnostic<usize> {
+    let severity = match diagnostic.severity {
+        Severity::Error => codespan::Severity::Error,
+        Severity::Warning => codespan::Severity::Warning,
+        Severity::Note => codespan::Severity::Note,
+    };
+    let mut labels = Vec::new();
+    let mut notes = Vec::new();
+    for label in &diagnostic.labels {
+        match (ids.get(&label.span.source), inside(sources, label.span)) {
+            (Some(file), Some(range)) => {
+                let style = if label.primary {
+                    codespan::LabelStyle::Primary
+                } else {
+                    codespan::LabelStyle::Secondary
+                };
+                labels.push(codespan::Label::new(style, *file, range).with_message(&label.message));
+            }
+            _ => notes.push(bullet("note", &label.message)),
+        }
+    }
+    notes.extend(diagnostic.notes.iter().map(|note| bullet("note", note)));
+    notes.extend(diagnostic.help.iter().map(|help| bullet("help", help)));
+    notes.extend(
+        diagnostic
+            .fixes
+            .iter()
+            .map(|fix| bullet("help", &fix_text(fix, sources))),
+    );
+    codespan::Diagnostic::new(severity)
+        .with_code(diagnostic.code)
+        .with_message(&diagnostic.title)
+        .with_labels(labels)
+        .with_notes(notes)
+}
+
+/// Lines after the first align under the text.
+fn bullet(kind: &str, text: &str) -> String {
+    format!("{kind}: {}", text.replace('\n', "\n      "))
+}
+
+fn fix_text(fix: &Fix, sources: &SourceMap) -> String {
+    let old = sources.text(fix.span);
+    let change = match (old.is_empty(), fix.replacement.is_empty()) {
+        (false, false) => format!("replace {} with {}", code(old), code(&fix.replacement)),
+        (false, true) => format!("remove {}", code(old)),
+        (true, _) => match sources.line_column(fix.span.source, fix.span.start) {
+            Some((line, column)) => {
+                format!("insert {} at {line}:{column}", code(&fix.replacement))
+            }
+            None => format!("insert {}", code(&fix.replacement)),
+        },
+    };
+    if fix.title.is_empty() {
+        change
+    } else {
+        format!("{}: {change}", fix.title)
+    }
+}
+
+fn code(text: &str) -> String {
+    if text.contains('\n') {
+        format!("\n{text}\n")
+    } else {
+        format!("`{text}`")
+    }
+}
+
+fn without_source(diagnostic: &Diagnostic) -> String {
+    let severity = match diagnostic.severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Note => "note",
+    };
+    let mut text = format!("{severity}[{}]: {}\n", diagnostic.code, diagnostic.title);
+    for label in &diagnostic.labels {
+        text.push_str(&format!("  = {}\n", label.message));
+    }
+    for line in diagnostic.notes.iter().chain(&diagnostic.help) {
+        text.push_str(&format!("  = {line}\n"));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::json;
+    use super::*;
+    use eng_grammar::Span;
+
+    fn example() -> (Diagnostics, SourceMap) {
+        let mut sources = SourceMap::new();
+        let text = "model Slider {\n    // Länge in µm\n    param throw: Length = 54 m\n    body rod {}\n}\n";
+        let id = sources.add("slider.eng", text);
+        let at = |needle: &str| {
+            let start = text.find(needle).unwrap();
+            Span::new(id, start, start + needle.len())
+        };
+        let mut diagnostics = Diagnostics::new();
+        diagnostics.push(
+            Diagnostic::error("E0312", "throw is a length of 54 m")
+                .at(at("54 m"), "54 m here")
+                .also(at("Length"), "declared here")
+                .with_note("throws of engines are 10 mm to 400 mm")
+                .with_help("state the unit that was meant")
+                .with_fix("perhaps", at("54 m"), "54 mm"),
+        );
+        diagnostics.push(
+            Diagnostic::warning("W0002", "body rod has no mass")
+                .at(at("rod"), "")
+                .with_fix(
+                    "",
+                    Span::new(
+                        id,
+                        text.find("{}").unwrap() + 1,
+                        text.find("{}").unwrap() + 1,
+                    ),
+                    " mass = 1 kg ",
+                )
+                .with_fix("", at("body rod {}"), ""),
+        );
+        (diagnostics, sources)
+    }
+
+    #[test]
+    fn plain_text() {
+        let (diagnostics, sources) = example();
+        insta::assert_snapshot!(human(&diagnostics, &sources, Colors::None));
+    }
+
+    #[test]
+    fn colours_are_escape_sequences_around_the_same_text() {
+        let (diagnostics, sources) = example();
+        let colored = human(&diagnostics, &sources, Colors::Ansi);
+        let mut plain = String::new();
+        let mut rest = colored.as_str();
+        while let Some((before, after)) = rest.split_once('\u{1b}') {
+            plain.push_str(before);
+            rest = after.split_once('m').unwrap().1;
+        }
+        plain.push_str(rest);
+        assert_ne!(colored, plain);
+        assert_eq!(plain, human(&diagnostics, &sources, Colors::None));
+    }
+
+    #[test]
+    fn json_document() {
+        let (diagnostics, sources) = example();
+        insta::assert_snapshot!(json(&diagnostics, &sources));
+    }
+
+    #[test]
+    fn spans_that_lie_outside_do_no_harm() {
+        let mut sources = SourceMap::new();
+        let id = sources.add("a.eng", "µ");
+        let mut diagnostics = Diagnostics::new();
+        diagnostics.push(
+            Diagnostic::error("E0001", "cut")
+                .at(Span::new(id, 1, 1), "inside a character")
+                .also(Span::new(id, 90, 7), "beyond")
+                .also(Span::new(SourceId(7), 0, 1), "of no source")
+                .with_fix("", Span::new(SourceId(7), 3, 4), "x"),
+        );
+        let text = human(&diagnostics, &sources, Colors::None);
+        for message in [
+            "inside a character",
+            "beyond",
+            "note: of no source",
+            "insert `x`",
+        ] {
+            assert!(text.contains(message), "{text}");
+        }
+        let value: serde_json::Value = serde_json::from_str(&json(&diagnostics, &sources)).unwrap();
+        assert_eq!(value["diagnostics"][0]["start"], 0);
+        assert_eq!(
+            value["diagnostics"][0]["labels"][2]["file"],
+            serde_json::Value::Null
+        );
+    }
+}

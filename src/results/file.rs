@@ -1,0 +1,105 @@
+//! Files that are whole or absent.
+
+use std::fs::{File, OpenOptions};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Writes a file under a temporary name beside it, then renames it: `path` is never half-written, and keeps its old
+/// content when writing fails. Creates the folder.
+pub fn replace_file<E: From<io::Error>>(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> Result<(), E>,
+) -> Result<(), E> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    std::fs::create_dir_all(folder)?;
+    let (mut file, temporary) = create_beside(folder, path)?;
+    let written = write(&mut file)
+        .and_then(|()| file.sync_all().map_err(E::from))
+        .and_then(|()| std::fs::rename(&temporary, path).map_err(E::from));
+    if written.is_err() {
+        // the first error is the one to report
+        let _ = std::fs::remove_file(&temporary);
+    }
+    written
+}
+
+fn create_beside(folder: &Path, path: &Path) -> io::Result<(File, PathBuf)> {
+    let name = path
+        .file_name()
+        .ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the path has no file name"))?;
+    let process = std::process::id();
+    let mut attempt = 0;
+    loop {
+        let temporary = folder.join(format!(
+            ".{}.{process}-{attempt}.part",
+            name.to_string_lossy()
+        ));
+        match OpenOptions::new()
+            .write(true)
+            .create_new(true)
+            .open(&temporary)
+        {
+            Ok(file) => return Ok((file, temporary)),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < 99 => {
+                attempt += 1;
+            }
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+/// An analysis's name as the beginning of a file name: what some file system refuses becomes `_`.
+pub fn file_stem(analysis: &str) -> String {
+    let stem: String = analysis
+        .chars()
+        .map(|c| match c {
+            '/' | '\\' | ':' | '*' | '?' | '"' | '<' | '>' | '|' => '_',
+            c if c.is_control() => '_',
+            c => c,
+        })
+        .collect();
+    if stem.trim_matches(['.', ' ']).is_empty() {
+        "analysis".to_owned()
+    } else {
+        stem
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("eng-file-{name}-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        folder
+    }
+
+    #[test]
+    fn keeps_the_old_content_when_writing_fails() {
+        let folder = folder("keeps");
+        let path = folder.join("a.txt");
+        replace_file(&path, |f| f.write_all(b"old")).unwrap();
+        let failed = replace_file(&path, |f| {
+            f.write_all(b"ne")?;
+            Err(io::Error::other("disk full"))
+        });
+        assert_eq!(failed.unwrap_err().to_string(), "disk full");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
+        replace_file(&path, |f| f.write_all(b"new")).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn stems_are_file_names() {
+        assert_eq!(file_stem("sweep[3]"), "sweep[3]");
+        assert_eq!(file_stem("a/b:c"), "a_b_c");
+        assert_eq!(file_stem(".."), "analysis");
+    }
+}

@@ -1,0 +1,139 @@
+//! Results of an analysis in memory, and their way to files and back.
+//!
+//! May contain: columns of numbers with unit, dimension and frame. Must not contain: how they were computed.
+
+mod column;
+mod csv;
+mod dimension_text;
+mod file;
+mod parquet;
+
+pub use column::Column;
+pub use file::{file_stem, replace_file};
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Path of the column of time.
+pub const TIME: &str = "time";
+/// Path of the column of the unwrapped cycle angle.
+pub const CYCLE_ANGLE: &str = "cycle.angle";
+/// Path of the column of the cycle angle's rate.
+pub const CYCLE_SPEED: &str = "cycle.speed";
+
+/// Results that cannot be built, written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum ResultsError {
+    /// Two columns with one name.
+    #[error("there are two columns {0}")]
+    Duplicate(String),
+    /// A column of another length than the first.
+    #[error("column {path} has {length} values, the first column {expected}")]
+    Length {
+        /// The column.
+        path: String,
+        /// Its length.
+        length: usize,
+        /// The first column's length.
+        expected: usize,
+    },
+    /// The system refused.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The Parquet library refused.
+    #[error("{}: {message}", path.display())]
+    Parquet {
+        /// The file.
+        path: PathBuf,
+        /// What the library said.
+        message: String,
+    },
+    /// A Parquet file that was not written by [`Results::write_parquet`].
+    #[error("{}: {message}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What is missing.
+        message: String,
+    },
+}
+
+/// The columns of one analysis, all of one length, with what is known about the run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Results {
+    analysis: String,
+    model: String,
+    columns: Vec<Column>,
+    metadata: BTreeMap<String, String>,
+}
+
+impl Results {
+    /// Results without columns. Push [`Column::time`] first, then [`Column::cycle_angle`] and
+    /// [`Column::cycle_speed`] if the model has a cycle, then the channels.
+    pub fn new(analysis: impl Into<String>, model: impl Into<String>) -> Self {
+        Results {
+            analysis: analysis.into(),
+            model: model.into(),
+            columns: Vec::new(),
+            metadata: BTreeMap::new(),
+        }
+    }
+
+    /// Adds a column; its path must be new and its length that of the first.
+    pub fn push(&mut self, column: Column) -> Result<(), ResultsError> {
+        if self.column(&column.path).is_some() {
+            return Err(ResultsError::Duplicate(column.path));
+        }
+        if let Some(first) = self.columns.first()
+            && first.values.len() != column.values.len()
+        {
+            return Err(ResultsError::Length {
+                path: column.path,
+                length: column.values.len(),
+                expected: first.values.len(),
+            });
+        }
+        self.columns.push(column);
+        Ok(())
+    }
+
+    /// States something about the run: `source_hash`, `version`, `command`, `parameter.speed`.
+    pub fn set_metadata(&mut self, key: impl Into<String>, value: impl Into<String>) {
+        self.metadata.insert(key.into(), value.into());
+    }
+
+    /// The analysis: `unfired`, `sweep[3]`.
+    pub fn analysis(&self) -> &str {
+        &self.analysis
+    }
+
+    /// The model's name.
+    pub fn model(&self) -> &str {
+        &self.model
+    }
+
+    /// What is known about the run.
+    pub fn metadata(&self) -> &BTreeMap<String, String> {
+        &self.metadata
+    }
+
+    /// All columns in order.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// The column with this path.
+    pub fn column(&self, path: &str) -> Option<&Column> {
+        self.columns.iter().find(|column| column.path == path)
+    }
+
+    /// How many samples each column has.
+    pub fn samples(&self) -> usize {
+        self.columns.first().map_or(0, |column| column.values.len())
+    }
+}
