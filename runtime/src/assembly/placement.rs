@@ -1,0 +1,173 @@
+//! Placing bodies one by one along the joints that lead to placed ones.
+
+use super::closing::{bodies_of, close};
+use super::rows::{self, Rows};
+use super::{CLOSED, violated_branches};
+use crate::error::RuntimeError;
+use crate::model::Model;
+use crate::rotation::{M3, quaternion};
+use crate::state::State;
+
+/// The 24 rotations of a cube, the identity first.
+pub fn cube_rotations() -> Vec<M3> {
+    let mut found = Vec::new();
+    let axes = [
+        (0, 1, 2),
+        (1, 2, 0),
+        (2, 0, 1),
+        (0, 2, 1),
+        (1, 0, 2),
+        (2, 1, 0),
+    ];
+    for (x, y, z) in axes {
+        for signs in [
+            [1.0, 1.0, 1.0],
+            [1.0, -1.0, -1.0],
+            [-1.0, 1.0, -1.0],
+            [-1.0, -1.0, 1.0],
+            [-1.0, -1.0, -1.0],
+            [-1.0, 1.0, 1.0],
+            [1.0, -1.0, 1.0],
+            [1.0, 1.0, -1.0],
+        ] {
+            let mut m = M3::zeros();
+            m[(0, x)] = signs[0];
+            m[(1, y)] = signs[1];
+            m[(2, z)] = signs[2];
+            if m.determinant() > 0.0 {
+                found.push(m);
+            }
+        }
+    }
+    found
+}
+
+/// Places every body without a stated place that rows connect to placed bodies or ground. The order is that of most rows
+/// to what is placed, then of the bodies; bodies which nothing reaches keep their place and count as placed.
+pub fn place(
+    model: &Model,
+    elements: &[usize],
+    state: &mut State,
+    stated: &[bool],
+) -> Result<(), RuntimeError> {
+    let mut placed = stated.to_vec();
+    let cubes = cube_rotations();
+    loop {
+        let mut next: Option<(usize, usize)> = None;
+        for body in (0..model.bodies.len()).filter(|b| !placed[*b]) {
+            let rows: usize = connecting(model, elements, body, &placed)
+                .iter()
+                .map(|e| model.class(*e).rows.len())
+                .sum();
+            if rows > 0 && next.is_none_or(|(most, _)| rows > most) {
+                next = Some((rows, body));
+            }
+        }
+        let Some((_, body)) = next else {
+            // Nothing leads on: the first body that others could be placed from stands where it is.
+            match (0..model.bodies.len()).find(|b| !placed[*b]) {
+                Some(b) => {
+                    placed[b] = true;
+                    continue;
+                }
+                None => return Ok(()),
+            }
+        };
+        place_one(model, elements, body, &placed, &cubes, state)?;
+        placed[body] = true;
+    }
+}
+
+fn connecting(model: &Model, elements: &[usize], body: usize, placed: &[bool]) -> Vec<usize> {
+    elements
+        .iter()
+        .copied()
+        .filter(|e| {
+            let touched = bodies_of(model, *e);
+            touched.contains(&body) && touched.iter().all(|b| *b == body || placed[*b])
+        })
+        .collect()
+}
+
+fn place_one(
+    model: &Model,
+    elements: &[usize],
+    body: usize,
+    placed: &[bool],
+    cubes: &[M3],
+    state: &mut State,
+) -> Result<(), RuntimeError> {
+    let near = connecting(model, elements, body, placed);
+    let rows = Rows::new(model, near.clone());
+    let info = &model.bodies[body];
+    let mut mobility = vec![0.0; model.velocities];
+    mobility[info.velocity..info.velocity + info.width()].fill(1.0);
+    let mut best: Option<((bool, bool), f64, State)> = None;
+    let mut consider = |mut trial: State| -> Result<bool, RuntimeError> {
+        let size = close(model, &rows, &mobility, &mut trial, 40)?;
+        let open = !(size < CLOSED);
+        let wrong = !violated_branches(model, &near, &trial)?.is_empty();
+        let better = match &best {
+            None => true,
+            Some((key, least, _)) => {
+                (open, wrong) < *key
+                    || ((open, wrong) == *key && open && size < *least * (1.0 - 1e-6))
+            }
+        };
+        if better {
+            best = Some(((open, wrong), size, trial));
+        }
+        Ok(!open && !wrong)
+    };
+    let mut done = consider(state.clone())?;
+    'search: for e in &near {
+        if done {
+            break;
+        }
+        let markers = &model.elements[*e].markers;
+        let own = markers
+            .iter()
+            .find(|m| model.markers[**m].body == Some(body));
+        let partner = markers
+            .iter()
+            .find(|m| model.markers[**m].body != Some(body));
+        let (Some(own), Some(partner)) = (own, partner) else {
+            continue;
+        };
+        let target = rows::marker(model, *partner, &state.pose, &state.velocity);
+        let own = &model.markers[*own];
+        for cube in cubes {
+            let rotation = target.rotation * cube * own.orientation.transpose();
+            let position = target.position - rotation * own.position;
+            let mut trial = state.clone();
+            for i in 0..3 {
+                trial.pose[info.pose + i] = position[i];
+            }
+            trial.pose[info.pose + 3..info.pose + 7].copy_from_slice(&quaternion(&rotation));
+            done = consider(trial)?;
+            if done {
+                break 'search;
+            }
+        }
+    }
+    if let Some((_, _, found)) = best {
+        *state = found;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cube_has_24_rotations() {
+        let cubes = cube_rotations();
+        assert_eq!(cubes.len(), 24);
+        assert_eq!(cubes[0], M3::identity());
+        for (i, a) in cubes.iter().enumerate() {
+            assert!((a.determinant() - 1.0).abs() < 1e-15);
+            assert!(cubes[..i].iter().all(|b| b != a));
+        }
+    }
+}
