@@ -207,6 +207,38 @@ impl AccelerationSystem {
         self.accelerate(model, dynamics, state)
     }
 
+    /// The part of the state's velocity that misses the constraints, normal to them in the mass norm.
+    pub fn velocity_defect(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        state: &State,
+        moment: Moment,
+        out: &mut [f64],
+    ) -> Result<(), RuntimeError> {
+        dynamics.place(model, state.time, &state.pose, &state.velocity);
+        dynamics.gather(model, &state.states, &[], &state.rotations);
+        self.factor(model, dynamics, moment)?;
+        dynamics.velocity_level(model, &state.velocity)?;
+        let rates = std::mem::take(&mut dynamics.constraint_rates);
+        self.normal(model, &rates, out);
+        dynamics.constraint_rates = rates;
+        Ok(())
+    }
+
+    /// The smallest x in the mass norm with `G x = rates`, with the factors last made.
+    pub fn normal(&mut self, model: &Model, rates: &[f64], out: &mut [f64]) {
+        let n = model.velocities;
+        self.rhs[..n].fill(0.0);
+        for (i, rate) in rates.iter().enumerate() {
+            self.rhs[n + i] = rate * self.scales[n + i];
+        }
+        self.solve();
+        for i in 0..n {
+            out[i] = self.rhs[i] * self.scales[i];
+        }
+    }
+
     /// At the place, the gathered inputs (multipliers zero) and the factors of the state.
     fn accelerate(
         &mut self,

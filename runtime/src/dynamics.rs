@@ -375,20 +375,21 @@ impl Dynamics {
         total
     }
 
-    /// Power of all wrenches of the last evaluation, and the part of the constraints (W), of the loads first.
-    /// The part of the constraints is `−λᵀ G twist`, taken by one tangent along the motion.
+    /// Power of the loads and of the constraints on the bodies (W) at the last evaluation. With Φ̇ = 0 the constraints'
+    /// is `−λᵀ G twist = λᵀ Φ_t`: that of drives alone. The second form is taken, with `Φ_t = Φ̇ − G twist`, so that what
+    /// velocities miss the constraints by counts for nothing.
     pub fn powers(
         &mut self,
         model: &Model,
         multipliers: &[f64],
     ) -> Result<(f64, f64), RuntimeError> {
-        let (mut total, mut constraints) = (0.0, 0.0);
+        let (mut loads, mut constraints) = (0.0, 0.0);
         for element in model.elements.iter().filter(|e| e.dynamic) {
             for (k, marker) in element.markers.iter().enumerate() {
                 let m = &self.markers[*marker];
                 let w = &self.wrenches[element.wrench + 6 * k..element.wrench + 6 * k + 6];
                 for i in 0..3 {
-                    total += w[i] * m.velocity[i] + w[3 + i] * m.angular_velocity[i];
+                    loads += w[i] * m.velocity[i] + w[3 + i] * m.angular_velocity[i];
                 }
             }
         }
@@ -426,15 +427,20 @@ impl Dynamics {
                     &self.scratch.tape[..tape + directions],
                     &mut self.scratch.outputs[..length],
                 )?;
+                let along = &self.scratch.outputs[..rows];
+                let rates = &mut self.scratch.tangents[..2 * rows];
+                elements::call(model, batch.class, Function::Velocity, inputs, rates)?;
                 for lane in 0..batch.lanes(pair) {
                     let element = &model.elements[batch.pairs[pair][lane]];
                     for i in 0..rows {
-                        constraints -= multipliers[element.row + i] * self.scratch.outputs[i][lane];
+                        let multiplier = multipliers[element.row + i];
+                        loads += multiplier * along[i][lane];
+                        constraints += multiplier * (rates[i][lane] - along[i][lane]);
                     }
                 }
             }
         }
-        Ok((total - constraints, constraints))
+        Ok((loads, constraints))
     }
 }
 

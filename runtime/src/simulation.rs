@@ -7,7 +7,7 @@ use crate::control::{FixedGrid, StepSize};
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;
 use crate::error::{Moment, RuntimeError};
-use crate::integrator::{Integrator, Statistics, Trial};
+use crate::integrator::{Integrator, Statistics, Trial, constraints_along};
 use crate::linear::Pattern;
 use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
@@ -27,6 +27,8 @@ pub struct Options {
     /// Tolerance of Newton's iteration in scaled unknowns; `None`: 1e-4 of the position tolerance over the model's length, at most
     /// 1e-10.
     pub newton_tolerance: Option<f64>,
+    /// Largest step under error control (s): a load that comes by time is not overslept.
+    pub max_step: f64,
     /// Whether work is accumulated; one more evaluation a step.
     pub energy: bool,
 }
@@ -37,6 +39,7 @@ impl Default for Options {
             step: StepControl::Tolerance(1.0),
             rho_infinity: 0.8,
             newton_tolerance: None,
+            max_step: 0.01,
             energy: true,
         }
     }
@@ -260,7 +263,18 @@ impl Simulation {
         let jerk = rate(&ends[0].acceleration, &ends[1].acceleration);
         let multiplier_rate = rate(&ends[0].multipliers, &ends[1].multipliers);
         let state_jerk = rate(&ends[0].rates, &ends[1].rates);
-        self.integrator.start(&jerk, &multiplier_rate, &state_jerk);
+        // Back at the start itself: the normal part of its jerk.
+        self.system.accelerations(
+            &self.model,
+            &mut self.dynamics,
+            &mut self.integrator.current,
+            moment,
+        )?;
+        let mut rates = vec![0.0; self.model.rows];
+        constraints_along(&self.model, &mut self.dynamics, &jerk, &mut rates)?;
+        self.system.normal(&self.model, &rates, &mut self.work);
+        self.integrator
+            .start(&jerk, &self.work, &multiplier_rate, &state_jerk);
         if let StepControl::Tolerance(factor) = self.options.step {
             let error =
                 self.integrator.coefficients.error.abs() * largest(&jerk) * self.model.length
@@ -404,6 +418,16 @@ impl Simulation {
 
     fn trial(&mut self, h: f64, tolerance: Option<f64>) -> Result<Trial, RuntimeError> {
         let mut moment = self.moment();
+        if self.integrator.needs_defect(h) {
+            self.system.velocity_defect(
+                &self.model,
+                &mut self.dynamics,
+                &self.integrator.current,
+                moment,
+                &mut self.work,
+            )?;
+            self.integrator.set_defect(&self.work);
+        }
         moment.time += h;
         self.integrator
             .try_step(&self.model, &mut self.dynamics, h, tolerance, moment)
@@ -447,6 +471,7 @@ impl Simulation {
             let v = &self.integrator.current.velocity[b.velocity + 3..b.velocity + 6];
             w.max(V3::new(v[0], v[1], v[2]).norm())
         });
+        self.size.limit(self.options.max_step);
         if turning > 0.0 {
             self.size.limit(0.25 / turning);
         }
@@ -591,6 +616,32 @@ impl Simulation {
         self.complete()?;
         self.copy_channels(out)?;
         self.cycle_of_completed()
+    }
+
+    /// Values of all channels where the cycle has an angle (rad) within the last step; returns the time, cycle angle and rate.
+    ///
+    /// The projection of the output moves the angle by what the interpolation missed; the time is set right until the projected
+    /// state has the angle.
+    pub fn sample_at_angle(
+        &mut self,
+        angle: f64,
+        out: &mut [f64],
+    ) -> Result<(f64, [f64; 2]), RuntimeError> {
+        let (from, to) = (self.integrator.previous.time, self.integrator.current.time);
+        let mut time = self.locate_angle(angle)?;
+        for _ in 0..4 {
+            self.interpolate_at(time)?;
+            self.complete()?;
+            let [now, rate] = self.cycle_of_completed()?.ok_or(RuntimeError::NoCycle)?;
+            let miss = angle - now;
+            let next = (time + miss / rate).clamp(from, to);
+            if miss.abs() <= 1e-12 * angle.abs().max(1.0) || !next.is_finite() || next == time {
+                break;
+            }
+            time = next;
+        }
+        let cycle = self.sample_at(time, out)?;
+        Ok((time, cycle.ok_or(RuntimeError::NoCycle)?))
     }
 
     fn interpolate_at(&mut self, time: f64) -> Result<(), RuntimeError> {
@@ -839,11 +890,14 @@ impl Simulation {
             &i.multiplier_rate,
             &i.state_jerk,
             &i.state_peak,
+            &i.base_velocity,
+            &i.defect,
         ] {
             w.numbers(part);
         }
         w.numbers(i.state_scales(&self.model));
         w.number(i.auxiliary_step);
+        w.integer(u64::from(i.defect_known));
         let s = i.statistics;
         for count in [
             s.steps,
@@ -914,6 +968,8 @@ impl Simulation {
             &mut i.multiplier_rate,
             &mut i.state_jerk,
             &mut i.state_peak,
+            &mut i.base_velocity,
+            &mut i.defect,
         ] {
             r.numbers(part)?;
         }
@@ -922,6 +978,7 @@ impl Simulation {
         r.numbers(&mut scales)?;
         i.set_state_scales(&simulation.model, &scales);
         i.auxiliary_step = r.number()?;
+        i.defect_known = r.integer()? == 1;
         let s = &mut i.statistics;
         for count in [
             &mut s.steps,
@@ -977,6 +1034,12 @@ fn check(options: &Options) -> Result<(), RuntimeError> {
         StepControl::Fixed(h) => ("step", h),
         StepControl::Tolerance(factor) => ("tolerance", factor),
     };
+    if !(options.max_step > 0.0) {
+        return refuse(format!(
+            "the largest step is {}; it must be positive",
+            options.max_step
+        ));
+    }
     if !(value > 0.0 && value.is_finite()) {
         return refuse(format!("the {name} is {value}; it must be positive"));
     }

@@ -226,8 +226,15 @@ pub fn run_transient(
                     break;
                 }
             }
+            let (time, cycle) = match points {
+                Points::Time { .. } => (time, simulation.sample_at(time, &mut run.values)?),
+                Points::Angle { .. } => {
+                    let (time, cycle) =
+                        simulation.sample_at_angle(points.at(next), &mut run.values)?;
+                    (time, Some(cycle))
+                }
+            };
             next += 1;
-            let cycle = simulation.sample_at(time, &mut run.values)?;
             if run
                 .give(&simulation, time, cycle.map(|c| (c[0], c[1])))
                 .is_break()
@@ -238,7 +245,14 @@ pub fn run_transient(
         run.observer
             .progress(fraction.clamp(0.0, 1.0), simulation.cycle_angle());
         if let Some(end) = end {
-            let cycle = simulation.sample_at(end, &mut run.values)?;
+            let (end, cycle) = match transient.duration {
+                Extent::Time(_) => (end, simulation.sample_at(end, &mut run.values)?),
+                Extent::Angle(duration) => {
+                    let (time, cycle) =
+                        simulation.sample_at_angle(start + sense * duration, &mut run.values)?;
+                    (time, Some(cycle))
+                }
+            };
             let _ = run.give(&simulation, end, cycle.map(|c| (c[0], c[1])));
             return Ok(run.summary(&simulation, false));
         }

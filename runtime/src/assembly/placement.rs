@@ -50,8 +50,13 @@ pub fn place(
     state: &mut State,
     stated: &[bool],
 ) -> Result<(), RuntimeError> {
-    let mut placed = stated.to_vec();
     let cubes = cube_rotations();
+    // Stated bodies first obey what ties them to ground alone, say a start angle, from where they are stated.
+    let mut placed = vec![false; model.bodies.len()];
+    for body in (0..model.bodies.len()).filter(|b| stated[*b]) {
+        place_one(model, elements, body, &placed, &cubes, state)?;
+    }
+    placed.copy_from_slice(stated);
     loop {
         let mut next: Option<(usize, usize)> = None;
         for body in (0..model.bodies.len()).filter(|b| !placed[*b]) {
@@ -98,6 +103,9 @@ fn place_one(
     state: &mut State,
 ) -> Result<(), RuntimeError> {
     let near = connecting(model, elements, body, placed);
+    if near.is_empty() {
+        return Ok(());
+    }
     let rows = Rows::new(model, near.clone());
     let info = &model.bodies[body];
     let mut mobility = vec![0.0; model.velocities];

@@ -220,7 +220,7 @@ fn touch_ends_a_run_and_advice_comes_once() {
         duration: Extent::Time(1.0),
         ..t
     };
-    let error = run_transient(&falling(0.4), &[], &t, &mut record, None).unwrap_err();
+    let error = run_transient(&falling(0.4), &[], &t, &mut Record::default(), None).unwrap_err();
     let RuntimeError::Require {
         origin,
         message,
