@@ -40,7 +40,11 @@ impl AccelerationSystem {
         for element in model.elements.iter().filter(|e| e.dynamic) {
             let count = model.compiled.system.classes[element.class].rows.len();
             let rows = model.velocities + element.row..model.velocities + element.row + count;
-            for b in element.markers.iter().filter_map(|m| model.markers[*m].body) {
+            for b in element
+                .markers
+                .iter()
+                .filter_map(|m| model.markers[*m].body)
+            {
                 let body = &model.bodies[b];
                 let range = body.velocity..body.velocity + body.width();
                 builder.reserve(rows.clone(), range.clone());
@@ -53,7 +57,9 @@ impl AccelerationSystem {
             .iter()
             .map(|b| pattern.block(b.velocity, b.velocity..b.velocity + b.width()))
             .collect();
-        let solver = SparseLu::new(&pattern).map_err(|e| RuntimeError::Malformed { what: e.to_string() })?;
+        let solver = SparseLu::new(&pattern).map_err(|e| RuntimeError::Malformed {
+            what: e.to_string(),
+        })?;
         let mut scales = model.velocity_scales();
         scales.extend(model.row_scales().iter().map(|s| 1.0 / s));
         let width = model.bodies.iter().map(|b| b.width()).max().unwrap_or(0);
@@ -71,14 +77,23 @@ impl AccelerationSystem {
     }
 
     /// Factors at the place of `dynamics`, whose gradients are taken anew.
-    fn factor(&mut self, model: &Model, dynamics: &mut Dynamics, moment: Moment) -> Result<(), RuntimeError> {
+    fn factor(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        moment: Moment,
+    ) -> Result<(), RuntimeError> {
         dynamics.constraint_gradients(model)?;
         self.values.fill(0.0);
         for ((body, frame), block) in model.bodies.iter().zip(&dynamics.frames).zip(&self.bodies) {
             let mass = &mut self.mass[..body.width() * body.width()];
             mass.fill(0.0);
             body.add_mass(frame, mass);
-            block.add(&mut self.values, mass, 1.0 / (model.mass * model.length * model.length));
+            block.add(
+                &mut self.values,
+                mass,
+                1.0 / (model.mass * model.length * model.length),
+            );
         }
         let offset = model.velocities;
         let (pattern, values) = (&self.pattern, &mut self.values);
@@ -122,17 +137,27 @@ impl AccelerationSystem {
             dynamics.place(model, state.time, &state.pose, &state.velocity);
             dynamics.gather(model, &state.states, &[], &state.rotations);
             dynamics.evaluate(model)?;
-            let worst = dynamics.constraints.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+            let worst = dynamics
+                .constraints
+                .iter()
+                .fold(0.0_f64, |w, x| w.max(x.abs()));
             self.factor(model, dynamics, moment)?;
             if worst <= POSITION_GOAL || (attempt >= 3 && worst <= POSITION_LIMIT) {
                 break;
             }
             if attempt == 7 {
-                let row = dynamics
-                    .constraints
-                    .iter()
-                    .enumerate()
-                    .fold((0, 0.0_f64), |best, (i, x)| if x.abs() > best.1.abs() { (i, *x) } else { best });
+                let row =
+                    dynamics
+                        .constraints
+                        .iter()
+                        .enumerate()
+                        .fold((0, 0.0_f64), |best, (i, x)| {
+                            if x.abs() > best.1.abs() {
+                                (i, *x)
+                            } else {
+                                best
+                            }
+                        });
                 if let Some((element, local)) = model.row_owner(row.0) {
                     return Err(RuntimeError::Projection {
                         moment,
@@ -182,8 +207,45 @@ impl AccelerationSystem {
         self.accelerate(model, dynamics, state)
     }
 
+    /// The part of the state's velocity that misses the constraints, normal to them in the mass norm.
+    pub fn velocity_defect(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        state: &State,
+        moment: Moment,
+        out: &mut [f64],
+    ) -> Result<(), RuntimeError> {
+        dynamics.place(model, state.time, &state.pose, &state.velocity);
+        dynamics.gather(model, &state.states, &[], &state.rotations);
+        self.factor(model, dynamics, moment)?;
+        dynamics.velocity_level(model, &state.velocity)?;
+        let rates = std::mem::take(&mut dynamics.constraint_rates);
+        self.normal(model, &rates, out);
+        dynamics.constraint_rates = rates;
+        Ok(())
+    }
+
+    /// The smallest x in the mass norm with `G x = rates`, with the factors last made.
+    pub fn normal(&mut self, model: &Model, rates: &[f64], out: &mut [f64]) {
+        let n = model.velocities;
+        self.rhs[..n].fill(0.0);
+        for (i, rate) in rates.iter().enumerate() {
+            self.rhs[n + i] = rate * self.scales[n + i];
+        }
+        self.solve();
+        for i in 0..n {
+            out[i] = self.rhs[i] * self.scales[i];
+        }
+    }
+
     /// At the place, the gathered inputs (multipliers zero) and the factors of the state.
-    fn accelerate(&mut self, model: &Model, dynamics: &mut Dynamics, state: &mut State) -> Result<(), RuntimeError> {
+    fn accelerate(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        state: &mut State,
+    ) -> Result<(), RuntimeError> {
         let n = model.velocities;
         dynamics.evaluate(model)?;
         dynamics.velocity_level(model, &state.velocity)?;

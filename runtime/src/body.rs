@@ -98,7 +98,14 @@ impl BodyModel {
 
     /// Adds `M v̇ − Q_v − Q_g` (N, N m in body axes), from the virtual power of `m ẍ` over the body:
     /// force `m (r̈ + A(ω̇×c + ω×(ω×c)) − g)`, torque about the origin `J ω̇ + ω×Jω + m c×Aᵀ(r̈ − g)`.
-    pub fn add_inertia(&self, frame: &BodyFrame, v: &[f64], rate: &[f64], gravity: &V3, out: &mut [f64]) {
+    pub fn add_inertia(
+        &self,
+        frame: &BodyFrame,
+        v: &[f64],
+        rate: &[f64],
+        gravity: &V3,
+        out: &mut [f64],
+    ) {
         match &self.kind {
             BodyKind::Rigid(b) => {
                 let omega = vector(&v[3..]);
@@ -156,9 +163,16 @@ impl BodyModel {
                 let c = skew(&b.center);
                 let w = skew(&omega);
                 let coupling = a * c * b.mass;
-                put(out, width, 0, 0, &(M3::identity() * (b.mass * weights.acceleration)));
+                put(
+                    out,
+                    width,
+                    0,
+                    0,
+                    &(M3::identity() * (b.mass * weights.acceleration)),
+                );
                 let by_omega = a * (skew(&omega.cross(&b.center)) + w * c) * (-b.mass);
-                let centre_acceleration = alpha.cross(&b.center) + omega.cross(&omega.cross(&b.center));
+                let centre_acceleration =
+                    alpha.cross(&b.center) + omega.cross(&omega.cross(&b.center));
                 let by_turn = a * skew(&centre_acceleration) * (-b.mass) * turn;
                 put(
                     out,
@@ -167,7 +181,13 @@ impl BodyModel {
                     3,
                     &(coupling * (-weights.acceleration) + by_omega * weights.velocity + by_turn),
                 );
-                put(out, width, 3, 0, &(coupling.transpose() * (-weights.acceleration)));
+                put(
+                    out,
+                    width,
+                    3,
+                    0,
+                    &(coupling.transpose() * (-weights.acceleration)),
+                );
                 let gyroscopic = w * b.inertia - skew(&(b.inertia * omega));
                 let by_turn = c * skew(&(a.transpose() * acceleration)) * b.mass * turn;
                 put(

@@ -39,14 +39,20 @@ pub fn ground(marker: &MarkerModel) -> MarkerKinematics {
 }
 
 /// Pose and twist of a marker on a body with the velocities `v` of that body.
-pub fn kinematics(body: &BodyModel, frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> MarkerKinematics {
+pub fn kinematics(
+    body: &BodyModel,
+    frame: &BodyFrame,
+    marker: &MarkerModel,
+    v: &[f64],
+) -> MarkerKinematics {
     match &body.kind {
         BodyKind::Rigid(_) => {
             let omega = V3::new(v[3], v[4], v[5]);
             MarkerKinematics {
                 position: frame.position + frame.rotation * marker.position,
                 rotation: frame.rotation * marker.orientation,
-                velocity: V3::new(v[0], v[1], v[2]) + frame.rotation * omega.cross(&marker.position),
+                velocity: V3::new(v[0], v[1], v[2])
+                    + frame.rotation * omega.cross(&marker.position),
                 angular_velocity: marker.orientation.transpose() * omega,
             }
         }
@@ -72,7 +78,13 @@ pub fn jacobian(body: &BodyModel, frame: &BodyFrame, marker: &MarkerModel, out: 
 }
 
 /// `∂(J v)/∂q` for frozen v, row-major 6 × width, written: `δẋ = A (δπ × (ω × s))`.
-pub fn twist_by_pose(body: &BodyModel, frame: &BodyFrame, marker: &MarkerModel, v: &[f64], out: &mut [f64]) {
+pub fn twist_by_pose(
+    body: &BodyModel,
+    frame: &BodyFrame,
+    marker: &MarkerModel,
+    v: &[f64],
+    out: &mut [f64],
+) {
     let width = body.width();
     match &body.kind {
         BodyKind::Rigid(_) => {
@@ -90,7 +102,13 @@ pub fn twist_by_pose(body: &BodyModel, frame: &BodyFrame, marker: &MarkerModel, 
 
 /// `∂(Jᵀ W)/∂q` for a frozen wrench (force inertial, torque marker axes), row-major width × width, written:
 /// the torque `s × AᵀF` turns as `s~ (AᵀF)~ δπ`.
-pub fn force_by_pose(body: &BodyModel, frame: &BodyFrame, marker: &MarkerModel, wrench: &[f64], out: &mut [f64]) {
+pub fn force_by_pose(
+    body: &BodyModel,
+    frame: &BodyFrame,
+    marker: &MarkerModel,
+    wrench: &[f64],
+    out: &mut [f64],
+) {
     let width = body.width();
     match &body.kind {
         BodyKind::Rigid(_) => {
@@ -107,7 +125,12 @@ pub fn force_by_pose(body: &BodyModel, frame: &BodyFrame, marker: &MarkerModel, 
 }
 
 /// `J̇ v`: acceleration of the marker (ẍ inertial m/s², ω̇ in marker axes rad/s²) at `v̇ = 0`.
-pub fn acceleration_bias(body: &BodyModel, frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> [f64; 6] {
+pub fn acceleration_bias(
+    body: &BodyModel,
+    frame: &BodyFrame,
+    marker: &MarkerModel,
+    v: &[f64],
+) -> [f64; 6] {
     match &body.kind {
         BodyKind::Rigid(_) => {
             let omega = V3::new(v[3], v[4], v[5]);

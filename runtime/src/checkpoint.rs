@@ -11,7 +11,9 @@ const MAGIC: &[u8; 8] = b"ENGCHECK";
 pub const VERSION: u32 = 1;
 
 fn refuse(reason: impl Into<String>) -> RuntimeError {
-    RuntimeError::Checkpoint { reason: reason.into() }
+    RuntimeError::Checkpoint {
+        reason: reason.into(),
+    }
 }
 
 /// FNV-1a, 64 bits (Fowler, Noll, Vo).
@@ -75,7 +77,9 @@ impl<'a> Reader<'a> {
     /// Checks header and sum.
     pub fn new(bytes: &'a [u8], fingerprint: u64) -> Result<Reader<'a>, RuntimeError> {
         if bytes.len() < 28 || &bytes[..8] != MAGIC {
-            return Err(refuse("these bytes are no checkpoint, or only the begin of one"));
+            return Err(refuse(
+                "these bytes are no checkpoint, or only the begin of one",
+            ));
         }
         let mut version = [0; 4];
         version.copy_from_slice(&bytes[8..12]);
@@ -90,7 +94,9 @@ impl<'a> Reader<'a> {
         if fnv(content.iter().copied()) != stated {
             return Err(refuse("it is truncated or damaged"));
         }
-        let mut reader = Reader { rest: &content[12..] };
+        let mut reader = Reader {
+            rest: &content[12..],
+        };
         if reader.integer()? != fingerprint {
             return Err(refuse("it belongs to another model or other parameters"));
         }

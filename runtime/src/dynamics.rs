@@ -62,7 +62,9 @@ fn matrix_size(model: &Model) -> usize {
 impl Dynamics {
     /// Room for a model.
     pub fn new(model: &Model) -> Dynamics {
-        let dynamic: Vec<usize> = (0..model.elements.len()).filter(|e| model.elements[*e].dynamic).collect();
+        let dynamic: Vec<usize> = (0..model.elements.len())
+            .filter(|e| model.elements[*e].dynamic)
+            .collect();
         let mut jacobian_at = Vec::with_capacity(model.markers.len());
         let mut total = 0;
         for marker in &model.markers {
@@ -108,7 +110,12 @@ impl Dynamics {
                 None => self.markers[index] = chain::ground(marker),
                 Some(b) => {
                     let body = &model.bodies[b];
-                    self.markers[index] = chain::kinematics(body, &self.frames[b], marker, &velocity[body.velocity..]);
+                    self.markers[index] = chain::kinematics(
+                        body,
+                        &self.frames[b],
+                        marker,
+                        &velocity[body.velocity..],
+                    );
                     let at = self.jacobian_at[index];
                     chain::jacobian(
                         body,
@@ -122,7 +129,13 @@ impl Dynamics {
     }
 
     /// Gathers the inputs of the dynamic elements.
-    pub fn gather(&mut self, model: &Model, states: &[f64], multipliers: &[f64], rotations: &[f64]) {
+    pub fn gather(
+        &mut self,
+        model: &Model,
+        states: &[f64],
+        multipliers: &[f64],
+        rotations: &[f64],
+    ) {
         let from = Inputs {
             time: self.time,
             markers: &self.markers,
@@ -147,7 +160,13 @@ impl Dynamics {
             let length = layout.residual_len() as usize;
             for pair in 0..batch.pairs.len() {
                 let out = &mut self.scratch.outputs[..length];
-                elements::call(model, batch.class, Function::Residual, batch.inputs(pair), out)?;
+                elements::call(
+                    model,
+                    batch.class,
+                    Function::Residual,
+                    batch.inputs(pair),
+                    out,
+                )?;
                 for lane in 0..batch.lanes(pair) {
                     let index = batch.pairs[pair][lane];
                     let element = &model.elements[index];
@@ -192,7 +211,13 @@ impl Dynamics {
     }
 
     /// `out += M v̇ − Q_v − Q_g`.
-    pub fn add_inertia(&self, model: &Model, velocity: &[f64], acceleration: &[f64], out: &mut [f64]) {
+    pub fn add_inertia(
+        &self,
+        model: &Model,
+        velocity: &[f64],
+        acceleration: &[f64],
+        out: &mut [f64],
+    ) {
         for (body, frame) in model.bodies.iter().zip(&self.frames) {
             let range = body.velocity..body.velocity + body.width();
             body.add_inertia(
@@ -215,7 +240,13 @@ impl Dynamics {
             }
             for pair in 0..batch.pairs.len() {
                 let out = &mut self.scratch.outputs[..2 * rows];
-                elements::call(model, batch.class, Function::Velocity, batch.inputs(pair), out)?;
+                elements::call(
+                    model,
+                    batch.class,
+                    Function::Velocity,
+                    batch.inputs(pair),
+                    out,
+                )?;
                 for lane in 0..batch.lanes(pair) {
                     let index = batch.pairs[pair][lane];
                     let element = &model.elements[index];
@@ -263,7 +294,13 @@ impl Dynamics {
             let columns = 6 * layout.markers as usize;
             let length = layout.residual_len() as usize;
             for pair in 0..batch.pairs.len() {
-                elements::differentiate(model, batch, pair, std::slice::from_ref(&(0..columns)), &mut self.scratch)?;
+                elements::differentiate(
+                    model,
+                    batch,
+                    pair,
+                    std::slice::from_ref(&(0..columns)),
+                    &mut self.scratch,
+                )?;
                 for lane in 0..batch.lanes(pair) {
                     let index = batch.pairs[pair][lane];
                     let at = model.elements[index].gradient;
@@ -313,7 +350,10 @@ impl Dynamics {
                     line.fill(0.0);
                     for d in 0..6 {
                         let g = self.gradients[element.gradient + i * columns + 6 * k + d];
-                        for (x, j) in line.iter_mut().zip(&self.jacobians[at + d * width..at + (d + 1) * width]) {
+                        for (x, j) in line
+                            .iter_mut()
+                            .zip(&self.jacobians[at + d * width..at + (d + 1) * width])
+                        {
                             *x += g * j;
                         }
                     }
@@ -327,23 +367,29 @@ impl Dynamics {
     pub fn energy(&self, model: &Model, velocity: &[f64]) -> (f64, f64) {
         let mut total = (0.0, 0.0);
         for (body, frame) in model.bodies.iter().zip(&self.frames) {
-            let (kinetic, potential) = body.energy(frame, &velocity[body.velocity..], &model.gravity);
+            let (kinetic, potential) =
+                body.energy(frame, &velocity[body.velocity..], &model.gravity);
             total.0 += kinetic;
             total.1 += potential;
         }
         total
     }
 
-    /// Power of all wrenches of the last evaluation, and the part of the constraints (W), of the loads first.
-    /// The part of the constraints is `−λᵀ G twist`, taken by one tangent along the motion.
-    pub fn powers(&mut self, model: &Model, multipliers: &[f64]) -> Result<(f64, f64), RuntimeError> {
-        let (mut total, mut constraints) = (0.0, 0.0);
+    /// Power of the loads and of the constraints on the bodies (W) at the last evaluation. With Φ̇ = 0 the constraints'
+    /// is `−λᵀ G twist = λᵀ Φ_t`: that of drives alone. The second form is taken, with `Φ_t = Φ̇ − G twist`, so that what
+    /// velocities miss the constraints by counts for nothing.
+    pub fn powers(
+        &mut self,
+        model: &Model,
+        multipliers: &[f64],
+    ) -> Result<(f64, f64), RuntimeError> {
+        let (mut loads, mut constraints) = (0.0, 0.0);
         for element in model.elements.iter().filter(|e| e.dynamic) {
             for (k, marker) in element.markers.iter().enumerate() {
                 let m = &self.markers[*marker];
                 let w = &self.wrenches[element.wrench + 6 * k..element.wrench + 6 * k + 6];
                 for i in 0..3 {
-                    total += w[i] * m.velocity[i] + w[3 + i] * m.angular_velocity[i];
+                    loads += w[i] * m.velocity[i] + w[3 + i] * m.angular_velocity[i];
                 }
             }
         }
@@ -370,7 +416,8 @@ impl Dynamics {
                 for k in 0..layout.markers {
                     let at = layout.marker(k) as usize + 12;
                     for i in 0..6 {
-                        self.scratch.tape[tape + layout.pose_direction(k) as usize + i] = inputs[at + i];
+                        self.scratch.tape[tape + layout.pose_direction(k) as usize + i] =
+                            inputs[at + i];
                     }
                 }
                 elements::call(
@@ -380,15 +427,20 @@ impl Dynamics {
                     &self.scratch.tape[..tape + directions],
                     &mut self.scratch.outputs[..length],
                 )?;
+                let along = &self.scratch.outputs[..rows];
+                let rates = &mut self.scratch.tangents[..2 * rows];
+                elements::call(model, batch.class, Function::Velocity, inputs, rates)?;
                 for lane in 0..batch.lanes(pair) {
                     let element = &model.elements[batch.pairs[pair][lane]];
                     for i in 0..rows {
-                        constraints -= multipliers[element.row + i] * self.scratch.outputs[i][lane];
+                        let multiplier = multipliers[element.row + i];
+                        loads += multiplier * along[i][lane];
+                        constraints += multiplier * (rates[i][lane] - along[i][lane]);
                     }
                 }
             }
         }
-        Ok((total - constraints, constraints))
+        Ok((loads, constraints))
     }
 }
 
@@ -448,7 +500,8 @@ impl MatrixPlan {
             let element = &model.elements[index];
             let layout = model.compiled.system.classes[element.class].layout;
             let rows = rows_at + element.row..rows_at + element.row + layout.rows as usize;
-            let states = states_at + element.state..states_at + element.state + layout.states as usize;
+            let states =
+                states_at + element.state..states_at + element.state + layout.states as usize;
             (rows, states)
         };
         let loads = |index: usize| {
@@ -486,7 +539,9 @@ impl MatrixPlan {
                 for m in &element.markers {
                     for n in &element.markers {
                         let block = match (body_range(*m), body_range(*n)) {
-                            (Some(i), Some(j)) if loads(index) => Some(table.find(&pattern, i.start, j)),
+                            (Some(i), Some(j)) if loads(index) => {
+                                Some(table.find(&pattern, i.start, j))
+                            }
                             _ => None,
                         };
                         plan.force.push(block);
@@ -510,7 +565,9 @@ impl MatrixPlan {
             }
             plans.push(plan);
         }
-        let diagonal = (0..size).map(|i| pattern.block(i, i..i + 1).starts[0]).collect();
+        let diagonal = (0..size)
+            .map(|i| pattern.block(i, i..i + 1).starts[0])
+            .collect();
         MatrixPlan {
             pattern,
             table,
@@ -567,7 +624,13 @@ impl MatrixPlan {
             pose.copy_from_slice(&dynamics.jacobians[range.clone()]);
             chain::turn_columns(pose, 6, width, &t);
             let twist = &mut dynamics.twist_columns[range.clone()];
-            chain::twist_by_pose(body, &dynamics.frames[b], marker, &velocity[body.velocity..], twist);
+            chain::twist_by_pose(
+                body,
+                &dynamics.frames[b],
+                marker,
+                &velocity[body.velocity..],
+                twist,
+            );
             chain::turn_columns(twist, 6, width, &t);
             for (x, j) in twist.iter_mut().zip(&dynamics.jacobians[range]) {
                 *x += weights.velocity * j;
@@ -595,7 +658,11 @@ impl MatrixPlan {
             let states = layout.states as usize;
             let length = layout.residual_len() as usize;
             let poses = 0..6 * count;
-            let twists = if class.uses_twist { 6 * count..12 * count } else { 0..0 };
+            let twists = if class.uses_twist {
+                6 * count..12 * count
+            } else {
+                0..0
+            };
             let own = 12 * count..12 * count + states;
             for pair in 0..batch.pairs.len() {
                 elements::differentiate(
@@ -609,7 +676,9 @@ impl MatrixPlan {
                     let index = batch.pairs[pair][lane];
                     let element = &model.elements[index];
                     let plan = &self.elements[index];
-                    let tangent = |direction: usize, output: usize| scratch.tangents[direction * length + output][lane];
+                    let tangent = |direction: usize, output: usize| {
+                        scratch.tangents[direction * length + output][lane]
+                    };
                     for (j, marker) in element.markers.iter().enumerate() {
                         let Some(b) = model.markers[*marker].body else {
                             continue;
@@ -624,7 +693,9 @@ impl MatrixPlan {
                             for o in 0..length {
                                 let g = tangent(6 * j + d, o);
                                 if g != 0.0 {
-                                    for (x, p) in columns[o * width..(o + 1) * width].iter_mut().zip(pose) {
+                                    for (x, p) in
+                                        columns[o * width..(o + 1) * width].iter_mut().zip(pose)
+                                    {
                                         *x += g * p;
                                     }
                                 }
@@ -634,7 +705,10 @@ impl MatrixPlan {
                                 for o in rows..length {
                                     let g = tangent(6 * count + 6 * j + d, o);
                                     if g != 0.0 {
-                                        for (x, p) in columns[o * width..(o + 1) * width].iter_mut().zip(twist) {
+                                        for (x, p) in columns[o * width..(o + 1) * width]
+                                            .iter_mut()
+                                            .zip(twist)
+                                        {
                                             *x += g * p;
                                         }
                                     }
@@ -645,12 +719,16 @@ impl MatrixPlan {
                             return Err(not_finite(model, index, *time));
                         }
                         if let Some((by_body, _)) = plan.constraint[j] {
-                            self.table.get(by_body).add(values, &columns[..rows * width], 1.0);
-                        }
-                        if let Some((by_body, _)) = plan.state[j] {
                             self.table
                                 .get(by_body)
-                                .add(values, &columns[(rows + 6 * count) * width..], -1.0);
+                                .add(values, &columns[..rows * width], 1.0);
+                        }
+                        if let Some((by_body, _)) = plan.state[j] {
+                            self.table.get(by_body).add(
+                                values,
+                                &columns[(rows + 6 * count) * width..],
+                                -1.0,
+                            );
                         }
                         for (i, other) in element.markers.iter().enumerate() {
                             let Some(place) = plan.force[i * count + j] else {
@@ -664,11 +742,14 @@ impl MatrixPlan {
                             let block = &mut block[..height * width];
                             block.fill(0.0);
                             for d in 0..6 {
-                                let wrench = &columns[(rows + 6 * i + d) * width..(rows + 6 * i + d + 1) * width];
+                                let wrench = &columns
+                                    [(rows + 6 * i + d) * width..(rows + 6 * i + d + 1) * width];
                                 let jacobian = &jacobians[to + d * height..to + (d + 1) * height];
                                 for (r, g) in jacobian.iter().enumerate() {
                                     if *g != 0.0 {
-                                        for (x, w) in block[r * width..(r + 1) * width].iter_mut().zip(wrench) {
+                                        for (x, w) in
+                                            block[r * width..(r + 1) * width].iter_mut().zip(wrench)
+                                        {
                                             *x += g * w;
                                         }
                                     }
@@ -687,7 +768,11 @@ impl MatrixPlan {
                                 block,
                             );
                             let v = model.bodies[b].velocity + 3;
-                            let t = crate::rotation::tangent(&V3::new(increment[v], increment[v + 1], increment[v + 2]));
+                            let t = crate::rotation::tangent(&V3::new(
+                                increment[v],
+                                increment[v + 1],
+                                increment[v + 2],
+                            ));
                             chain::turn_columns(block, width, width, &t);
                             self.table.get(place).add(values, block, -1.0);
                         }
@@ -727,7 +812,8 @@ impl MatrixPlan {
                         let block = &mut block[..states * states];
                         for r in 0..states {
                             for s in 0..states {
-                                block[r * states + s] = tangent(12 * count + s, rows + 6 * count + r);
+                                block[r * states + s] =
+                                    tangent(12 * count + s, rows + 6 * count + r);
                             }
                         }
                         if block.iter().any(|x| !x.is_finite()) {

@@ -64,7 +64,11 @@ pub fn batches(model: &Model, elements: &[usize], outputs: bool) -> Vec<Batch> {
             continue;
         }
         let layout = &class.layout;
-        let stride = if outputs { layout.outputs_len() } else { layout.len() } as usize;
+        let stride = if outputs {
+            layout.outputs_len()
+        } else {
+            layout.len()
+        } as usize;
         let pairs: Vec<[usize; 2]> = members
             .chunks(2)
             .map(|c| [c[0], *c.last().unwrap_or(&c[0])])
@@ -110,7 +114,12 @@ pub fn gather(model: &Model, batch: &mut Batch, from: &Inputs) {
         for (lane, index) in pair.iter().enumerate() {
             let element = &model.elements[*index];
             for (k, marker) in element.markers.iter().enumerate() {
-                write_marker(inputs, layout.marker(k as u32) as usize, lane, &from.markers[*marker]);
+                write_marker(
+                    inputs,
+                    layout.marker(k as u32) as usize,
+                    lane,
+                    &from.markers[*marker],
+                );
             }
             for k in 0..layout.states {
                 inputs[layout.state(k) as usize][lane] = from.states[element.state + k as usize];

@@ -141,7 +141,9 @@ pub enum RuntimeError {
         groups: Vec<RedundantGroup>,
     },
     /// The system of accelerations has no unique solution.
-    #[error("the accelerations are not determined at {moment}: a movable body has no mass or inertia, or the mechanism is locked")]
+    #[error(
+        "the accelerations are not determined at {moment}: a movable body has no mass or inertia, or the mechanism is locked"
+    )]
     Singular {
         /// When.
         moment: Moment,
@@ -193,7 +195,10 @@ pub enum RuntimeError {
         value: f64,
     },
     /// An output position or velocity does not come back to the constraints.
-    #[error("the output at {moment} cannot be projected on the constraints: {}", gaps(std::slice::from_ref(row)))]
+    #[error(
+        "the output at {moment} cannot be projected on the constraints: {}",
+        gaps(std::slice::from_ref(row))
+    )]
     Projection {
         /// When.
         moment: Moment,

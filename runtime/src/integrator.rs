@@ -13,7 +13,8 @@
 //! `α_m = (3ρ − 1)/(2(ρ + 1))`, `γ = ½ + α_f − α_m`, so that rates are taken at the same instant.
 //!
 //! `a` belongs to the instant `t + (α_m − α_f) h`. Hence `a₀ = v̇₀ + (α_m − α_f) h v̈₀`, and after a change of the step
-//! `a ← v̇ + (h_new/h_old)(a − v̇)`; else second order is lost.
+//! `a ← v̇ + (h_new/h_old)(a − v̇)`; else second order is lost. For λ the velocity's off-constraint part follows as well, with
+//! h²: see [`Integrator::set_defect`].
 //!
 //! **Unknowns and scaling** (Bottasso, Dopico, Trainelli 2008): u in units of the model's length L (angles: 1), states in
 //! their magnitude, `λ̂ = βh²λ/(m L²)`; dynamic rows by βh²; lengths among the constraints by L. The condition of the matrix
@@ -44,6 +45,8 @@ const ITERATION_LIMIT: usize = 14;
 const BACKTRACK_LIMIT: usize = 12;
 /// Change of the scaled unknowns that is rounding.
 const ROUNDING: f64 = 2e-14;
+/// Change below which an iteration that does not contract with a fresh matrix has come to rounding.
+const STAGNATION: f64 = 1e-11;
 
 /// Coefficients of the scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,6 +146,12 @@ pub struct Integrator {
     pub auxiliary: Vec<f64>,
     /// Auxiliary rates of the states.
     pub state_auxiliary: Vec<f64>,
+    /// The current velocity without, and only, the part that misses the constraints; see [`Integrator::set_defect`].
+    pub base_velocity: Vec<f64>,
+    /// See `base_velocity`.
+    pub defect: Vec<f64>,
+    /// Whether the two above belong to the current state.
+    pub defect_known: bool,
     /// The step `auxiliary` belongs to (s).
     pub auxiliary_step: f64,
     /// Rates of v̇, λ and ẏ for the predictor.
@@ -163,8 +172,9 @@ pub struct Integrator {
     /// The step of the kept factors; `None` where there are none.
     factored_step: Option<f64>,
     /// Contraction that the kept factors showed.
-    contraction: f64,
+    contraction: Option<f64>,
     trial: Vec<f64>,
+    start_velocity: Vec<f64>,
     start_auxiliary: Vec<f64>,
     start_state_auxiliary: Vec<f64>,
     next_auxiliary: Vec<f64>,
@@ -186,7 +196,9 @@ impl Integrator {
         newton_tolerance: f64,
     ) -> Result<Integrator, RuntimeError> {
         let plan = MatrixPlan::new(model);
-        let solver = SparseLu::new(&plan.pattern).map_err(|e| RuntimeError::Malformed { what: e.to_string() })?;
+        let solver = SparseLu::new(&plan.pattern).map_err(|e| RuntimeError::Malformed {
+            what: e.to_string(),
+        })?;
         let size = plan.pattern.size;
         let mut scales = model.velocity_scales();
         scales.extend(start.states.iter().map(|y| y.abs().max(1.0)));
@@ -200,6 +212,9 @@ impl Integrator {
             increment: vec![0.0; model.velocities],
             auxiliary: start.acceleration.clone(),
             state_auxiliary: start.rates.clone(),
+            base_velocity: start.velocity.clone(),
+            defect: vec![0.0; model.velocities],
+            defect_known: false,
             auxiliary_step: 1.0,
             jerk: vec![0.0; model.velocities],
             multiplier_rate: vec![0.0; model.rows],
@@ -211,8 +226,9 @@ impl Integrator {
             plan,
             solver: Box::new(solver),
             factored_step: None,
-            contraction: 1.0,
+            contraction: None,
             trial: vec![0.0; size],
+            start_velocity: vec![0.0; model.velocities],
             start_auxiliary: vec![0.0; model.velocities],
             start_state_auxiliary: vec![0.0; model.states],
             next_auxiliary: vec![0.0; model.velocities],
@@ -226,19 +242,50 @@ impl Integrator {
         })
     }
 
-    /// Starts `a` with the rate of the accelerations: `a₀ = v̇₀ + (α_m − α_f) h v̈₀`, kept for h = 1 s and rescaled to each step.
-    pub fn start(&mut self, jerk: &[f64], multiplier_rate: &[f64], state_jerk: &[f64]) {
+    /// Starts `a` with the rate of the accelerations, `a₀ = v̇₀ + (α_m − α_f) h v̈₀`, and v with its off-constraint part, both
+    /// kept for h = 1 s and rescaled to each step. `normal_jerk` is the part of v̈₀ normal to the constraints.
+    pub fn start(
+        &mut self,
+        jerk: &[f64],
+        normal_jerk: &[f64],
+        multiplier_rate: &[f64],
+        state_jerk: &[f64],
+    ) {
         let c = self.coefficients;
         self.jerk.copy_from_slice(jerk);
         self.multiplier_rate.copy_from_slice(multiplier_rate);
         self.state_jerk.copy_from_slice(state_jerk);
         self.auxiliary_step = 1.0;
+        self.base_velocity.copy_from_slice(&self.current.velocity);
+        for (d, x) in self.defect.iter_mut().zip(normal_jerk) {
+            *d = -c.error * x;
+        }
+        self.defect_known = true;
         for (i, a) in self.auxiliary.iter_mut().enumerate() {
             *a = self.current.acceleration[i] + (c.alpha_m - c.alpha_f) * jerk[i];
         }
         for (i, a) in self.state_auxiliary.iter_mut().enumerate() {
             *a = self.current.rates[i] + (c.state_alpha_m - c.alpha_f) * state_jerk[i];
         }
+    }
+
+    /// Whether a step h needs [`Integrator::set_defect`] first: it differs from the last one.
+    pub fn needs_defect(&self, h: f64) -> bool {
+        h != self.auxiliary_step && !self.defect_known
+    }
+
+    /// Takes the part of the current velocity that is normal to the constraints in the mass norm.
+    ///
+    /// The position constraint holds at every step although the update misses the motion by `C h³ v̈`; the velocity makes up for it
+    /// along the constraints' normals, `−C h² v̈`. When h changes at once, this part has to change with h², else the multipliers
+    /// take the difference and drop to first order. (At the start it is set from v̈₀: the perturbed starting velocity of Arnold,
+    /// Cardona, Brüls 2016.) The tangential part is never touched.
+    pub fn set_defect(&mut self, defect: &[f64]) {
+        self.defect.copy_from_slice(defect);
+        for (i, b) in self.base_velocity.iter_mut().enumerate() {
+            *b = self.current.velocity[i] - defect[i];
+        }
+        self.defect_known = true;
     }
 
     /// Magnitudes of the states in the scaled system.
@@ -254,7 +301,7 @@ impl Integrator {
     /// Forgets the kept factors.
     pub fn drop_factors(&mut self) {
         self.factored_step = None;
-        self.contraction = 1.0;
+        self.contraction = None;
     }
 
     /// Unknowns of a step: scaled increments, states, multipliers.
@@ -287,12 +334,19 @@ impl Integrator {
         let (n, s) = (model.velocities, model.states);
         let state = &self.current;
         for i in 0..n {
+            let v = if h == self.auxiliary_step || !self.defect_known {
+                state.velocity[i]
+            } else {
+                self.base_velocity[i] + ratio * ratio * self.defect[i]
+            };
+            self.start_velocity[i] = v;
             let v_dot = state.acceleration[i];
             let a = v_dot + ratio * (self.auxiliary[i] - v_dot);
             self.start_auxiliary[i] = a;
             let next_dot = v_dot + rate * self.jerk[i];
-            let next = ((1.0 - c.alpha_f) * next_dot + c.alpha_f * v_dot - c.alpha_m * a) / (1.0 - c.alpha_m);
-            let u = h * state.velocity[i] + h * h * ((0.5 - c.beta) * a + c.beta * next);
+            let next = ((1.0 - c.alpha_f) * next_dot + c.alpha_f * v_dot - c.alpha_m * a)
+                / (1.0 - c.alpha_m);
+            let u = h * v + h * h * ((0.5 - c.beta) * a + c.beta * next);
             self.trial[i] = u / self.scales[i];
         }
         for i in 0..s {
@@ -347,13 +401,18 @@ impl Integrator {
     }
 
     /// Evaluates the scaled residual of a step h at the trial, after [`Integrator::predict`].
-    pub fn evaluate(&mut self, model: &Model, dynamics: &mut Dynamics, h: f64) -> Result<(), RuntimeError> {
+    pub fn evaluate(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        h: f64,
+    ) -> Result<(), RuntimeError> {
         let c = self.coefficients;
         let (n, s) = (model.velocities, model.states);
         for i in 0..n {
             let u = self.trial[i] * self.scales[i];
             let a = self.start_auxiliary[i];
-            let v = self.current.velocity[i];
+            let v = self.start_velocity[i];
             let next = (u / h - v - (0.5 - c.beta) * h * a) / (c.beta * h);
             self.delta[i] = u;
             self.next_auxiliary[i] = next;
@@ -365,7 +424,8 @@ impl Integrator {
         for i in 0..s {
             let y = self.trial[n + i] * self.scales[n + i];
             let w = self.start_state_auxiliary[i];
-            let next = ((y - self.current.states[i]) / h - (1.0 - c.state_gamma) * w) / c.state_gamma;
+            let next =
+                ((y - self.current.states[i]) / h - (1.0 - c.state_gamma) * w) / c.state_gamma;
             self.next.states[i] = y;
             self.next_state_auxiliary[i] = next;
             self.next.rates[i] = ((1.0 - c.state_alpha_m) * next + c.state_alpha_m * w
@@ -376,10 +436,21 @@ impl Integrator {
             self.next.multipliers[i] = self.trial[n + s + i] * self.multiplier_scale(model, i, h);
         }
         self.statistics.residuals += 1;
-        move_pose(model, &self.current.pose, &self.delta[..n], 1.0, &mut self.next.pose);
+        move_pose(
+            model,
+            &self.current.pose,
+            &self.delta[..n],
+            1.0,
+            &mut self.next.pose,
+        );
         self.next.time = self.current.time + h;
         dynamics.place(model, self.next.time, &self.next.pose, &self.next.velocity);
-        dynamics.gather(model, &self.next.states, &self.next.multipliers, &self.current.rotations);
+        dynamics.gather(
+            model,
+            &self.next.states,
+            &self.next.multipliers,
+            &self.current.rotations,
+        );
         dynamics.evaluate(model)?;
         self.residual.fill(0.0);
         dynamics.add_inertia(
@@ -400,7 +471,12 @@ impl Integrator {
     }
 
     /// Fills the scaled matrix at the trial last evaluated.
-    pub fn fill(&mut self, model: &Model, dynamics: &mut Dynamics, h: f64) -> Result<(), RuntimeError> {
+    pub fn fill(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        h: f64,
+    ) -> Result<(), RuntimeError> {
         for i in 0..model.velocities {
             self.delta[i] = self.trial[i] * self.scales[i];
         }
@@ -423,10 +499,15 @@ impl Integrator {
         Ok(())
     }
 
-    fn factor(&mut self, model: &Model, dynamics: &mut Dynamics, h: f64) -> Result<bool, RuntimeError> {
+    fn factor(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        h: f64,
+    ) -> Result<bool, RuntimeError> {
         self.fill(model, dynamics, h)?;
         self.statistics.factorizations += 1;
-        self.contraction = 1.0;
+        self.contraction = None;
         if self.solver.factor(&self.values).is_ok() {
             self.factored_step = Some(h);
             Ok(true)
@@ -446,7 +527,11 @@ impl Integrator {
         moment: Moment,
     ) -> Result<Trial, RuntimeError> {
         // Factors of another step serve while the scaled matrix is alike; contraction decides the rest.
-        if self.factored_step.is_some_and(|old| !(0.6..=1.7).contains(&(h / old))) || self.contraction > 0.15 {
+        if self
+            .factored_step
+            .is_some_and(|old| !(0.6..=1.7).contains(&(h / old)))
+            || self.contraction.is_some_and(|c| c > 0.15)
+        {
             self.drop_factors();
         }
         self.predict(model, h, true);
@@ -457,6 +542,9 @@ impl Integrator {
         let mut backtracks = 0;
         let mut moved = false;
         let mut solved = false;
+        // Whether the last evaluation was at the trial that is taken.
+        let mut current = false;
+        let goal = self.goal(h);
         let mut cause = None;
         let mut iteration = 0;
         while iteration < ITERATION_LIMIT {
@@ -504,7 +592,11 @@ impl Integrator {
             }
             self.solver.solve(&mut self.correction);
             let norm = self.correction.iter().fold(0.0_f64, |w, x| {
-                if x.is_finite() { w.max(x.abs()) } else { f64::INFINITY }
+                if x.is_finite() {
+                    w.max(x.abs())
+                } else {
+                    f64::INFINITY
+                }
             });
             if !norm.is_finite() {
                 if fresh {
@@ -512,6 +604,22 @@ impl Integrator {
                 }
                 renew = true;
                 continue;
+            }
+            if let Some(before) = last_norm {
+                // Near rounding the ratio says nothing but that it is small.
+                let rate = norm / before;
+                let seen = if norm > 100.0 * ROUNDING {
+                    rate
+                } else {
+                    rate.min(1e-3)
+                };
+                self.contraction = Some(self.contraction.map_or(seen, |c| c.max(seen)));
+            }
+            // The correction is the error of what was evaluated, if the matrix contracts.
+            if norm <= goal && self.contraction.is_some_and(|c| c <= CONTRACTION_LIMIT) {
+                solved = true;
+                current = true;
+                break;
             }
             for (x, d) in self.trial.iter_mut().zip(&self.correction) {
                 *x += d;
@@ -522,50 +630,48 @@ impl Integrator {
                 solved = true;
                 break;
             }
-            let rate = match last_norm {
-                Some(before) => norm / before,
-                None => self.contraction,
-            };
-            if last_norm.is_some() {
-                // Near rounding the ratio says nothing.
-                if norm > 100.0 * ROUNDING {
-                    self.contraction = if self.contraction < 1.0 {
-                        self.contraction.max(rate)
-                    } else {
-                        rate
-                    };
+            if let Some(before) = last_norm {
+                let rate = norm / before;
+                if rate < 0.9 && norm * rate / (1.0 - rate) <= goal {
+                    solved = true;
+                    break;
                 }
                 if rate >= 2.0 && fresh && norm > 1.0 {
                     break;
                 }
-            }
-            if rate < 0.9 && norm * rate / (1.0 - rate) <= self.newton_tolerance {
-                solved = true;
-                break;
-            }
-            if last_norm.is_some() && rate > CONTRACTION_LIMIT {
-                renew = true;
+                if rate > CONTRACTION_LIMIT {
+                    if fresh && norm <= STAGNATION {
+                        solved = true;
+                        break;
+                    }
+                    renew = true;
+                }
             }
             last_norm = Some(norm);
         }
         if !solved {
             self.drop_factors();
             let error = match cause {
-                Some(RuntimeError::NotFinite { origin, .. }) => RuntimeError::NotFinite { origin, moment },
+                Some(RuntimeError::NotFinite { origin, .. }) => {
+                    RuntimeError::NotFinite { origin, moment }
+                }
                 _ => self.stalled(model, h, moment),
             };
             return Ok(Trial::Failed(Box::new(error)));
         }
-        // v', v̇' and a' of the last increment.
-        let residuals = self.statistics.residuals;
-        match self.evaluate(model, dynamics, h) {
-            Ok(()) => {}
-            Err(RuntimeError::NotFinite { origin, .. }) => {
-                return Ok(Trial::Failed(Box::new(RuntimeError::NotFinite { origin, moment })));
+        if !current {
+            // v', v̇' and a' of the last increment.
+            match self.evaluate(model, dynamics, h) {
+                Ok(()) => {}
+                Err(RuntimeError::NotFinite { origin, .. }) => {
+                    return Ok(Trial::Failed(Box::new(RuntimeError::NotFinite {
+                        origin,
+                        moment,
+                    })));
+                }
+                Err(error) => return Err(error),
             }
-            Err(error) => return Err(error),
         }
-        self.statistics.residuals = residuals + 1;
         let error = match tolerance {
             Some(factor) => self.error(model, dynamics, h, factor)?,
             None => 0.0,
@@ -573,11 +679,31 @@ impl Integrator {
         Ok(Trial::Solved { error })
     }
 
+    /// Tolerance of Newton's iteration in a step h: the stated one, but at most 1e-9 of what accelerations contribute. What is left
+    /// of a correction has a sense (the matrix is old in the same way at every step) and adds up over time as a load would. Not
+    /// below rounding.
+    fn goal(&self, h: f64) -> f64 {
+        let largest = |x: &[f64]| {
+            x.iter()
+                .zip(&self.scales)
+                .fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))
+        };
+        let acceleration = largest(&self.current.acceleration);
+        let moved = h * largest(&self.current.velocity);
+        self.newton_tolerance
+            .min(1e-9 * self.coefficients.beta * h * h * acceleration)
+            .max(ROUNDING * moved.max(1.0))
+    }
+
     /// The step's worst row as an error.
     fn stalled(&self, model: &Model, h: f64, moment: Moment) -> RuntimeError {
-        let (worst, scaled) = self.residual.iter().enumerate().fold((0, 0.0_f64), |best, (i, x)| {
-            if x.abs() > best.1 { (i, x.abs()) } else { best }
-        });
+        let (worst, scaled) =
+            self.residual
+                .iter()
+                .enumerate()
+                .fold((0, 0.0_f64), |best, (i, x)| {
+                    if x.abs() > best.1 { (i, x.abs()) } else { best }
+                });
         let size = scaled / self.row_scale(model, worst, h);
         let (origin, equation, unit) = self.row_name(model, worst);
         RuntimeError::Newton {
@@ -591,7 +717,9 @@ impl Integrator {
     }
 
     fn row_name(&self, model: &Model, row: usize) -> (Origin, String, &'static str) {
-        const COMPONENTS: [&str; 6] = ["force x", "force y", "force z", "torque x", "torque y", "torque z"];
+        const COMPONENTS: [&str; 6] = [
+            "force x", "force y", "force z", "torque x", "torque y", "torque z",
+        ];
         let first_row = model.velocities + model.states;
         if row < model.velocities {
             for body in &model.bodies {
@@ -622,7 +750,13 @@ impl Integrator {
     }
 
     /// Local error over tolerance, filtered; see the head of this module.
-    fn error(&mut self, model: &Model, dynamics: &mut Dynamics, h: f64, factor: f64) -> Result<f64, RuntimeError> {
+    fn error(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        h: f64,
+        factor: f64,
+    ) -> Result<f64, RuntimeError> {
         let c = self.coefficients;
         let (n, s) = (model.velocities, model.states);
         for i in 0..n {
@@ -642,7 +776,12 @@ impl Integrator {
                 self.correction[body.velocity + i] = weight * product;
             }
         }
-        constraints_along(model, dynamics, &self.estimate, &mut self.correction[n + s..])?;
+        constraints_along(
+            model,
+            dynamics,
+            &self.estimate,
+            &mut self.correction[n + s..],
+        )?;
         for i in 0..self.correction.len() {
             self.correction[i] *= self.row_scale(model, i, h);
         }
@@ -657,10 +796,14 @@ impl Integrator {
         }
         // States: the scheme's own error is about a sixth of the distance to the extrapolation of second order.
         for i in 0..s {
-            let extrapolated =
-                self.current.states[i] + h * self.current.rates[i] + 0.5 * h * h * self.state_jerk[i];
-            let scale = self.state_peak[i].max(self.next.states[i].abs()).max(1e-300);
-            worst = worst.max((self.next.states[i] - extrapolated).abs() / 6.0 / (1e-5 * factor * scale));
+            let extrapolated = self.current.states[i]
+                + h * self.current.rates[i]
+                + 0.5 * h * h * self.state_jerk[i];
+            let scale = self.state_peak[i]
+                .max(self.next.states[i].abs())
+                .max(1e-300);
+            worst = worst
+                .max((self.next.states[i] - extrapolated).abs() / 6.0 / (1e-5 * factor * scale));
         }
         Ok(worst)
     }
@@ -701,6 +844,7 @@ impl Integrator {
         std::mem::swap(&mut self.auxiliary, &mut self.next_auxiliary);
         std::mem::swap(&mut self.state_auxiliary, &mut self.next_state_auxiliary);
         self.auxiliary_step = h;
+        self.defect_known = false;
     }
 
     /// The state at a fraction 0…1 of the last step: cubic in positions (rotations in the increment from the step's begin) and
@@ -715,17 +859,25 @@ impl Integrator {
         for body in &model.bodies {
             let v = body.velocity;
             for i in v..v + body.width() {
-                work[i] = value * self.increment[i] + rate_from * from.velocity[i] + rate_to * to.velocity[i];
+                work[i] = value * self.increment[i]
+                    + rate_from * from.velocity[i]
+                    + rate_to * to.velocity[i];
             }
-            let theta = V3::new(self.increment[v + 3], self.increment[v + 4], self.increment[v + 5]);
-            let end = inverse_tangent(&theta) * V3::new(to.velocity[v + 3], to.velocity[v + 4], to.velocity[v + 5]);
+            let theta = V3::new(
+                self.increment[v + 3],
+                self.increment[v + 4],
+                self.increment[v + 5],
+            );
+            let end = inverse_tangent(&theta)
+                * V3::new(to.velocity[v + 3], to.velocity[v + 4], to.velocity[v + 5]);
             for i in 0..3 {
                 let k = v + 3 + i;
                 work[k] = value * theta[i] + rate_from * from.velocity[k] + rate_to * end[i];
             }
         }
         move_pose(model, &from.pose, work, 1.0, &mut out.pose);
-        let hermite = |a: f64, b: f64, da: f64, db: f64| a + value * (b - a) + rate_from * da + rate_to * db;
+        let hermite =
+            |a: f64, b: f64, da: f64, db: f64| a + value * (b - a) + rate_from * da + rate_to * db;
         for i in 0..model.velocities {
             out.velocity[i] = hermite(
                 from.velocity[i],
@@ -733,14 +885,16 @@ impl Integrator {
                 from.acceleration[i],
                 to.acceleration[i],
             );
-            out.acceleration[i] = from.acceleration[i] + s * (to.acceleration[i] - from.acceleration[i]);
+            out.acceleration[i] =
+                from.acceleration[i] + s * (to.acceleration[i] - from.acceleration[i]);
         }
         for i in 0..model.states {
             out.states[i] = hermite(from.states[i], to.states[i], from.rates[i], to.rates[i]);
             out.rates[i] = from.rates[i] + s * (to.rates[i] - from.rates[i]);
         }
         for i in 0..model.rows {
-            out.multipliers[i] = from.multipliers[i] + s * (to.multipliers[i] - from.multipliers[i]);
+            out.multipliers[i] =
+                from.multipliers[i] + s * (to.multipliers[i] - from.multipliers[i]);
         }
         out.rotations.copy_from_slice(&to.rotations);
         out.time = from.time + s * h;
@@ -748,7 +902,7 @@ impl Integrator {
 }
 
 /// `G x` for a vector of body velocities, by one tangent an element, at the place and the inputs of `dynamics`.
-fn constraints_along(
+pub fn constraints_along(
     model: &Model,
     dynamics: &mut Dynamics,
     along: &[f64],
@@ -785,7 +939,11 @@ fn constraints_along(
                     let x = &along[body.velocity..body.velocity + width];
                     for d in 0..6 {
                         let value = match dynamics.marker_jacobian(model, *marker) {
-                            Some(j) => j[d * width..(d + 1) * width].iter().zip(x).map(|(j, x)| j * x).sum(),
+                            Some(j) => j[d * width..(d + 1) * width]
+                                .iter()
+                                .zip(x)
+                                .map(|(j, x)| j * x)
+                                .sum(),
                             None => 0.0,
                         };
                         let seed = tape + layout.pose_direction(k as u32) as usize + d;

@@ -1,7 +1,9 @@
 //! Sparse linear systems with a fixed pattern.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::linalg::lu::{LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu};
+use faer::sparse::linalg::lu::{
+    LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu,
+};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par};
 use std::collections::{BTreeMap, BTreeSet};
@@ -106,7 +108,12 @@ pub struct BlockTable {
 
 impl BlockTable {
     /// Index of the block at a row and a column range.
-    pub fn find(&mut self, pattern: &Pattern, row: usize, columns: std::ops::Range<usize>) -> usize {
+    pub fn find(
+        &mut self,
+        pattern: &Pattern,
+        row: usize,
+        columns: std::ops::Range<usize>,
+    ) -> usize {
         let key = (row, columns.start);
         if let Some(index) = self.index.get(&key) {
             return *index;
@@ -157,7 +164,12 @@ pub struct SparseLu {
 
 impl std::fmt::Debug for SparseLu {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "SparseLu({} rows, {} entries)", self.pattern.size, self.pattern.rows.len())
+        write!(
+            f,
+            "SparseLu({} rows, {} entries)",
+            self.pattern.size,
+            self.pattern.rows.len()
+        )
     }
 }
 
@@ -165,7 +177,13 @@ impl SparseLu {
     /// Analyses a pattern.
     pub fn new(pattern: &Pattern) -> Result<SparseLu, LinearError> {
         let n = pattern.size;
-        let structure = SymbolicSparseColMat::new_checked(n, n, pattern.columns.clone(), None, pattern.rows.clone());
+        let structure = SymbolicSparseColMat::new_checked(
+            n,
+            n,
+            pattern.columns.clone(),
+            None,
+            pattern.rows.clone(),
+        );
         let symbolic = factorize_symbolic_lu(structure.as_ref(), LuSymbolicParams::default())
             .map_err(|_| LinearError::TooLarge)?;
         let need = symbolic
@@ -211,7 +229,8 @@ impl LinearSolver for SparseLu {
         self.factored = true;
         let mut probe = std::mem::take(&mut self.probe);
         self.magnitude.fill(1.0);
-        self.pattern.multiply(values, &self.magnitude, &mut self.product);
+        self.pattern
+            .multiply(values, &self.magnitude, &mut self.product);
         probe.copy_from_slice(&self.product);
         self.solve(&mut probe);
         self.magnitude.fill(0.0);
@@ -267,7 +286,9 @@ mod tests {
         let pattern = builder.finish();
         let mut lu = SparseLu::new(&pattern).unwrap();
         let mut values = vec![0.0; pattern.rows.len()];
-        pattern.block(0, 1..3).add(&mut values, &[1.0, 2.0, 0.0, 3.0], 1.0);
+        pattern
+            .block(0, 1..3)
+            .add(&mut values, &[1.0, 2.0, 0.0, 3.0], 1.0);
         pattern.block(1, 0..1).add(&mut values, &[4.0, 5.0], 1.0);
         lu.factor(&values).unwrap();
         let x = [1.0, -2.0, 3.0];
@@ -278,7 +299,9 @@ mod tests {
             assert!((a - b).abs() < 1e-14);
         }
         values.fill(0.0);
-        pattern.block(0, 1..3).add(&mut values, &[1.0, 2.0, 1.0, 2.0], 1.0);
+        pattern
+            .block(0, 1..3)
+            .add(&mut values, &[1.0, 2.0, 1.0, 2.0], 1.0);
         assert_eq!(lu.factor(&values), Err(LinearError::Singular));
     }
 }

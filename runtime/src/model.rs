@@ -98,7 +98,11 @@ impl Slots<'_> {
             .ok_or_else(|| malformed(format!("slot {} does not exist", slot.0)))
     }
     fn vector(&self, slots: &[Slot; 3]) -> Result<V3, RuntimeError> {
-        Ok(V3::new(self.get(slots[0])?, self.get(slots[1])?, self.get(slots[2])?))
+        Ok(V3::new(
+            self.get(slots[0])?,
+            self.get(slots[1])?,
+            self.get(slots[2])?,
+        ))
     }
     fn matrix(&self, slots: &[Slot; 9]) -> Result<M3, RuntimeError> {
         let mut m = M3::zeros();
@@ -160,7 +164,9 @@ impl Model {
                 message: message.to_string(),
             };
             if !(mass > 0.0 && mass.is_finite()) {
-                return Err(refuse(&format!("the mass is {mass} kg; it must be positive")));
+                return Err(refuse(&format!(
+                    "the mass is {mass} kg; it must be positive"
+                )));
             }
             let moments = about_center.symmetric_eigenvalues();
             let largest = moments.amax();
@@ -196,19 +202,30 @@ impl Model {
                 BodyRef::Ground => None,
                 BodyRef::Body(index) => {
                     if index as usize >= bodies.len() {
-                        return Err(malformed(format!("{}: body does not exist", marker.origin.path)));
+                        return Err(malformed(format!(
+                            "{}: body does not exist",
+                            marker.origin.path
+                        )));
                     }
                     Some(index as usize)
                 }
             };
             let placed_at = marker.placed_at.map(|m| m as usize);
-            if placed_at.is_some_and(|m| m >= system.markers.len()) || (placed_at.is_some() && body.is_some()) {
-                return Err(malformed(format!("{}: placed at what does not exist", marker.origin.path)));
+            if placed_at.is_some_and(|m| m >= system.markers.len())
+                || (placed_at.is_some() && body.is_some())
+            {
+                return Err(malformed(format!(
+                    "{}: placed at what does not exist",
+                    marker.origin.path
+                )));
             }
             let (position, orientation) = if placed_at.is_some() {
                 (V3::zeros(), M3::identity())
             } else {
-                (slots.vector(&marker.position)?, slots.matrix(&marker.orientation)?)
+                (
+                    slots.vector(&marker.position)?,
+                    slots.matrix(&marker.orientation)?,
+                )
             };
             markers.push(MarkerModel {
                 body,
@@ -232,7 +249,10 @@ impl Model {
                 || element.state_start.len() != layout.states as usize
                 || element.signals.len() != layout.signals as usize
                 || element.markers.iter().any(|m| *m as usize >= markers.len())
-                || element.signals.iter().any(|s| *s as usize >= system.channels.len())
+                || element
+                    .signals
+                    .iter()
+                    .any(|s| *s as usize >= system.channels.len())
             {
                 return Err(malformed(format!("{path}: not as its class's layout says")));
             }
@@ -242,7 +262,9 @@ impl Model {
             }
             let dynamic = element.role == Role::Dynamic;
             if !dynamic && layout.states > 0 {
-                return Err(malformed(format!("{path}: states outside the model's motion")));
+                return Err(malformed(format!(
+                    "{path}: states outside the model's motion"
+                )));
             }
             elements.push(ElementModel {
                 class: element.class as usize,
@@ -290,7 +312,9 @@ impl Model {
                 BodyKind::Rigid(b) => {
                     length = length.max(b.center.norm());
                     for m in markers.iter().filter(|m| m.body == Some(index)) {
-                        length = length.max((m.position - b.center).norm()).max(m.position.norm());
+                        length = length
+                            .max((m.position - b.center).norm())
+                            .max(m.position.norm());
                     }
                 }
             }
@@ -298,7 +322,9 @@ impl Model {
         if length == 0.0 {
             for body in &bodies {
                 match &body.kind {
-                    BodyKind::Rigid(b) => length = length.max(libm::sqrt(b.inertia.amax() / b.mass)),
+                    BodyKind::Rigid(b) => {
+                        length = length.max(libm::sqrt(b.inertia.amax() / b.mass))
+                    }
                 }
             }
         }
@@ -402,7 +428,10 @@ impl Model {
     }
 }
 
-fn check_shapes(class: &ElementClass, code: &dyn eng_system::code::ElementCode) -> Result<(), RuntimeError> {
+fn check_shapes(
+    class: &ElementClass,
+    code: &dyn eng_system::code::ElementCode,
+) -> Result<(), RuntimeError> {
     let layout = &class.layout;
     let common = layout.len() as usize;
     let rows = layout.rows as usize;
@@ -412,9 +441,17 @@ fn check_shapes(class: &ElementClass, code: &dyn eng_system::code::ElementCode) 
     let expected = [
         (Function::Residual, common, residual),
         (Function::Linearize, common, tape),
-        (Function::Tangent, tape + layout.directions() as usize, residual),
+        (
+            Function::Tangent,
+            tape + layout.directions() as usize,
+            residual,
+        ),
         (Function::Velocity, common, 2 * rows),
-        (Function::Outputs, layout.outputs_len() as usize, class.outputs.len()),
+        (
+            Function::Outputs,
+            layout.outputs_len() as usize,
+            class.outputs.len(),
+        ),
         (Function::Conditions, common, class.conditions.len()),
         (Function::Rotations, common, layout.rotations as usize),
     ];

@@ -38,7 +38,11 @@ impl Outputs {
         Outputs::of(model, BTreeSet::from([element]), Some(element))
     }
 
-    fn of(model: &Model, wanted: BTreeSet<usize>, watched: Option<usize>) -> Result<Outputs, RuntimeError> {
+    fn of(
+        model: &Model,
+        wanted: BTreeSet<usize>,
+        watched: Option<usize>,
+    ) -> Result<Outputs, RuntimeError> {
         let system = &model.compiled.system;
         let mut level: Vec<Option<usize>> = vec![None; model.elements.len()];
         let mut open = vec![false; model.elements.len()];
@@ -59,7 +63,10 @@ impl Outputs {
                         None => {
                             if open[source] || source == element {
                                 return Err(RuntimeError::Malformed {
-                                    what: format!("{}: outputs read each other", system.elements[element].origin.path),
+                                    what: format!(
+                                        "{}: outputs read each other",
+                                        system.elements[element].origin.path
+                                    ),
                                 });
                             }
                             stack.push(source);
@@ -77,7 +84,8 @@ impl Outputs {
         let highest = level.iter().flatten().max().copied();
         let levels = (0..highest.map_or(0, |h| h + 1))
             .map(|l| {
-                let members: Vec<usize> = (0..level.len()).filter(|e| level[*e] == Some(l)).collect();
+                let members: Vec<usize> =
+                    (0..level.len()).filter(|e| level[*e] == Some(l)).collect();
                 elements::batches(model, &members, true)
             })
             .collect();
@@ -97,12 +105,22 @@ impl Outputs {
     }
 
     /// Evaluates at a state at which `dynamics` stands (place called).
-    pub fn evaluate(&mut self, model: &Model, dynamics: &Dynamics, state: &State) -> Result<(), RuntimeError> {
+    pub fn evaluate(
+        &mut self,
+        model: &Model,
+        dynamics: &Dynamics,
+        state: &State,
+    ) -> Result<(), RuntimeError> {
         for (index, marker) in model.markers.iter().enumerate() {
             let Some(b) = marker.body else { continue };
             let body = &model.bodies[b];
             let width = body.width();
-            let mut x = chain::acceleration_bias(body, &dynamics.frames[b], marker, &state.velocity[body.velocity..]);
+            let mut x = chain::acceleration_bias(
+                body,
+                &dynamics.frames[b],
+                marker,
+                &state.velocity[body.velocity..],
+            );
             if let Some(jacobian) = dynamics.marker_jacobian(model, index) {
                 let rate = &state.acceleration[body.velocity..body.velocity + width];
                 for (d, x) in x.iter_mut().enumerate() {
@@ -140,11 +158,13 @@ impl Outputs {
                             }
                         }
                         for k in 0..layout.states {
-                            inputs[layout.state_rate(k) as usize][lane] = state.rates[element.state + k as usize];
+                            inputs[layout.state_rate(k) as usize][lane] =
+                                state.rates[element.state + k as usize];
                         }
                         let signals = &model.compiled.system.elements[*index].signals;
                         for (k, signal) in signals.iter().enumerate() {
-                            inputs[layout.signal(k as u32) as usize][lane] = self.values[*signal as usize];
+                            inputs[layout.signal(k as u32) as usize][lane] =
+                                self.values[*signal as usize];
                         }
                     }
                     if count == 0 {
@@ -167,7 +187,8 @@ impl Outputs {
                             self.values[*channel] = value;
                         }
                         if self.watched == Some(index) && count >= 2 {
-                            self.watched_values = [self.scratch.outputs[0][lane], self.scratch.outputs[1][lane]];
+                            self.watched_values =
+                                [self.scratch.outputs[0][lane], self.scratch.outputs[1][lane]];
                         }
                     }
                 }
@@ -200,11 +221,21 @@ impl Watch {
     /// Watches the elements that fulfil `which`.
     pub fn new(model: &Model, which: impl Fn(usize) -> bool) -> Watch {
         let pick = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
-            (0..model.elements.len()).filter(|e| which(*e) && wanted(*e)).collect()
+            (0..model.elements.len())
+                .filter(|e| which(*e) && wanted(*e))
+                .collect()
         };
         Watch {
-            conditions: elements::batches(model, &pick(&|e| !model.class(e).conditions.is_empty()), false),
-            rotations: elements::batches(model, &pick(&|e| model.class(e).layout.rotations > 0), false),
+            conditions: elements::batches(
+                model,
+                &pick(&|e| !model.class(e).conditions.is_empty()),
+                false,
+            ),
+            rotations: elements::batches(
+                model,
+                &pick(&|e| model.class(e).layout.rotations > 0),
+                false,
+            ),
             scratch: Scratch::new(model),
         }
     }
@@ -222,11 +253,19 @@ impl Watch {
             let conditions = &model.compiled.system.classes[batch.class].conditions;
             for pair in 0..batch.pairs.len() {
                 let out = &mut self.scratch.outputs[..conditions.len()];
-                elements::call(model, batch.class, Function::Conditions, batch.inputs(pair), out)?;
+                elements::call(
+                    model,
+                    batch.class,
+                    Function::Conditions,
+                    batch.inputs(pair),
+                    out,
+                )?;
                 for lane in 0..batch.lanes(pair) {
                     for (k, condition) in conditions.iter().enumerate() {
                         let value = out[k][lane];
-                        if which(&condition.kind) && !matches!(value.partial_cmp(&0.0), Some(std::cmp::Ordering::Greater)) {
+                        if which(&condition.kind)
+                            && !matches!(value.partial_cmp(&0.0), Some(std::cmp::Ordering::Greater))
+                        {
                             report(Violation {
                                 element: batch.pairs[pair][lane],
                                 condition: k,
@@ -241,13 +280,24 @@ impl Watch {
     }
 
     /// Unwrapped angles at the inputs, whose references are those of the state before.
-    pub fn unwrap(&mut self, model: &Model, from: &Inputs, rotations: &mut [f64]) -> Result<(), RuntimeError> {
+    pub fn unwrap(
+        &mut self,
+        model: &Model,
+        from: &Inputs,
+        rotations: &mut [f64],
+    ) -> Result<(), RuntimeError> {
         for batch in &mut self.rotations {
             elements::gather(model, batch, from);
             let count = model.compiled.system.classes[batch.class].layout.rotations as usize;
             for pair in 0..batch.pairs.len() {
                 let out = &mut self.scratch.outputs[..count];
-                elements::call(model, batch.class, Function::Rotations, batch.inputs(pair), out)?;
+                elements::call(
+                    model,
+                    batch.class,
+                    Function::Rotations,
+                    batch.inputs(pair),
+                    out,
+                )?;
                 for lane in 0..batch.lanes(pair) {
                     let index = batch.pairs[pair][lane];
                     for (k, angle) in out.iter().enumerate() {

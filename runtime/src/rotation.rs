@@ -27,10 +27,7 @@ pub fn exponential(theta: &V3) -> Quaternion {
         )
     } else {
         let angle = libm::sqrt(angle_squared);
-        (
-            libm::cos(0.5 * angle),
-            libm::sin(0.5 * angle) / angle,
-        )
+        (libm::cos(0.5 * angle), libm::sin(0.5 * angle) / angle)
     };
     [w, factor * theta.x, factor * theta.y, factor * theta.z]
 }

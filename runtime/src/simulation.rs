@@ -7,7 +7,7 @@ use crate::control::{FixedGrid, StepSize};
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;
 use crate::error::{Moment, RuntimeError};
-use crate::integrator::{Integrator, Statistics, Trial};
+use crate::integrator::{Integrator, Statistics, Trial, constraints_along};
 use crate::linear::Pattern;
 use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
@@ -27,6 +27,8 @@ pub struct Options {
     /// Tolerance of Newton's iteration in scaled unknowns; `None`: 1e-4 of the position tolerance over the model's length, at most
     /// 1e-10.
     pub newton_tolerance: Option<f64>,
+    /// Largest step under error control (s): a load that comes by time is not overslept.
+    pub max_step: f64,
     /// Whether work is accumulated; one more evaluation a step.
     pub energy: bool,
 }
@@ -37,6 +39,7 @@ impl Default for Options {
             step: StepControl::Tolerance(1.0),
             rho_infinity: 0.8,
             newton_tolerance: None,
+            max_step: 0.01,
             energy: true,
         }
     }
@@ -127,7 +130,11 @@ pub struct Simulation {
 impl Simulation {
     /// Binds parameters (one entry a parameter, `None` for its default; an empty slice for all defaults), assembles, and stands
     /// ready to step.
-    pub fn new(compiled: &Compiled, overrides: &[Option<f64>], options: Options) -> Result<Simulation, RuntimeError> {
+    pub fn new(
+        compiled: &Compiled,
+        overrides: &[Option<f64>],
+        options: Options,
+    ) -> Result<Simulation, RuntimeError> {
         let mut model = Model::bind(compiled, overrides)?;
         check(&options)?;
         let state = assembly::assemble(&mut model)?;
@@ -142,7 +149,11 @@ impl Simulation {
         Ok(simulation)
     }
 
-    fn with_state(model: Model, state: State, options: Options) -> Result<Simulation, RuntimeError> {
+    fn with_state(
+        model: Model,
+        state: State,
+        options: Options,
+    ) -> Result<Simulation, RuntimeError> {
         let newton = options
             .newton_tolerance
             .unwrap_or((1e-4 * model.tolerance / model.length).min(1e-10))
@@ -151,7 +162,9 @@ impl Simulation {
             Some(c) => Some(Outputs::watching(&model, c.element as usize)?),
             None => None,
         };
-        let conditions: usize = (0..model.elements.len()).map(|e| model.class(e).conditions.len()).sum();
+        let conditions: usize = (0..model.elements.len())
+            .map(|e| model.class(e).conditions.len())
+            .sum();
         let mut warnings = Vec::new();
         for message in &model.advice {
             warnings.push(Warning {
@@ -164,7 +177,13 @@ impl Simulation {
             });
         }
         use eng_system::system::Role;
-        let roles: Vec<Role> = model.compiled.system.elements.iter().map(|e| e.role).collect();
+        let roles: Vec<Role> = model
+            .compiled
+            .system
+            .elements
+            .iter()
+            .map(|e| e.role)
+            .collect();
         Ok(Simulation {
             integrator: Integrator::new(&model, &state, options.rho_infinity, newton)?,
             dynamics: Dynamics::new(&model),
@@ -221,7 +240,13 @@ impl Simulation {
                 self.work[i] = e * near.velocity[i] + 0.5 * e * e * near.acceleration[i];
                 near.velocity[i] += e * near.acceleration[i];
             }
-            move_pose(&self.model, &self.integrator.current.pose, &self.work, 1.0, &mut near.pose);
+            move_pose(
+                &self.model,
+                &self.integrator.current.pose,
+                &self.work,
+                1.0,
+                &mut near.pose,
+            );
             for i in 0..self.model.states {
                 near.states[i] += e * near.rates[i];
             }
@@ -230,15 +255,30 @@ impl Simulation {
             ends.push(near);
         }
         let rate = |a: &[f64], b: &[f64]| -> Vec<f64> {
-            a.iter().zip(b).map(|(a, b)| (b - a) / (2.0 * offset)).collect()
+            a.iter()
+                .zip(b)
+                .map(|(a, b)| (b - a) / (2.0 * offset))
+                .collect()
         };
         let jerk = rate(&ends[0].acceleration, &ends[1].acceleration);
         let multiplier_rate = rate(&ends[0].multipliers, &ends[1].multipliers);
         let state_jerk = rate(&ends[0].rates, &ends[1].rates);
-        self.integrator.start(&jerk, &multiplier_rate, &state_jerk);
+        // Back at the start itself: the normal part of its jerk.
+        self.system.accelerations(
+            &self.model,
+            &mut self.dynamics,
+            &mut self.integrator.current,
+            moment,
+        )?;
+        let mut rates = vec![0.0; self.model.rows];
+        constraints_along(&self.model, &mut self.dynamics, &jerk, &mut rates)?;
+        self.system.normal(&self.model, &rates, &mut self.work);
+        self.integrator
+            .start(&jerk, &self.work, &multiplier_rate, &state_jerk);
         if let StepControl::Tolerance(factor) = self.options.step {
-            let error = self.integrator.coefficients.error.abs() * largest(&jerk) * self.model.length
-                / (self.model.tolerance * factor);
+            let error =
+                self.integrator.coefficients.error.abs() * largest(&jerk) * self.model.length
+                    / (self.model.tolerance * factor);
             let mut h = if pace > 0.0 { 0.02 / pace } else { 1e-5 };
             if error > 0.0 {
                 h = h.min(0.5 * libm::cbrt(1.0 / error));
@@ -248,7 +288,9 @@ impl Simulation {
         self.grid = FixedGrid::new(self.integrator.current.time);
         self.stand()?;
         self.observe_state()?;
-        let (kinetic, gravity) = self.dynamics.energy(&self.model, &self.integrator.current.velocity);
+        let (kinetic, gravity) = self
+            .dynamics
+            .energy(&self.model, &self.integrator.current.velocity);
         self.energy.kinetic = kinetic;
         self.energy.gravity = gravity;
         self.energy.start = kinetic + gravity;
@@ -261,8 +303,12 @@ impl Simulation {
         let state = &self.integrator.current;
         self.dynamics
             .place(&self.model, state.time, &state.pose, &state.velocity);
-        self.dynamics
-            .gather(&self.model, &state.states, &state.multipliers, &state.rotations);
+        self.dynamics.gather(
+            &self.model,
+            &state.states,
+            &state.multipliers,
+            &state.rotations,
+        );
         self.dynamics.evaluate(&self.model)
     }
 
@@ -280,7 +326,8 @@ impl Simulation {
             multipliers: &state.multipliers,
             rotations: &self.completed.rotations,
         };
-        self.watch.unwrap(&self.model, &from, &mut state.rotations)?;
+        self.watch
+            .unwrap(&self.model, &from, &mut state.rotations)?;
         if let Some(cycle) = &mut self.cycle {
             cycle.evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
             self.cycle_now = Some(cycle.watched_values);
@@ -304,7 +351,9 @@ impl Simulation {
                 let condition = &model.class(violation.element).conditions[violation.condition];
                 let origin = &model.compiled.system.elements[violation.element].origin;
                 if condition.kind == ConditionKind::Advise {
-                    let first: usize = (0..violation.element).map(|e| model.class(e).conditions.len()).sum();
+                    let first: usize = (0..violation.element)
+                        .map(|e| model.class(e).conditions.len())
+                        .sum();
                     let seen = &mut advised[first + violation.condition];
                     if !*seen {
                         *seen = true;
@@ -328,7 +377,9 @@ impl Simulation {
             return Err(error);
         }
         if self.options.energy {
-            self.powers = self.dynamics.powers(&self.model, &self.integrator.current.multipliers)?;
+            self.powers = self
+                .dynamics
+                .powers(&self.model, &self.integrator.current.multipliers)?;
         }
         Ok(())
     }
@@ -353,8 +404,11 @@ impl Simulation {
         self.integrator.accept(&self.model, h, time);
         self.evaluated = None;
         let old = self.powers;
-        self.observe_state().map_err(|error| self.at_moment(error))?;
-        let (kinetic, gravity) = self.dynamics.energy(&self.model, &self.integrator.current.velocity);
+        self.observe_state()
+            .map_err(|error| self.at_moment(error))?;
+        let (kinetic, gravity) = self
+            .dynamics
+            .energy(&self.model, &self.integrator.current.velocity);
         self.energy.kinetic = kinetic;
         self.energy.gravity = gravity;
         self.energy.loads += 0.5 * h * (old.0 + self.powers.0);
@@ -364,6 +418,16 @@ impl Simulation {
 
     fn trial(&mut self, h: f64, tolerance: Option<f64>) -> Result<Trial, RuntimeError> {
         let mut moment = self.moment();
+        if self.integrator.needs_defect(h) {
+            self.system.velocity_defect(
+                &self.model,
+                &mut self.dynamics,
+                &self.integrator.current,
+                moment,
+                &mut self.work,
+            )?;
+            self.integrator.set_defect(&self.work);
+        }
         moment.time += h;
         self.integrator
             .try_step(&self.model, &mut self.dynamics, h, tolerance, moment)
@@ -407,6 +471,7 @@ impl Simulation {
             let v = &self.integrator.current.velocity[b.velocity + 3..b.velocity + 6];
             w.max(V3::new(v[0], v[1], v[2]).norm())
         });
+        self.size.limit(self.options.max_step);
         if turning > 0.0 {
             self.size.limit(0.25 / turning);
         }
@@ -504,7 +569,11 @@ impl Simulation {
     fn copy_channels(&self, out: &mut [f64]) -> Result<(), RuntimeError> {
         if out.len() != self.outputs.values.len() {
             return Err(RuntimeError::Options {
-                message: format!("room for {} channels, not {}", out.len(), self.outputs.values.len()),
+                message: format!(
+                    "room for {} channels, not {}",
+                    out.len(),
+                    self.outputs.values.len()
+                ),
             });
         }
         out.copy_from_slice(&self.outputs.values);
@@ -530,16 +599,49 @@ impl Simulation {
         };
         self.system
             .complete(&self.model, &mut self.dynamics, &mut self.completed, moment)
-            .and_then(|()| self.outputs.evaluate(&self.model, &self.dynamics, &self.completed))
+            .and_then(|()| {
+                self.outputs
+                    .evaluate(&self.model, &self.dynamics, &self.completed)
+            })
             .map_err(|error| self.at_moment(error))
     }
 
     /// Values of all channels at a time within the last step, from the dense output; returns cycle angle and rate there.
-    pub fn sample_at(&mut self, time: f64, out: &mut [f64]) -> Result<Option<[f64; 2]>, RuntimeError> {
+    pub fn sample_at(
+        &mut self,
+        time: f64,
+        out: &mut [f64],
+    ) -> Result<Option<[f64; 2]>, RuntimeError> {
         self.interpolate_at(time)?;
         self.complete()?;
         self.copy_channels(out)?;
         self.cycle_of_completed()
+    }
+
+    /// Values of all channels where the cycle has an angle (rad) within the last step; returns the time, cycle angle and rate.
+    ///
+    /// The projection of the output moves the angle by what the interpolation missed; the time is set right until the projected
+    /// state has the angle.
+    pub fn sample_at_angle(
+        &mut self,
+        angle: f64,
+        out: &mut [f64],
+    ) -> Result<(f64, [f64; 2]), RuntimeError> {
+        let (from, to) = (self.integrator.previous.time, self.integrator.current.time);
+        let mut time = self.locate_angle(angle)?;
+        for _ in 0..4 {
+            self.interpolate_at(time)?;
+            self.complete()?;
+            let [now, rate] = self.cycle_of_completed()?.ok_or(RuntimeError::NoCycle)?;
+            let miss = angle - now;
+            let next = (time + miss / rate).clamp(from, to);
+            if miss.abs() <= 1e-12 * angle.abs().max(1.0) || !next.is_finite() || next == time {
+                break;
+            }
+            time = next;
+        }
+        let cycle = self.sample_at(time, out)?;
+        Ok((time, cycle.ok_or(RuntimeError::NoCycle)?))
     }
 
     fn interpolate_at(&mut self, time: f64) -> Result<(), RuntimeError> {
@@ -593,14 +695,20 @@ impl Simulation {
             return Ok(from);
         }
         if (at_from > 0.0) == (at_to > 0.0) {
-            return Ok(if at_from.abs() < at_to.abs() { from } else { to });
+            return Ok(if at_from.abs() < at_to.abs() {
+                from
+            } else {
+                to
+            });
         }
         let mut side = 0;
         for _ in 0..80 {
             let middle = (from * at_to - to * at_from) / (at_to - at_from);
             let middle = middle.clamp(from, to);
             let value = self.cycle_angle_at(middle)? - angle;
-            if value.abs() < 1e-14 * angle.abs().max(1.0) || to - from <= 4.0 * f64::EPSILON * to.abs() {
+            if value.abs() < 1e-14 * angle.abs().max(1.0)
+                || to - from <= 4.0 * f64::EPSILON * to.abs()
+            {
                 return Ok(middle);
             }
             if (value > 0.0) == (at_to > 0.0) {
@@ -659,8 +767,12 @@ impl Simulation {
         let state = &self.completed;
         self.dynamics
             .place(&self.model, state.time, &state.pose, &state.velocity);
-        self.dynamics
-            .gather(&self.model, &state.states, &state.multipliers, &state.rotations);
+        self.dynamics.gather(
+            &self.model,
+            &state.states,
+            &state.multipliers,
+            &state.rotations,
+        );
         self.dynamics.evaluate(&self.model)?;
         self.dynamics.constraint_gradients(&self.model)?;
         self.dynamics.velocity_level(&self.model, &state.velocity)?;
@@ -673,7 +785,11 @@ impl Simulation {
 
     /// Position (m) and orientation (body → inertial) of a body at the last accepted state.
     pub fn body_pose(&self, body: usize) -> Option<(V3, M3)> {
-        let frame = self.model.bodies.get(body)?.frame(&self.integrator.current.pose);
+        let frame = self
+            .model
+            .bodies
+            .get(body)?
+            .frame(&self.integrator.current.pose);
         Some((frame.position, frame.rotation))
     }
 
@@ -691,12 +807,18 @@ impl Simulation {
     }
 
     /// Scaled residual of a step h (s) from the last accepted state at scaled unknowns.
-    pub fn residual(&mut self, step: f64, unknowns: &[f64], out: &mut [f64]) -> Result<(), RuntimeError> {
+    pub fn residual(
+        &mut self,
+        step: f64,
+        unknowns: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), RuntimeError> {
         self.room(unknowns.len())?;
         self.room(out.len())?;
         self.integrator.predict(&self.model, step, true);
         self.integrator.set_trial(unknowns);
-        self.integrator.evaluate(&self.model, &mut self.dynamics, step)?;
+        self.integrator
+            .evaluate(&self.model, &mut self.dynamics, step)?;
         out.copy_from_slice(self.integrator.last_residual());
         Ok(())
     }
@@ -706,9 +828,15 @@ impl Simulation {
         self.room(unknowns.len())?;
         self.integrator.predict(&self.model, step, true);
         self.integrator.set_trial(unknowns);
-        self.integrator.evaluate(&self.model, &mut self.dynamics, step)?;
-        self.integrator.fill(&self.model, &mut self.dynamics, step)?;
-        let Pattern { size, columns, rows } = self.integrator.pattern();
+        self.integrator
+            .evaluate(&self.model, &mut self.dynamics, step)?;
+        self.integrator
+            .fill(&self.model, &mut self.dynamics, step)?;
+        let Pattern {
+            size,
+            columns,
+            rows,
+        } = self.integrator.pattern();
         Ok(CscView {
             size: *size,
             columns,
@@ -722,7 +850,10 @@ impl Simulation {
             Ok(())
         } else {
             Err(RuntimeError::Options {
-                message: format!("{length} unknowns are given; a step has {}", self.integrator.unknowns()),
+                message: format!(
+                    "{length} unknowns are given; a step has {}",
+                    self.integrator.unknowns()
+                ),
             })
         }
     }
@@ -759,13 +890,23 @@ impl Simulation {
             &i.multiplier_rate,
             &i.state_jerk,
             &i.state_peak,
+            &i.base_velocity,
+            &i.defect,
         ] {
             w.numbers(part);
         }
         w.numbers(i.state_scales(&self.model));
         w.number(i.auxiliary_step);
+        w.integer(u64::from(i.defect_known));
         let s = i.statistics;
-        for count in [s.steps, s.rejected, s.failed, s.iterations, s.factorizations, s.residuals] {
+        for count in [
+            s.steps,
+            s.rejected,
+            s.failed,
+            s.iterations,
+            s.factorizations,
+            s.residuals,
+        ] {
             w.integer(count);
         }
         w.numbers(&self.size.numbers());
@@ -777,7 +918,11 @@ impl Simulation {
         w.numbers(&[self.powers.0, self.powers.1, self.cycle_start]);
         w.integer(u64::from(self.cycle_now.is_some()));
         w.numbers(&self.cycle_now.unwrap_or_default());
-        let advised: Vec<f64> = self.advised.iter().map(|a| f64::from(u8::from(*a))).collect();
+        let advised: Vec<f64> = self
+            .advised
+            .iter()
+            .map(|a| f64::from(u8::from(*a)))
+            .collect();
         w.numbers(&advised);
         w.finish()
     }
@@ -823,6 +968,8 @@ impl Simulation {
             &mut i.multiplier_rate,
             &mut i.state_jerk,
             &mut i.state_peak,
+            &mut i.base_velocity,
+            &mut i.defect,
         ] {
             r.numbers(part)?;
         }
@@ -831,6 +978,7 @@ impl Simulation {
         r.numbers(&mut scales)?;
         i.set_state_scales(&simulation.model, &scales);
         i.auxiliary_step = r.number()?;
+        i.defect_known = r.integer()? == 1;
         let s = &mut i.statistics;
         for count in [
             &mut s.steps,
@@ -886,6 +1034,12 @@ fn check(options: &Options) -> Result<(), RuntimeError> {
         StepControl::Fixed(h) => ("step", h),
         StepControl::Tolerance(factor) => ("tolerance", factor),
     };
+    if !(options.max_step > 0.0) {
+        return refuse(format!(
+            "the largest step is {}; it must be positive",
+            options.max_step
+        ));
+    }
     if !(value > 0.0 && value.is_finite()) {
         return refuse(format!("the {name} is {value}; it must be positive"));
     }

@@ -33,7 +33,10 @@ pub struct TopologyReport {
 }
 
 /// Assembles a model and counts.
-pub fn topology(compiled: &Compiled, overrides: &[Option<f64>]) -> Result<TopologyReport, RuntimeError> {
+pub fn topology(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+) -> Result<TopologyReport, RuntimeError> {
     let mut model = Model::bind(compiled, overrides)?;
     let state = assemble(&mut model)?;
     analyze(&model, &state)
@@ -58,7 +61,10 @@ pub fn analyze(model: &Model, state: &State) -> Result<TopologyReport, RuntimeEr
             .zip(by_time.iter())
             .any(|((e, _), rate)| *e == element && *rate != 0.0)
     };
-    let held = Rows::new(model, elements.into_iter().filter(|e| !driven(*e)).collect());
+    let held = Rows::new(
+        model,
+        elements.into_iter().filter(|e| !driven(*e)).collect(),
+    );
     let mobility = vec![1.0; model.velocities];
     let scales = model.velocity_scales();
     let mut numbers = Numbers::new(7);

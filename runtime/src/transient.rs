@@ -122,7 +122,8 @@ pub fn run_transient(
     };
     positive(transient.duration, "duration")?;
     positive(transient.sample, "distance of the samples")?;
-    let by_angle = matches!(transient.duration, Extent::Angle(_)) || matches!(transient.sample, Extent::Angle(_));
+    let by_angle = matches!(transient.duration, Extent::Angle(_))
+        || matches!(transient.sample, Extent::Angle(_));
     if by_angle && simulation.cycle_angle().is_none() {
         return Err(RuntimeError::NoCycle);
     }
@@ -225,15 +226,33 @@ pub fn run_transient(
                     break;
                 }
             }
+            let (time, cycle) = match points {
+                Points::Time { .. } => (time, simulation.sample_at(time, &mut run.values)?),
+                Points::Angle { .. } => {
+                    let (time, cycle) =
+                        simulation.sample_at_angle(points.at(next), &mut run.values)?;
+                    (time, Some(cycle))
+                }
+            };
             next += 1;
-            let cycle = simulation.sample_at(time, &mut run.values)?;
-            if run.give(&simulation, time, cycle.map(|c| (c[0], c[1]))).is_break() {
+            if run
+                .give(&simulation, time, cycle.map(|c| (c[0], c[1])))
+                .is_break()
+            {
                 return Ok(run.summary(&simulation, true));
             }
         }
-        run.observer.progress(fraction.clamp(0.0, 1.0), simulation.cycle_angle());
+        run.observer
+            .progress(fraction.clamp(0.0, 1.0), simulation.cycle_angle());
         if let Some(end) = end {
-            let cycle = simulation.sample_at(end, &mut run.values)?;
+            let (end, cycle) = match transient.duration {
+                Extent::Time(_) => (end, simulation.sample_at(end, &mut run.values)?),
+                Extent::Angle(duration) => {
+                    let (time, cycle) =
+                        simulation.sample_at_angle(start + sense * duration, &mut run.values)?;
+                    (time, Some(cycle))
+                }
+            };
             let _ = run.give(&simulation, end, cycle.map(|c| (c[0], c[1])));
             return Ok(run.summary(&simulation, false));
         }
@@ -252,7 +271,12 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn give(&mut self, simulation: &Simulation, time: f64, cycle: Option<(f64, f64)>) -> ControlFlow<()> {
+    fn give(
+        &mut self,
+        simulation: &Simulation,
+        time: f64,
+        cycle: Option<(f64, f64)>,
+    ) -> ControlFlow<()> {
         self.samples += 1;
         self.last = time;
         self.observer.sample(&Sample {

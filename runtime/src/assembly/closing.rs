@@ -19,7 +19,10 @@ pub struct Numbers(u64);
 impl Numbers {
     /// A sequence.
     pub fn new(seed: u64) -> Numbers {
-        Numbers(seed.wrapping_mul(2_862_933_555_777_941_757).wrapping_add(3_037_000_493))
+        Numbers(
+            seed.wrapping_mul(2_862_933_555_777_941_757)
+                .wrapping_add(3_037_000_493),
+        )
     }
     /// The next number.
     pub fn next(&mut self) -> f64 {
@@ -88,7 +91,11 @@ pub fn close(
         matrix = m;
     }
     choose_turns(model, &rows.elements, state)?;
-    Ok(if values.is_empty() { 0.0 } else { values.amax() })
+    Ok(if values.is_empty() {
+        0.0
+    } else {
+        values.amax()
+    })
 }
 
 /// Mobility of all bodies: stated ones move little.
@@ -153,8 +160,18 @@ pub fn close_all(
     }
     let mut numbers = Numbers::new(1);
     for _ in 0..(2 * model.elements.len()).min(40) {
-        let Some(first) = bad.first().copied() else { break };
-        if !shake(model, exact, conditioned, stated, first, &mut numbers, state)? {
+        let Some(first) = bad.first().copied() else {
+            break;
+        };
+        if !shake(
+            model,
+            exact,
+            conditioned,
+            stated,
+            first,
+            &mut numbers,
+            state,
+        )? {
             break;
         }
         close(model, &rows, &every, state, 80)?;
@@ -189,7 +206,9 @@ pub fn close_all(
         .collect();
     open.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     if open.is_empty() {
-        if let Some((element, condition, value)) = violated_branches(model, conditioned, state)?.first() {
+        if let Some((element, condition, value)) =
+            violated_branches(model, conditioned, state)?.first()
+        {
             return Err(RuntimeError::Branch {
                 origin: model.compiled.system.elements[*element].origin.clone(),
                 condition: model.class(*element).conditions[*condition].text.clone(),

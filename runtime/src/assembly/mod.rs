@@ -60,7 +60,12 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
         }
         stated.push(info.position.is_some() && info.orientation.is_some());
     }
-    if state.pose.iter().chain(&state.states).any(|x| !x.is_finite()) {
+    if state
+        .pose
+        .iter()
+        .chain(&state.states)
+        .any(|x| !x.is_finite())
+    {
         return Err(RuntimeError::Malformed {
             what: "a start value is not finite".to_string(),
         });
@@ -75,7 +80,11 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
     };
     let all: Vec<usize> = (0..model.elements.len())
         .filter(|e| {
-            matches!(system.elements[*e].role, Role::Dynamic | Role::StartPosition { .. }) && !follows(e) && has_rows(e)
+            matches!(
+                system.elements[*e].role,
+                Role::Dynamic | Role::StartPosition { .. }
+            ) && !follows(e)
+                && has_rows(e)
         })
         .collect();
     let exact: Vec<usize> = all
@@ -87,7 +96,11 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
         .filter(|e| {
             system.elements[*e].role == Role::Dynamic
                 && !follows(e)
-                && model.class(*e).conditions.iter().any(|c| c.kind == ConditionKind::Branch)
+                && model
+                    .class(*e)
+                    .conditions
+                    .iter()
+                    .any(|c| c.kind == ConditionKind::Branch)
         })
         .collect();
     placement::place(model, &all, &mut state, &stated)?;
@@ -109,7 +122,10 @@ pub fn violated_branches(
     for e in elements {
         let values = rows::conditions(model, *e, &at(state))?;
         for (k, condition) in model.class(*e).conditions.iter().enumerate() {
-            let holds = matches!(values[k].partial_cmp(&0.0), Some(std::cmp::Ordering::Greater));
+            let holds = matches!(
+                values[k].partial_cmp(&0.0),
+                Some(std::cmp::Ordering::Greater)
+            );
             if condition.kind == ConditionKind::Branch && !holds {
                 violated.push((*e, k, values[k]));
             }
@@ -146,7 +162,11 @@ fn freeze(model: &mut Model, state: &State) {
 }
 
 /// Chooses the turn of each rotation that occurs in rows: the one that leaves least of them; among equals the nearest to 0.
-pub fn choose_turns(model: &Model, elements: &[usize], state: &mut State) -> Result<(), RuntimeError> {
+pub fn choose_turns(
+    model: &Model,
+    elements: &[usize],
+    state: &mut State,
+) -> Result<(), RuntimeError> {
     for e in elements {
         let count = model.class(*e).layout.rotations as usize;
         if count == 0 || model.class(*e).rows.is_empty() {
@@ -219,7 +239,8 @@ fn settle_turns(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
             let pair = bodies(*start);
             if own.contains(&pair[0]) && own.contains(&pair[1]) {
                 let reversed = own.len() == 2 && own[0] == pair[1] && pair[0] != pair[1];
-                let stated = angles[model.elements[*start].rotation] * if reversed { -1.0 } else { 1.0 };
+                let stated =
+                    angles[model.elements[*start].rotation] * if reversed { -1.0 } else { 1.0 };
                 for angle in &mut angles[element.rotation..element.rotation + count] {
                     *angle += 2.0 * PI * libm::round((stated - *angle) / (2.0 * PI));
                 }

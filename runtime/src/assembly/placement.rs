@@ -11,7 +11,14 @@ use crate::state::State;
 /// The 24 rotations of a cube, the identity first.
 pub fn cube_rotations() -> Vec<M3> {
     let mut found = Vec::new();
-    let axes = [(0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (1, 0, 2), (2, 1, 0)];
+    let axes = [
+        (0, 1, 2),
+        (1, 2, 0),
+        (2, 0, 1),
+        (0, 2, 1),
+        (1, 0, 2),
+        (2, 1, 0),
+    ];
     for (x, y, z) in axes {
         for signs in [
             [1.0, 1.0, 1.0],
@@ -37,9 +44,19 @@ pub fn cube_rotations() -> Vec<M3> {
 
 /// Places every body without a stated place that rows connect to placed bodies or ground. The order is that of most rows
 /// to what is placed, then of the bodies; bodies which nothing reaches keep their place and count as placed.
-pub fn place(model: &Model, elements: &[usize], state: &mut State, stated: &[bool]) -> Result<(), RuntimeError> {
-    let mut placed = stated.to_vec();
+pub fn place(
+    model: &Model,
+    elements: &[usize],
+    state: &mut State,
+    stated: &[bool],
+) -> Result<(), RuntimeError> {
     let cubes = cube_rotations();
+    // Stated bodies first obey what ties them to ground alone, say a start angle, from where they are stated.
+    let mut placed = vec![false; model.bodies.len()];
+    for body in (0..model.bodies.len()).filter(|b| stated[*b]) {
+        place_one(model, elements, body, &placed, &cubes, state)?;
+    }
+    placed.copy_from_slice(stated);
     loop {
         let mut next: Option<(usize, usize)> = None;
         for body in (0..model.bodies.len()).filter(|b| !placed[*b]) {
@@ -86,6 +103,9 @@ fn place_one(
     state: &mut State,
 ) -> Result<(), RuntimeError> {
     let near = connecting(model, elements, body, placed);
+    if near.is_empty() {
+        return Ok(());
+    }
     let rows = Rows::new(model, near.clone());
     let info = &model.bodies[body];
     let mut mobility = vec![0.0; model.velocities];
@@ -98,7 +118,8 @@ fn place_one(
         let better = match &best {
             None => true,
             Some((key, least, _)) => {
-                (open, wrong) < *key || ((open, wrong) == *key && open && size < *least * (1.0 - 1e-6))
+                (open, wrong) < *key
+                    || ((open, wrong) == *key && open && size < *least * (1.0 - 1e-6))
             }
         };
         if better {
@@ -112,8 +133,12 @@ fn place_one(
             break;
         }
         let markers = &model.elements[*e].markers;
-        let own = markers.iter().find(|m| model.markers[**m].body == Some(body));
-        let partner = markers.iter().find(|m| model.markers[**m].body != Some(body));
+        let own = markers
+            .iter()
+            .find(|m| model.markers[**m].body == Some(body));
+        let partner = markers
+            .iter()
+            .find(|m| model.markers[**m].body != Some(body));
         let (Some(own), Some(partner)) = (own, partner) else {
             continue;
         };

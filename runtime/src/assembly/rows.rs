@@ -86,7 +86,13 @@ impl Rows {
             let layout = &class.layout;
             let length = layout.residual_len() as usize;
             let mut out = vec![[0.0; 2]; length];
-            elements::call(model, model.elements[*element].class, Function::Residual, &inputs, &mut out)?;
+            elements::call(
+                model,
+                model.elements[*element].class,
+                Function::Residual,
+                &inputs,
+                &mut out,
+            )?;
             for i in 0..rows {
                 values[first + i] = out[i][0];
             }
@@ -114,11 +120,18 @@ impl Rows {
                 } as usize;
                 for d in 0..6 {
                     work[tape + base + d] = [1.0; 2];
-                    elements::call(model, model.elements[*element].class, Function::Tangent, &work, &mut out)?;
+                    elements::call(
+                        model,
+                        model.elements[*element].class,
+                        Function::Tangent,
+                        &work,
+                        &mut out,
+                    )?;
                     work[tape + base + d] = [0.0; 2];
                     for i in 0..rows {
                         for w in 0..width {
-                            matrix[(first + i, body.velocity + w)] += out[i][0] * jacobian[d * width + w];
+                            matrix[(first + i, body.velocity + w)] +=
+                                out[i][0] * jacobian[d * width + w];
                         }
                     }
                 }
