@@ -110,7 +110,9 @@ fn models_of(resolved: &Resolved) -> Vec<DefinitionId> {
         .items
         .iter()
         .enumerate()
-        .filter(|(_, item)| matches!(&item.kind, ItemKind::Declaration(d) if d.kind == Kind::Model))
+        .filter(|(_, item)| {
+            matches!(&item.kind, ItemKind::Declaration(d) if d.kind == Kind::Model)
+        })
         .map(|(i, _)| DefinitionId {
             module: root,
             item: i as u32,
