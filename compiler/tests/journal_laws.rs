@@ -84,7 +84,10 @@ analysis start = assemble(Pair())"
         let made = made.expect("a system");
         let bound = made
             .bind
-            .bind(&vec![None; made.system.parameters.len()], &made.system.tables)
+            .bind(
+                &vec![None; made.system.parameters.len()],
+                &made.system.tables,
+            )
             .expect("the numbers fit");
         let element = made
             .system
@@ -96,8 +99,16 @@ analysis start = assemble(Pair())"
         Law {
             code: InterpretedClass::new(&made.classes[class]),
             layout: made.system.classes[class].layout,
-            constants: element.constants.iter().map(|s| bound.slots[s.0 as usize]).collect(),
-            names: made.system.classes[class].outputs.iter().map(|o| o.name.clone()).collect(),
+            constants: element
+                .constants
+                .iter()
+                .map(|s| bound.slots[s.0 as usize])
+                .collect(),
+            names: made.system.classes[class]
+                .outputs
+                .iter()
+                .map(|o| o.name.clone())
+                .collect(),
             width,
         }
     }
@@ -107,8 +118,8 @@ analysis start = assemble(Pair())"
         for (k, m) in [pin, shell].into_iter().enumerate() {
             let (s, c) = m.angle.sin_cos();
             let numbers = [
-                m.x[0], m.x[1], m.x[2], c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0, m.v[0], m.v[1], m.v[2], 0.0, 0.0,
-                m.spin,
+                m.x[0], m.x[1], m.x[2], c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0, m.v[0], m.v[1],
+                m.v[2], 0.0, 0.0, m.spin,
             ];
             for (i, x) in numbers.into_iter().enumerate() {
                 inputs[self.layout.marker(k as u32) as usize + i] = [x; 2];
@@ -122,7 +133,10 @@ analysis start = assemble(Pair())"
 
     fn film(&self, pin: Motion, shell: Motion) -> Film {
         let mut out = vec![[0.0; 2]; self.layout.residual_len() as usize];
-        assert!(self.code.call(Function::Residual, &self.inputs(pin, shell), &mut out, &[]));
+        assert!(
+            self.code
+                .call(Function::Residual, &self.inputs(pin, shell), &mut out, &[])
+        );
         assert!(out.iter().all(|p| p[0].is_finite()));
         let at = |i: usize| out[i][0];
         Film {
@@ -134,8 +148,15 @@ analysis start = assemble(Pair())"
 
     fn output(&self, name: &str, pin: Motion, shell: Motion) -> f64 {
         let mut out = vec![[0.0; 2]; self.names.len()];
-        assert!(self.code.call(Function::Outputs, &self.inputs(pin, shell), &mut out, &[]));
-        let index = self.names.iter().position(|n| n == name).expect("an output of that name");
+        assert!(
+            self.code
+                .call(Function::Outputs, &self.inputs(pin, shell), &mut out, &[])
+        );
+        let index = self
+            .names
+            .iter()
+            .position(|n| n == name)
+            .expect("an output of that name");
         out[index][0]
     }
 
@@ -167,11 +188,19 @@ fn reference(text: &str) -> Value {
 }
 
 fn impedance_file() -> Value {
-    reference(include_str!("../../tests/reference/bearing_impedance_mobility.json"))
+    reference(include_str!(
+        "../../tests/reference/bearing_impedance_mobility.json"
+    ))
 }
 
 /// Compares a force with the impedance W and the load's direction, in three orientations of the whole.
-fn compare(law: &Law, ratio: f64, eccentricity_from_velocity: f64, w: f64, load_from_velocity: f64) {
+fn compare(
+    law: &Law,
+    ratio: f64,
+    eccentricity_from_velocity: f64,
+    w: f64,
+    load_from_velocity: f64,
+) {
     let speed = 4e-3;
     for turned in [0.0, 1.3, -2.4] {
         let force = law.squeeze(
@@ -188,7 +217,9 @@ fn compare(law: &Law, ratio: f64, eccentricity_from_velocity: f64, w: f64, load_
 #[test]
 fn impedance_meets_the_samples_of_its_formula() {
     let file = impedance_file();
-    let samples = file["moes_finite"]["implementation_samples"].as_array().expect("samples");
+    let samples = file["moes_finite"]["implementation_samples"]
+        .as_array()
+        .expect("samples");
     assert_eq!(samples.len(), 105);
     let mut law = Law::new("Impedance", 1.0);
     for sample in samples {
@@ -204,7 +235,9 @@ fn impedance_meets_the_samples_of_its_formula() {
 #[test]
 fn short_meets_the_exact_pi_film() {
     let file = impedance_file();
-    let samples = file["ocvirk_pi_film_exact"]["samples"].as_array().expect("samples");
+    let samples = file["ocvirk_pi_film_exact"]["samples"]
+        .as_array()
+        .expect("samples");
     assert_eq!(samples.len(), 45);
     for slenderness in [0.25, 0.4] {
         let law = Law::new("Short", slenderness);
@@ -226,7 +259,9 @@ fn short_meets_the_exact_pi_film() {
 #[test]
 fn steady_rotation_of_pin_shell_or_both_carries_ocvirks_load() {
     let law = Law::new("Short", 0.25);
-    let file = reference(include_str!("../../tests/reference/bearing_short_long_analytic.json"));
+    let file = reference(include_str!(
+        "../../tests/reference/bearing_short_long_analytic.json"
+    ));
     let rows = file["ocvirk"]["rows"].as_array().expect("rows");
     assert_eq!(rows.len(), 11);
     let omega = 400.0;
@@ -234,7 +269,12 @@ fn steady_rotation_of_pin_shell_or_both_carries_ocvirks_load() {
         let ratio = number(&row["eps"]);
         let unit = VISCOSITY * omega * DIAMETER / 2.0 * law.width.powi(3) / CLEARANCE.powi(2);
         let expected = [-number(&row["F_r"]) * unit, number(&row["F_t"]) * unit];
-        for (pin_spin, shell_spin) in [(omega, 0.0), (0.0, omega), (0.5 * omega, 0.5 * omega), (1.5 * omega, -0.5 * omega)] {
+        for (pin_spin, shell_spin) in [
+            (omega, 0.0),
+            (0.0, omega),
+            (0.5 * omega, 0.5 * omega),
+            (1.5 * omega, -0.5 * omega),
+        ] {
             let pin = Motion {
                 x: [ratio * CLEARANCE, 0.0, 0.0],
                 spin: pin_spin,
@@ -247,8 +287,12 @@ fn steady_rotation_of_pin_shell_or_both_carries_ocvirks_load() {
                 ..Motion::default()
             };
             let f = law.film(pin, shell).force;
-            let error = (f[0] - expected[0]).hypot(f[1] - expected[1]) / expected[0].hypot(expected[1]);
-            assert!(error < 1e-9, "ratio {ratio}, speeds {pin_spin} {shell_spin}: {error}");
+            let error =
+                (f[0] - expected[0]).hypot(f[1] - expected[1]) / expected[0].hypot(expected[1]);
+            assert!(
+                error < 1e-9,
+                "ratio {ratio}, speeds {pin_spin} {shell_spin}: {error}"
+            );
         }
     }
 }
@@ -257,12 +301,19 @@ fn steady_rotation_of_pin_shell_or_both_carries_ocvirks_load() {
 #[test]
 fn short_has_the_published_stiffness_and_damping() {
     let law = Law::new("Short", 0.25);
-    let file = reference(include_str!("../../tests/reference/bearing_short_coefficients.json"));
-    let rows = file["short_bearing_ocvirk"]["rows"].as_array().expect("rows");
+    let file = reference(include_str!(
+        "../../tests/reference/bearing_short_coefficients.json"
+    ));
+    let rows = file["short_bearing_ocvirk"]["rows"]
+        .as_array()
+        .expect("rows");
     assert!(rows.len() > 5);
     let omega = 400.0;
     for row in rows {
-        let (ratio, attitude) = (number(&row["eps"]), number(&row["attitude_deg"]).to_radians());
+        let (ratio, attitude) = (
+            number(&row["eps"]),
+            number(&row["attitude_deg"]).to_radians(),
+        );
         let place = polar(ratio * CLEARANCE, attitude);
         let at = |dx: [f64; 2], v: [f64; 2]| {
             let pin = Motion {
@@ -275,7 +326,10 @@ fn short_has_the_published_stiffness_and_damping() {
         };
         let rest = at([0.0; 2], [0.0; 2]);
         let load = rest[0].hypot(rest[1]);
-        assert!(rest[0] < 0.0 && (rest[1] / load).abs() < 1e-9, "the load is along x");
+        assert!(
+            rest[0] < 0.0 && (rest[1] / load).abs() < 1e-9,
+            "the load is along x"
+        );
         for (axis, letter) in ["x", "y"].into_iter().enumerate() {
             let along = |h: f64| if axis == 0 { [h, 0.0] } else { [0.0, h] };
             let h = 1e-5 * CLEARANCE * (1.0 - ratio) * ratio.min(0.1) * 10.0;
@@ -284,11 +338,15 @@ fn short_has_the_published_stiffness_and_damping() {
             let (faster, slower) = (at([0.0; 2], along(hv)), at([0.0; 2], along(-hv)));
             for (row_axis, row_letter) in ["x", "y"].into_iter().enumerate() {
                 let k = -(up[row_axis] - down[row_axis]) / (2.0 * h) * CLEARANCE / load;
-                let c = -(faster[row_axis] - slower[row_axis]) / (2.0 * hv) * CLEARANCE * omega / load;
+                let c =
+                    -(faster[row_axis] - slower[row_axis]) / (2.0 * hv) * CLEARANCE * omega / load;
                 let scale = number(&row["Cxx"]).abs();
                 for (found, name) in [(k, "K"), (c, "C")] {
                     let expected = number(&row[format!("{name}{row_letter}{letter}")]);
-                    assert!((found - expected).abs() < 2e-6 * scale, "{name}{row_letter}{letter} at {ratio}: {found} {expected}");
+                    assert!(
+                        (found - expected).abs() < 2e-6 * scale,
+                        "{name}{row_letter}{letter} at {ratio}: {found} {expected}"
+                    );
                 }
             }
         }
@@ -309,7 +367,9 @@ fn free_whirl_at_the_mean_speed_carries_nothing() {
             ..Motion::default()
         };
         let whirling = law.film(pin, Motion::default()).force;
-        let still = law.film(Motion { v: [0.0; 3], ..pin }, Motion::default()).force;
+        let still = law
+            .film(Motion { v: [0.0; 3], ..pin }, Motion::default())
+            .force;
         assert!(whirling[0].hypot(whirling[1]) < 1e-9 * still[0].hypot(still[1]));
     }
 }
@@ -319,7 +379,10 @@ struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 }
@@ -335,7 +398,11 @@ fn the_pair_balances_and_only_takes_energy() {
             let reach = if case % 10 == 0 { 1.5 } else { 0.69 };
             let place = [random.next(), random.next()];
             let pin = Motion {
-                x: [0.1 + place[0] * reach * CLEARANCE, 0.2 + place[1] * reach * CLEARANCE, 0.3],
+                x: [
+                    0.1 + place[0] * reach * CLEARANCE,
+                    0.2 + place[1] * reach * CLEARANCE,
+                    0.3,
+                ],
                 angle: 3.0 * random.next(),
                 v: [0.02 * random.next(), 0.02 * random.next(), 0.0],
                 spin: 500.0 * random.next(),
@@ -355,7 +422,10 @@ fn the_pair_balances_and_only_takes_energy() {
             // the reaction acts at the pin's place: seen at the shell's origin it has the moment of that arm
             let e = [pin.x[0] - shell.x[0], pin.x[1] - shell.x[1]];
             let about_shell = film.torque[0] + film.torque[1] + e[0] * f[1] - e[1] * f[0];
-            assert!(about_shell.abs() <= 1e-9 * (size * CLEARANCE + film.torque[0].abs()), "{about_shell}");
+            assert!(
+                about_shell.abs() <= 1e-9 * (size * CLEARANCE + film.torque[0].abs()),
+                "{about_shell}"
+            );
             let power = f[0] * pin.v[0]
                 + f[1] * pin.v[1]
                 + film.shell_force[0] * shell.v[0]
@@ -364,7 +434,10 @@ fn the_pair_balances_and_only_takes_energy() {
                 + film.torque[1] * shell.spin;
             let heat = law.output("power_loss", pin, shell);
             assert!(heat >= 0.0, "{class}: {heat}");
-            assert!((power + heat).abs() <= 1e-9 * (heat + size * 1e-3), "{class}: {power} {heat}");
+            assert!(
+                (power + heat).abs() <= 1e-9 * (heat + size * 1e-3),
+                "{class}: {power} {heat}"
+            );
         }
     }
 }
