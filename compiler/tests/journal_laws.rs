@@ -416,8 +416,8 @@ fn the_pair_balances_and_only_takes_energy() {
             let film = law.film(pin, shell);
             let f = film.force;
             let size = f[0].hypot(f[1]);
-            for k in 0..3 {
-                assert!((f[k] + film.shell_force[k]).abs() <= 1e-12 * size);
+            for (on_pin, on_shell) in f.iter().zip(&film.shell_force) {
+                assert!((on_pin + on_shell).abs() <= 1e-12 * size);
             }
             // the reaction acts at the pin's place: seen at the shell's origin it has the moment of that arm
             let e = [pin.x[0] - shell.x[0], pin.x[1] - shell.x[1]];
