@@ -39,12 +39,16 @@ use eng_system::system::Origin;
 
 /// Contraction above which the matrix is taken anew.
 const CONTRACTION_LIMIT: f64 = 0.3;
+/// Contraction above which a step begins with a fresh matrix: it costs about four iterations.
+const RENEWAL: f64 = 0.12;
+/// Least contraction that an old matrix is trusted with.
+const OLD_CONTRACTION: f64 = 0.1;
 /// Iterations in all, with fresh matrices among them.
 const ITERATION_LIMIT: usize = 14;
 /// Halvings of an increment that leads to values that are not finite.
 const BACKTRACK_LIMIT: usize = 12;
 /// Change of the scaled unknowns that is rounding.
-const ROUNDING: f64 = 2e-14;
+const ROUNDING: f64 = 1e-15;
 /// Change below which an iteration that does not contract with a fresh matrix has come to rounding.
 const STAGNATION: f64 = 1e-11;
 
@@ -530,7 +534,7 @@ impl Integrator {
         if self
             .factored_step
             .is_some_and(|old| !(0.6..=1.7).contains(&(h / old)))
-            || self.contraction.is_some_and(|c| c > 0.15)
+            || self.contraction.is_some_and(|c| c > RENEWAL)
         {
             self.drop_factors();
         }
@@ -632,7 +636,13 @@ impl Integrator {
             }
             if let Some(before) = last_norm {
                 let rate = norm / before;
-                if rate < 0.9 && norm * rate / (1.0 - rate) <= goal {
+                // The first ratio flatters: what an old matrix does slowly shows only when the rest is gone.
+                let expected = rate.max(self.contraction.unwrap_or(0.0)).max(if fresh {
+                    0.0
+                } else {
+                    OLD_CONTRACTION
+                });
+                if expected < 0.9 && norm * expected / (1.0 - expected) <= goal {
                     solved = true;
                     break;
                 }
@@ -640,7 +650,7 @@ impl Integrator {
                     break;
                 }
                 if rate > CONTRACTION_LIMIT {
-                    if fresh && norm <= STAGNATION {
+                    if norm <= 100.0 * ROUNDING || (fresh && norm <= STAGNATION) {
                         solved = true;
                         break;
                     }
