@@ -58,7 +58,7 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
             let matrix = M3::from_row_slice(&orientation.map(|slot| model.slot(slot)));
             state.pose[p + 3..p + 7].copy_from_slice(&quaternion(&matrix));
         }
-        stated.push(info.position.is_some() && info.orientation.is_some());
+        stated.push(info.position.is_some() || info.orientation.is_some());
     }
     if state
         .pose
@@ -69,6 +69,13 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
         return Err(RuntimeError::Malformed {
             what: "a start value is not finite".to_string(),
         });
+    }
+
+    // what a marker follows holds its body where that stands: there is nothing to place it by
+    for marker in &model.markers {
+        if let Some(body) = marker.placed_at.and_then(|partner| model.markers[partner].body) {
+            stated[body] = true;
+        }
     }
 
     let has_rows = |e: &usize| !model.class(*e).rows.is_empty();
