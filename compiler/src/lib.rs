@@ -2,6 +2,8 @@
 //!
 //! It does no I/O (files come through [`eng_system`]'s host trait) and knows no terminal; it never sees the runtime.
 
+pub mod check;
+pub mod codes;
 pub mod elaborate;
 pub mod generate;
 pub mod ir;
@@ -9,3 +11,4 @@ pub mod ir;
 pub mod jit;
 pub mod library;
 pub mod program;
+pub mod resolve;

@@ -188,6 +188,8 @@ impl<'p> Checker<'p> {
                 });
             }
         }
+        // The block of a class, unlike that of a model, holds no parameters that a use could set.
+        let plain = matches!(declaration.form, Form::Plain { .. });
         let record = declaration.kind == Kind::Record;
         for item in super::scope::block_of(declaration)
             .into_iter()
@@ -197,7 +199,7 @@ impl<'p> Checker<'p> {
                 continue;
             };
             let taken = match binding.kind {
-                BindingKind::Param | BindingKind::Const => true,
+                BindingKind::Param | BindingKind::Const => plain,
                 BindingKind::Let => record,
                 BindingKind::State | BindingKind::Output => false,
             };

@@ -355,7 +355,9 @@ impl<'p> Checker<'p> {
         if binding.value.is_none() {
             let in_interface = around == Some(Kind::Interface);
             let without_value = match binding.kind {
-                BindingKind::Const | BindingKind::Param => around.is_some(),
+                BindingKind::Const | BindingKind::Param => {
+                    matches!(around, Some(Kind::Model | Kind::Interface))
+                }
                 BindingKind::Let => around == Some(Kind::Record),
                 BindingKind::State => false,
                 BindingKind::Output => in_interface,

@@ -29,6 +29,21 @@ pub(super) fn literal_length(range: &Expr) -> Option<u32> {
     }
 }
 
+/// Whether a range is `1..n`.
+pub(super) fn counts_from_one(range: &Expr) -> bool {
+    match &range.kind {
+        ExprKind::Range { from, .. } => matches!(
+            from.kind,
+            ExprKind::Number {
+                value: 1.0,
+                integer: true,
+                unit: None
+            }
+        ),
+        _ => false,
+    }
+}
+
 impl<'p> Checker<'p> {
     pub(super) fn infer(&mut self, scope: &Scope<'p>, expr: &Expr) -> Type {
         match &expr.kind {

@@ -204,6 +204,11 @@ impl<'p> Checker<'p> {
 
     /// The type of a name.
     pub(super) fn name(&mut self, scope: &Scope<'p>, name: &str, span: Span) -> Type {
+        // A body's mass is a name in its block, for its inertia.
+        let local = scope.locals.iter().any(|(n, _)| n == name);
+        if name == "mass" && !local && scope.body.is_some_and(has_mass) {
+            return Type::Scalar(Quantity::hard(Dimension::MASS));
+        }
         if let Some(found) = self.find(scope, name) {
             return match found {
                 Found::Local(ty) => ty,
@@ -414,7 +419,10 @@ impl<'p> Checker<'p> {
     /// `T` in as many lists as there are binders.
     pub(super) fn arrayed(&self, index: &[eng_grammar::ast::Binder], ty: Type) -> Type {
         index.iter().rev().fold(ty, |ty, binder| {
-            Type::list(ty, super::expression::literal_length(&binder.range))
+            // Places count as the binder does: `pin[i in 2..4]` has no `pin[1]`.
+            let from_one = super::expression::counts_from_one(&binder.range);
+            let length = super::expression::literal_length(&binder.range).filter(|_| from_one);
+            Type::list(ty, length)
         })
     }
 
@@ -502,6 +510,14 @@ pub(super) fn marker_of<'p>(body: &'p Declaration, name: &str) -> Option<&'p Dec
             Some(marker)
         }
         _ => None,
+    })
+}
+
+fn has_mass(body: &Declaration) -> bool {
+    block_of(body).is_some_and(|block| {
+        block.items.iter().any(
+            |item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == "mass"),
+        )
     })
 }
 

@@ -7,7 +7,6 @@ mod scopes;
 pub(crate) use scopes::defined_name;
 pub(crate) mod suggest;
 mod units;
-pub(crate) use units::product_of;
 
 use crate::program::Program;
 use eng_grammar::{Diagnostics, SourceMap};

@@ -559,7 +559,7 @@ fn power(base: f64, numerator: i32, denominator: i32) -> f64 {
 }
 
 /// The dimension of a type that is a product of dimensions.
-pub(crate) fn product_of(
+fn product_of(
     ty: &TypeExpr,
     dimensions: &BTreeMap<String, NamedDimension>,
 ) -> Option<Dimension> {
