@@ -1,7 +1,55 @@
 //! Eng: engines as text.
+//!
+//! A model is a text; [`check`] reads it, [`Program::model`] compiles it, [`Model::simulation`] steps it, and
+//! [`Program::analysis`] runs what the text asks for.
+//!
+//! ```
+//! let text = "
+//!     use std.joints.Revolute
+//!     model Pendulum {
+//!         gravity = [0, -9.81, 0] m/s^2
+//!         marker pivot = [0, 0, 0] mm
+//!         body bob { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker top = [0, 1, 0] m }
+//!         joint pin = Revolute(bob.top, pivot)
+//!         start pin.angle = 10 deg
+//!     }";
+//! let program = eng::check(&eng::Sources::from_text("pendulum.eng", text), "pendulum.eng").into_program()?;
+//! let model = program.model("Pendulum")?;
+//! let angle = model.channel("pin.angle")?;
+//! let mut simulation = model.simulation().fixed_step(1e-3).start()?;
+//! let start = simulation.value(angle)?;
+//! assert!((start - 10f64.to_radians()).abs() < 1e-9);
+//! while simulation.time() < 0.5 {
+//!     simulation.step()?;
+//! }
+//! assert!(simulation.value(angle)? < start);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![forbid(unsafe_code)]
 
 pub mod cli;
 pub mod plot;
 pub mod render;
 pub mod results;
+
+mod analysis;
+mod error;
+mod failure;
+mod local;
+mod model;
+mod program;
+mod quantity;
+mod simulation;
+mod sources;
+
+pub use analysis::{Analysis, Failed, Outcome, Progress};
+pub use eng_runtime::{Energy, RuntimeError, Statistics, TopologyReport, Warning};
+pub use eng_system::{Dimension, DisplayUnit};
+pub use error::Error;
+pub use local::Local;
+pub use model::{Channel, ChannelInfo, Model, Parameter, ParameterInfo};
+pub use program::{Checked, Program, Report, check};
+pub use quantity::{Quantity, QuantityError};
+pub use results::Results;
+pub use simulation::{Simulation, SimulationBuilder};
+pub use sources::Sources;

@@ -67,7 +67,7 @@ fn outcome(analysis: &str) -> RunOutcome {
         Column::time(turns.iter().map(|a| a / 400.0).collect()),
         Column::cycle_angle(turns.clone()),
         column("main[1].force.x", "kN", 1e3, "block.main[1]", cosine(-3e3)),
-        column("main[1].force.y", "kN", 1e3, "block.main[1]", sine(-3e3)),
+        column("main[1].force.y", "kN", 1e3, "block.main[1]", sine(-2e3)),
         column(
             "main[1].offset.x",
             "um",

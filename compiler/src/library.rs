@@ -4,7 +4,7 @@
 //! stands in them.
 
 /// Module paths and texts, for [`crate::resolve`]; a model uses them as `use std.joints.Revolute`.
-pub const LIBRARY: [(&str, &str); 9] = [
+pub const LIBRARY: &[(&str, &str)] = &[
     ("std.prelude", include_str!("../../stdlib/prelude.eng")),
     ("std.units", include_str!("../../stdlib/units.eng")),
     ("std.constants", include_str!("../../stdlib/constants.eng")),

@@ -704,3 +704,63 @@ fn a_film_is_cut_where_it_is_narrow() {
     // a dense Jacobian of the law would take 24 × 12 multiplications
     assert!(tangent < 288 && functions.tape() < 120);
 }
+
+/// A row of a start condition: the speed about z is 3 rad/s.
+fn speed_row(plain: bool) -> eng_compiler::ir::ClassBody {
+    let layout = InputLayout {
+        markers: 1,
+        rows: 1,
+        ..InputLayout::default()
+    };
+    let mut b = support::Builder::new(layout, plain);
+    let spin = b.spin(0);
+    let spin = b.inertial(spin, 0);
+    let (three, zero) = (b.c(3.0), b.c(0.0));
+    let row = b.g.subtract(spin[2], three);
+    b.body("Speed", vec![row], vec![[zero; 6]], vec![], vec![])
+}
+
+#[test]
+fn rows_may_be_affine_in_velocities() {
+    let functions = functions(speed_row);
+    let layout = functions.layout;
+    let code = compile_class(functions.clone(), true).expect("compiles");
+    let state = support::state(&layout, &mut Random(4), false);
+    let columns = jacobian(&*code, &layout, &state, &[]);
+    let m = layout.marker(0) as usize;
+    for k in 0..3 {
+        let slope = columns[(layout.twist_direction(0) + 3) as usize + k][0];
+        assert_eq!(slope, state[m + 3 + 6 + k]);
+    }
+    // Ṙ ω = R (ω × ω) = 0: no rate at zero acceleration
+    let velocity = call(&*code, Function::Velocity, &state, &[]);
+    assert!(velocity.iter().all(|x| x.abs() < 1e-14));
+}
+
+#[test]
+fn bodies_that_do_not_fit_their_layout_are_refused() {
+    use eng_compiler::ir::DifferentiateError;
+    let mut body = support::revolute(false);
+    body.rows.pop();
+    assert_eq!(
+        body.functions().err(),
+        Some(DifferentiateError::Count {
+            expected: 5,
+            found: 4
+        })
+    );
+    let mut body = support::revolute(false);
+    let acceleration = body.graph.input(body.layout.acceleration(0));
+    body.loads[0][0] = acceleration;
+    assert_eq!(
+        body.functions().err(),
+        Some(DifferentiateError::Input(body.layout.acceleration(0)))
+    );
+    let mut body = support::revolute(false);
+    let beyond = body.graph.input(body.layout.outputs_len());
+    body.outputs.push(beyond);
+    assert_eq!(
+        body.functions().err(),
+        Some(DifferentiateError::Input(body.layout.outputs_len()))
+    );
+}

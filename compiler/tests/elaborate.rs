@@ -133,7 +133,13 @@ fn a_chain_becomes_a_flat_system() {
     assert_eq!(revolute.layout.rotations, 1);
     assert_eq!(revolute.layout.constants, 0);
     let paths: Vec<&str> = system.channels.iter().map(|c| c.path.as_str()).collect();
-    for wanted in ["first.angle", "pin[2].force.x", "spring.tension", "bend[3]", "reach"] {
+    for wanted in [
+        "first.angle",
+        "pin[2].force.x",
+        "spring.tension",
+        "bend[3]",
+        "reach",
+    ] {
         assert!(paths.contains(&wanted), "{wanted} is not in {paths:?}");
     }
     let force = system
@@ -158,7 +164,10 @@ fn parameters_bind_by_path() {
             .unwrap_or_else(|| panic!("no parameter {path}"))
     };
     let mut overrides = vec![None; made.system.parameters.len()];
-    let before = made.bind.bind(&overrides, &made.system.tables).expect("defaults fit");
+    let before = made
+        .bind
+        .bind(&overrides, &made.system.tables)
+        .expect("defaults fit");
     assert!((before.parameters[index("spring.stiffness")] - 5000.0).abs() < 1e-9);
     assert_eq!(before.parameters[index("spring.free")], 0.01);
     let head = made
@@ -169,13 +178,22 @@ fn parameters_bind_by_path() {
         .expect("a marker");
     assert!((before.slots[head.position[0].0 as usize] - 0.05).abs() < 1e-15);
     overrides[index("step")] = Some(0.3);
-    let after = made.bind.bind(&overrides, &made.system.tables).expect("fits");
+    let after = made
+        .bind
+        .bind(&overrides, &made.system.tables)
+        .expect("fits");
     assert!((after.slots[head.position[0].0 as usize] - 0.15).abs() < 1e-15);
     overrides[index("step")] = Some(2.0);
-    let error = made.bind.bind(&overrides, &made.system.tables).expect_err("outside its limits");
+    let error = made
+        .bind
+        .bind(&overrides, &made.system.tables)
+        .expect_err("outside its limits");
     assert_eq!(error.to_string(), "step = 2000 mm is outside (1, 1000) mm");
     overrides[index("step")] = None;
     overrides[index("spring.free")] = Some(-0.02);
-    let error = made.bind.bind(&overrides, &made.system.tables).expect_err("a require fails");
+    let error = made
+        .bind
+        .bind(&overrides, &made.system.tables)
+        .expect_err("a require fails");
     assert_eq!(error.to_string(), "spring: free length -20 mm");
 }

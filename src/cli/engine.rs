@@ -53,7 +53,7 @@ pub struct Progress {
 }
 
 /// A journal for the summary and the pictures. The columns are named by the journal's path:
-/// `main[1].force.x` and `.y` (N), `main[1].offset.x` and `.y` (m, pin's centre from the shell's along the shell's axes),
+/// `main[1].force.x` and `.y` (N), `main[1].eccentricity.x` and `.y` (m, pin's centre from the shell's along the shell's axes),
 /// `main[1].minimum_film` (m), `main[1].power_loss` (W). What is absent is left out of table and pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JournalGeometry {

@@ -236,8 +236,8 @@ fn orbits(outcome: &RunOutcome) -> Option<Orbits> {
         .journals
         .iter()
         .filter_map(|journal| {
-            let x = results.column(&format!("{}.offset.x", journal.path))?;
-            let y = results.column(&format!("{}.offset.y", journal.path))?;
+            let x = results.column(&format!("{}.eccentricity.x", journal.path))?;
+            let y = results.column(&format!("{}.eccentricity.y", journal.path))?;
             Some(Orbit {
                 name: journal.path.clone(),
                 frame: x.frame.clone(),

@@ -89,7 +89,7 @@ impl Orbits {
             _ => 4,
         };
         let rows = self.orbits.len().div_ceil(columns).max(1);
-        let width = (columns as f64 * CELL.0 + 24.0).max(720.0);
+        let width = (columns as f64 * CELL.0 + 24.0).max(800.0);
         let (key, key_rows) = self.key(width - 80.0);
         let top = 92.0 + 26.0 * key_rows as f64;
         let height = top + rows as f64 * CELL.1 + 16.0;
@@ -123,17 +123,17 @@ impl Orbits {
 
     fn key(&self, width: f64) -> (Vec<KeyEntry>, usize) {
         let mut kinds = vec![
-            (KeyKind::Clearance, "clearance circle"),
+            (KeyKind::Clearance, "radial clearance c"),
             (KeyKind::Half, "ε = 0.5"),
         ];
-        if self.orbits.iter().any(|o| !o.angle.is_empty()) {
+        if self.orbits.iter().any(|o| last_cycle(o, self.period) > 0) {
             kinds.push((KeyKind::Last, "last cycle"));
-            if self.orbits.iter().any(|o| last_cycle(o, self.period) > 0) {
-                kinds.push((KeyKind::Earlier, "earlier"));
-            }
-            kinds.push((KeyKind::Mark, "every 90 °CA"));
+            kinds.push((KeyKind::Earlier, "earlier"));
         } else {
             kinds.push((KeyKind::Last, "path of the pin's centre"));
+        }
+        if self.orbits.iter().any(|o| !o.angle.is_empty()) {
+            kinds.push((KeyKind::Mark, "every 90 °CA"));
         }
         let (mut x, mut row) = (0.0, 0);
         let mut entries = Vec::new();
@@ -169,11 +169,19 @@ impl Orbits {
             TextStyle::new(LABEL + 1.0, Anchor::Start).bold(),
         );
         svg.text(
-            left,
-            top - 9.0,
+            left + BOX,
+            top - 26.0,
             &orbit.facts(),
-            TextStyle::new(SMALL, Anchor::Start).soft(),
+            TextStyle::new(SMALL, Anchor::End).soft(),
         );
+        if !orbit.frame.is_empty() {
+            svg.text(
+                left,
+                top - 9.0,
+                &format!("axes of {}", orbit.frame),
+                TextStyle::new(SMALL, Anchor::Start).soft(),
+            );
+        }
         draw_grid(svg, orbit, &view, (left, top));
         svg.begin_clip(left, top, BOX, BOX);
         let start = last_cycle(orbit, self.period);
@@ -250,6 +258,7 @@ impl Orbits {
 }
 
 impl Orbit {
+    /// Clearance and largest eccentricity ratio.
     fn facts(&self) -> String {
         let largest = self
             .x
@@ -258,13 +267,8 @@ impl Orbit {
             .map(|(x, y)| libm::hypot(*x, *y) / self.clearance)
             .filter(|ratio| ratio.is_finite())
             .fold(0.0, f64::max);
-        let axes = if self.frame.is_empty() {
-            String::new()
-        } else {
-            format!("axes of {} · ", self.frame)
-        };
         format!(
-            "{axes}clearance {} µm · ε ≤ {largest:.3}",
+            "c = {} µm, ε ≤ {largest:.3}",
             significant(self.clearance * 1e6)
         )
     }
@@ -287,21 +291,26 @@ fn marks(orbit: &Orbit, start: usize, period: f64) -> Vec<(i64, f64, f64)> {
     let mut found: Vec<(i64, f64, f64)> = Vec::new();
     let samples = orbit.angle.len().min(orbit.x.len()).min(orbit.y.len());
     let quarter = |angle: f64| ((angle + 1e-6) / 90.0).floor();
+    let period = if period > 0.0 { period } else { 360.0 };
     let last = match orbit.angle.get(start) {
-        Some(first) if period > 0.0 => first + period - 1e-6,
-        _ => f64::INFINITY,
+        Some(first) => first + period - 1e-6,
+        None => return found,
     };
     for index in start..samples {
         let here = orbit.angle[index];
         // the first sample has a mark only where it stands on one
         let before = if index > start { index - 1 } else { index };
+        let width = here - orbit.angle[before];
+        // an angle that runs backwards, jumps or is no number has no marks
+        if !(0.0..=period).contains(&width) || !here.is_finite() {
+            continue;
+        }
         let mut mark = if index > start {
             90.0 * (quarter(orbit.angle[before]) + 1.0)
         } else {
             90.0 * ((here - 1e-6) / 90.0).ceil()
         };
         while mark <= here + 1e-6 && mark < last {
-            let width = here - orbit.angle[before];
             let share = if width > 0.0 {
                 ((mark - orbit.angle[before]) / width).clamp(0.0, 1.0)
             } else {
@@ -309,11 +318,7 @@ fn marks(orbit: &Orbit, start: usize, period: f64) -> Vec<(i64, f64, f64)> {
             };
             let between = |v: &[f64]| v[before] + share * (v[index] - v[before]);
             let (x, y) = (between(&orbit.x), between(&orbit.y));
-            let angle = if period > 0.0 {
-                mark - period * ((mark + 1e-6) / period).floor()
-            } else {
-                mark
-            };
+            let angle = mark - period * ((mark + 1e-6) / period).floor();
             if x.is_finite() && y.is_finite() {
                 found.push((angle.round() as i64, x, y));
             }
@@ -325,7 +330,7 @@ fn marks(orbit: &Orbit, start: usize, period: f64) -> Vec<(i64, f64, f64)> {
 
 fn draw_grid(svg: &mut Svg, orbit: &Orbit, view: &View, (left, top): (f64, f64)) {
     let reach = orbit.clearance / FILL * 1e6;
-    let axis = ticks::inside(-reach, reach, 5);
+    let axis = ticks::inside(-reach, reach, 7);
     let scale = view.scale * 1e-6;
     let (right, bottom) = (left + BOX, top + BOX);
     let (across, upwards) = match view.upright {
@@ -536,7 +541,7 @@ mod tests {
         let found = marks(orbit, start, 360.0);
         let angles: Vec<i64> = found.iter().map(|m| m.0).collect();
         assert_eq!(angles, [90, 180, 270, 0]);
-        assert_eq!((found[3].1, found[3].2), (orbit.x[7], orbit.y[7]));
+        assert!((found[3].1 - orbit.x[7]).abs() < 1e-15 && (found[3].2 - orbit.y[7]).abs() < 1e-15);
     }
 
     #[test]

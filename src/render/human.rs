@@ -41,7 +41,10 @@ pub fn human(diagnostics: &Diagnostics, sources: &SourceMap, colors: Colors) -> 
         text.push_str(&summary(diagnostics));
         text.push('\n');
     }
-    text
+    // codespan fills lines up to its longest label
+    text.lines()
+        .flat_map(|line| [line.trim_end(), "\n"])
+        .collect()
 }
 
 /// `2 errors, 1 warning`; notes are not counted.
@@ -203,7 +206,9 @@ mod tests {
         }
         plain.push_str(rest);
         assert_ne!(colored, plain);
-        assert_eq!(plain, human(&diagnostics, &sources, Colors::None));
+        let trimmed: Vec<&str> = plain.lines().map(str::trim_end).collect();
+        let expected = human(&diagnostics, &sources, Colors::None);
+        assert_eq!(trimmed, expected.lines().collect::<Vec<_>>());
     }
 
     #[test]

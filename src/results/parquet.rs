@@ -49,9 +49,16 @@ impl Results {
 
     fn write_parquet_to(&self, file: &mut File) -> Result<(), WriteError> {
         let refused = |error: &dyn std::fmt::Display| WriteError::Parquet(error.to_string());
-        let schema = Arc::new(Schema::new(
+        let entries = self.file_metadata();
+        let schema = Arc::new(Schema::new_with_metadata(
             self.columns().iter().map(field).collect::<Vec<_>>(),
+            entries.clone().into_iter().collect::<HashMap<_, _>>(),
         ));
+        // pyarrow and pandas read the schema's entries, other tools the file's
+        let entries = entries
+            .into_iter()
+            .map(|(key, value)| KeyValue::new(key, value))
+            .collect();
         let properties = WriterProperties::builder()
             .set_created_by(format!("eng {}", env!("CARGO_PKG_VERSION")))
             .set_compression(Compression::SNAPPY)
@@ -59,7 +66,7 @@ impl Results {
             .set_dictionary_enabled(false)
             .set_encoding(Encoding::BYTE_STREAM_SPLIT)
             .set_statistics_enabled(EnabledStatistics::Chunk)
-            .set_key_value_metadata(Some(self.file_metadata()))
+            .set_key_value_metadata(Some(entries))
             .build();
         let mut writer = ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))
             .map_err(|e| refused(&e))?;
@@ -76,13 +83,13 @@ impl Results {
         Ok(())
     }
 
-    fn file_metadata(&self) -> Vec<KeyValue> {
-        let mut entries = vec![
-            KeyValue::new(ANALYSIS.to_owned(), self.analysis().to_owned()),
-            KeyValue::new(MODEL.to_owned(), self.model().to_owned()),
-        ];
+    fn file_metadata(&self) -> BTreeMap<String, String> {
+        let mut entries = BTreeMap::from([
+            (ANALYSIS.to_owned(), self.analysis().to_owned()),
+            (MODEL.to_owned(), self.model().to_owned()),
+        ]);
         for (key, value) in self.metadata() {
-            entries.push(KeyValue::new(format!("{RUN}{key}"), value.clone()));
+            entries.insert(format!("{RUN}{key}"), value.clone());
         }
         let units: BTreeMap<&str, &str> = self
             .columns()
@@ -101,10 +108,7 @@ impl Results {
             "units": units,
             "frames": frames,
         });
-        entries.push(KeyValue::new(
-            PANDAS_ATTRIBUTES.to_owned(),
-            attributes.to_string(),
-        ));
+        entries.insert(PANDAS_ATTRIBUTES.to_owned(), attributes.to_string());
         entries
     }
 

@@ -550,8 +550,8 @@ mod tests {
         let y: Vec<f64> = x.iter().map(|x| x * libm::sin(*x)).collect();
         for interpolation in [Interpolation::Cubic, Interpolation::Monotone] {
             let t = table(&x, &y, interpolation, None);
-            for i in 0..8 {
-                let p = x[i] + 0.4;
+            for start in x.iter().take(8) {
+                let p = start + 0.4;
                 let h = 1e-3;
                 for order in 0..3 {
                     let d = (t.evaluate(p + h, order) - t.evaluate(p - h, order)) / (2.0 * h);

@@ -11,13 +11,18 @@ use eng_grammar::ast::{Argument, Declaration, Expr, ExprKind, Form, Kind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
-const EXAMPLE: &str = "for instance `analysis run = transient(Model(), duration: 1 s, sample: 1 ms)`";
+const EXAMPLE: &str =
+    "for instance `analysis run = transient(Model(), duration: 1 s, sample: 1 ms)`";
 
 impl<'p> Checker<'p> {
     pub(super) fn analysis(&mut self, scope: &Scope<'p>, declaration: &'p Declaration) {
         let scope = self.binders(scope, &declaration.index);
         let Form::Instance { value, block } = &declaration.form else {
-            self.bad_analysis(declaration.name.span, "an analysis has a right side", "no `= …`");
+            self.bad_analysis(
+                declaration.name.span,
+                "an analysis has a right side",
+                "no `= …`",
+            );
             return;
         };
         if let Some(block) = block
@@ -152,10 +157,13 @@ impl<'p> Checker<'p> {
         };
         if let (Some(step), Some(tolerance)) = (place("step"), place("tolerance")) {
             self.report(
-                Diagnostic::error(codes::ANALYSIS, "a fixed step and a tolerance exclude each other")
-                    .at(tolerance, "for steps that follow the error")
-                    .also(step, "for steps of one size")
-                    .with_help("give one of the two, or none"),
+                Diagnostic::error(
+                    codes::ANALYSIS,
+                    "a fixed step and a tolerance exclude each other",
+                )
+                .at(tolerance, "for steps that follow the error")
+                .also(step, "for steps of one size")
+                .with_help("give one of the two, or none"),
             );
         }
     }
@@ -177,7 +185,11 @@ impl<'p> Checker<'p> {
                 );
             } else if !ty.is_error() {
                 let found = self.describe(&ty);
-                self.bad_analysis(value.span, "an analysis begins with a model", &format!("this is {found}"));
+                self.bad_analysis(
+                    value.span,
+                    "an analysis begins with a model",
+                    &format!("this is {found}"),
+                );
             }
             return None;
         };

@@ -7,10 +7,10 @@ use super::scope::{Scope, block_of};
 use super::types::{Quantity, Type};
 use crate::codes;
 use crate::resolve::suggest::nearest;
+use eng_grammar::Diagnostic;
 use eng_grammar::ast::{
     Argument, Declaration, Expr, ExprKind, Form, Item, ItemKind, Kind, Name, Statement,
 };
-use eng_grammar::Diagnostic;
 use eng_system::Dimension;
 
 const ATTRIBUTES: [&str; 4] = ["mass", "inertia", "products_of_inertia", "center_of_mass"];
@@ -28,9 +28,12 @@ impl<'p> Checker<'p> {
         let name = &declaration.name.text;
         let (Form::Plain { .. }, Some(block)) = (&declaration.form, block_of(declaration)) else {
             self.report(
-                Diagnostic::error(codes::MISSING_VALUE, format!("the body `{name}` needs a block"))
-                    .at(declaration.name.span, "of which mass?")
-                    .with_help(format!("write `body {name} {{ mass = …; inertia = … }}`")),
+                Diagnostic::error(
+                    codes::MISSING_VALUE,
+                    format!("the body `{name}` needs a block"),
+                )
+                .at(declaration.name.span, "of which mass?")
+                .with_help(format!("write `body {name} {{ mass = …; inertia = … }}`")),
             );
             return;
         };
@@ -50,11 +53,15 @@ impl<'p> Checker<'p> {
                 ItemKind::Declaration(marker) if marker.kind == Kind::Marker => {
                     if marker.name.text == "origin" {
                         self.report(
-                            Diagnostic::error(codes::DEFINED_TWICE, "`origin` is a marker of every body")
-                                .at(marker.name.span, "another one")
-                                .with_help("give the marker a name of its own"),
+                            Diagnostic::error(
+                                codes::DEFINED_TWICE,
+                                "`origin` is a marker of every body",
+                            )
+                            .at(marker.name.span, "another one")
+                            .with_help("give the marker a name of its own"),
                         );
-                    } else if let Some(first) = markers.iter().find(|n| n.text == marker.name.text) {
+                    } else if let Some(first) = markers.iter().find(|n| n.text == marker.name.text)
+                    {
                         let first = first.span;
                         self.defined_twice(&marker.name.text, marker.name.span, first);
                     }
@@ -90,8 +97,13 @@ impl<'p> Checker<'p> {
 
     fn misplaced_in_body(&mut self, item: &Item) {
         let (what, help) = match &item.kind {
-            ItemKind::Binding(_) => ("a named value", "put it into the model around, where the body sees it"),
-            ItemKind::Declaration(_) => ("this part", "it belongs into the model; a body has markers"),
+            ItemKind::Binding(_) => (
+                "a named value",
+                "put it into the model around, where the body sees it",
+            ),
+            ItemKind::Declaration(_) => {
+                ("this part", "it belongs into the model; a body has markers")
+            }
             _ => ("this", "a body has attributes, markers and start values"),
         };
         self.misplaced(item.span, what, "into a body", help);
@@ -162,8 +174,12 @@ impl<'p> Checker<'p> {
                         .with_help(format!("did you mean `{near}`?"))
                         .with_fix(format!("write `{near}`"), target.span, near),
                     None => message
-                        .with_note("it has `position`, `rotation`, `velocity` and `angular_velocity`")
-                        .with_help("other things are set in the model: `start rotation(a, b) = 30 deg`"),
+                        .with_note(
+                            "it has `position`, `rotation`, `velocity` and `angular_velocity`",
+                        )
+                        .with_help(
+                            "other things are set in the model: `start rotation(a, b) = 30 deg`",
+                        ),
                 };
                 self.report(message);
                 self.infer(scope, value);
@@ -217,15 +233,23 @@ impl<'p> Checker<'p> {
         let ty = self.infer(scope, value);
         if ty == Type::Marker {
             self.report(
-                Diagnostic::error(codes::MARKER, format!("the place of `{name}` is another marker"))
-                    .at(value.span, "this is a marker")
-                    .with_help("use that marker itself, or repeat its place: `[x, y, z] mm`"),
+                Diagnostic::error(
+                    codes::MARKER,
+                    format!("the place of `{name}` is another marker"),
+                )
+                .at(value.span, "this is a marker")
+                .with_help("use that marker itself, or repeat its place: `[x, y, z] mm`"),
             );
             return;
         }
         let mut due = Due::new(format!("the place of the marker `{name}`"));
         due.unit = Some("mm".to_owned());
-        self.fit(value, &ty, &Type::vector(Quantity::hard(Dimension::LENGTH)), &due);
+        self.fit(
+            value,
+            &ty,
+            &Type::vector(Quantity::hard(Dimension::LENGTH)),
+            &due,
+        );
     }
 
     fn place_with_axes(
@@ -263,12 +287,7 @@ impl<'p> Checker<'p> {
                     }
                     axes.push(axis);
                     let due = Due::new(format!("the direction `{}` of a marker", axis.text));
-                    self.expect(
-                        scope,
-                        &argument.value,
-                        &Type::vector(Quantity::one()),
-                        &due,
-                    );
+                    self.expect(scope, &argument.value, &Type::vector(Quantity::one()), &due);
                 }
                 Some(other) => {
                     self.report(

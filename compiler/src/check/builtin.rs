@@ -176,14 +176,19 @@ impl<'p> Checker<'p> {
     fn not_a(&mut self, expr: &Expr, found: &Type, what: &str, wanted: &str) -> Type {
         let found = self.describe(found);
         self.report(
-            Diagnostic::error(codes::WRONG_TYPE, format!("{what} is {wanted}, not {found}"))
-                .at(expr.span, format!("this is {found}")),
+            Diagnostic::error(
+                codes::WRONG_TYPE,
+                format!("{what} is {wanted}, not {found}"),
+            )
+            .at(expr.span, format!("this is {found}")),
         );
         Type::Error
     }
 
     pub(super) fn marker_argument(&mut self, what: &str, (expr, ty): &(&Expr, Type)) -> bool {
-        !self.fit(expr, ty, &Type::Marker, &Due::new(what)).is_error()
+        !self
+            .fit(expr, ty, &Type::Marker, &Due::new(what))
+            .is_error()
     }
 
     /// A function of a plain number, where an angle may stand for one.
@@ -244,9 +249,12 @@ impl<'p> Checker<'p> {
             }),
             Type::Vector { .. } => {
                 self.report(
-                    Diagnostic::error(codes::WRONG_TYPE, "the argument of `abs` is a number, not a vector")
-                        .at(expr.span, self.describe(ty))
-                        .with_help("the length of a vector is `norm(v)`"),
+                    Diagnostic::error(
+                        codes::WRONG_TYPE,
+                        "the argument of `abs` is a number, not a vector",
+                    )
+                    .at(expr.span, self.describe(ty))
+                    .with_help("the length of a vector is `norm(v)`"),
                 );
                 Type::Error
             }
@@ -331,7 +339,9 @@ impl<'p> Checker<'p> {
                 )
                 .at(components.0.span, "components, whose axes would be lost")
                 .also(vector.0.span, "a vector")
-                .with_help("bring both to one form: `local(v, marker)` or `vector(components, marker)`"),
+                .with_help(
+                    "bring both to one form: `local(v, marker)` or `vector(components, marker)`",
+                ),
             );
             return Type::Error;
         }
@@ -342,7 +352,11 @@ impl<'p> Checker<'p> {
             let mut message = Diagnostic::error(
                 codes::LIST_LENGTH,
                 if lengths_differ {
-                    format!("`{name}` of {} and {} components", shown(p.length), shown(q.length))
+                    format!(
+                        "`{name}` of {} and {} components",
+                        shown(p.length),
+                        shown(q.length)
+                    )
                 } else {
                     "`cross` needs three components".to_owned()
                 },
@@ -355,7 +369,11 @@ impl<'p> Checker<'p> {
             self.report(message);
             return Type::Error;
         }
-        let quantity = p.quantity.times(&q.quantity);
+        // A computed value: cosines of small angles are angles, products of axes take part in torques.
+        let quantity = Quantity {
+            soft: true,
+            ..p.quantity.times(&q.quantity)
+        };
         match name {
             "dot" => Type::Scalar(quantity),
             _ if p.spatial || q.spatial => Type::vector(quantity),
@@ -375,7 +393,10 @@ impl<'p> Checker<'p> {
             let due = Due::new("`floor` of `norm`").declared(v.0.span, "must be like the vector");
             self.fit(expr, &ty, &Type::Scalar(directed.quantity.clone()), &due);
         }
-        Type::Scalar(directed.quantity)
+        Type::Scalar(Quantity {
+            soft: true,
+            ..directed.quantity
+        })
     }
 
     fn change_axes(&mut self, name: &str, v: &(&Expr, Type), m: &(&Expr, Type)) -> Type {
@@ -384,11 +405,14 @@ impl<'p> Checker<'p> {
         let what = format!("the first argument of `{name}`");
         let quantity = match (name, ty) {
             (_, Type::Vector { quantity, .. }) if name == "local" => quantity.clone(),
-            ("local", Type::List { framed: false, length: None | Some(3), .. })
-                if ty.components().is_some() =>
-            {
-                ty.components().map(|(q, _)| q).unwrap_or_default()
-            }
+            (
+                "local",
+                Type::List {
+                    framed: false,
+                    length: None | Some(3),
+                    ..
+                },
+            ) if ty.components().is_some() => ty.components().map(|(q, _)| q).unwrap_or_default(),
             ("local", Type::List { framed: true, .. }) => {
                 self.report(
                     Diagnostic::error(codes::FRAME, "`local` of what are components already")
@@ -397,13 +421,26 @@ impl<'p> Checker<'p> {
                 );
                 return Type::Error;
             }
-            ("vector", Type::List { length: None | Some(3), .. }) if ty.components().is_some() => {
-                ty.components().map(|(q, _)| q).unwrap_or_default()
-            }
-            ("vector", Type::List { length: Some(found), .. }) if ty.components().is_some() => {
+            (
+                "vector",
+                Type::List {
+                    length: None | Some(3),
+                    ..
+                },
+            ) if ty.components().is_some() => ty.components().map(|(q, _)| q).unwrap_or_default(),
+            (
+                "vector",
+                Type::List {
+                    length: Some(found),
+                    ..
+                },
+            ) if ty.components().is_some() => {
                 self.report(
-                    Diagnostic::error(codes::LIST_LENGTH, format!("{what} has 3 elements, not {found}"))
-                        .at(expr.span, format!("{found} elements")),
+                    Diagnostic::error(
+                        codes::LIST_LENGTH,
+                        format!("{what} has 3 elements, not {found}"),
+                    )
+                    .at(expr.span, format!("{found} elements")),
                 );
                 return Type::Error;
             }
@@ -411,7 +448,9 @@ impl<'p> Checker<'p> {
                 self.report(
                     Diagnostic::error(codes::FRAME, "`vector` of what is a vector already")
                         .at(expr.span, "a vector, not components")
-                        .with_help("leave `vector(…)` away, or take `local(v, m)` for its components"),
+                        .with_help(
+                            "leave `vector(…)` away, or take `local(v, m)` for its components",
+                        ),
                 );
                 return Type::Error;
             }
@@ -477,7 +516,12 @@ impl<'p> Checker<'p> {
                 other => other.clone(),
             };
             if element.quantity().is_none() {
-                return self.not_a(expr, &element, &format!("an argument of `{name}`"), "a number");
+                return self.not_a(
+                    expr,
+                    &element,
+                    &format!("an argument of `{name}`"),
+                    "a number",
+                );
             }
             result = Some(match result {
                 None => (element, expr.span),

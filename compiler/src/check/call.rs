@@ -27,7 +27,10 @@ pub(super) struct Slot {
 
 /// Words that mean something only in certain places, and where.
 const PLACED: [(&str, &str); 6] = [
-    ("at", "the place of a marker: `marker pin = at(origin, z: [1, 0, 0])`"),
+    (
+        "at",
+        "the place of a marker: `marker pin = at(origin, z: [1, 0, 0])`",
+    ),
     ("csv", "the source of a table"),
     ("points", "the source of a table"),
     ("transient", "the right side of an analysis"),
@@ -104,7 +107,9 @@ impl<'p> Checker<'p> {
                     let class = self.class_name(id);
                     let form = match kind {
                         Kind::Component => format!("part name = {class}(…)"),
-                        Kind::Model => format!("analysis name = transient({class}(…), duration: …)"),
+                        Kind::Model => {
+                            format!("analysis name = transient({class}(…), duration: …)")
+                        }
                         _ => format!("{word} name = {class}(…)"),
                     };
                     self.report(
@@ -161,7 +166,14 @@ impl<'p> Checker<'p> {
             })
             .collect();
         let mut solution = Solution::default();
-        let ok = self.arguments(scope, &signature.name, &slots, arguments, span, &mut solution);
+        let ok = self.arguments(
+            scope,
+            &signature.name,
+            &slots,
+            arguments,
+            span,
+            &mut solution,
+        );
         if !ok && has_variables(&signature.result) {
             return Type::Error;
         }
@@ -230,7 +242,14 @@ impl<'p> Checker<'p> {
     ) {
         let slots = self.slots_of(id);
         let name = self.class_name(id);
-        self.arguments(scope, &name, &slots, arguments, span, &mut Solution::default());
+        self.arguments(
+            scope,
+            &name,
+            &slots,
+            arguments,
+            span,
+            &mut Solution::default(),
+        );
     }
 
     /// Checks arguments against parameters: names, number, types. Whether all is well.
@@ -250,8 +269,8 @@ impl<'p> Checker<'p> {
             let place = match &argument.name {
                 Some(name) => slots.iter().position(|slot| slot.name == name.text),
                 None => {
-                    let place = (position < slots.len() && !slots[position].named_only)
-                        .then_some(position);
+                    let place =
+                        (position < slots.len() && !slots[position].named_only).then_some(position);
                     position += 1;
                     place
                 }
@@ -290,7 +309,11 @@ impl<'p> Checker<'p> {
                                 format!(
                                     "`{callee}` takes {count} argument{}{}",
                                     if count == 1 { "" } else { "s" },
-                                    if count < slots.len() { " without a name" } else { "" }
+                                    if count < slots.len() {
+                                        " without a name"
+                                    } else {
+                                        ""
+                                    }
                                 ),
                             )
                             .at(argument.value.span, "one too many")
@@ -330,20 +353,15 @@ impl<'p> Checker<'p> {
         if let Some(first) = missing.first() {
             ok = false;
             let names = listing(missing.iter().map(|slot| slot.name.as_str()), 12);
-            let mut message = Diagnostic::error(
-                codes::MISSING_ARGUMENT,
-                format!("`{callee}` needs {names}"),
-            )
-            .at(span, format!("without {names}"));
+            let mut message =
+                Diagnostic::error(codes::MISSING_ARGUMENT, format!("`{callee}` needs {names}"))
+                    .at(span, format!("without {names}"));
             if let Some(place) = first.span {
                 message = message.also(place, "declared here");
             }
             if !first.ty.is_error() {
-                message = message.with_note(format!(
-                    "`{}` is {}",
-                    first.name,
-                    self.describe(&first.ty)
-                ));
+                message =
+                    message.with_note(format!("`{}` is {}", first.name, self.describe(&first.ty)));
             }
             self.report(message);
         }
@@ -394,7 +412,8 @@ impl<'p> Checker<'p> {
             .iter()
             .filter(|parameter| !parameter.optional)
             .count();
-        let mut fits = count <= wanted.parameters.len() && wanted.parameters.len() <= given.parameters.len();
+        let mut fits =
+            count <= wanted.parameters.len() && wanted.parameters.len() <= given.parameters.len();
         for (a, b) in wanted.parameters.iter().zip(&given.parameters) {
             solve(&b.ty, &a.ty, &mut solution);
             fits &= self.assignable(&a.ty, &b.ty.with(&solution));
@@ -441,7 +460,10 @@ impl<'p> Checker<'p> {
         if self.interface_of(class) != Some(interface) {
             let mut message = Diagnostic::error(
                 codes::NOT_OF_INTERFACE,
-                format!("{} is a class of `{interface_name}`; `{class_name}` is not", due.what),
+                format!(
+                    "{} is a class of `{interface_name}`; `{class_name}` is not",
+                    due.what
+                ),
             )
             .at(expr.span, "does not say that it fits the interface");
             if let Some((span, text)) = &due.declared {
@@ -481,13 +503,18 @@ impl<'p> Checker<'p> {
         if let Some(extra) = extra {
             let mut message = Diagnostic::error(
                 codes::NOT_OF_INTERFACE,
-                format!("`{class_name}` needs `{}`, which `{interface_name}` does not give", extra.name),
+                format!(
+                    "`{class_name}` needs `{}`, which `{interface_name}` does not give",
+                    extra.name
+                ),
             )
             .at(expr.span, format!("nobody would give it `{}`", extra.name));
             if let Some(span) = extra.span {
                 message = message.also(span, "has no default");
             }
-            self.report(message.with_help("give the parameter a default, or put it into the interface"));
+            self.report(
+                message.with_help("give the parameter a default, or put it into the interface"),
+            );
             return Type::Error;
         }
         Type::ClassOf(interface)
@@ -496,7 +523,9 @@ impl<'p> Checker<'p> {
 
 fn has_variables(ty: &Type) -> bool {
     match ty {
-        Type::Scalar(quantity) | Type::Vector { quantity, .. } => !quantity.dim.variables.is_empty(),
+        Type::Scalar(quantity) | Type::Vector { quantity, .. } => {
+            !quantity.dim.variables.is_empty()
+        }
         Type::List { element, .. } | Type::Range(element) => has_variables(element),
         _ => false,
     }
@@ -535,7 +564,8 @@ pub(super) fn solve(parameter: &Type, found: &Type, solution: &mut Solution) {
 }
 
 fn solve_quantity(parameter: &Quantity, found: &Quantity, solution: &mut Solution) {
-    let alone = parameter.dim.base.is_one() && matches!(parameter.dim.variables.as_slice(), [(_, 60)]);
+    let alone =
+        parameter.dim.base.is_one() && matches!(parameter.dim.variables.as_slice(), [(_, 60)]);
     let unsolved: Vec<(u32, i32)> = parameter
         .dim
         .variables

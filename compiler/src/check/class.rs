@@ -15,7 +15,10 @@ use eng_grammar::{Diagnostic, Span};
 /// What an item is called in messages, and whether it may stand in a definition of a kind.
 fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'static str)> {
     let holds_parts = matches!(kind, Kind::Model | Kind::Component);
-    let class = matches!(kind, Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive);
+    let class = matches!(
+        kind,
+        Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive
+    );
     let constrains = matches!(kind, Kind::Joint | Kind::Drive);
     let (allowed, what, help) = match item {
         ItemKind::Error => (true, "", ""),
@@ -62,11 +65,7 @@ fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'static str)> 
                 "the values of a record are its `let`s",
             ),
         },
-        ItemKind::Attribute(_) => (
-            holds_parts,
-            "an attribute",
-            "a named value is a `let`",
-        ),
+        ItemKind::Attribute(_) => (holds_parts, "an attribute", "a named value is a `let`"),
         ItemKind::Statement(statement) => match statement {
             Statement::Constrain(_) | Statement::Branch(_) => (
                 constrains,
@@ -77,9 +76,11 @@ fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'static str)> 
                     "it belongs into a joint; a branch also into the block of a use"
                 },
             ),
-            Statement::Apply { .. } | Statement::Rate { .. } => {
-                (class, "this statement", "it belongs into a joint, force, journal or drive")
-            }
+            Statement::Apply { .. } | Statement::Rate { .. } => (
+                class,
+                "this statement",
+                "it belongs into a joint, force, journal or drive",
+            ),
             Statement::Start { .. } | Statement::Guess { .. } => (
                 holds_parts,
                 "a start value",
@@ -102,7 +103,11 @@ fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'static str)> 
             | Kind::Part
             | Kind::Cycle => {
                 if holds_parts && matches!(declaration.form, Form::Class { .. }) {
-                    (false, "a class", "define it at the top of the file, and use it here")
+                    (
+                        false,
+                        "a class",
+                        "define it at the top of the file, and use it here",
+                    )
                 } else {
                     (
                         holds_parts,
@@ -111,11 +116,9 @@ fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'static str)> 
                     )
                 }
             }
-            Kind::Model | Kind::Component | Kind::Interface | Kind::Record | Kind::Analysis => (
-                false,
-                "a definition",
-                "it belongs at the top of the file",
-            ),
+            Kind::Model | Kind::Component | Kind::Interface | Kind::Record | Kind::Analysis => {
+                (false, "a definition", "it belongs at the top of the file")
+            }
         },
     };
     (!allowed).then_some((what, help))
@@ -242,17 +245,18 @@ impl<'p> Checker<'p> {
                         _ => None,
                     })
                     .collect();
-                let mut message = Diagnostic::error(
-                    codes::STATE,
-                    format!("there is no state `{}`", state.text),
-                )
-                .at(state.span, "a rate of what?");
+                let mut message =
+                    Diagnostic::error(codes::STATE, format!("there is no state `{}`", state.text))
+                        .at(state.span, "a rate of what?");
                 if let Some(near) = nearest(&state.text, states) {
                     message = message
                         .with_help(format!("did you mean `{near}`?"))
                         .with_fix(format!("write `{near}`"), state.span, near);
                 } else {
-                    message = message.with_help(format!("for instance `state {}: Pressure = 1 bar`", state.text));
+                    message = message.with_help(format!(
+                        "for instance `state {}: Pressure = 1 bar`",
+                        state.text
+                    ));
                 }
                 self.report(message);
             }
@@ -347,7 +351,10 @@ impl<'p> Checker<'p> {
                 self.report(
                     Diagnostic::error(
                         codes::INTERFACE,
-                        format!("`{class}` lacks the {word} `{wanted_name}` of `{}`", name.text),
+                        format!(
+                            "`{class}` lacks the {word} `{wanted_name}` of `{}`",
+                            name.text
+                        ),
                     )
                     .at(declaration.name.span, format!("no {word} `{wanted_name}`"))
                     .also(promise.name.span, "promised here"),
@@ -360,7 +367,8 @@ impl<'p> Checker<'p> {
                 continue;
             }
             if !self.assignable(&own_type, &wanted_type) {
-                let (own_text, wanted_text) = (self.describe(&own_type), self.describe(&wanted_type));
+                let (own_text, wanted_text) =
+                    (self.describe(&own_type), self.describe(&wanted_type));
                 self.report(
                     Diagnostic::error(
                         codes::INTERFACE,
@@ -386,7 +394,10 @@ impl<'p> Checker<'p> {
                         format!("the {word} `{}` needs a class", declaration.name.text),
                     )
                     .at(declaration.name.span, "of which class?")
-                    .with_help(format!("write `{word} {} = Class(…)`", declaration.name.text)),
+                    .with_help(format!(
+                        "write `{word} {} = Class(…)`",
+                        declaration.name.text
+                    )),
                 );
             }
             return Type::Error;
@@ -413,7 +424,11 @@ impl<'p> Checker<'p> {
         match ty {
             Type::Class(id) => {
                 let found = self.declaration(id).map(|d| d.kind);
-                let wanted = if kind == Kind::Part { Kind::Component } else { kind };
+                let wanted = if kind == Kind::Part {
+                    Kind::Component
+                } else {
+                    kind
+                };
                 if found == Some(wanted) {
                     return Type::Instance(id);
                 }
@@ -421,7 +436,9 @@ impl<'p> Checker<'p> {
                 let found_word = found.map_or("class", kind_word);
                 let right = match found {
                     Some(Kind::Component) => Some("part"),
-                    Some(Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive) => Some(found_word),
+                    Some(Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive) => {
+                        Some(found_word)
+                    }
                     _ => None,
                 };
                 let mut message = Diagnostic::error(
@@ -432,13 +449,22 @@ impl<'p> Checker<'p> {
                         with_article(kind_word(wanted))
                     ),
                 )
-                .at(declaration.kind_span, format!("declared as {}", with_article(word)));
+                .at(
+                    declaration.kind_span,
+                    format!("declared as {}", with_article(word)),
+                );
                 if let Some(declared) = self.declaration(id) {
-                    message = message.also(declared.name.span, format!("defined as {}", with_article(found_word)));
+                    message = message.also(
+                        declared.name.span,
+                        format!("defined as {}", with_article(found_word)),
+                    );
                 }
                 if let Some(right) = right {
                     message = message
-                        .with_help(format!("write `{right} {} = {class}(…)`", declaration.name.text))
+                        .with_help(format!(
+                            "write `{right} {} = {class}(…)`",
+                            declaration.name.text
+                        ))
                         .with_fix(format!("write `{right}`"), declaration.kind_span, right);
                 }
                 self.report(message);
@@ -458,7 +484,10 @@ impl<'p> Checker<'p> {
                         format!("`{}` needs a class, not {found}", declaration.name.text),
                     )
                     .at(callee.span, format!("this is {found}"))
-                    .also(declaration.kind_span, format!("a class of the kind `{word}` is due")),
+                    .also(
+                        declaration.kind_span,
+                        format!("a class of the kind `{word}` is due"),
+                    ),
                 );
                 Type::Error
             }
@@ -478,7 +507,10 @@ impl<'p> Checker<'p> {
                 format!("`{shown}` needs its arguments"),
             )
             .at(value.span, "the class itself, not one made of it")
-            .with_help(format!("write `{word} {} = {shown}(…)`", declaration.name.text)),
+            .with_help(format!(
+                "write `{word} {} = {shown}(…)`",
+                declaration.name.text
+            )),
             other => {
                 let found = self.describe(&other);
                 Diagnostic::error(
@@ -486,7 +518,10 @@ impl<'p> Checker<'p> {
                     format!("`{}` needs a class, not {found}", declaration.name.text),
                 )
                 .at(value.span, format!("this is {found}"))
-                .with_help(format!("write `{word} {} = Class(…)`", declaration.name.text))
+                .with_help(format!(
+                    "write `{word} {} = Class(…)`",
+                    declaration.name.text
+                ))
             }
         };
         self.report(message);

@@ -21,9 +21,7 @@ pub(super) fn literal_length(range: &Expr) -> Option<u32> {
         _ => None,
     };
     match &range.kind {
-        ExprKind::Range { from, to, by: None } => {
-            u32::try_from(whole(to)? - whole(from)? + 1).ok()
-        }
+        ExprKind::Range { from, to, by: None } => u32::try_from(whole(to)? - whole(from)? + 1).ok(),
         ExprKind::List { items, .. } => u32::try_from(items.len()).ok(),
         _ => None,
     }
@@ -73,9 +71,7 @@ impl<'p> Checker<'p> {
                 }
             }
             ExprKind::Field { base, name } => self.field(scope, base, name),
-            ExprKind::Call { callee, arguments } => {
-                self.call(scope, expr.span, callee, arguments)
-            }
+            ExprKind::Call { callee, arguments } => self.call(scope, expr.span, callee, arguments),
             ExprKind::Index { base, indices } => self.index(scope, base, indices, expr.span),
             ExprKind::Unary { op, operand } => self.unary(scope, *op, operand),
             ExprKind::Binary {
@@ -91,7 +87,12 @@ impl<'p> Checker<'p> {
             } => {
                 self.condition(scope, condition, "the condition of `if`");
                 let (a, b) = (self.infer(scope, then), self.infer(scope, otherwise));
-                self.join(otherwise, (&a, then.span), (&b, otherwise.span), "the two values of `if`")
+                self.join(
+                    otherwise,
+                    (&a, then.span),
+                    (&b, otherwise.span),
+                    "the two values of `if`",
+                )
             }
             ExprKind::Range { from, to, by } => self.range(scope, from, to, by.as_deref()),
         }
@@ -191,10 +192,8 @@ impl<'p> Checker<'p> {
         }
         if matches!(element, Type::Range(_)) {
             self.report(
-                Diagnostic::error(codes::RANGE, "a range stands in a list").at(
-                    span,
-                    "a range is a list itself: leave the brackets away",
-                ),
+                Diagnostic::error(codes::RANGE, "a range stands in a list")
+                    .at(span, "a range is a list itself: leave the brackets away"),
             );
             return Type::Error;
         }
@@ -219,12 +218,20 @@ impl<'p> Checker<'p> {
             if matches!(plain.kind, ExprKind::Number { unit: None, .. }) {
                 let due = Due::new("an element of this list").declared(
                     other.span,
-                    format!("this element is {}", self.describe(&Type::Scalar(wanted.clone()))),
+                    format!(
+                        "this element is {}",
+                        self.describe(&Type::Scalar(wanted.clone()))
+                    ),
                 );
                 return self.misfit(plain, Misfit::Dimension, &Quantity::one(), wanted, &due);
             }
         }
-        self.join(at_b, (a, at_a.span), (b, at_b.span), "the elements of a list")
+        self.join(
+            at_b,
+            (a, at_a.span),
+            (b, at_b.span),
+            "the elements of a list",
+        )
     }
 
     /// The common type of two values that stand for one.
@@ -414,7 +421,13 @@ impl<'p> Checker<'p> {
     fn field(&mut self, scope: &Scope<'p>, base: &Expr, name: &Name) -> Type {
         let ty = self.infer(scope, base);
         // `rod[*].big`: of each element.
-        if let (Type::List { element, length, .. }, true) = (&ty, selects_all(base)) {
+        if let (
+            Type::List {
+                element, length, ..
+            },
+            true,
+        ) = (&ty, selects_all(base))
+        {
             let inner = self.field_of(scope, element, base, name);
             return if inner.is_error() {
                 Type::Error
@@ -435,7 +448,10 @@ impl<'p> Checker<'p> {
                 }
                 let Some(body) = body else {
                     self.no_member(
-                        format!("a body that is a parameter has no marker `{}` that is known", name.text),
+                        format!(
+                            "a body that is a parameter has no marker `{}` that is known",
+                            name.text
+                        ),
                         name,
                         ["origin"],
                     );
@@ -458,7 +474,11 @@ impl<'p> Checker<'p> {
                     self.no_member(
                         format!("a vector has no `{}`", name.text),
                         name,
-                        if *framed { vec!["x", "y", "z"] } else { Vec::new() },
+                        if *framed {
+                            vec!["x", "y", "z"]
+                        } else {
+                            Vec::new()
+                        },
                     );
                     return Type::Error;
                 }
@@ -484,7 +504,11 @@ impl<'p> Checker<'p> {
                         "say whose axes: `local({shown}, marker).{}`",
                         name.text
                     ))
-                    .with_fix("along the ground's axes", base.span.to(name.span), mended),
+                    .with_fix(
+                        "along the ground's axes",
+                        base.span.to(name.span),
+                        mended,
+                    ),
                 );
                 Type::Error
             }
@@ -515,7 +539,10 @@ impl<'p> Checker<'p> {
                 self.report(
                     Diagnostic::error(
                         codes::INDEX,
-                        format!("`{shown}` is {found}: of which one is `{}` meant?", name.text),
+                        format!(
+                            "`{shown}` is {found}: of which one is `{}` meant?",
+                            name.text
+                        ),
                     )
                     .at(base.span, "an index is missing")
                     .with_help(format!(
@@ -542,7 +569,10 @@ impl<'p> Checker<'p> {
         if let Some(super::scope::Member::Declaration(declared)) =
             self.member(body.definition, &body.name)
         {
-            for item in super::scope::block_of(declared).into_iter().flat_map(|b| &b.items) {
+            for item in super::scope::block_of(declared)
+                .into_iter()
+                .flat_map(|b| &b.items)
+            {
                 if let eng_grammar::ast::ItemKind::Declaration(marker) = &item.kind
                     && marker.kind == eng_grammar::ast::Kind::Marker
                 {
@@ -581,7 +611,12 @@ impl<'p> Checker<'p> {
                 return Type::Error;
             }
         };
-        Type::vector(Quantity::hard(dimension))
+        // Axes are computed: their products and components may stand for small angles.
+        let soft = matches!(name.text.as_str(), "x" | "y" | "z");
+        Type::vector(Quantity {
+            soft,
+            ..Quantity::hard(dimension)
+        })
     }
 
     fn field_of_cycle(&mut self, scope: &Scope<'p>, name: &Name) -> Type {
@@ -651,8 +686,11 @@ impl<'p> Checker<'p> {
                 if !found.is_error() && found != Type::Int {
                     let text = self.describe(&found);
                     self.report(
-                        Diagnostic::error(codes::INDEX, "an index is a whole number, counted from 1")
-                            .at(at.span, format!("this is {text}")),
+                        Diagnostic::error(
+                            codes::INDEX,
+                            "an index is a whole number, counted from 1",
+                        )
+                        .at(at.span, format!("this is {text}")),
                     );
                     ty = Type::Error;
                 }

@@ -10,8 +10,8 @@ use super::{Checker, Progress};
 use crate::codes;
 use crate::program::DefinitionId;
 use eng_grammar::ast::{
-    Argument, Binder, Binding, BindingKind, Expr, ExprKind, Function, IndexArgument, ItemKind, Kind,
-    Name, Statement,
+    Argument, Binder, Binding, BindingKind, Expr, ExprKind, Function, IndexArgument, ItemKind,
+    Kind, Name, Statement,
 };
 use eng_grammar::{Diagnostic, Span};
 use std::collections::BTreeMap;
@@ -57,7 +57,11 @@ impl Level {
     }
 
     fn with(self, other: Level) -> Level {
-        if other.order > self.order { other } else { self }
+        if other.order > self.order {
+            other
+        } else {
+            self
+        }
     }
 
     fn rate(self, span: Span) -> Level {
@@ -96,9 +100,9 @@ impl Abstract<'_> {
         match self {
             Abstract::Number(level) => *level,
             Abstract::Marker | Abstract::Body | Abstract::Cycle => POSITION,
-            Abstract::Record(_, fields) => {
-                fields.values().fold(FREE, |level, field| level.with(field.level()))
-            }
+            Abstract::Record(_, fields) => fields
+                .values()
+                .fold(FREE, |level, field| level.with(field.level())),
             _ => FREE,
         }
     }
@@ -267,7 +271,11 @@ impl<'p> Levels<'_, 'p> {
         self.value(place, expr).level()
     }
 
-    fn joined<'e>(&mut self, place: &Place<'p>, parts: impl IntoIterator<Item = &'e Expr>) -> Level {
+    fn joined<'e>(
+        &mut self,
+        place: &Place<'p>,
+        parts: impl IntoIterator<Item = &'e Expr>,
+    ) -> Level {
         parts
             .into_iter()
             .fold(FREE, |level, part| level.with(self.level(place, part)))
@@ -410,7 +418,9 @@ impl<'p> Levels<'_, 'p> {
             Member::Binding(binding) => match binding.kind {
                 BindingKind::State => Abstract::Number(Level::new(1, span, Cause::State)),
                 BindingKind::Param | BindingKind::Const if binding.value.is_none() => {
-                    let ty = self.checker.member_type(id, name, member, binding.name.span);
+                    let ty = self
+                        .checker
+                        .member_type(id, name, member, binding.name.span);
                     self.given(&ty)
                 }
                 // An interface's output: as high as a law may have it outside of outputs.

@@ -192,13 +192,15 @@ impl<'p> Checker<'p> {
     }
 
     fn wrong_length(&mut self, expr: &Expr, wanted: u32, found: u32, due: &Due) -> Type {
-        self.report(due.label(
-            Diagnostic::error(
-                codes::LIST_LENGTH,
-                format!("{} has {wanted} elements, not {found}", due.what),
-            )
-            .at(expr.span, format!("{found} elements")),
-        ));
+        self.report(
+            due.label(
+                Diagnostic::error(
+                    codes::LIST_LENGTH,
+                    format!("{} has {wanted} elements, not {found}", due.what),
+                )
+                .at(expr.span, format!("{found} elements")),
+            ),
+        );
         Type::Error
     }
 
@@ -356,7 +358,10 @@ impl<'p> Checker<'p> {
         ));
         if wanted.dim.variables.is_empty() && found.dim.variables.is_empty() {
             if let Some(unit) = unit_of(expr)
-                && let Some(usual) = due.unit.clone().or_else(|| self.usual_unit(wanted.dim.base))
+                && let Some(usual) = due
+                    .unit
+                    .clone()
+                    .or_else(|| self.usual_unit(wanted.dim.base))
             {
                 message = message.with_help(format!(
                     "a unit of {} is `{usual}`, not `{}`",
@@ -367,12 +372,13 @@ impl<'p> Checker<'p> {
                 let factor = wanted.dim.over(&found.dim);
                 let name = self.dimension_name(&factor);
                 if !factor.is_one() && !name.contains(['^', '/', '*']) && !found.dim.is_one() {
-                    message = message.with_help(format!("a factor of the dimension {name} is missing"));
+                    message =
+                        message.with_help(format!("a factor of the dimension {name} is missing"));
                 } else {
                     let inverse = self.dimension_name(&found.dim.over(&wanted.dim));
                     if !inverse.contains(['^', '/', '*']) && !wanted.dim.is_one() {
-                        message =
-                            message.with_help(format!("a factor of the dimension {inverse} is too much"));
+                        message = message
+                            .with_help(format!("a factor of the dimension {inverse} is too much"));
                     }
                 }
             }
@@ -406,10 +412,13 @@ impl<'p> Checker<'p> {
         let speed = Dimension::ANGLE.over(Dimension::TIME);
         match unit_of(expr) {
             Some(unit)
-                if wanted.dim.base == speed && wanted.dim.variables.is_empty() && unit_text(unit) == "Hz" =>
+                if wanted.dim.base == speed
+                    && wanted.dim.variables.is_empty()
+                    && unit_text(unit) == "Hz" =>
             {
-                message = message
-                    .with_help("turns a second are `rev/s`, turns a minute `rpm`; `rad/s` is the SI unit");
+                message = message.with_help(
+                    "turns a second are `rev/s`, turns a minute `rpm`; `rad/s` is the SI unit",
+                );
                 for replacement in ["rev/s", "rpm", "rad/s"] {
                     if self.known_units(replacement) {
                         message = message.with_fix(
@@ -421,7 +430,11 @@ impl<'p> Checker<'p> {
                 }
             }
             Some(unit) => {
-                if let Some(usual) = due.unit.clone().or_else(|| self.usual_unit(wanted.dim.base)) {
+                if let Some(usual) = due
+                    .unit
+                    .clone()
+                    .or_else(|| self.usual_unit(wanted.dim.base))
+                {
                     message = message.with_help(format!(
                         "a unit of {} is `{usual}`, not `{}`",
                         self.quantity_name(wanted),

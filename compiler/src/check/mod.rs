@@ -140,7 +140,10 @@ impl<'p> Checker<'p> {
                 (_, Kind::Default) => self.not_built(declaration.kind_span, "`default` blocks"),
                 (_, Kind::Analysis) => self.analysis(&scope, declaration),
                 (Form::Class { .. }, _)
-                | (Form::Plain { .. }, Kind::Model | Kind::Interface | Kind::Record | Kind::Component) => {
+                | (
+                    Form::Plain { .. },
+                    Kind::Model | Kind::Interface | Kind::Record | Kind::Component,
+                ) => {
                     self.definition(id, declaration);
                 }
                 _ => self.misplaced(

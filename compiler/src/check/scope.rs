@@ -9,7 +9,8 @@ use crate::codes;
 use crate::program::DefinitionId;
 use crate::resolve::suggest::nearest;
 use eng_grammar::ast::{
-    Binding, BindingKind, Block, Declaration, Form, Function, ItemKind, Kind, Name, Parameter, Table,
+    Binding, BindingKind, Block, Declaration, Form, Function, ItemKind, Kind, Name, Parameter,
+    Table,
 };
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
@@ -92,13 +93,6 @@ impl<'p> Scope<'p> {
             ..Scope::top(definition.module)
         }
     }
-
-    /// With more locals.
-    pub(super) fn with(&self, locals: impl IntoIterator<Item = (String, Type)>) -> Scope<'p> {
-        let mut scope = self.clone();
-        scope.locals.extend(locals);
-        scope
-    }
 }
 
 /// The block of a definition's or body's declaration.
@@ -127,12 +121,13 @@ impl<'p> Checker<'p> {
         }
         let mut members: BTreeMap<&'p str, Member<'p>> = BTreeMap::new();
         let mut twice: Vec<(&'p Name, Span)> = Vec::new();
-        let mut add = |name: &'p Name, member: Member<'p>| {
-            match members.get(name.text.as_str()).and_then(Member::span) {
-                Some(first) => twice.push((name, first)),
-                None => {
-                    members.insert(&name.text, member);
-                }
+        let mut add = |name: &'p Name, member: Member<'p>| match members
+            .get(name.text.as_str())
+            .and_then(Member::span)
+        {
+            Some(first) => twice.push((name, first)),
+            None => {
+                members.insert(&name.text, member);
             }
         };
         if let Some(declaration) = self.declaration(id) {
@@ -224,8 +219,11 @@ impl<'p> Checker<'p> {
             "time" => {
                 if scope.definition.is_none() && scope.at_use.is_none() {
                     self.report(
-                        Diagnostic::error(codes::MISPLACED, "there is no time at the top of a file")
-                            .at(span, "only classes and models live in time"),
+                        Diagnostic::error(
+                            codes::MISPLACED,
+                            "there is no time at the top of a file",
+                        )
+                        .at(span, "only classes and models live in time"),
                     );
                     return Type::Error;
                 }
@@ -360,7 +358,11 @@ impl<'p> Checker<'p> {
             Member::Function(function) => Type::Function(self.function(&scope, function)),
             Member::Table(table) => Type::Function(self.table(&scope, table)),
             Member::Reaction(torque) => Type::Vector {
-                quantity: Quantity::hard(if torque { torque_dimension() } else { force_dimension() }),
+                quantity: Quantity::hard(if torque {
+                    torque_dimension()
+                } else {
+                    force_dimension()
+                }),
                 framed: true,
             },
             Member::Declaration(declaration) => match declaration.kind {
@@ -372,12 +374,11 @@ impl<'p> Checker<'p> {
                     self.arrayed(&declaration.index, body)
                 }
                 Kind::Marker => self.arrayed(&declaration.index, Type::Marker),
-                Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive | Kind::Part => {
-                    self.remembered(id, name, span, |c| {
+                Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive | Kind::Part => self
+                    .remembered(id, name, span, |c| {
                         let instance = c.element_type(&scope, declaration);
                         c.arrayed(&declaration.index, instance)
-                    })
-                }
+                    }),
                 _ => Type::Error,
             },
         }
@@ -458,9 +459,14 @@ impl<'p> Checker<'p> {
                     framed: true,
                 }
             }
-            (Member::Binding(binding), Type::List { element, length, framed })
-                if binding.kind == BindingKind::Output =>
-            {
+            (
+                Member::Binding(binding),
+                Type::List {
+                    element,
+                    length,
+                    framed,
+                },
+            ) if binding.kind == BindingKind::Output => {
                 let element = match *element {
                     Type::Vector { quantity, .. } => Type::Vector {
                         quantity,
@@ -503,21 +509,25 @@ impl<'p> Checker<'p> {
 
 /// A marker that stands in a body's block.
 pub(super) fn marker_of<'p>(body: &'p Declaration, name: &str) -> Option<&'p Declaration> {
-    block_of(body)?.items.iter().find_map(|item| match &item.kind {
-        ItemKind::Declaration(marker)
-            if marker.kind == Kind::Marker && marker.name.text == name =>
-        {
-            Some(marker)
-        }
-        _ => None,
-    })
+    block_of(body)?
+        .items
+        .iter()
+        .find_map(|item| match &item.kind {
+            ItemKind::Declaration(marker)
+                if marker.kind == Kind::Marker && marker.name.text == name =>
+            {
+                Some(marker)
+            }
+            _ => None,
+        })
 }
 
 fn has_mass(body: &Declaration) -> bool {
     block_of(body).is_some_and(|block| {
-        block.items.iter().any(
-            |item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == "mass"),
-        )
+        block
+            .items
+            .iter()
+            .any(|item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == "mass"))
     })
 }
 

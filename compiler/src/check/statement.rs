@@ -31,7 +31,12 @@ impl<'p> Checker<'p> {
                 };
                 let due = Due::new(format!("what `apply {word}` applies"));
                 self.expect(scope, value, &Type::vector(Quantity::hard(dimension)), &due);
-                self.expect(scope, on, &Type::Marker, &Due::new("what stands after `on`"));
+                self.expect(
+                    scope,
+                    on,
+                    &Type::Marker,
+                    &Due::new("what stands after `on`"),
+                );
                 if let Some(against) = against {
                     let due = Due::new("what stands after `against`");
                     self.expect(scope, against, &Type::Marker, &due);
@@ -116,7 +121,12 @@ impl<'p> Checker<'p> {
     }
 
     /// `gravity = …`.
-    pub(super) fn model_attribute(&mut self, scope: &Scope<'p>, attribute: &'p Attribute, kind: Kind) {
+    pub(super) fn model_attribute(
+        &mut self,
+        scope: &Scope<'p>,
+        attribute: &'p Attribute,
+        kind: Kind,
+    ) {
         let name = &attribute.name;
         if name.text != "gravity" || kind != Kind::Model {
             let mut message = Diagnostic::error(
@@ -146,7 +156,9 @@ impl<'p> Checker<'p> {
             self.infer(scope, &attribute.value);
             return;
         }
-        let acceleration = Dimension::LENGTH.over(Dimension::TIME).over(Dimension::TIME);
+        let acceleration = Dimension::LENGTH
+            .over(Dimension::TIME)
+            .over(Dimension::TIME);
         let mut due = Due::new("`gravity`");
         due.unit = Some("m/s^2".to_owned());
         self.expect(
@@ -166,7 +178,9 @@ impl<'p> Checker<'p> {
                     format!("the cycle has no `{}`", declaration.name.text),
                 )
                 .at(declaration.name.span, "a cycle is stated by its angle")
-                .with_help("write `cycle angle = rotation(crank.main, ground) { period = 720 deg }`")
+                .with_help(
+                    "write `cycle angle = rotation(crank.main, ground) { period = 720 deg }`",
+                )
                 .with_fix("write `angle`", declaration.name.span, "angle"),
             );
         }
@@ -174,7 +188,9 @@ impl<'p> Checker<'p> {
             self.report(
                 Diagnostic::error(codes::MISSING_VALUE, "the cycle needs its angle")
                     .at(declaration.name.span, "no value")
-                    .with_help("write `cycle angle = rotation(crank.main, ground) { period = 720 deg }`"),
+                    .with_help(
+                        "write `cycle angle = rotation(crank.main, ground) { period = 720 deg }`",
+                    ),
             );
             return;
         };

@@ -95,7 +95,13 @@ impl<'p> Checker<'p> {
         }
     }
 
-    fn source_of_table(&mut self, scope: &Scope<'p>, table: &Table, argument: &Type, result: &Type) {
+    fn source_of_table(
+        &mut self,
+        scope: &Scope<'p>,
+        table: &Table,
+        argument: &Type,
+        result: &Type,
+    ) {
         if matches!(table.source.kind, ExprKind::Error) {
             return;
         }

@@ -55,7 +55,8 @@ impl<'p> Checker<'p> {
         // `Nm` is N*m, `kgm2` is not guessed.
         let split = name.char_indices().skip(1).find_map(|(at, _)| {
             let (left, right) = name.split_at(at);
-            (units.contains_key(left) && units.contains_key(right)).then(|| format!("{left}*{right}"))
+            (units.contains_key(left) && units.contains_key(right))
+                .then(|| format!("{left}*{right}"))
         });
         let same_letters = units
             .keys()
@@ -142,7 +143,10 @@ impl<'p> Checker<'p> {
                     unit_text(display)
                 ),
             )
-            .at(display.span, format!("a unit of {}", self.quantity_name(&unit)))
+            .at(
+                display.span,
+                format!("a unit of {}", self.quantity_name(&unit)),
+            )
             .with_note(format!(
                 "the value is {}, the unit is one of {}",
                 self.quantity_in_full(&quantity),

@@ -5,8 +5,8 @@ use super::scope::block_of;
 use crate::codes;
 use crate::program::DefinitionId;
 use crate::resolve::PRELUDE;
-use eng_grammar::ast::{BindingKind, ItemKind, Kind, UseNames};
 use eng_grammar::Diagnostic;
+use eng_grammar::ast::{BindingKind, ItemKind, Kind, UseNames};
 
 pub(super) fn warn(checker: &mut Checker<'_>) {
     let program = checker.program;
@@ -91,9 +91,12 @@ fn unused_use(
                     && !reads_unit(checker, Some(&name.text))
                 {
                     checker.report(
-                        Diagnostic::warning(codes::UNUSED_USE, format!("`{}` is not used", name.text))
-                            .at(name.span, format!("taken from `{path}`, but never read"))
-                            .with_help("take the name away"),
+                        Diagnostic::warning(
+                            codes::UNUSED_USE,
+                            format!("`{}` is not used", name.text),
+                        )
+                        .at(name.span, format!("taken from `{path}`, but never read"))
+                        .with_help("take the name away"),
                     );
                 }
             }

@@ -115,7 +115,8 @@ impl<'a> Elaborator<'a, '_> {
                 (None, None) => StepControl::Tolerance(1.0),
                 (Some((_, _, s)), Some(_)) => {
                     return Err(self.report(
-                        Diagnostic::error("E0517", "a fixed step or a tolerance, not both").at(s, "one of them"),
+                        Diagnostic::error("E0517", "a fixed step or a tolerance, not both")
+                            .at(s, "one of them"),
                     ));
                 }
             };
@@ -152,8 +153,11 @@ impl<'a> Elaborator<'a, '_> {
 
     fn not_an_analysis(&mut self, span: Span) -> super::Reported {
         self.report(
-            Diagnostic::error("E0517", "an analysis is `transient(Model(…), …)` or `assemble(Model(…))`")
-                .at(span, "this is neither"),
+            Diagnostic::error(
+                "E0517",
+                "an analysis is `transient(Model(…), …)` or `assemble(Model(…))`",
+            )
+            .at(span, "this is neither"),
         )
     }
 
@@ -195,7 +199,8 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<(DefinitionId, Vec<(String, Structural)>, Vec<(String, f64)>)> {
         let ExprKind::Call { callee, arguments } = &expr.kind else {
             return Err(self.report(
-                Diagnostic::error("E0517", "the first argument is a model: `Model()`").at(expr.span, "not a call"),
+                Diagnostic::error("E0517", "the first argument is a model: `Model()`")
+                    .at(expr.span, "not a call"),
             ));
         };
         let model = match self.evaluate(callee, scope)? {
@@ -210,7 +215,8 @@ impl<'a> Elaborator<'a, '_> {
             })) => &block.items,
             _ => {
                 return Err(self.report(
-                    Diagnostic::error("E0517", "this is not a model").at(callee.span, "used as a model"),
+                    Diagnostic::error("E0517", "this is not a model")
+                        .at(callee.span, "used as a model"),
                 ));
             }
         };
@@ -240,7 +246,10 @@ impl<'a> Elaborator<'a, '_> {
             };
             let value = self.evaluate(&argument.value, scope)?;
             if binding.kind == BindingKind::Const {
-                constants.push((name.text.clone(), self.to_structural(value, argument.value.span)?));
+                constants.push((
+                    name.text.clone(),
+                    self.to_structural(value, argument.value.span)?,
+                ));
             } else {
                 self.parameter_values(value, &name.text, argument.value.span, &mut set)?;
             }

@@ -6,7 +6,7 @@ use super::{Elaborator, Eval, expression::Truth, location};
 use crate::ir::{Function, Node, Op};
 use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
-use eng_system::code::{BindCode, BindError, Bound};
+use eng_system::code::{BindCode, BindError, Bound, Pair};
 use eng_system::system::{Location, Parameter};
 use eng_system::table::Table;
 use eng_system::{Dimension, DisplayUnit};
@@ -58,23 +58,24 @@ pub struct BindProgram {
 impl BindCode for BindProgram {
     fn bind(&self, overrides: &[Option<f64>], tables: &[Table]) -> Result<Bound, BindError> {
         let nodes = self.function.graph.nodes();
-        let mut values = vec![0.0f64; nodes.len()];
-        for (i, op) in nodes.iter().enumerate() {
-            let value = match op {
-                Op::Input(k) if *k >= FIXED => self.fixed.get((*k - FIXED) as usize).copied(),
+        // both lanes hold the same number: the operations are those of the generated code
+        let mut values: Vec<Pair> = Vec::with_capacity(nodes.len());
+        for op in nodes {
+            let value = match *op {
+                Op::Input(k) if k >= FIXED => self.fixed.get((k - FIXED) as usize).copied(),
                 Op::Input(k) => {
-                    let default = self.defaults.get(*k as usize).map(|n| values[n.0 as usize]);
-                    overrides.get(*k as usize).copied().flatten().or(default)
+                    let default = self
+                        .defaults
+                        .get(k as usize)
+                        .and_then(|n| values.get(n.0 as usize))
+                        .map(|pair| pair[0]);
+                    overrides.get(k as usize).copied().flatten().or(default)
                 }
-                other => Some(crate::ir::interpret::operate(
-                    other,
-                    |n| values[n.0 as usize],
-                    tables,
-                )),
+                other => Some(crate::ir::interpret::operate(other, &values, tables)[0]),
             };
-            values[i] = value.unwrap_or(f64::NAN);
+            values.push([value.unwrap_or(f64::NAN); 2]);
         }
-        let at = |n: &Node| values[n.0 as usize];
+        let at = |n: &Node| values.get(n.0 as usize).map_or(f64::NAN, |pair| pair[0]);
         let mut parameters = Vec::with_capacity(self.parameters.len());
         for (i, parameter) in self.parameters.iter().enumerate() {
             let value = match (overrides.get(i).copied().flatten(), self.defaults.get(i)) {
@@ -328,30 +329,17 @@ impl<'a> Elaborator<'a, '_> {
                 });
                 Ok(None)
             }
-            Truth::Later(flag) => Ok(Some((flag, plain_message(&message.text)))),
+            Truth::Later(flag) => Ok(Some((flag, plain_message(message, self.sources)))),
         }
     }
 
     fn message_parts(&mut self, message: &'a ast::Name, scope: ScopeId) -> Eval<Vec<MessagePart>> {
         let mut parts = Vec::new();
-        let mut rest = message.text.as_str();
-        let mut offset = message.span.start as usize;
-        while let Some(open) = rest.find('{') {
-            let Some(length) = rest[open..].find('}') else {
-                break;
-            };
-            parts.push(MessagePart::Text(rest[..open].to_owned()));
-            let inside = &rest[open + 1..open + length];
-            let mut scratch = eng_grammar::Diagnostics::new();
-            let parsed = eng_grammar::parse_placeholder(
-                inside,
-                message.span.source,
-                offset + open + 1,
-                &mut scratch,
-            );
-            match parsed {
-                Some((expr, unit)) if !scratch.has_errors() => {
-                    let value = self.evaluate_owned(&expr, scope)?;
+        for part in eng_grammar::parse_message(message, self.diagnostics) {
+            parts.push(match part {
+                eng_grammar::MessagePart::Text(text) => MessagePart::Text(text),
+                eng_grammar::MessagePart::Value { value, unit, .. } => {
+                    let value = self.evaluate_owned(&value, scope)?;
                     let unit = match &unit {
                         Some(u) => {
                             let u = self.unit(u)?;
@@ -364,14 +352,10 @@ impl<'a> Elaborator<'a, '_> {
                         None => self.natural_unit(value.dimension),
                     };
                     let node = self.bind_node(value, message.span)?;
-                    parts.push(MessagePart::Value(node, unit));
+                    MessagePart::Value(node, unit)
                 }
-                _ => parts.push(MessagePart::Text(format!("{{{inside}}}"))),
-            }
-            offset += open + length + 1;
-            rest = &rest[open + length + 1..];
+            });
         }
-        parts.push(MessagePart::Text(rest.to_owned()));
         Ok(parts)
     }
 
@@ -412,8 +396,11 @@ impl<'a> Elaborator<'a, '_> {
 
     fn too_long(&mut self, span: Span) -> super::Reported {
         self.report(
-            Diagnostic::error("E0514", "a message shows names and sums, products of them only")
-                .at(span, "give this a name with `let`"),
+            Diagnostic::error(
+                "E0514",
+                "a message shows names and sums, products of them only",
+            )
+            .at(span, "give this a name with `let`"),
         )
     }
 
@@ -439,19 +426,14 @@ impl<'a> Elaborator<'a, '_> {
     }
 }
 
-/// A message whose numbers change with the motion: the places are named instead.
-fn plain_message(text: &str) -> String {
-    let mut out = String::new();
-    let mut rest = text;
-    while let Some(open) = rest.find('{') {
-        let Some(length) = rest[open..].find('}') else {
-            break;
-        };
-        out.push_str(&rest[..open]);
-        let inside = &rest[open + 1..open + length];
-        out.push_str(inside.split(" as ").next().unwrap_or(inside).trim());
-        rest = &rest[open + length + 1..];
-    }
-    out.push_str(rest);
-    out
+/// A message whose numbers change with the motion: the expressions stand for them.
+fn plain_message(message: &ast::Name, sources: &eng_grammar::SourceMap) -> String {
+    let mut scratch = eng_grammar::Diagnostics::new();
+    eng_grammar::parse_message(message, &mut scratch)
+        .into_iter()
+        .map(|part| match part {
+            eng_grammar::MessagePart::Text(text) => text,
+            eng_grammar::MessagePart::Value { value, .. } => sources.text(value.span).to_owned(),
+        })
+        .collect()
 }

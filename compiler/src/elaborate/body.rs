@@ -115,8 +115,7 @@ impl<'a> Elaborator<'a, '_> {
     fn placement(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<([Node; 3], Matrix)> {
         let identity = self.identity();
         match &value.kind {
-            ExprKind::Call { callee, arguments }
-                if matches!(&callee.kind, ExprKind::Name(n) if n == "at") =>
+            ExprKind::Call { callee, arguments } if matches!(&callee.kind, ExprKind::Name(n) if n == "at") =>
             {
                 let mut place = None;
                 let mut z = None;
@@ -179,7 +178,9 @@ impl<'a> Elaborator<'a, '_> {
             (None, Some(z)) => {
                 // the body's x axis, or its y axis where z is close to x
                 let limit = self.bench.constant(0.9, Dimension::ONE);
-                let along = self.bench.unary(z[0], Dimension::ONE, crate::ir::Graph::abs);
+                let along = self
+                    .bench
+                    .unary(z[0], Dimension::ONE, crate::ir::Graph::abs);
                 let free = self.bench.compare(along, limit, crate::ir::Graph::less);
                 let chosen = match self.bench.known_flag(free) {
                     Some(true) => ex,
@@ -191,7 +192,9 @@ impl<'a> Elaborator<'a, '_> {
             (Some(x), None) => {
                 // the body's z axis made perpendicular, or its y axis where x is close to z
                 let limit = self.bench.constant(0.9, Dimension::ONE);
-                let along = self.bench.unary(x[2], Dimension::ONE, crate::ir::Graph::abs);
+                let along = self
+                    .bench
+                    .unary(x[2], Dimension::ONE, crate::ir::Graph::abs);
                 let free = self.bench.compare(along, limit, crate::ir::Graph::less);
                 let about = match self.bench.known_flag(free) {
                     Some(true) => ez,
@@ -253,7 +256,10 @@ impl<'a> Elaborator<'a, '_> {
         let mut made = Vec::new();
         self.for_each(&declaration.index, scope, &mut |e, inner, position| {
             let path = format!("{base}{}", index_text(position));
-            made.push((position.to_vec(), Value::Body(e.body(declaration, block, inner, path)?)));
+            made.push((
+                position.to_vec(),
+                Value::Body(e.body(declaration, block, inner, path)?),
+            ));
             Ok(())
         })?;
         let value = if declaration.index.is_empty() {
@@ -313,7 +319,10 @@ impl<'a> Elaborator<'a, '_> {
                     other => {
                         return Err(self.report(
                             Diagnostic::error("E0508", format!("a body has no attribute {other}"))
-                                .at(a.name.span, "mass, inertia, products_of_inertia, center_of_mass"),
+                                .at(
+                                    a.name.span,
+                                    "mass, inertia, products_of_inertia, center_of_mass",
+                                ),
                         ));
                     }
                 }
@@ -329,7 +338,12 @@ impl<'a> Elaborator<'a, '_> {
         let mass = self.slot(mass);
         let center_of_mass = self.slots(center);
         let inertia = self.slots([
-            inertia[0], inertia[1], inertia[2], products[0], products[1], products[2],
+            inertia[0],
+            inertia[1],
+            inertia[2],
+            products[0],
+            products[1],
+            products[2],
         ]);
         self.bodies.push(Body {
             origin: Origin {
@@ -346,7 +360,13 @@ impl<'a> Elaborator<'a, '_> {
         self.body_scopes.push(own);
         let reference = BodyRef::Body(index);
         let identity = self.identity();
-        let origin = self.add_marker(reference, format!("{path}.origin"), None, [zero; 3], identity);
+        let origin = self.add_marker(
+            reference,
+            format!("{path}.origin"),
+            None,
+            [zero; 3],
+            identity,
+        );
         self.define(own, "origin", Entry::Value(Value::Marker(origin)));
         for item in &block.items {
             match &item.kind {
@@ -429,7 +449,12 @@ impl<'a> Elaborator<'a, '_> {
                 let slots = self.slots(nodes);
                 self.bodies[body as usize].position = Some(slots);
                 if exact {
-                    self.pending_start(position_role, super::model::StartTarget::Position(origin), value, scope);
+                    self.pending_start(
+                        position_role,
+                        super::model::StartTarget::Position(origin),
+                        value,
+                        scope,
+                    );
                 }
             }
             "rotation" => {
@@ -495,9 +520,15 @@ impl<'a> Elaborator<'a, '_> {
         let [x, y, z] = v;
         let mut matrix = [one; 9];
         let skew: [(Option<Node>, bool); 9] = [
-            (None, false), (Some(z), true), (Some(y), false),
-            (Some(z), false), (None, false), (Some(x), true),
-            (Some(y), true), (Some(x), false), (None, false),
+            (None, false),
+            (Some(z), true),
+            (Some(y), false),
+            (Some(z), false),
+            (None, false),
+            (Some(x), true),
+            (Some(y), true),
+            (Some(x), false),
+            (None, false),
         ];
         for i in 0..3 {
             for j in 0..3 {
@@ -513,7 +544,11 @@ impl<'a> Elaborator<'a, '_> {
                 }
                 if let (Some(n), negative) = skew[3 * i + j] {
                     let p = g.multiply(a, n);
-                    entry = if negative { g.subtract(entry, p) } else { g.add(entry, p) };
+                    entry = if negative {
+                        g.subtract(entry, p)
+                    } else {
+                        g.add(entry, p)
+                    };
                 }
                 matrix[3 * i + j] = entry;
             }

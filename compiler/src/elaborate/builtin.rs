@@ -10,9 +10,35 @@ use eng_system::Dimension;
 
 /// Names of the built-in functions.
 pub(crate) const NAMES: [&str; 29] = [
-    "dot", "cross", "norm", "local", "vector", "perpendicular", "rotation", "der", "abs", "sqrt",
-    "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "tanh", "atan2", "min", "max", "sum",
-    "length", "distinct", "at", "transient", "assemble", "axis",
+    "dot",
+    "cross",
+    "norm",
+    "local",
+    "vector",
+    "perpendicular",
+    "rotation",
+    "der",
+    "abs",
+    "sqrt",
+    "exp",
+    "log",
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "tanh",
+    "atan2",
+    "min",
+    "max",
+    "sum",
+    "length",
+    "distinct",
+    "at",
+    "transient",
+    "assemble",
+    "axis",
 ];
 
 /// The built-in function of a name.
@@ -36,7 +62,9 @@ impl<'a> Elaborator<'a, '_> {
         for argument in arguments {
             let value = self.evaluate(&argument.value, scope)?;
             match &argument.name {
-                Some(n) if n.text == "floor" => floor = Some(self.as_scalar(value, argument.value.span)?),
+                Some(n) if n.text == "floor" => {
+                    floor = Some(self.as_scalar(value, argument.value.span)?)
+                }
                 _ => values.push((value, argument.value.span)),
             }
         }
@@ -73,7 +101,12 @@ impl<'a> Elaborator<'a, '_> {
             }
             "atan2" => {
                 let [y, x] = self.scalars::<2>(values, span)?;
-                Ok(Value::Scalar(self.bench.binary(y, x, Dimension::ANGLE, Graph::atan2)))
+                Ok(Value::Scalar(self.bench.binary(
+                    y,
+                    x,
+                    Dimension::ANGLE,
+                    Graph::atan2,
+                )))
             }
             "dot" => {
                 let [a, b] = self.take::<2>(values, span)?;
@@ -90,7 +123,11 @@ impl<'a> Elaborator<'a, '_> {
                 let x = self.as_vector(a.0, a.1)?;
                 let y = self.as_vector(b.0, b.1)?;
                 let c = self.bench.cross(&x, &y);
-                Ok(if vector { Value::Vector(c) } else { Self::list(&c) })
+                Ok(if vector {
+                    Value::Vector(c)
+                } else {
+                    Self::list(&c)
+                })
             }
             "norm" => {
                 let [a] = self.take::<1>(values, span)?;
@@ -139,7 +176,11 @@ impl<'a> Elaborator<'a, '_> {
             }
             "min" | "max" => {
                 let list = self.numbers_of(values)?;
-                let op = if name == "min" { Graph::minimum } else { Graph::maximum };
+                let op = if name == "min" {
+                    Graph::minimum
+                } else {
+                    Graph::maximum
+                };
                 let mut rest = list.into_iter();
                 let Some(mut best) = rest.next() else {
                     return Err(self.arguments(span));
@@ -187,9 +228,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     fn arguments(&mut self, span: Span) -> super::Reported {
-        self.report(
-            Diagnostic::error("E0500", "the arguments do not fit").at(span, "in this call"),
-        )
+        self.report(Diagnostic::error("E0500", "the arguments do not fit").at(span, "in this call"))
     }
 
     fn take<const N: usize>(

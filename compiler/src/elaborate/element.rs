@@ -1,14 +1,18 @@
 //! Instances of joints, forces, journals and drives: each becomes a graph of its own.
 
-use super::scalar::{ElementBuilder, PROVISIONAL, RowDraft, Scalar, Stage, StateDraft, compact_input};
+use super::scalar::{
+    ElementBuilder, PROVISIONAL, RowDraft, Scalar, Stage, StateDraft, compact_input,
+};
 use super::value::{Closure, ScopeId, Value};
 use super::{
-    Argument, ClassMeta, ElementDraft, ElementSource, Elaborator, Entry, Eval, Lazy, OutputShape,
+    Argument, ClassMeta, Elaborator, ElementDraft, ElementSource, Entry, Eval, Lazy, OutputShape,
     Reported, body::index_text, location,
 };
 use crate::ir::{ClassBody, Graph, Node, Op};
 use crate::program::DefinitionId;
-use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind, Statement, TypeExprKind};
+use eng_grammar::ast::{
+    self, BindingKind, ExprKind, Form, ItemKind, Kind, Statement, TypeExprKind,
+};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::layout::InputLayout;
 use eng_system::system::{
@@ -32,6 +36,8 @@ struct Draft {
     infos: Vec<OutputInfo>,
     shapes: Vec<OutputShape>,
     frames: Vec<Option<u32>>,
+    /// Frames of copied channels, by output.
+    copied: Vec<(usize, String)>,
 }
 
 impl<'a> Elaborator<'a, '_> {
@@ -49,7 +55,8 @@ impl<'a> Elaborator<'a, '_> {
                 block,
             });
         }
-        Err(self.report(Diagnostic::error("E0500", "this is not a class").at(span, "used as a class")))
+        Err(self
+            .report(Diagnostic::error("E0500", "this is not a class").at(span, "used as a class")))
     }
 
     /// `kind name[index] = Class(arguments) { additions }`.
@@ -90,7 +97,8 @@ impl<'a> Elaborator<'a, '_> {
         self.count_instance(declaration.name.span)?;
         let ExprKind::Call { callee, arguments } = &value.kind else {
             return Err(self.report(
-                Diagnostic::error("E0500", "an element is made by calling a class").at(value.span, "not a call"),
+                Diagnostic::error("E0500", "an element is made by calling a class")
+                    .at(value.span, "not a call"),
             ));
         };
         let class = match self.evaluate(callee, scope)? {
@@ -122,6 +130,7 @@ impl<'a> Elaborator<'a, '_> {
             infos: Vec::new(),
             shapes: Vec::new(),
             frames: Vec::new(),
+            copied: Vec::new(),
         };
         self.equations(&class.block.items, own, &path, used_at, &mut draft)?;
         if let Some((b, use_scope)) = at_use {
@@ -135,8 +144,10 @@ impl<'a> Elaborator<'a, '_> {
             .map(|s| s.name.clone());
         if let Some(state) = missing {
             return Err(self.report(
-                Diagnostic::error("E0511", format!("state {state} has no rate"))
-                    .at(class.declaration.name.span, format!("add `der({state}) = …`")),
+                Diagnostic::error("E0511", format!("state {state} has no rate")).at(
+                    class.declaration.name.span,
+                    format!("add `der({state}) = …`"),
+                ),
             ));
         }
         if let Some(element) = self.bench.element.as_mut() {
@@ -259,11 +270,15 @@ impl<'a> Elaborator<'a, '_> {
             bound[index].1 = Argument::Value(Value::Marker(marker));
         }
         for parameter in class.parameters {
-            if parameter.default.is_none() && !bound.iter().any(|(n, _)| *n == parameter.name.text) {
+            if parameter.default.is_none() && !bound.iter().any(|(n, _)| *n == parameter.name.text)
+            {
                 return Err(self.report(
-                    Diagnostic::error("E0402", format!("argument {} is missing", parameter.name.text))
-                        .at(span, "in this call")
-                        .also(parameter.span, "the parameter"),
+                    Diagnostic::error(
+                        "E0402",
+                        format!("argument {} is missing", parameter.name.text),
+                    )
+                    .at(span, "in this call")
+                    .also(parameter.span, "the parameter"),
                 ));
             }
         }
@@ -394,7 +409,8 @@ impl<'a> Elaborator<'a, '_> {
             let index = element.states.len() as u32;
             if index >= PROVISIONAL.states {
                 return Err(self.report(
-                    Diagnostic::error("E0512", "a class has too many states").at(b.name.span, "the limit is reached here"),
+                    Diagnostic::error("E0512", "a class has too many states")
+                        .at(b.name.span, "the limit is reached here"),
                 ));
             }
             element.states.push(StateDraft {
@@ -468,8 +484,11 @@ impl<'a> Elaborator<'a, '_> {
                             Some(d) => d.rate = Some(node),
                             None => {
                                 return Err(self.report(
-                                    Diagnostic::error("E0511", format!("there is no state {}", state.text))
-                                        .at(state.span, "not a state of this class"),
+                                    Diagnostic::error(
+                                        "E0511",
+                                        format!("there is no state {}", state.text),
+                                    )
+                                    .at(state.span, "not a state of this class"),
                                 ));
                             }
                         }
@@ -479,7 +498,9 @@ impl<'a> Elaborator<'a, '_> {
                     return Err(self.report(
                         Diagnostic::error("E0511", "start values stand in the model or in a body")
                             .at(target.span, "not in a class or at a use")
-                            .with_help("write it as an item of the model: `start joint.angle = 30 deg`"),
+                            .with_help(
+                                "write it as an item of the model: `start joint.angle = 30 deg`",
+                            ),
                     ));
                 }
             }
@@ -513,7 +534,11 @@ impl<'a> Elaborator<'a, '_> {
 
     pub fn constrain(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<()> {
         let mut inner = expr;
-        while let ExprKind::Paren { inner: i, unit: None } = &inner.kind {
+        while let ExprKind::Paren {
+            inner: i,
+            unit: None,
+        } = &inner.kind
+        {
             inner = i;
         }
         let ExprKind::Binary {
@@ -524,7 +549,8 @@ impl<'a> Elaborator<'a, '_> {
         } = &inner.kind
         else {
             return Err(self.report(
-                Diagnostic::error("E0511", "a constraint is an equation").at(expr.span, "write `left == right`"),
+                Diagnostic::error("E0511", "a constraint is an equation")
+                    .at(expr.span, "write `left == right`"),
             ));
         };
         let text = self.sources.text(expr.span).to_owned();
@@ -533,7 +559,10 @@ impl<'a> Elaborator<'a, '_> {
         let several = matches!(a, Value::Vector(_) | Value::List(_))
             || matches!(b, Value::Vector(_) | Value::List(_));
         let (x, y) = if several {
-            (self.as_components(a, left.span)?, self.as_components(b, right.span)?)
+            (
+                self.as_components(a, left.span)?,
+                self.as_components(b, right.span)?,
+            )
         } else {
             (
                 vec![self.as_scalar(a, left.span)?],
@@ -572,7 +601,8 @@ impl<'a> Elaborator<'a, '_> {
         };
         if element.rows.len() as u32 >= PROVISIONAL.rows {
             return Err(self.report(
-                Diagnostic::error("E0512", "a class has too many equations").at(span, "the limit is reached here"),
+                Diagnostic::error("E0512", "a class has too many equations")
+                    .at(span, "the limit is reached here"),
             ));
         }
         element.rows.push(RowDraft {
@@ -630,7 +660,9 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     fn add_load(&mut self, marker: u32, force: Option<[Scalar; 3]>, torque: Option<[Scalar; 3]>) {
-        let lift = |e: &mut Self, v: Option<[Scalar; 3]>| v.map(|v| v.map(|s| e.bench.lift(s.stage, s.node)));
+        let lift = |e: &mut Self, v: Option<[Scalar; 3]>| {
+            v.map(|v| v.map(|s| e.bench.lift(s.stage, s.node)))
+        };
         let force = lift(self, force);
         let torque = lift(self, torque);
         let Some(element) = self.bench.element.as_mut() else {
@@ -643,14 +675,21 @@ impl<'a> Elaborator<'a, '_> {
         for (offset, v) in [(0, force), (3, torque)] {
             if let Some(v) = v {
                 for (i, n) in v.into_iter().enumerate() {
-                    let sum = element.graph.add(element.loads[marker as usize][offset + i], n);
+                    let sum = element
+                        .graph
+                        .add(element.loads[marker as usize][offset + i], n);
                     element.loads[marker as usize][offset + i] = sum;
                 }
             }
         }
     }
 
-    fn class_outputs(&mut self, items: &'a [ast::Item], scope: ScopeId, draft: &mut Draft) -> Eval<()> {
+    fn class_outputs(
+        &mut self,
+        items: &'a [ast::Item],
+        scope: ScopeId,
+        draft: &mut Draft,
+    ) -> Eval<()> {
         for item in items {
             let ItemKind::Binding(b) = &item.kind else {
                 continue;
@@ -689,7 +728,15 @@ impl<'a> Elaborator<'a, '_> {
                 None => None,
             };
             let declared = b.ty.as_ref().map(|t| self.dimension(t));
-            self.add_output(&b.name.text, value, expr.span, frame, display, declared, draft)?;
+            self.add_output(
+                &b.name.text,
+                value,
+                expr.span,
+                frame,
+                display,
+                declared,
+                draft,
+            )?;
         }
         Ok(())
     }
@@ -743,7 +790,9 @@ impl<'a> Elaborator<'a, '_> {
             draft.infos.push(OutputInfo {
                 name: format!("{name}{suffix}"),
                 dimension,
-                display: display.clone().unwrap_or_else(|| self.natural_unit(dimension)),
+                display: display
+                    .clone()
+                    .unwrap_or_else(|| self.natural_unit(dimension)),
                 frame: frame_name.clone(),
             });
         }
@@ -879,7 +928,8 @@ impl<'a> Elaborator<'a, '_> {
             || element.signals.len() as u32 > PROVISIONAL.signals
         {
             return Err(self.report(
-                Diagnostic::error("E0512", "one element uses too many numbers").at(span, "the limit is reached here"),
+                Diagnostic::error("E0512", "one element uses too many numbers")
+                    .at(span, "the limit is reached here"),
             ));
         }
         let (graph, map) = compact(&element.graph, &layout);
@@ -907,9 +957,11 @@ impl<'a> Elaborator<'a, '_> {
         let first_channel = self.channels.len() as u32;
         if matches!(role, Role::Dynamic | Role::Output) {
             for (i, info) in draft.infos.iter().enumerate() {
-                let frame = match draft.frames[i] {
-                    Some(marker) => self.markers[marker as usize].origin.path.clone(),
-                    None => info.frame.clone(),
+                let copied = draft.copied.iter().find(|(output, _)| *output == i);
+                let frame = match (copied, draft.frames[i]) {
+                    (Some((_, path)), _) => path.clone(),
+                    (None, Some(marker)) => self.markers[marker as usize].origin.path.clone(),
+                    (None, None) => info.frame.clone(),
                 };
                 let path = match (role, info.name.as_str()) {
                     // a model's own output is its element
@@ -1024,13 +1076,21 @@ impl<'a> Elaborator<'a, '_> {
             used_at: Some(location(span)),
             defined_at: None,
         };
-        self.finish_element(origin, span, role, "start".into(), None, Draft {
-            conditions: Vec::new(),
-            outputs: Vec::new(),
-            infos: Vec::new(),
-            shapes: Vec::new(),
-            frames: Vec::new(),
-        })?;
+        self.finish_element(
+            origin,
+            span,
+            role,
+            "start".into(),
+            None,
+            Draft {
+                conditions: Vec::new(),
+                outputs: Vec::new(),
+                infos: Vec::new(),
+                shapes: Vec::new(),
+                frames: Vec::new(),
+                copied: Vec::new(),
+            },
+        )?;
         Ok(())
     }
 
@@ -1050,9 +1110,18 @@ impl<'a> Elaborator<'a, '_> {
             infos: Vec::new(),
             shapes: Vec::new(),
             frames: Vec::new(),
+            copied: Vec::new(),
         };
         for (name, value) in values {
-            self.add_output(&name, value, span, frame.clone(), display.clone(), declared, &mut draft)?;
+            self.add_output(
+                &name,
+                value,
+                span,
+                frame.clone(),
+                display.clone(),
+                declared,
+                &mut draft,
+            )?;
         }
         for (i, node) in draft.outputs.iter().enumerate() {
             if let Some(element) = self.bench.element.as_ref()
@@ -1061,7 +1130,7 @@ impl<'a> Elaborator<'a, '_> {
             {
                 let channel = element.signals[(input - PROVISIONAL.signal(0)) as usize];
                 let copied = &self.channels[channel as usize];
-                draft.infos[i].frame = copied.frame.clone();
+                draft.copied.push((i, copied.frame.clone()));
                 if display.is_none() && declared.is_none() {
                     draft.infos[i].display = copied.display.clone();
                 }
@@ -1086,7 +1155,9 @@ fn is_marker(ty: &ast::TypeExpr) -> bool {
 
 fn is_structural(ty: &ast::TypeExpr) -> bool {
     match &ty.kind {
-        TypeExprKind::Name(n) => matches!(n.text.as_str(), "Int" | "Bool" | "Text" | "Marker" | "Body"),
+        TypeExprKind::Name(n) => {
+            matches!(n.text.as_str(), "Int" | "Bool" | "Text" | "Marker" | "Body")
+        }
         TypeExprKind::Array(inner, _) => is_structural(inner),
         TypeExprKind::Function(..) => true,
         _ => false,

@@ -29,9 +29,7 @@ impl<'a> Elaborator<'a, '_> {
                 unit,
             } => match unit {
                 None if *integer && value.abs() < 9e15 => Ok(Value::Int(*value as i64)),
-                _ => self
-                    .number(*value, unit.as_ref())
-                    .map(Value::Scalar),
+                _ => self.number(*value, unit.as_ref()).map(Value::Scalar),
             },
             ExprKind::Text(text) => Ok(Value::Text(text.clone())),
             ExprKind::Bool(b) => Ok(Value::Bool(*b)),
@@ -315,10 +313,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn as_components(&mut self, value: Value<'a>, span: Span) -> Eval<Vec<Scalar>> {
         match value {
             Value::Vector(v) => Ok(v.to_vec()),
-            Value::List(items) => items
-                .into_iter()
-                .map(|v| self.as_scalar(v, span))
-                .collect(),
+            Value::List(items) => items.into_iter().map(|v| self.as_scalar(v, span)).collect(),
             other => Err(self.unfit(span, "a vector or a list of numbers", &other)),
         }
     }
@@ -343,7 +338,10 @@ impl<'a> Elaborator<'a, '_> {
         match value {
             Value::List(items) => {
                 let count = items.len();
-                match usize::try_from(index - 1).ok().and_then(|i| items.into_iter().nth(i)) {
+                match usize::try_from(index - 1)
+                    .ok()
+                    .and_then(|i| items.into_iter().nth(i))
+                {
                     Some(v) => Ok(v),
                     None => Err(self.report(
                         Diagnostic::error("E0501", format!("there is no element {index}"))
@@ -429,9 +427,9 @@ impl<'a> Elaborator<'a, '_> {
                     }
                 };
                 match (a, b) {
-                    (a @ (Value::Vector(_) | Value::List(_)), b) | (a, b @ (Value::Vector(_) | Value::List(_))) => {
-                        let vector =
-                            matches!(a, Value::Vector(_)) || matches!(b, Value::Vector(_));
+                    (a @ (Value::Vector(_) | Value::List(_)), b)
+                    | (a, b @ (Value::Vector(_) | Value::List(_))) => {
+                        let vector = matches!(a, Value::Vector(_)) || matches!(b, Value::Vector(_));
                         let x = self.as_components(a, a_span)?;
                         let y = self.as_components(b, b_span)?;
                         if x.len() != y.len() {
@@ -441,11 +439,8 @@ impl<'a> Elaborator<'a, '_> {
                                     .also(a_span, format!("{} components", x.len())),
                             ));
                         }
-                        let sums: Vec<Scalar> = x
-                            .into_iter()
-                            .zip(y)
-                            .map(|(x, y)| f(self, x, y))
-                            .collect();
+                        let sums: Vec<Scalar> =
+                            x.into_iter().zip(y).map(|(x, y)| f(self, x, y)).collect();
                         match <[Scalar; 3]>::try_from(sums) {
                             Ok(v) if vector => Ok(Value::Vector(v)),
                             Ok(v) => Ok(Self::list(&v)),
@@ -505,7 +500,12 @@ impl<'a> Elaborator<'a, '_> {
             let (n, d) = ratio(exponent).unwrap_or((1, 1));
             x.dimension.power(n, d).unwrap_or(Dimension::ONE)
         };
-        Ok(Value::Scalar(self.bench.binary(x, y, dimension, Graph::power)))
+        Ok(Value::Scalar(self.bench.binary(
+            x,
+            y,
+            dimension,
+            Graph::power,
+        )))
     }
 
     fn scale(

@@ -160,7 +160,11 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         self.block(items, scope);
     }
 
-    fn flatten(&mut self, name: String, cycle: Option<eng_system::system::Cycle>) -> Eval<Elaborated> {
+    fn flatten(
+        &mut self,
+        name: String,
+        cycle: Option<eng_system::system::Cycle>,
+    ) -> Eval<Elaborated> {
         let zero = self.bench.bind.graph.constant(0.0);
         let gravity = self.gravity.unwrap_or([zero; 3]).map(|n| self.slot(n));
         let drafts = std::mem::take(&mut self.elements);
@@ -191,8 +195,11 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                         Ok(f) => f,
                         Err(error) => {
                             return Err(self.report(
-                                Diagnostic::error("E0506", format!("{} cannot be differentiated", draft.origin.path))
-                                    .at(draft.span, error.to_string()),
+                                Diagnostic::error(
+                                    "E0506",
+                                    format!("{} cannot be differentiated", draft.origin.path),
+                                )
+                                .at(draft.span, error.to_string()),
                             ));
                         }
                     };

@@ -17,8 +17,8 @@ mod table;
 mod topology;
 mod value;
 
-pub use binding::{BindProgram, Check, MessagePart, ParameterDefault};
 pub use analysis::{AnalysisPlan, analyses};
+pub use binding::{BindProgram, Check, MessagePart, ParameterDefault};
 pub use finish::{Elaborated, Structural, elaborate};
 
 use crate::program::{DefinitionId, Program};
@@ -238,11 +238,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    pub fn deeper<T>(
-        &mut self,
-        span: Span,
-        f: impl FnOnce(&mut Self) -> Eval<T>,
-    ) -> Eval<T> {
+    pub fn deeper<T>(&mut self, span: Span, f: impl FnOnce(&mut Self) -> Eval<T>) -> Eval<T> {
         if self.depth >= DEEPEST {
             return Err(self.report(
                 Diagnostic::error("E0502", "definitions are nested too deep")

@@ -66,9 +66,7 @@ impl<'a> Elaborator<'a, '_> {
         for item in items {
             if let ItemKind::Binding(b) = &item.kind {
                 match b.kind {
-                    BindingKind::Param
-                        if !self.scope(scope).entries.contains_key(&b.name.text) =>
-                    {
+                    BindingKind::Param if !self.scope(scope).entries.contains_key(&b.name.text) => {
                         self.define(scope, &b.name.text, Entry::Lazy(Lazy::Parameter(b)));
                     }
                     BindingKind::Output => self.pending.push(Pending::Output { binding: b, scope }),
@@ -115,8 +113,10 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         for d in declarations {
-            if matches!(d.kind, Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive)
-                && self.elements_of(d, scope).is_err()
+            if matches!(
+                d.kind,
+                Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive
+            ) && self.elements_of(d, scope).is_err()
             {
                 self.bench.element = None;
                 self.in_output = false;
@@ -219,7 +219,8 @@ impl<'a> Elaborator<'a, '_> {
         };
         let ExprKind::Call { callee, arguments } = &value.kind else {
             return Err(self.report(
-                Diagnostic::error("E0500", "a part is made by calling a component").at(value.span, "not a call"),
+                Diagnostic::error("E0500", "a part is made by calling a component")
+                    .at(value.span, "not a call"),
             ));
         };
         let base = self.path(scope, &declaration.name.text);
@@ -243,8 +244,11 @@ impl<'a> Elaborator<'a, '_> {
                 .any(|(_, a)| matches!(a, super::Argument::Again(_)))
             {
                 return Err(e.report(
-                    Diagnostic::error("E0504", "arguments of a component depend on parameters alone")
-                        .at(value.span, "one of these depends on the motion"),
+                    Diagnostic::error(
+                        "E0504",
+                        "arguments of a component depend on parameters alone",
+                    )
+                    .at(value.span, "one of these depends on the motion"),
                 ));
             }
             let own = e.class_scope(&source, class, &path)?;
@@ -271,16 +275,23 @@ impl<'a> Elaborator<'a, '_> {
         arguments: &'a [ast::Argument],
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
-        let Some(ItemKind::Declaration(declaration)) = self.program.item(id).map(|i| &i.kind) else {
+        let Some(ItemKind::Declaration(declaration)) = self.program.item(id).map(|i| &i.kind)
+        else {
             return Err(Reported);
         };
         let (Kind::Record, Form::Plain { block }) = (declaration.kind, &declaration.form) else {
             return Err(self.report(
-                Diagnostic::error("E0500", format!("{} is not a value", declaration.name.text))
-                    .at(span, "a class is used by a declaration: `joint name = Class(…)`"),
+                Diagnostic::error("E0500", format!("{} is not a value", declaration.name.text)).at(
+                    span,
+                    "a class is used by a declaration: `joint name = Class(…)`",
+                ),
             ));
         };
-        let own = self.new_scope(Some(self.module_scopes[id.module as usize]), id.module, String::new());
+        let own = self.new_scope(
+            Some(self.module_scopes[id.module as usize]),
+            id.module,
+            String::new(),
+        );
         self.register(&block.items, own);
         let fields: Vec<&'a ast::Binding> = block
             .items
@@ -297,7 +308,8 @@ impl<'a> Elaborator<'a, '_> {
                 (None, Some(f)) => f.name.text.clone(),
                 (None, None) => {
                     return Err(self.report(
-                        Diagnostic::error("E0500", "too many arguments").at(argument.value.span, "here"),
+                        Diagnostic::error("E0500", "too many arguments")
+                            .at(argument.value.span, "here"),
                     ));
                 }
             };
@@ -354,14 +366,19 @@ impl<'a> Elaborator<'a, '_> {
             StartTarget::Velocity(m) => (*m, "velocity"),
             StartTarget::AngularVelocity(m) => (*m, "angular_velocity"),
         };
-        let path = self.markers[marker as usize].origin.path.replace(".origin", "");
+        let path = self.markers[marker as usize]
+            .origin
+            .path
+            .replace(".origin", "");
         let path = format!("start of {path}.{name}");
         let local = self.local_marker(marker, Some(value.span))?;
         let velocity = Dimension::LENGTH.over(Dimension::TIME);
         let angular = Dimension::ANGLE.over(Dimension::TIME);
         let actual = match target {
             StartTarget::Position(_) => self.marker_origin(local),
-            StartTarget::Velocity(_) => [0, 1, 2].map(|i| self.marker_input(local, 12 + i, velocity)),
+            StartTarget::Velocity(_) => {
+                [0, 1, 2].map(|i| self.marker_input(local, 12 + i, velocity))
+            }
             StartTarget::AngularVelocity(_) => {
                 let w = [0, 1, 2].map(|i| self.marker_input(local, 15 + i, angular));
                 self.rotate(local, &w)
@@ -448,11 +465,15 @@ impl<'a> Elaborator<'a, '_> {
             let mut difference = self.bench.subtract(x, y);
             if is_rotation(self, &x) {
                 // an angle is reached at any turn
-                let sine = self.bench.unary(difference, Dimension::ONE, |g, n| g.unary(Op::Sin, n));
-                let cosine = self.bench.unary(difference, Dimension::ONE, |g, n| g.unary(Op::Cos, n));
-                difference = self
+                let sine = self
                     .bench
-                    .binary(sine, cosine, Dimension::ANGLE, crate::ir::Graph::atan2);
+                    .unary(difference, Dimension::ONE, |g, n| g.unary(Op::Sin, n));
+                let cosine = self
+                    .bench
+                    .unary(difference, Dimension::ONE, |g, n| g.unary(Op::Cos, n));
+                difference =
+                    self.bench
+                        .binary(sine, cosine, Dimension::ANGLE, crate::ir::Graph::atan2);
             }
             velocity |= self.uses_twist(difference.node);
             rows.push((difference, text.clone()));

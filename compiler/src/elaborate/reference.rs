@@ -41,8 +41,7 @@ impl<'a> Elaborator<'a, '_> {
         }
         match name {
             "pi" => Ok(Some(Value::Scalar(
-                self.bench
-                    .constant(std::f64::consts::PI, Dimension::ONE),
+                self.bench.constant(std::f64::consts::PI, Dimension::ONE),
             ))),
             "ground" => Ok(Some(Value::Ground)),
             "cycle" if self.cycle.is_some() => Ok(Some(Value::Cycle)),
@@ -108,7 +107,14 @@ impl<'a> Elaborator<'a, '_> {
                 };
                 let value = self.evaluate(expr, scope)?;
                 let path = self.path(scope, &binding.name.text);
-                self.parameterise(value, &path, Some(expr), binding.limits.as_ref(), binding.name.span, scope)
+                self.parameterise(
+                    value,
+                    &path,
+                    Some(expr),
+                    binding.limits.as_ref(),
+                    binding.name.span,
+                    scope,
+                )
             }
             Lazy::Default(parameter) => match &parameter.default {
                 Some(expr) => self.evaluate(expr, scope),
@@ -205,22 +211,26 @@ impl<'a> Elaborator<'a, '_> {
                     return match items.into_iter().nth(i) {
                         Some(v) => Ok(v),
                         None => Err(self.report(
-                            Diagnostic::error("E0501", format!("there is no component {}", name.text))
-                                .at(name.span, "too few components"),
+                            Diagnostic::error(
+                                "E0501",
+                                format!("there is no component {}", name.text),
+                            )
+                            .at(name.span, "too few components"),
                         )),
                     };
                 }
                 // a field of every element: piston[*].pin
-                let items = items.into_iter().map(|v| (Vec::new(), v)).collect::<Vec<_>>();
+                let items = items
+                    .into_iter()
+                    .map(|v| (Vec::new(), v))
+                    .collect::<Vec<_>>();
                 self.field(Value::Family(items), name, span)
             }
-            Value::Family(items) => {
-                items
-                    .into_iter()
-                    .map(|(_, v)| self.field(v, name, span))
-                    .collect::<Eval<Vec<_>>>()
-                    .map(Value::List)
-            }
+            Value::Family(items) => items
+                .into_iter()
+                .map(|(_, v)| self.field(v, name, span))
+                .collect::<Eval<Vec<_>>>()
+                .map(Value::List),
             Value::Cycle => match (name.text.as_str(), self.cycle.clone()) {
                 ("angle", Some(cycle)) => self.cycle_angle(&cycle),
                 ("period", Some(cycle)) => Ok(Value::Scalar(Scalar {
@@ -259,8 +269,10 @@ impl<'a> Elaborator<'a, '_> {
         let local = match self.bench.element.as_mut() {
             Some(element) => element.marker(marker),
             None => {
-                let mut message =
-                    Diagnostic::error("E0504", "a marker moves: it is known in classes and outputs only");
+                let mut message = Diagnostic::error(
+                    "E0504",
+                    "a marker moves: it is known in classes and outputs only",
+                );
                 if let Some(span) = span {
                     message = message.at(span, "used where only parameters are known");
                 }
@@ -272,7 +284,10 @@ impl<'a> Elaborator<'a, '_> {
             None => {
                 let mut message = Diagnostic::error(
                     "E0512",
-                    format!("one element touches more than {} markers", super::scalar::PROVISIONAL.markers),
+                    format!(
+                        "one element touches more than {} markers",
+                        super::scalar::PROVISIONAL.markers
+                    ),
                 );
                 if let Some(span) = span {
                     message = message.at(span, "the limit is reached here");
@@ -369,9 +384,6 @@ impl<'a> Elaborator<'a, '_> {
     /// A table's handle as a value.
     pub fn table_handle(&mut self, index: usize, result: Dimension) -> Value<'a> {
         let handle = self.bench.bind.fixed(index as f64);
-        Value::Table(TableValue {
-            handle,
-            result,
-        })
+        Value::Table(TableValue { handle, result })
     }
 }

@@ -8,7 +8,12 @@ use eng_system::Dimension;
 use eng_system::table::{Extrapolation, Interpolation, Table};
 
 impl<'a> Elaborator<'a, '_> {
-    pub fn table_value(&mut self, table: &'a ast::Table, scope: ScopeId, module: u32) -> Eval<Value<'a>> {
+    pub fn table_value(
+        &mut self,
+        table: &'a ast::Table,
+        scope: ScopeId,
+        module: u32,
+    ) -> Eval<Value<'a>> {
         let argument = match table.parameters.first() {
             Some(p) => self.dimension(&p.ty),
             None => Dimension::ONE,
@@ -65,10 +70,8 @@ impl<'a> Elaborator<'a, '_> {
                 Some(other) => {
                     let name_span = a.name.as_ref().map_or(a.value.span, |n| n.span);
                     return Err(self.report(
-                        Diagnostic::error("E0506", format!("a table has no argument {other}")).at(
-                            name_span,
-                            "columns, periodic, interpolation, extrapolation",
-                        ),
+                        Diagnostic::error("E0506", format!("a table has no argument {other}"))
+                            .at(name_span, "columns, periodic, interpolation, extrapolation"),
                     ));
                 }
             }
@@ -88,11 +91,21 @@ impl<'a> Elaborator<'a, '_> {
         };
         if x.len() != y.len() {
             return Err(self.report(
-                Diagnostic::error("E0506", format!("{} arguments and {} values", x.len(), y.len()))
-                    .at(source.span, "the lists differ in length"),
+                Diagnostic::error(
+                    "E0506",
+                    format!("{} arguments and {} values", x.len(), y.len()),
+                )
+                .at(source.span, "the lists differ in length"),
             ));
         }
-        match Table::new(table.name.text.clone(), x, y, interpolation, extrapolation, period) {
+        match Table::new(
+            table.name.text.clone(),
+            x,
+            y,
+            interpolation,
+            extrapolation,
+            period,
+        ) {
             Ok(t) => {
                 self.tables.push(t);
                 let index = self.tables.len() - 1;
@@ -107,8 +120,11 @@ impl<'a> Elaborator<'a, '_> {
 
     fn not_a_source(&mut self, span: Span) -> super::Reported {
         self.report(
-            Diagnostic::error("E0506", "a table takes its numbers from `csv(…)` or `points(…)`")
-                .at(span, "this is neither"),
+            Diagnostic::error(
+                "E0506",
+                "a table takes its numbers from `csv(…)` or `points(…)`",
+            )
+            .at(span, "this is neither"),
         )
     }
 
@@ -159,7 +175,8 @@ impl<'a> Elaborator<'a, '_> {
             Ok(text) => text,
             Err(error) => {
                 return Err(self.report(
-                    Diagnostic::error("E0505", "the file cannot be read").at(file.span, error.to_string()),
+                    Diagnostic::error("E0505", "the file cannot be read")
+                        .at(file.span, error.to_string()),
                 ));
             }
         };
@@ -170,7 +187,8 @@ impl<'a> Elaborator<'a, '_> {
             .filter(|(_, l)| !l.trim().is_empty() && !l.trim_start().starts_with('#'));
         let Some((_, header)) = lines.next() else {
             return Err(self.report(
-                Diagnostic::error("E0506", format!("{path} is empty")).at(file.span, "no header row"),
+                Diagnostic::error("E0506", format!("{path} is empty"))
+                    .at(file.span, "no header row"),
             ));
         };
         let separator = if header.contains(';') {
@@ -199,7 +217,11 @@ impl<'a> Elaborator<'a, '_> {
                     ));
                 }
             };
-            scale[k] = self.column_unit(wanted, *span, if k == 0 { dimensions.0 } else { dimensions.1 })?;
+            scale[k] = self.column_unit(
+                wanted,
+                *span,
+                if k == 0 { dimensions.0 } else { dimensions.1 },
+            )?;
         }
         let mut x = Vec::new();
         let mut y = Vec::new();
@@ -220,8 +242,14 @@ impl<'a> Elaborator<'a, '_> {
                     }
                     _ => {
                         return Err(self.report(
-                            Diagnostic::error("E0506", format!("{path}:{} is not a number", number + 1))
-                                .at(file.span, format!("column {:?} holds {cell:?}", header[index[k]])),
+                            Diagnostic::error(
+                                "E0506",
+                                format!("{path}:{} is not a number", number + 1),
+                            )
+                            .at(
+                                file.span,
+                                format!("column {:?} holds {cell:?}", header[index[k]]),
+                            ),
                         ));
                     }
                 }
@@ -240,32 +268,43 @@ impl<'a> Elaborator<'a, '_> {
             return Ok((1.0, 0.0));
         }
         let mut scratch = eng_grammar::Diagnostics::new();
-        let source = self.sources.add(format!("unit of {header}"), format!("1 {unit}"));
+        let source = self
+            .sources
+            .add(format!("unit of {header}"), format!("1 {unit}"));
         let parsed = eng_grammar::parse_expression(&format!("1 {unit}"), source, 0, &mut scratch);
         let Some(ast::Expr {
-            kind: ExprKind::Number {
-                unit: Some(unit_expr),
-                ..
-            },
+            kind:
+                ExprKind::Number {
+                    unit: Some(unit_expr),
+                    ..
+                },
             ..
         }) = parsed
         else {
             return Err(self.report(
-                Diagnostic::error("E0506", format!("{unit:?} is not a unit")).at(span, "in this header"),
+                Diagnostic::error("E0506", format!("{unit:?} is not a unit"))
+                    .at(span, "in this header"),
             ));
         };
         let unit = match self.program.unit(&unit_expr) {
             Ok(u) => u,
             Err((_, name)) => {
                 return Err(self.report(
-                    Diagnostic::error("E0310", format!("there is no unit {name}")).at(span, "in this header"),
+                    Diagnostic::error("E0310", format!("there is no unit {name}"))
+                        .at(span, "in this header"),
                 ));
             }
         };
         if unit.dimension.without_angle() != expected.without_angle() {
             return Err(self.report(
-                Diagnostic::error("E0301", format!("the column is in {}, the table says {expected}", unit.dimension))
-                    .at(span, "the dimension differs"),
+                Diagnostic::error(
+                    "E0301",
+                    format!(
+                        "the column is in {}, the table says {expected}",
+                        unit.dimension
+                    ),
+                )
+                .at(span, "the dimension differs"),
             ));
         }
         Ok((unit.scale, unit.offset))

@@ -61,8 +61,11 @@ impl Elaborator<'_, '_> {
         for (marker, used) in self.markers.iter().zip(&self.used_markers) {
             if let (false, Some(place)) = (*used, marker.origin.used_at) {
                 found.push(
-                    Diagnostic::warning("W0501", format!("marker {} is not used", marker.origin.path))
-                        .at(span(place), "nothing refers to it"),
+                    Diagnostic::warning(
+                        "W0501",
+                        format!("marker {} is not used", marker.origin.path),
+                    )
+                    .at(span(place), "nothing refers to it"),
                 );
             }
         }
@@ -70,7 +73,9 @@ impl Elaborator<'_, '_> {
             found.push(
                 Diagnostic::note("N0501", "no gravity is stated: it is zero")
                     .at(model, "in this model")
-                    .with_help("write `gravity = [0, 0, -9.81] m/s^2`, or zeros to say that it is meant"),
+                    .with_help(
+                        "write `gravity = [0, 0, -9.81] m/s^2`, or zeros to say that it is meant",
+                    ),
             );
         }
         for d in found {

@@ -413,7 +413,7 @@ impl Graph {
             return self.push(Op::Power(base, exponent));
         }
         match self.as_constant(exponent) {
-            Some(e) if e == 0.0 => self.constant(1.0),
+            Some(0.0) => self.constant(1.0),
             Some(e) if e.fract() == 0.0 && e.abs() <= 16.0 => {
                 let p = self.integer_power(base, e.abs() as u32);
                 if e < 0.0 {

@@ -58,14 +58,10 @@ impl Interpreter {
         scratch.clear();
         scratch.reserve(self.operations.len());
         for op in &self.operations {
-            let lane = |k: usize| {
-                let of = |n: &Node| scratch[n.0 as usize][k];
-                match op {
-                    Op::Input(i) => inputs.get(*i as usize).map_or(f64::NAN, |pair| pair[k]),
-                    op => operate(op, of, tables),
-                }
+            let pair = match *op {
+                Op::Input(i) => inputs.get(i as usize).copied().unwrap_or([f64::NAN; 2]),
+                op => operate(op, scratch, tables),
             };
-            let pair = [lane(0), lane(1)];
             scratch.push(pair);
         }
         for (output, node) in outputs.iter_mut().zip(&self.outputs) {
@@ -75,53 +71,57 @@ impl Interpreter {
     }
 }
 
-/// One operation; flags are 1 and 0.
-pub(crate) fn operate(op: &Op, of: impl Fn(&Node) -> f64, tables: &[Table]) -> f64 {
-    let flag = |set: bool| if set { 1.0 } else { 0.0 };
+/// One operation on the values so far; flags are 1 and 0.
+pub(crate) fn operate(op: Op, values: &[Pair], tables: &[Table]) -> Pair {
+    let of = |n: Node| values[n.0 as usize];
+    let one = |a: Node, f: fn(f64) -> f64| of(a).map(f);
     match op {
-        Op::Input(_) => f64::NAN,
-        Op::Constant(bits) => f64::from_bits(*bits),
-        Op::Add(a, b) => of(a) + of(b),
-        Op::Subtract(a, b) => of(a) - of(b),
-        Op::Multiply(a, b) => of(a) * of(b),
-        Op::Divide(a, b) => of(a) / of(b),
-        Op::Negate(a) => -of(a),
-        Op::Abs(a) => of(a).abs(),
-        Op::Sqrt(a) => of(a).sqrt(),
-        Op::Minimum(a, b) => {
-            let (a, b) = (of(a), of(b));
-            if b < a { b } else { a }
-        }
-        Op::Maximum(a, b) => {
-            let (a, b) = (of(a), of(b));
-            if b > a { b } else { a }
-        }
-        Op::Sin(a) => libm::sin(of(a)),
-        Op::Cos(a) => libm::cos(of(a)),
-        Op::Tan(a) => libm::tan(of(a)),
-        Op::Asin(a) => libm::asin(of(a)),
-        Op::Acos(a) => libm::acos(of(a)),
-        Op::Atan(a) => libm::atan(of(a)),
-        Op::Tanh(a) => libm::tanh(of(a)),
-        Op::Exp(a) => libm::exp(of(a)),
-        Op::Log(a) => libm::log(of(a)),
-        Op::Atan2(y, x) => libm::atan2(of(y), of(x)),
-        Op::Power(base, exponent) => libm::pow(of(base), of(exponent)),
-        Op::Less(a, b) => flag(of(a) < of(b)),
-        Op::LessEqual(a, b) => flag(of(a) <= of(b)),
-        Op::Equal(a, b) => flag(of(a) == of(b)),
-        Op::And(a, b) => flag(of(a) != 0.0 && of(b) != 0.0),
-        Op::Or(a, b) => flag(of(a) != 0.0 || of(b) != 0.0),
-        Op::Not(a) => flag(of(a) == 0.0),
+        Op::Input(_) => [f64::NAN; 2],
+        Op::Constant(bits) => [f64::from_bits(bits); 2],
+        Op::Add(a, b) => both(of(a), of(b), |a, b| a + b),
+        Op::Subtract(a, b) => both(of(a), of(b), |a, b| a - b),
+        Op::Multiply(a, b) => both(of(a), of(b), |a, b| a * b),
+        Op::Divide(a, b) => both(of(a), of(b), |a, b| a / b),
+        Op::Negate(a) => of(a).map(|a| -a),
+        Op::Abs(a) => of(a).map(f64::abs),
+        Op::Sqrt(a) => of(a).map(f64::sqrt),
+        Op::Minimum(a, b) => both(of(a), of(b), |a, b| if b < a { b } else { a }),
+        Op::Maximum(a, b) => both(of(a), of(b), |a, b| if b > a { b } else { a }),
+        Op::Sin(a) => one(a, libm::sin),
+        Op::Cos(a) => one(a, libm::cos),
+        Op::Tan(a) => one(a, libm::tan),
+        Op::Asin(a) => one(a, libm::asin),
+        Op::Acos(a) => one(a, libm::acos),
+        Op::Atan(a) => one(a, libm::atan),
+        Op::Tanh(a) => one(a, libm::tanh),
+        Op::Exp(a) => one(a, libm::exp),
+        Op::Log(a) => one(a, libm::log),
+        Op::Atan2(y, x) => both(of(y), of(x), libm::atan2),
+        Op::Power(base, exponent) => both(of(base), of(exponent), libm::pow),
+        Op::Less(a, b) => both(of(a), of(b), |a, b| flag(a < b)),
+        Op::LessEqual(a, b) => both(of(a), of(b), |a, b| flag(a <= b)),
+        Op::Equal(a, b) => both(of(a), of(b), |a, b| flag(a == b)),
+        Op::And(a, b) => both(of(a), of(b), |a, b| flag(a != 0.0 && b != 0.0)),
+        Op::Or(a, b) => both(of(a), of(b), |a, b| flag(a != 0.0 || b != 0.0)),
+        Op::Not(a) => of(a).map(|a| flag(a == 0.0)),
         Op::Select(f, a, b) => {
-            if of(f) != 0.0 {
-                of(a)
-            } else {
-                of(b)
-            }
+            let (f, a, b) = (of(f), of(a), of(b));
+            let pick = |k: usize| if f[k] != 0.0 { a[k] } else { b[k] };
+            [pick(0), pick(1)]
         }
-        Op::Table(handle, argument, order) => look_up(tables, of(handle), of(argument), *order),
+        Op::Table(handle, argument, order) => both(of(handle), of(argument), |h, x| {
+            look_up(tables, h, x, order)
+        }),
     }
+}
+
+#[inline]
+fn both(a: Pair, b: Pair, f: impl Fn(f64, f64) -> f64) -> Pair {
+    [f(a[0], b[0]), f(a[1], b[1])]
+}
+
+fn flag(set: bool) -> f64 {
+    if set { 1.0 } else { 0.0 }
 }
 
 /// The value of a table by its handle; NaN if there is none.

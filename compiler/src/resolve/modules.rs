@@ -54,9 +54,10 @@ pub(super) fn load(
     }
     match host.read_text(root) {
         Ok(text) => loader.text(&path_of_file(root), root, &text),
-        Err(error) => loader.diagnostics.push(
-            Diagnostic::error(codes::NO_MODULE, format!("the model cannot be read: {error}")),
-        ),
+        Err(error) => loader.diagnostics.push(Diagnostic::error(
+            codes::NO_MODULE,
+            format!("the model cannot be read: {error}"),
+        )),
     }
 }
 
@@ -92,9 +93,8 @@ impl Loader<'_> {
             if let Some(span) = used_at {
                 message = message.at(span, "this closes the circle");
             }
-            self.diagnostics.push(
-                message.with_help("put what both need into a third file that uses neither"),
-            );
+            self.diagnostics
+                .push(message.with_help("put what both need into a third file that uses neither"));
             return;
         }
         if let Some(text) = self.text_of_library(path).map(str::to_owned) {

@@ -171,9 +171,7 @@ fn take(
             message = message
                 .with_help(format!("did you mean `{near}`?"))
                 .with_fix(format!("take `{near}`"), name.span, near);
-        } else if let Some(elsewhere) = own
-            .iter()
-            .position(|names| names.contains_key(&name.text))
+        } else if let Some(elsewhere) = own.iter().position(|names| names.contains_key(&name.text))
         {
             message = message.with_help(format!(
                 "`{}` is in `{}`",
@@ -196,7 +194,10 @@ fn take(
         diagnostics.push(
             Diagnostic::error(
                 codes::DEFINED_TWICE,
-                format!("`{}` is taken from `{path}` and defined here too", name.text),
+                format!(
+                    "`{}` is taken from `{path}` and defined here too",
+                    name.text
+                ),
             )
             .at(mine.span, "defined here")
             .also(name.span, "taken here")

@@ -151,9 +151,12 @@ impl Dimensions<'_> {
         }
         let TypeExprKind::Name(of) = &definition.kind else {
             self.diagnostics.push(
-                Diagnostic::error(codes::BAD_UNIT, "a point dimension needs the name of its difference")
-                    .at(definition.span, "not a name")
-                    .with_help("for instance `dimension Temperature = point TemperatureDifference`"),
+                Diagnostic::error(
+                    codes::BAD_UNIT,
+                    "a point dimension needs the name of its difference",
+                )
+                .at(definition.span, "not a name")
+                .with_help("for instance `dimension Temperature = point TemperatureDifference`"),
             );
             return None;
         };
@@ -208,9 +211,8 @@ impl Dimensions<'_> {
     }
 
     fn bad(&mut self, expr: &TypeExpr, text: &str) {
-        self.diagnostics.push(
-            Diagnostic::error(codes::BAD_UNIT, text).at(expr.span, "not a dimension"),
-        );
+        self.diagnostics
+            .push(Diagnostic::error(codes::BAD_UNIT, text).at(expr.span, "not a dimension"));
     }
 }
 
@@ -300,8 +302,7 @@ impl Units<'_> {
                     format!("there is no dimension `{}`", name.text),
                 )
                 .at(name.span, "not known");
-                if let Some(near) =
-                    nearest(&name.text, self.dimensions.keys().map(String::as_str))
+                if let Some(near) = nearest(&name.text, self.dimensions.keys().map(String::as_str))
                 {
                     message = message
                         .with_help(format!("did you mean `{near}`?"))
@@ -387,7 +388,9 @@ impl Units<'_> {
                 if zero.dimension != size.dimension {
                     self.bad(
                         offset.span,
-                        format!("the zero of the unit `{symbol}` has another dimension than its size"),
+                        format!(
+                            "the zero of the unit `{symbol}` has another dimension than its size"
+                        ),
                     );
                     return None;
                 }
@@ -462,7 +465,10 @@ impl Units<'_> {
             if unit.offset != 0.0 {
                 self.bad(
                     expr.span,
-                    format!("the unit `{}` has a shifted zero: others cannot be made of it", unit.symbol),
+                    format!(
+                        "the unit `{}` has a shifted zero: others cannot be made of it",
+                        unit.symbol
+                    ),
                 );
                 return None;
             }
@@ -542,7 +548,10 @@ impl Units<'_> {
             }
             ExprKind::Error => None,
             _ => {
-                self.bad(expr.span, "the size of a unit is a product of numbers and units");
+                self.bad(
+                    expr.span,
+                    "the size of a unit is a product of numbers and units",
+                );
                 None
             }
         }
@@ -559,10 +568,7 @@ fn power(base: f64, numerator: i32, denominator: i32) -> f64 {
 }
 
 /// The dimension of a type that is a product of dimensions.
-fn product_of(
-    ty: &TypeExpr,
-    dimensions: &BTreeMap<String, NamedDimension>,
-) -> Option<Dimension> {
+fn product_of(ty: &TypeExpr, dimensions: &BTreeMap<String, NamedDimension>) -> Option<Dimension> {
     match &ty.kind {
         TypeExprKind::One => Some(Dimension::ONE),
         TypeExprKind::Name(name) => dimensions.get(&name.text).map(|named| named.dimension),

@@ -1,0 +1,272 @@
+//! Running the analyses of a program.
+
+use crate::model::{Model, Parameter};
+use crate::results::{Column, Results};
+use crate::simulation::run_error;
+use crate::{Error, Program, Quantity};
+use eng_runtime::{Observer, RunSummary, Sample, Warning, run_transient};
+use eng_system::system::{AnalysisKind, Transient};
+use eng_system::{Dimension, DisplayUnit};
+use std::ops::ControlFlow;
+
+/// An analysis, ready to run.
+#[derive(Clone, Debug)]
+pub struct Analysis {
+    model: Model,
+    plan: eng_system::system::Analysis,
+    program: Program,
+    overrides: Vec<Option<f64>>,
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Done part, 0…1.
+    pub fraction: f64,
+    /// Unwrapped cycle angle (rad), if the model has a cycle.
+    pub cycle_angle: Option<f64>,
+}
+
+/// What a run made.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// All columns.
+    pub results: Results,
+    /// `advise`s that did not hold.
+    pub warnings: Vec<Warning>,
+    /// Steps and energy; absent where only the start was asked for, or the run failed.
+    pub summary: Option<RunSummary>,
+}
+
+/// A run that failed, with what was computed before.
+#[derive(Debug)]
+pub struct Failed {
+    /// Why.
+    pub error: Error,
+    /// Samples up to the failure, if there are any.
+    pub partial: Option<Box<Outcome>>,
+}
+
+impl Analysis {
+    pub(crate) fn new(
+        model: Model,
+        plan: eng_system::system::Analysis,
+        program: Program,
+    ) -> Result<Analysis, Error> {
+        let mut overrides = vec![None; model.compiled().system.parameters.len()];
+        for (path, value) in &plan.set {
+            overrides[model.parameter(path)?.index] = Some(*value);
+        }
+        Ok(Analysis {
+            model,
+            plan,
+            program,
+            overrides,
+        })
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.plan.origin.path
+    }
+
+    /// Its compiled model.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// What is done.
+    pub fn kind(&self) -> &AnalysisKind {
+        &self.plan.kind
+    }
+
+    /// Sets a parameter, over what the analysis sets.
+    pub fn set(mut self, parameter: Parameter, value: Quantity) -> Result<Self, Error> {
+        self.overrides[parameter.index] = Some(self.model.checked(parameter, value)?);
+        Ok(self)
+    }
+
+    /// The values of all slots for this analysis's parameters: what the summary needs of journals and cycle.
+    pub(crate) fn bound(&self) -> Result<eng_system::code::Bound, Error> {
+        let compiled = self.model.compiled();
+        compiled
+            .bind
+            .bind(&self.overrides, &compiled.system.tables)
+            .map_err(|e| run_error(&self.model, e.into()))
+    }
+
+    /// Runs. `progress` is called after every step.
+    pub fn run(&self, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, Failed> {
+        let system = &self.model.compiled().system;
+        let mut recorder = Recorder {
+            time: Vec::new(),
+            cycle_angle: Vec::new(),
+            cycle_rate: Vec::new(),
+            energy: Default::default(),
+            channels: vec![Vec::new(); system.channels.len()],
+            warnings: Vec::new(),
+            progress,
+        };
+        let transient = match &self.plan.kind {
+            AnalysisKind::Transient(t) => Some(*t),
+            AnalysisKind::Assemble => None,
+        };
+        let summary = match transient {
+            Some(t) => self.transient(&t, &mut recorder).map(Some),
+            None => self.assembled(&mut recorder).map(|()| None),
+        };
+        let (recorded, cause) = match summary {
+            Ok(summary) => (recorder.finish(self, summary), None),
+            Err(cause) => (recorder.finish(self, None), Some(cause)),
+        };
+        match (recorded, cause) {
+            (Ok(outcome), None) => Ok(outcome),
+            (Ok(outcome), Some(error)) => {
+                let partial = (outcome.results.samples() > 0).then(|| Box::new(outcome));
+                Err(Failed { error, partial })
+            }
+            (Err(error), None) | (_, Some(error)) => Err(Failed {
+                error,
+                partial: None,
+            }),
+        }
+    }
+
+    fn transient(&self, transient: &Transient, recorder: &mut Recorder<'_>) -> Result<RunSummary, Error> {
+        run_transient(
+            self.model.compiled(),
+            &self.overrides,
+            transient,
+            recorder,
+            None,
+        )
+        .map_err(|cause| run_error(&self.model, cause))
+    }
+
+    fn assembled(&self, recorder: &mut Recorder<'_>) -> Result<(), Error> {
+        let mut simulation = eng_runtime::Simulation::new(
+            self.model.compiled(),
+            &self.overrides,
+            eng_runtime::Options::default(),
+        )
+        .map_err(|cause| run_error(&self.model, cause))?;
+        let mut values = vec![0.0; recorder.channels.len()];
+        simulation
+            .evaluate_channels(&mut values)
+            .map_err(|cause| run_error(&self.model, cause))?;
+        let _ = recorder.sample(&Sample {
+            time: simulation.time(),
+            cycle_angle: simulation.cycle_angle(),
+            cycle_rate: simulation.cycle_rate(),
+            values: &values,
+            energy: simulation.energy(),
+        });
+        Ok(())
+    }
+}
+
+/// Columns while a run goes on.
+struct Recorder<'a> {
+    time: Vec<f64>,
+    cycle_angle: Vec<f64>,
+    cycle_rate: Vec<f64>,
+    energy: [Vec<f64>; 5],
+    channels: Vec<Vec<f64>>,
+    warnings: Vec<Warning>,
+    progress: &'a mut dyn FnMut(Progress),
+}
+
+/// Paths of the energy audit's columns.
+const ENERGY: [&str; 5] = [
+    "energy.kinetic",
+    "energy.gravity",
+    "energy.work_of_loads",
+    "energy.work_of_drives",
+    "energy.imbalance",
+];
+
+impl Observer for Recorder<'_> {
+    fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
+        self.time.push(sample.time);
+        if let (Some(angle), Some(rate)) = (sample.cycle_angle, sample.cycle_rate) {
+            self.cycle_angle.push(angle);
+            self.cycle_rate.push(rate);
+        }
+        let e = &sample.energy;
+        let audit = [e.kinetic, e.gravity, e.loads, e.constraints, e.imbalance()];
+        for (column, value) in self.energy.iter_mut().zip(audit) {
+            column.push(value);
+        }
+        for (column, value) in self.channels.iter_mut().zip(sample.values) {
+            column.push(*value);
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn progress(&mut self, fraction: f64, cycle_angle: Option<f64>) {
+        (self.progress)(Progress {
+            fraction,
+            cycle_angle,
+        });
+    }
+
+    fn warning(&mut self, warning: &Warning) {
+        self.warnings.push(warning.clone());
+    }
+}
+
+impl Recorder<'_> {
+    fn finish(self, analysis: &Analysis, summary: Option<RunSummary>) -> Result<Outcome, Error> {
+        let mut results = Results::new(analysis.name(), analysis.model.name());
+        let samples = self.time.len();
+        results.push(Column::time(self.time))?;
+        if samples > 0 && self.cycle_angle.len() == samples {
+            results.push(Column::cycle_angle(self.cycle_angle))?;
+            results.push(Column::cycle_speed(self.cycle_rate))?;
+        }
+        let system = &analysis.model.compiled().system;
+        for (channel, values) in system.channels.iter().zip(self.channels) {
+            results.push(Column {
+                path: channel.path.clone(),
+                dimension: channel.dimension,
+                display: channel.display.clone(),
+                frame: channel.frame.clone(),
+                values,
+            })?;
+        }
+        let energy = Dimension::MASS
+            .times(Dimension::LENGTH)
+            .times(Dimension::LENGTH)
+            .over(Dimension::TIME)
+            .over(Dimension::TIME);
+        for (path, values) in ENERGY.iter().zip(self.energy) {
+            results.push(Column {
+                path: (*path).to_owned(),
+                dimension: energy,
+                display: DisplayUnit {
+                    symbol: "J".into(),
+                    scale: 1.0,
+                    offset: 0.0,
+                },
+                frame: String::new(),
+                values,
+            })?;
+        }
+        results.set_metadata("version", env!("CARGO_PKG_VERSION"));
+        results.set_metadata("file", analysis.program.file());
+        results.set_metadata("source_hash", analysis.program.source_hash());
+        let bound = analysis.bound()?;
+        for (parameter, value) in system.parameters.iter().zip(&bound.parameters) {
+            let d = &parameter.display;
+            results.set_metadata(
+                format!("parameter.{}", parameter.origin.path),
+                format!("{} {}", d.from_si(*value), d.symbol),
+            );
+        }
+        Ok(Outcome {
+            results,
+            warnings: self.warnings,
+            summary,
+        })
+    }
+}

@@ -1,0 +1,158 @@
+//! Stepping a model from a program.
+
+use crate::model::{Channel, Model, Parameter};
+use crate::{Error, Quantity, Report, failure};
+use eng_grammar::{Diagnostic, Diagnostics};
+use eng_runtime::{Energy, Options, RuntimeError, Statistics};
+use eng_system::system::StepControl;
+
+/// Parameters and options of a simulation that is about to start.
+#[derive(Clone, Debug)]
+pub struct SimulationBuilder {
+    model: Model,
+    overrides: Vec<Option<f64>>,
+    options: Options,
+}
+
+impl SimulationBuilder {
+    pub(crate) fn new(model: Model) -> SimulationBuilder {
+        let overrides = vec![None; model.compiled().system.parameters.len()];
+        SimulationBuilder {
+            model,
+            overrides,
+            options: Options::default(),
+        }
+    }
+
+    /// Sets a parameter; the dimension must fit.
+    pub fn set(mut self, parameter: Parameter, value: Quantity) -> Result<Self, Error> {
+        self.overrides[parameter.index] = Some(self.model.checked(parameter, value)?);
+        Ok(self)
+    }
+
+    /// Error control; the number scales the physical tolerances, 1 is the default.
+    pub fn tolerance(mut self, factor: f64) -> Self {
+        self.options.step = StepControl::Tolerance(factor);
+        self
+    }
+
+    /// Fixed steps (s).
+    pub fn fixed_step(mut self, step: f64) -> Self {
+        self.options.step = StepControl::Fixed(step);
+        self
+    }
+
+    /// Spectral radius at infinite frequency, 0…1 (default 0.8): 1 damps nothing.
+    pub fn rho_infinity(mut self, rho: f64) -> Self {
+        self.options.rho_infinity = rho;
+        self
+    }
+
+    /// Binds the parameters, assembles positions and velocities, and stands ready to step.
+    pub fn start(self) -> Result<Simulation, Error> {
+        match eng_runtime::Simulation::new(self.model.compiled(), &self.overrides, self.options) {
+            Ok(inner) => Ok(Simulation {
+                inner,
+                model: self.model,
+            }),
+            Err(cause) => Err(run_error(&self.model, cause)),
+        }
+    }
+
+    /// Goes on from a checkpoint of the same model with the same parameters: the bits are those of the run that went on.
+    pub fn resume(self, checkpoint: &[u8]) -> Result<Simulation, Error> {
+        let resumed = eng_runtime::Simulation::resume(
+            self.model.compiled(),
+            &self.overrides,
+            self.options,
+            checkpoint,
+        );
+        match resumed {
+            Ok(inner) => Ok(Simulation {
+                inner,
+                model: self.model,
+            }),
+            Err(cause) => Err(run_error(&self.model, cause)),
+        }
+    }
+
+    /// Freedoms and equations that repeat each other, at the assembled position.
+    pub fn topology(self) -> Result<eng_runtime::TopologyReport, Error> {
+        eng_runtime::topology(self.model.compiled(), &self.overrides)
+            .map_err(|cause| run_error(&self.model, cause))
+    }
+}
+
+/// A failure of the runtime with its places in the model's texts.
+pub(crate) fn run_error(model: &Model, cause: RuntimeError) -> Error {
+    let mut diagnostics = Diagnostics::new();
+    let message: Diagnostic = failure::diagnostic(&cause);
+    diagnostics.push(message);
+    Error::Run {
+        report: Report::new(model.texts().clone(), diagnostics),
+        cause,
+    }
+}
+
+/// A running simulation. It owns its state; two of them on two threads give the same bits.
+#[derive(Debug)]
+pub struct Simulation {
+    inner: eng_runtime::Simulation,
+    model: Model,
+}
+
+impl Simulation {
+    /// One accepted step; returns the time reached (s).
+    pub fn step(&mut self) -> Result<f64, Error> {
+        match self.inner.step() {
+            Ok(report) => Ok(report.time),
+            Err(cause) => Err(run_error(&self.model, cause)),
+        }
+    }
+
+    /// Time (s).
+    pub fn time(&self) -> f64 {
+        self.inner.time()
+    }
+
+    /// Unwrapped cycle angle, if the model has a cycle.
+    pub fn cycle_angle(&self) -> Option<Quantity> {
+        self.inner
+            .cycle_angle()
+            .map(|a| Quantity::si(a, eng_system::Dimension::ANGLE))
+    }
+
+    /// A channel at the current state (SI).
+    pub fn value(&mut self, channel: Channel) -> Result<f64, Error> {
+        self.inner
+            .value(channel.index)
+            .map_err(|cause| run_error(&self.model, cause))
+    }
+
+    /// All channels at the current state (SI), in the order of [`Model::channels`]; `out` has one place for each.
+    pub fn values(&mut self, out: &mut [f64]) -> Result<(), Error> {
+        self.inner
+            .evaluate_channels(out)
+            .map_err(|cause| run_error(&self.model, cause))
+    }
+
+    /// Energy and work since the start.
+    pub fn energy(&self) -> Energy {
+        self.inner.energy()
+    }
+
+    /// Steps, iterations, factorisations.
+    pub fn statistics(&self) -> Statistics {
+        self.inner.statistics()
+    }
+
+    /// The state as bytes; a simulation resumed from them goes on with the same bits as this one.
+    pub fn checkpoint(&mut self) -> Vec<u8> {
+        self.inner.checkpoint()
+    }
+
+    /// The runtime's own simulation: residual, Jacobian, poses.
+    pub fn runtime(&mut self) -> &mut eng_runtime::Simulation {
+        &mut self.inner
+    }
+}
