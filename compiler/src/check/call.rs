@@ -148,6 +148,13 @@ impl<'p> Checker<'p> {
         signature: &Signature,
         arguments: &[Argument],
     ) -> Type {
+        if signature.name.is_empty() && signature.result.is_error() {
+            // A function that calls itself.
+            for argument in arguments {
+                self.infer(scope, &argument.value);
+            }
+            return Type::Error;
+        }
         let slots: Vec<Slot> = signature
             .parameters
             .iter()
@@ -376,7 +383,7 @@ impl<'p> Checker<'p> {
         value: &Expr,
         solution: &mut Solution,
     ) -> bool {
-        let found = self.infer(scope, value);
+        let found = self.infer_as(scope, value, &slot.ty);
         if found.is_error() {
             return false;
         }

@@ -318,7 +318,10 @@ impl<'p> Checker<'p> {
                         format!("there is no interface `{}`", name.text),
                     )
                     .at(name.span, "not known");
-                    if let Some(near) = nearest(&name.text, interfaces) {
+                    let offered = self.program.offered.get(&name.text).cloned();
+                    if let Some(path) = offered {
+                        message = self.offer_use(message, id.module, &path, &name.text);
+                    } else if let Some(near) = nearest(&name.text, interfaces) {
                         message = message
                             .with_help(format!("did you mean `{near}`?"))
                             .with_fix(format!("write `{near}`"), name.span, near);

@@ -206,7 +206,9 @@ impl<'p> Checker<'p> {
             format!("there is no type `{}`", name.text),
         )
         .at(name.span, "neither a type nor a dimension");
-        if let Some(near) = nearest(&name.text, known) {
+        if let Some(path) = self.program.offered.get(&name.text) {
+            message = self.offer_use(message, scope.module, path, &name.text);
+        } else if let Some(near) = nearest(&name.text, known) {
             message = message
                 .with_help(format!("did you mean `{near}`?"))
                 .with_fix(format!("write `{near}`"), name.span, near);
@@ -316,16 +318,15 @@ impl<'p> Checker<'p> {
         scope.output = binding.kind == BindingKind::Output;
         let declared = binding.ty.as_ref().map(|ty| self.ty(&scope, ty));
         let due = || {
-            let mut due = Due::new(format!("`{}`", binding.name.text));
+            let due = Due::new(format!("`{}`", binding.name.text));
             if let Some(ty) = &binding.ty {
-                due = due.declared(ty.span, "declared here");
+                return due.declared(ty.span, "declared here");
             }
-            due.unit = binding.value.as_ref().and_then(written_unit);
             due
         };
         let found = match (&binding.value, &declared) {
             (Some(value), Some(declared)) => {
-                let plain = self.infer(&scope, value);
+                let plain = self.infer_as(&scope, value, declared);
                 if matches!((&plain, declared), (Type::List { .. }, Type::Vector { .. }))
                     && binding.frame.is_some()
                 {
@@ -343,9 +344,18 @@ impl<'p> Checker<'p> {
                     return Type::Error;
                 }
                 let found = self.fit(value, &plain, declared, &due());
+                if found.is_error() {
+                    // The declaration holds for what reads it; axes and units of the value are not looked at.
+                    self.binding_needs(outer, binding, declared);
+                    return if declared.is_error() {
+                        Type::Error
+                    } else {
+                        self.arrayed(&binding.index, declared.clone())
+                    };
+                }
                 match declared {
                     // The declaration holds, whatever the value is; known lengths are more.
-                    Type::List { .. } if !found.is_error() => found,
+                    Type::List { .. } => found,
                     _ => declared.clone(),
                 }
             }
@@ -380,9 +390,9 @@ impl<'p> Checker<'p> {
         if binding.value.is_none() {
             let in_interface = around == Some(Kind::Interface);
             let without_value = match binding.kind {
-                BindingKind::Const | BindingKind::Param => {
-                    matches!(around, Some(Kind::Model | Kind::Interface))
-                }
+                BindingKind::Const => matches!(around, Some(Kind::Model | Kind::Interface)),
+                // Where a `param` does not belong, that alone is said.
+                BindingKind::Param => around.is_some_and(|kind| kind != Kind::Component),
                 BindingKind::Let => around == Some(Kind::Record),
                 BindingKind::State => false,
                 BindingKind::Output => in_interface,
@@ -558,7 +568,7 @@ impl<'p> Checker<'p> {
                     ),
                 );
                 return Rc::new(Signature {
-                    name: function.name.text.clone(),
+                    name: String::new(),
                     parameters: Vec::new(),
                     result: Type::Error,
                 });

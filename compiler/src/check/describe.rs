@@ -246,7 +246,17 @@ impl Checker<'_> {
     }
 
     /// A unit in which a reader expects this dimension.
-    pub(super) fn usual_unit(&self, dimension: Dimension) -> Option<String> {
+    pub(super) fn usual_unit(&self, quantity: &Quantity) -> Option<String> {
+        let dimension = quantity.dim.base;
+        if let PointKind::Point(name) = &quantity.kind
+            && let Some(unit) = self
+                .program
+                .units
+                .values()
+                .find(|unit| unit.point.as_deref() == Some(name))
+        {
+            return Some(unit.symbol.clone());
+        }
         USUAL_UNITS
             .iter()
             .find(|text| self.size_of_text(text) == Some(dimension))

@@ -170,25 +170,17 @@ impl<'p> Checker<'p> {
             );
             return Type::Error;
         };
-        let mut element = self.infer(scope, first);
-        let mut failed = element.is_error();
-        let mut place = first;
-        for item in &items[1..] {
-            let ty = self.infer(scope, item);
-            if ty.is_error() {
-                failed = true;
-            }
-            if failed {
-                continue;
-            }
-            element = self.join_elements((&element, place), (&ty, item));
-            failed = element.is_error();
-            if ty.quantity().is_some_and(|q| !q.dim.is_one()) {
-                place = item;
-            }
-        }
-        if failed {
+        let types: Vec<Type> = items.iter().map(|item| self.infer(scope, item)).collect();
+        if types.iter().any(Type::is_error) || self.lacks_units(items, &types, span) {
             return Type::Error;
+        }
+        let mut element = types.first().cloned().unwrap_or(Type::Error);
+        for (ty, item) in types.iter().zip(items).skip(1) {
+            let (a, b) = ((&element, first.span), (ty, item.span));
+            element = self.join(item, a, b, "the elements of a list");
+            if element.is_error() {
+                return Type::Error;
+            }
         }
         if matches!(element, Type::Range(_)) {
             self.report(
@@ -204,34 +196,59 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// The common type of two elements of a list; a missing unit has its own message.
-    fn join_elements(&mut self, (a, at_a): (&Type, &Expr), (b, at_b): (&Type, &Expr)) -> Type {
-        if let (Some(qa), Some(qb)) = (a.quantity(), b.quantity())
-            && qa.join(&qb) == Err(Misfit::Dimension)
-            && (qa.dim.is_one() || qb.dim.is_one())
-        {
-            let (plain, other, wanted) = if qa.dim.is_one() {
-                (at_a, at_b, &qb)
-            } else {
-                (at_b, at_a, &qa)
-            };
-            if matches!(plain.kind, ExprKind::Number { unit: None, .. }) {
-                let due = Due::new("an element of this list").declared(
-                    other.span,
-                    format!(
-                        "this element is {}",
-                        self.describe(&Type::Scalar(wanted.clone()))
-                    ),
-                );
-                return self.misfit(plain, Misfit::Dimension, &Quantity::one(), wanted, &due);
-            }
+    /// Says where bare numbers stand beside quantities in a list: `[0, 0, bore]`.
+    fn lacks_units(&mut self, items: &[Expr], types: &[Type], span: Span) -> bool {
+        let quantity = types
+            .iter()
+            .zip(items)
+            .filter_map(|(ty, item)| Some((ty.quantity()?, item)))
+            .find(|(quantity, _)| !quantity.dim.is_plain());
+        let Some((wanted, other)) = quantity else {
+            return false;
+        };
+        let bare: Vec<&Expr> = items.iter().filter(|item| is_bare(item)).collect();
+        let Some(first) = bare.first() else {
+            return false;
+        };
+        let unit = super::declare::written_unit(other).or_else(|| self.usual_unit(&wanted));
+        let due = Due {
+            what: "an element of this list".to_owned(),
+            declared: Some((
+                other.span,
+                format!("this element is {}", self.describe(&Type::Scalar(wanted.clone()))),
+            )),
+            unit: unit.clone(),
+        };
+        if bare.len() == 1 {
+            self.misfit(first, Misfit::Dimension, &Quantity::one(), &wanted, &due);
+            return true;
         }
-        self.join(
-            at_b,
-            (a, at_a.span),
-            (b, at_b.span),
-            "the elements of a list",
-        )
+        let name = super::describe::with_article(&self.quantity_name(&wanted));
+        let mut message = Diagnostic::error(
+            codes::UNIT_MISSING,
+            format!("{} elements of this list need a unit: each is {name}", bare.len()),
+        );
+        for expr in &bare {
+            message = message.at(expr.span, "a number without a unit");
+        }
+        if let Some((place, text)) = due.declared {
+            message = message.also(place, text);
+        }
+        if let Some(unit) = unit {
+            let source = self.sources.text(span).to_owned();
+            let mut mended = source.clone();
+            for expr in bare.iter().rev() {
+                let at = expr.span.end.saturating_sub(span.start) as usize;
+                if mended.is_char_boundary(at) {
+                    mended.insert_str(at, &format!(" {unit}"));
+                }
+            }
+            message = message
+                .with_help(format!("write `{mended}`, or the unit that is meant"))
+                .with_fix(format!("add the unit `{unit}`"), span, mended);
+        }
+        self.report(message);
+        true
     }
 
     /// The common type of two values that stand for one.
@@ -791,6 +808,18 @@ impl<'p> Checker<'p> {
                 Type::Error
             }
         }
+    }
+}
+
+/// Whether an expression is a number without a unit.
+fn is_bare(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Number { unit: None, .. } => true,
+        ExprKind::Unary {
+            op: UnaryOp::Negate,
+            operand,
+        } => is_bare(operand),
+        _ => false,
     }
 }
 

@@ -79,8 +79,29 @@ impl<'p> Checker<'p> {
         expected: &Type,
         due: &Due,
     ) -> Type {
-        let found = self.infer(scope, expr);
+        let found = self.infer_as(scope, expr, expected);
         self.fit(expr, &found, expected, due)
+    }
+
+    /// Infers `expr`; what is due ranks the guesses for units that are not known.
+    pub(super) fn infer_as(
+        &mut self,
+        scope: &super::scope::Scope<'p>,
+        expr: &Expr,
+        expected: &Type,
+    ) -> Type {
+        let dimension = match expected {
+            Type::Vector { quantity, .. } => Some(quantity.clone()),
+            Type::List { element, .. } => element.quantity(),
+            other => other.quantity(),
+        };
+        let wanted = dimension
+            .filter(|quantity| unit_of(expr).is_some() && quantity.dim.variables.is_empty())
+            .map(|quantity| quantity.dim.base);
+        let outer = std::mem::replace(&mut self.wanted, wanted);
+        let found = self.infer(scope, expr);
+        self.wanted = outer;
+        found
     }
 
     /// As [`Checker::expect`], for a type that is known.
@@ -227,7 +248,10 @@ impl<'p> Checker<'p> {
                     }
                 }
             }
-            (_, Type::List { element, .. }) if self.assignable(element, expected) => {
+            (_, Type::List { element, .. })
+                if self.assignable(element, expected)
+                    && !matches!(expr.kind, ExprKind::List { .. }) =>
+            {
                 message = message.with_help(format!(
                     "say which one: `{}[1]`",
                     self.sources.text(expr.span)
@@ -311,7 +335,7 @@ impl<'p> Checker<'p> {
                 .dim
                 .variables
                 .is_empty()
-                .then(|| self.usual_unit(wanted.dim.base))
+                .then(|| self.usual_unit(wanted))
                 .flatten()
         });
         if let Some(unit) = unit {
@@ -357,11 +381,13 @@ impl<'p> Checker<'p> {
             self.quantity_in_full(found)
         ));
         if wanted.dim.variables.is_empty() && found.dim.variables.is_empty() {
-            if let Some(unit) = unit_of(expr)
+            if wanted.dim.is_one() && unit_of(expr).is_some() {
+                message = message.with_help("leave the unit away");
+            } else if let Some(unit) = unit_of(expr)
                 && let Some(usual) = due
                     .unit
                     .clone()
-                    .or_else(|| self.usual_unit(wanted.dim.base))
+                    .or_else(|| self.usual_unit(wanted))
             {
                 message = message.with_help(format!(
                     "a unit of {} is `{usual}`, not `{}`",
@@ -433,7 +459,7 @@ impl<'p> Checker<'p> {
                 if let Some(usual) = due
                     .unit
                     .clone()
-                    .or_else(|| self.usual_unit(wanted.dim.base))
+                    .or_else(|| self.usual_unit(wanted))
                 {
                     message = message.with_help(format!(
                         "a unit of {} is `{usual}`, not `{}`",

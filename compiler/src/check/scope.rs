@@ -269,11 +269,11 @@ impl<'p> Checker<'p> {
                 crate::resolve::defined_name(&item.kind).is_some_and(|n| n.text == name)
             })
         });
-        if let Some(module) = elsewhere {
-            message = message.with_help(format!(
-                "`{}` has it: `use {}.{name}`",
-                module.path, module.path
-            ));
+        let path = elsewhere
+            .map(|module| module.path.clone())
+            .or_else(|| self.program.offered.get(name).cloned());
+        if let Some(path) = path {
+            message = self.offer_use(message, scope.module, &path, name);
         } else if let Some(near) = nearest(name, known.iter().map(String::as_str)) {
             message = message
                 .with_help(format!("did you mean `{near}`?"))
@@ -284,6 +284,30 @@ impl<'p> Checker<'p> {
             ));
         }
         self.report(message);
+    }
+
+    /// Offers to take a name from a module.
+    pub(super) fn offer_use(
+        &self,
+        message: Diagnostic,
+        module: u32,
+        path: &str,
+        name: &str,
+    ) -> Diagnostic {
+        let message = message.with_help(format!("`{path}` has it: `use {path}.{name}`"));
+        let first = self
+            .program
+            .modules
+            .get(module as usize)
+            .and_then(|m| m.file.items.first());
+        match first {
+            Some(item) => {
+                let start = item.span.start as usize;
+                let place = Span::new(item.span.source, start, start);
+                message.with_fix("take it from there", place, format!("use {path}.{name}\n"))
+            }
+            None => message,
+        }
     }
 
     /// The type of a top-level item.

@@ -25,6 +25,7 @@ pub fn resolve(
     diagnostics: &mut Diagnostics,
 ) -> Program {
     let mut program = Program::default();
+    program.offered = modules::offered(library);
     modules::load(root, host, library, sources, diagnostics, &mut program);
     scopes::fill(&mut program, diagnostics);
     units::dimensions(&mut program, diagnostics);
