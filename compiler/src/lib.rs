@@ -2,6 +2,7 @@
 //!
 //! It does no I/O (files come through [`eng_system`]'s host trait) and knows no terminal; it never sees the runtime.
 
+pub mod check;
 pub mod codes;
 pub mod elaborate;
 pub mod generate;

@@ -62,6 +62,8 @@ pub struct Program {
     pub units: BTreeMap<String, Unit>,
     /// Dimensions by name.
     pub dimensions: BTreeMap<String, NamedDimension>,
+    /// Where the library has names that this program could use: name → module. For messages.
+    pub offered: BTreeMap<String, String>,
 }
 
 impl Program {

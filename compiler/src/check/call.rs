@@ -27,7 +27,10 @@ pub(super) struct Slot {
 
 /// Words that mean something only in certain places, and where.
 const PLACED: [(&str, &str); 6] = [
-    ("at", "the place of a marker: `marker pin = at(origin, z: [1, 0, 0])`"),
+    (
+        "at",
+        "the place of a marker: `marker pin = at(origin, z: [1, 0, 0])`",
+    ),
     ("csv", "the source of a table"),
     ("points", "the source of a table"),
     ("transient", "the right side of an analysis"),
@@ -104,7 +107,9 @@ impl<'p> Checker<'p> {
                     let class = self.class_name(id);
                     let form = match kind {
                         Kind::Component => format!("part name = {class}(…)"),
-                        Kind::Model => format!("analysis name = transient({class}(…), duration: …)"),
+                        Kind::Model => {
+                            format!("analysis name = transient({class}(…), duration: …)")
+                        }
                         _ => format!("{word} name = {class}(…)"),
                     };
                     self.report(
@@ -143,6 +148,13 @@ impl<'p> Checker<'p> {
         signature: &Signature,
         arguments: &[Argument],
     ) -> Type {
+        if signature.name.is_empty() && signature.result.is_error() {
+            // A function that calls itself.
+            for argument in arguments {
+                self.infer(scope, &argument.value);
+            }
+            return Type::Error;
+        }
         let slots: Vec<Slot> = signature
             .parameters
             .iter()
@@ -161,7 +173,14 @@ impl<'p> Checker<'p> {
             })
             .collect();
         let mut solution = Solution::default();
-        let ok = self.arguments(scope, &signature.name, &slots, arguments, span, &mut solution);
+        let ok = self.arguments(
+            scope,
+            &signature.name,
+            &slots,
+            arguments,
+            span,
+            &mut solution,
+        );
         if !ok && has_variables(&signature.result) {
             return Type::Error;
         }
@@ -188,6 +207,8 @@ impl<'p> Checker<'p> {
                 });
             }
         }
+        // The block of a class, unlike that of a model, holds no parameters that a use could set.
+        let plain = matches!(declaration.form, Form::Plain { .. });
         let record = declaration.kind == Kind::Record;
         for item in super::scope::block_of(declaration)
             .into_iter()
@@ -197,7 +218,7 @@ impl<'p> Checker<'p> {
                 continue;
             };
             let taken = match binding.kind {
-                BindingKind::Param | BindingKind::Const => true,
+                BindingKind::Param | BindingKind::Const => plain,
                 BindingKind::Let => record,
                 BindingKind::State | BindingKind::Output => false,
             };
@@ -228,7 +249,14 @@ impl<'p> Checker<'p> {
     ) {
         let slots = self.slots_of(id);
         let name = self.class_name(id);
-        self.arguments(scope, &name, &slots, arguments, span, &mut Solution::default());
+        self.arguments(
+            scope,
+            &name,
+            &slots,
+            arguments,
+            span,
+            &mut Solution::default(),
+        );
     }
 
     /// Checks arguments against parameters: names, number, types. Whether all is well.
@@ -248,8 +276,8 @@ impl<'p> Checker<'p> {
             let place = match &argument.name {
                 Some(name) => slots.iter().position(|slot| slot.name == name.text),
                 None => {
-                    let place = (position < slots.len() && !slots[position].named_only)
-                        .then_some(position);
+                    let place =
+                        (position < slots.len() && !slots[position].named_only).then_some(position);
                     position += 1;
                     place
                 }
@@ -288,7 +316,11 @@ impl<'p> Checker<'p> {
                                 format!(
                                     "`{callee}` takes {count} argument{}{}",
                                     if count == 1 { "" } else { "s" },
-                                    if count < slots.len() { " without a name" } else { "" }
+                                    if count < slots.len() {
+                                        " without a name"
+                                    } else {
+                                        ""
+                                    }
                                 ),
                             )
                             .at(argument.value.span, "one too many")
@@ -328,20 +360,15 @@ impl<'p> Checker<'p> {
         if let Some(first) = missing.first() {
             ok = false;
             let names = listing(missing.iter().map(|slot| slot.name.as_str()), 12);
-            let mut message = Diagnostic::error(
-                codes::MISSING_ARGUMENT,
-                format!("`{callee}` needs {names}"),
-            )
-            .at(span, format!("without {names}"));
+            let mut message =
+                Diagnostic::error(codes::MISSING_ARGUMENT, format!("`{callee}` needs {names}"))
+                    .at(span, format!("without {names}"));
             if let Some(place) = first.span {
                 message = message.also(place, "declared here");
             }
             if !first.ty.is_error() {
-                message = message.with_note(format!(
-                    "`{}` is {}",
-                    first.name,
-                    self.describe(&first.ty)
-                ));
+                message =
+                    message.with_note(format!("`{}` is {}", first.name, self.describe(&first.ty)));
             }
             self.report(message);
         }
@@ -356,7 +383,7 @@ impl<'p> Checker<'p> {
         value: &Expr,
         solution: &mut Solution,
     ) -> bool {
-        let found = self.infer(scope, value);
+        let found = self.infer_as(scope, value, &slot.ty);
         if found.is_error() {
             return false;
         }
@@ -392,7 +419,8 @@ impl<'p> Checker<'p> {
             .iter()
             .filter(|parameter| !parameter.optional)
             .count();
-        let mut fits = count <= wanted.parameters.len() && wanted.parameters.len() <= given.parameters.len();
+        let mut fits =
+            count <= wanted.parameters.len() && wanted.parameters.len() <= given.parameters.len();
         for (a, b) in wanted.parameters.iter().zip(&given.parameters) {
             solve(&b.ty, &a.ty, &mut solution);
             fits &= self.assignable(&a.ty, &b.ty.with(&solution));
@@ -439,7 +467,10 @@ impl<'p> Checker<'p> {
         if self.interface_of(class) != Some(interface) {
             let mut message = Diagnostic::error(
                 codes::NOT_OF_INTERFACE,
-                format!("{} is a class of `{interface_name}`; `{class_name}` is not", due.what),
+                format!(
+                    "{} is a class of `{interface_name}`; `{class_name}` is not",
+                    due.what
+                ),
             )
             .at(expr.span, "does not say that it fits the interface");
             if let Some((span, text)) = &due.declared {
@@ -479,13 +510,18 @@ impl<'p> Checker<'p> {
         if let Some(extra) = extra {
             let mut message = Diagnostic::error(
                 codes::NOT_OF_INTERFACE,
-                format!("`{class_name}` needs `{}`, which `{interface_name}` does not give", extra.name),
+                format!(
+                    "`{class_name}` needs `{}`, which `{interface_name}` does not give",
+                    extra.name
+                ),
             )
             .at(expr.span, format!("nobody would give it `{}`", extra.name));
             if let Some(span) = extra.span {
                 message = message.also(span, "has no default");
             }
-            self.report(message.with_help("give the parameter a default, or put it into the interface"));
+            self.report(
+                message.with_help("give the parameter a default, or put it into the interface"),
+            );
             return Type::Error;
         }
         Type::ClassOf(interface)
@@ -494,7 +530,9 @@ impl<'p> Checker<'p> {
 
 fn has_variables(ty: &Type) -> bool {
     match ty {
-        Type::Scalar(quantity) | Type::Vector { quantity, .. } => !quantity.dim.variables.is_empty(),
+        Type::Scalar(quantity) | Type::Vector { quantity, .. } => {
+            !quantity.dim.variables.is_empty()
+        }
         Type::List { element, .. } | Type::Range(element) => has_variables(element),
         _ => false,
     }
@@ -533,7 +571,8 @@ pub(super) fn solve(parameter: &Type, found: &Type, solution: &mut Solution) {
 }
 
 fn solve_quantity(parameter: &Quantity, found: &Quantity, solution: &mut Solution) {
-    let alone = parameter.dim.base.is_one() && matches!(parameter.dim.variables.as_slice(), [(_, 60)]);
+    let alone =
+        parameter.dim.base.is_one() && matches!(parameter.dim.variables.as_slice(), [(_, 60)]);
     let unsolved: Vec<(u32, i32)> = parameter
         .dim
         .variables

@@ -68,7 +68,12 @@ impl<'p> Checker<'p> {
             }
             TypeExprKind::Array(element, length) => {
                 let element = self.ty(scope, element);
-                self.expect(scope, length, &Type::Int, &Due::new("the length of an array"));
+                self.expect(
+                    scope,
+                    length,
+                    &Type::Int,
+                    &Due::new("the length of an array"),
+                );
                 let known = match &length.kind {
                     ExprKind::Number {
                         value,
@@ -157,9 +162,9 @@ impl<'p> Checker<'p> {
             return self.dimension(&name.text);
         }
         let defined = self.program.modules.iter().any(|module| {
-            module.file.items.iter().any(|item| {
-                matches!(&item.kind, ItemKind::Dimension(d) if d.name.text == name.text)
-            })
+            module.file.items.iter().any(
+                |item| matches!(&item.kind, ItemKind::Dimension(d) if d.name.text == name.text),
+            )
         });
         if !defined {
             self.unknown_type(scope, name);
@@ -201,7 +206,9 @@ impl<'p> Checker<'p> {
             format!("there is no type `{}`", name.text),
         )
         .at(name.span, "neither a type nor a dimension");
-        if let Some(near) = nearest(&name.text, known) {
+        if let Some(path) = self.program.offered.get(&name.text) {
+            message = self.offer_use(message, scope.module, path, &name.text);
+        } else if let Some(near) = nearest(&name.text, known) {
             message = message
                 .with_help(format!("did you mean `{near}`?"))
                 .with_fix(format!("write `{near}`"), name.span, near);
@@ -311,19 +318,44 @@ impl<'p> Checker<'p> {
         scope.output = binding.kind == BindingKind::Output;
         let declared = binding.ty.as_ref().map(|ty| self.ty(&scope, ty));
         let due = || {
-            let mut due = Due::new(format!("`{}`", binding.name.text));
+            let due = Due::new(format!("`{}`", binding.name.text));
             if let Some(ty) = &binding.ty {
-                due = due.declared(ty.span, "declared here");
+                return due.declared(ty.span, "declared here");
             }
-            due.unit = binding.value.as_ref().and_then(written_unit);
             due
         };
         let found = match (&binding.value, &declared) {
             (Some(value), Some(declared)) => {
-                let found = self.expect(&scope, value, declared, &due());
+                let plain = self.infer_as(&scope, value, declared);
+                if matches!((&plain, declared), (Type::List { .. }, Type::Vector { .. }))
+                    && binding.frame.is_some()
+                {
+                    self.report(
+                        Diagnostic::error(
+                            codes::FRAME,
+                            format!(
+                                "`{}` is a vector, but its value is a list of components",
+                                binding.name.text
+                            ),
+                        )
+                        .at(value.span, "along the stated axes, or along the ground's?")
+                        .with_help("make a vector of it: `vector(components, marker)`"),
+                    );
+                    return Type::Error;
+                }
+                let found = self.fit(value, &plain, declared, &due());
+                if found.is_error() {
+                    // The declaration holds for what reads it; axes and units of the value are not looked at.
+                    self.binding_needs(outer, binding, declared);
+                    return if declared.is_error() {
+                        Type::Error
+                    } else {
+                        self.arrayed(&binding.index, declared.clone())
+                    };
+                }
                 match declared {
                     // The declaration holds, whatever the value is; known lengths are more.
-                    Type::List { .. } if !found.is_error() => found,
+                    Type::List { .. } => found,
                     _ => declared.clone(),
                 }
             }
@@ -350,19 +382,27 @@ impl<'p> Checker<'p> {
 
     /// What a binding must have to mean something.
     fn binding_needs(&mut self, scope: &Scope<'p>, binding: &Binding, ty: &Type) {
-        let around = scope.definition.and_then(|id| self.declaration(id)).map(|d| d.kind);
+        let around = scope
+            .definition
+            .and_then(|id| self.declaration(id))
+            .map(|d| d.kind);
         let name = &binding.name;
         if binding.value.is_none() {
             let in_interface = around == Some(Kind::Interface);
             let without_value = match binding.kind {
-                BindingKind::Const | BindingKind::Param => around.is_some(),
+                BindingKind::Const => matches!(around, Some(Kind::Model | Kind::Interface)),
+                // Where a `param` does not belong, that alone is said.
+                BindingKind::Param => around.is_some_and(|kind| kind != Kind::Component),
                 BindingKind::Let => around == Some(Kind::Record),
                 BindingKind::State => false,
                 BindingKind::Output => in_interface,
             };
             let missing = match (without_value, &binding.ty) {
                 (true, Some(_)) => None,
-                (true, None) => Some(("needs a type", format!("for instance `{}: Length`", name.text))),
+                (true, None) => Some((
+                    "needs a type",
+                    format!("for instance `{}: Length`", name.text),
+                )),
                 (false, _) => Some(("needs a value", format!("write `{} = …`", name.text))),
             };
             if let Some((what, help)) = missing {
@@ -380,12 +420,18 @@ impl<'p> Checker<'p> {
             let found = self.describe(ty);
             let message = Diagnostic::error(
                 codes::STRUCTURAL,
-                format!("`{}` is {found} and cannot change without compiling again", name.text),
+                format!(
+                    "`{}` is {found} and cannot change without compiling again",
+                    name.text
+                ),
             )
             .at(name.span, format!("a `param` that is {found}"));
             let message = self.const_instead(message, binding);
             let message = if *ty == Type::Int && binding.ty.is_none() {
-                message.with_note(format!("a number that may change is written `{}: 1 = …`", name.text))
+                message.with_note(format!(
+                    "a number that may change is written `{}: 1 = …`",
+                    name.text
+                ))
             } else {
                 message
             };
@@ -417,11 +463,21 @@ impl<'p> Checker<'p> {
                     self.report(
                         Diagnostic::error(
                             codes::OUTPUT_WITHOUT_FRAME,
-                            format!("the output `{}` is a vector: along which axes?", binding.name.text),
+                            format!(
+                                "the output `{}` is a vector: along which axes?",
+                                binding.name.text
+                            ),
                         )
                         .at(place, "a vector carries no axes, a channel must state them")
-                        .with_help(format!("for instance `output {} = … in ground`", binding.name.text))
-                        .with_fix("along the ground's axes", end, " in ground"),
+                        .with_help(format!(
+                            "for instance `output {} = … in ground`",
+                            binding.name.text
+                        ))
+                        .with_fix(
+                            "along the ground's axes",
+                            end,
+                            " in ground",
+                        ),
                     );
                     return Type::Error;
                 }
@@ -452,22 +508,16 @@ impl<'p> Checker<'p> {
                 quantity,
                 framed: true,
             },
-            Type::List { ref framed, .. } if !framed && ty.components().is_some() => {
-                let quantity = ty.components().map(|(q, _)| q).unwrap_or_default();
-                match &binding.value {
-                    Some(value) => {
-                        let due = Due::new(format!("`{}`", binding.name.text));
-                        match self.fit(value, &ty, &Type::vector(quantity.clone()), &due) {
-                            Type::Error => Type::Error,
-                            _ => Type::Vector {
-                                quantity,
-                                framed: true,
-                            },
-                        }
-                    }
-                    None => ty,
-                }
-            }
+            // Components are named as those along the stated axes.
+            Type::List {
+                ref element,
+                length,
+                ..
+            } if ty.components().is_some() => Type::List {
+                element: element.clone(),
+                length,
+                framed: true,
+            },
             other => {
                 let found = self.describe(&other);
                 self.report(
@@ -502,11 +552,7 @@ impl<'p> Checker<'p> {
     }
 
     /// Checks a function once, and gives its signature.
-    pub(super) fn function(
-        &mut self,
-        outer: &Scope<'p>,
-        function: &'p Function,
-    ) -> Rc<Signature> {
+    pub(super) fn function(&mut self, outer: &Scope<'p>, function: &'p Function) -> Rc<Signature> {
         let key = function.name.span;
         match self.signatures.get(&key) {
             Some(Progress::Done(signature)) => return signature.clone(),
@@ -517,10 +563,12 @@ impl<'p> Checker<'p> {
                         format!("the function `{}` calls itself", function.name.text),
                     )
                     .at(function.name.span, "its value leads back to it")
-                    .with_note("functions are put in where they are called, so none can call itself"),
+                    .with_note(
+                        "functions are put in where they are called, so none can call itself",
+                    ),
                 );
                 return Rc::new(Signature {
-                    name: function.name.text.clone(),
+                    name: String::new(),
                     parameters: Vec::new(),
                     result: Type::Error,
                 });
@@ -557,7 +605,11 @@ impl<'p> Checker<'p> {
         }
         let declared = function.result.as_ref().map(|ty| self.ty(&scope, ty));
         for binding in &function.lets {
-            if scope.locals.iter().any(|(name, _)| *name == binding.name.text) {
+            if scope
+                .locals
+                .iter()
+                .any(|(name, _)| *name == binding.name.text)
+            {
                 let first = function
                     .parameters
                     .iter()

@@ -8,15 +8,59 @@ use eng_system::Dimension;
 
 /// Names that say most, where several dimensions have the same exponents.
 const PREFERRED: [&str; 18] = [
-    "Length", "Mass", "Time", "Angle", "Force", "Pressure", "Velocity", "AngularVelocity", "Acceleration", "Power",
-    "Area", "Volume", "Density", "DynamicViscosity", "Frequency", "Stiffness", "TemperatureDifference",
+    "Length",
+    "Mass",
+    "Time",
+    "Angle",
+    "Force",
+    "Pressure",
+    "Velocity",
+    "AngularVelocity",
+    "Acceleration",
+    "Power",
+    "Area",
+    "Volume",
+    "Density",
+    "DynamicViscosity",
+    "Frequency",
+    "Stiffness",
+    "TemperatureDifference",
     "AngularAcceleration",
 ];
 
 /// Units in which a reader expects a dimension, the likeliest first.
 const USUAL_UNITS: [&str; 32] = [
-    "mm", "deg", "rpm", "kg", "N", "bar", "s", "K", "m/s", "m/s^2", "N*m", "mm^2", "cm^3", "kg*m^2", "kg/m^3", "mPa*s",
-    "kW", "Hz", "N/m", "N*s/m", "N*m/rad", "N*m*s/rad", "m", "rad", "rad/s", "Pa", "J", "W", "m^2", "m^3", "Pa*s",
+    "mm",
+    "deg",
+    "rpm",
+    "kg",
+    "N",
+    "bar",
+    "s",
+    "K",
+    "m/s",
+    "m/s^2",
+    "N*m",
+    "mm^2",
+    "cm^3",
+    "kg*m^2",
+    "kg/m^3",
+    "mPa*s",
+    "kW",
+    "Hz",
+    "N/m",
+    "N*s/m",
+    "N*m/rad",
+    "N*m*s/rad",
+    "m",
+    "rad",
+    "rad/s",
+    "Pa",
+    "J",
+    "W",
+    "m^2",
+    "m^3",
+    "Pa*s",
     "rad/s^2",
 ];
 
@@ -145,9 +189,15 @@ impl Checker<'_> {
                 length,
                 framed,
             } => {
-                let axes = if *framed { " along a marker's axes" } else { "" };
+                let axes = if *framed {
+                    " along a marker's axes"
+                } else {
+                    ""
+                };
                 let of = match element.as_ref() {
-                    Type::Scalar(quantity) if !quantity.dim.is_one() => self.quantity_name(quantity),
+                    Type::Scalar(quantity) if !quantity.dim.is_one() => {
+                        self.quantity_name(quantity)
+                    }
                     Type::Scalar(_) => "numbers".to_owned(),
                     Type::Int => "whole numbers".to_owned(),
                     Type::Marker => "markers".to_owned(),
@@ -196,7 +246,17 @@ impl Checker<'_> {
     }
 
     /// A unit in which a reader expects this dimension.
-    pub(super) fn usual_unit(&self, dimension: Dimension) -> Option<String> {
+    pub(super) fn usual_unit(&self, quantity: &Quantity) -> Option<String> {
+        let dimension = quantity.dim.base;
+        if let PointKind::Point(name) = &quantity.kind
+            && let Some(unit) = self
+                .program
+                .units
+                .values()
+                .find(|unit| unit.point.as_deref() == Some(name))
+        {
+            return Some(unit.symbol.clone());
+        }
         USUAL_UNITS
             .iter()
             .find(|text| self.size_of_text(text) == Some(dimension))

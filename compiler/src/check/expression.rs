@@ -21,11 +21,24 @@ pub(super) fn literal_length(range: &Expr) -> Option<u32> {
         _ => None,
     };
     match &range.kind {
-        ExprKind::Range { from, to, by: None } => {
-            u32::try_from(whole(to)? - whole(from)? + 1).ok()
-        }
+        ExprKind::Range { from, to, by: None } => u32::try_from(whole(to)? - whole(from)? + 1).ok(),
         ExprKind::List { items, .. } => u32::try_from(items.len()).ok(),
         _ => None,
+    }
+}
+
+/// Whether a range is `1..n`.
+pub(super) fn counts_from_one(range: &Expr) -> bool {
+    match &range.kind {
+        ExprKind::Range { from, .. } => matches!(
+            from.kind,
+            ExprKind::Number {
+                value: 1.0,
+                integer: true,
+                unit: None
+            }
+        ),
+        _ => false,
     }
 }
 
@@ -58,9 +71,7 @@ impl<'p> Checker<'p> {
                 }
             }
             ExprKind::Field { base, name } => self.field(scope, base, name),
-            ExprKind::Call { callee, arguments } => {
-                self.call(scope, expr.span, callee, arguments)
-            }
+            ExprKind::Call { callee, arguments } => self.call(scope, expr.span, callee, arguments),
             ExprKind::Index { base, indices } => self.index(scope, base, indices, expr.span),
             ExprKind::Unary { op, operand } => self.unary(scope, *op, operand),
             ExprKind::Binary {
@@ -76,7 +87,12 @@ impl<'p> Checker<'p> {
             } => {
                 self.condition(scope, condition, "the condition of `if`");
                 let (a, b) = (self.infer(scope, then), self.infer(scope, otherwise));
-                self.join(otherwise, (&a, then.span), (&b, otherwise.span), "the two values of `if`")
+                self.join(
+                    otherwise,
+                    (&a, then.span),
+                    (&b, otherwise.span),
+                    "the two values of `if`",
+                )
             }
             ExprKind::Range { from, to, by } => self.range(scope, from, to, by.as_deref()),
         }
@@ -154,32 +170,22 @@ impl<'p> Checker<'p> {
             );
             return Type::Error;
         };
-        let mut element = self.infer(scope, first);
-        let mut failed = element.is_error();
-        let mut place = first;
-        for item in &items[1..] {
-            let ty = self.infer(scope, item);
-            if ty.is_error() {
-                failed = true;
-            }
-            if failed {
-                continue;
-            }
-            element = self.join_elements((&element, place), (&ty, item));
-            failed = element.is_error();
-            if ty.quantity().is_some_and(|q| !q.dim.is_one()) {
-                place = item;
-            }
-        }
-        if failed {
+        let types: Vec<Type> = items.iter().map(|item| self.infer(scope, item)).collect();
+        if types.iter().any(Type::is_error) || self.lacks_units(items, &types, span) {
             return Type::Error;
+        }
+        let mut element = types.first().cloned().unwrap_or(Type::Error);
+        for (ty, item) in types.iter().zip(items).skip(1) {
+            let (a, b) = ((&element, first.span), (ty, item.span));
+            element = self.join(item, a, b, "the elements of a list");
+            if element.is_error() {
+                return Type::Error;
+            }
         }
         if matches!(element, Type::Range(_)) {
             self.report(
-                Diagnostic::error(codes::RANGE, "a range stands in a list").at(
-                    span,
-                    "a range is a list itself: leave the brackets away",
-                ),
+                Diagnostic::error(codes::RANGE, "a range stands in a list")
+                    .at(span, "a range is a list itself: leave the brackets away"),
             );
             return Type::Error;
         }
@@ -190,26 +196,59 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// The common type of two elements of a list; a missing unit has its own message.
-    fn join_elements(&mut self, (a, at_a): (&Type, &Expr), (b, at_b): (&Type, &Expr)) -> Type {
-        if let (Some(qa), Some(qb)) = (a.quantity(), b.quantity())
-            && qa.join(&qb) == Err(Misfit::Dimension)
-            && (qa.dim.is_one() || qb.dim.is_one())
-        {
-            let (plain, other, wanted) = if qa.dim.is_one() {
-                (at_a, at_b, &qb)
-            } else {
-                (at_b, at_a, &qa)
-            };
-            if matches!(plain.kind, ExprKind::Number { unit: None, .. }) {
-                let due = Due::new("an element of this list").declared(
-                    other.span,
-                    format!("this element is {}", self.describe(&Type::Scalar(wanted.clone()))),
-                );
-                return self.misfit(plain, Misfit::Dimension, &Quantity::one(), wanted, &due);
-            }
+    /// Says where bare numbers stand beside quantities in a list: `[0, 0, bore]`.
+    fn lacks_units(&mut self, items: &[Expr], types: &[Type], span: Span) -> bool {
+        let quantity = types
+            .iter()
+            .zip(items)
+            .filter_map(|(ty, item)| Some((ty.quantity()?, item)))
+            .find(|(quantity, _)| !quantity.dim.is_plain());
+        let Some((wanted, other)) = quantity else {
+            return false;
+        };
+        let bare: Vec<&Expr> = items.iter().filter(|item| is_bare(item)).collect();
+        let Some(first) = bare.first() else {
+            return false;
+        };
+        let unit = super::declare::written_unit(other).or_else(|| self.usual_unit(&wanted));
+        let due = Due {
+            what: "an element of this list".to_owned(),
+            declared: Some((
+                other.span,
+                format!("this element is {}", self.describe(&Type::Scalar(wanted.clone()))),
+            )),
+            unit: unit.clone(),
+        };
+        if bare.len() == 1 {
+            self.misfit(first, Misfit::Dimension, &Quantity::one(), &wanted, &due);
+            return true;
         }
-        self.join(at_b, (a, at_a.span), (b, at_b.span), "the elements of a list")
+        let name = super::describe::with_article(&self.quantity_name(&wanted));
+        let mut message = Diagnostic::error(
+            codes::UNIT_MISSING,
+            format!("{} elements of this list need a unit: each is {name}", bare.len()),
+        );
+        for expr in &bare {
+            message = message.at(expr.span, "a number without a unit");
+        }
+        if let Some((place, text)) = due.declared {
+            message = message.also(place, text);
+        }
+        if let Some(unit) = unit {
+            let source = self.sources.text(span).to_owned();
+            let mut mended = source.clone();
+            for expr in bare.iter().rev() {
+                let at = expr.span.end.saturating_sub(span.start) as usize;
+                if mended.is_char_boundary(at) {
+                    mended.insert_str(at, &format!(" {unit}"));
+                }
+            }
+            message = message
+                .with_help(format!("write `{mended}`, or the unit that is meant"))
+                .with_fix(format!("add the unit `{unit}`"), span, mended);
+        }
+        self.report(message);
+        true
     }
 
     /// The common type of two values that stand for one.
@@ -399,7 +438,13 @@ impl<'p> Checker<'p> {
     fn field(&mut self, scope: &Scope<'p>, base: &Expr, name: &Name) -> Type {
         let ty = self.infer(scope, base);
         // `rod[*].big`: of each element.
-        if let (Type::List { element, length, .. }, true) = (&ty, selects_all(base)) {
+        if let (
+            Type::List {
+                element, length, ..
+            },
+            true,
+        ) = (&ty, selects_all(base))
+        {
             let inner = self.field_of(scope, element, base, name);
             return if inner.is_error() {
                 Type::Error
@@ -420,7 +465,10 @@ impl<'p> Checker<'p> {
                 }
                 let Some(body) = body else {
                     self.no_member(
-                        format!("a body that is a parameter has no marker `{}` that is known", name.text),
+                        format!(
+                            "a body that is a parameter has no marker `{}` that is known",
+                            name.text
+                        ),
                         name,
                         ["origin"],
                     );
@@ -443,7 +491,11 @@ impl<'p> Checker<'p> {
                     self.no_member(
                         format!("a vector has no `{}`", name.text),
                         name,
-                        if *framed { vec!["x", "y", "z"] } else { Vec::new() },
+                        if *framed {
+                            vec!["x", "y", "z"]
+                        } else {
+                            Vec::new()
+                        },
                     );
                     return Type::Error;
                 }
@@ -469,7 +521,11 @@ impl<'p> Checker<'p> {
                         "say whose axes: `local({shown}, marker).{}`",
                         name.text
                     ))
-                    .with_fix("along the ground's axes", base.span.to(name.span), mended),
+                    .with_fix(
+                        "along the ground's axes",
+                        base.span.to(name.span),
+                        mended,
+                    ),
                 );
                 Type::Error
             }
@@ -500,7 +556,10 @@ impl<'p> Checker<'p> {
                 self.report(
                     Diagnostic::error(
                         codes::INDEX,
-                        format!("`{shown}` is {found}: of which one is `{}` meant?", name.text),
+                        format!(
+                            "`{shown}` is {found}: of which one is `{}` meant?",
+                            name.text
+                        ),
                     )
                     .at(base.span, "an index is missing")
                     .with_help(format!(
@@ -527,7 +586,10 @@ impl<'p> Checker<'p> {
         if let Some(super::scope::Member::Declaration(declared)) =
             self.member(body.definition, &body.name)
         {
-            for item in super::scope::block_of(declared).into_iter().flat_map(|b| &b.items) {
+            for item in super::scope::block_of(declared)
+                .into_iter()
+                .flat_map(|b| &b.items)
+            {
                 if let eng_grammar::ast::ItemKind::Declaration(marker) = &item.kind
                     && marker.kind == eng_grammar::ast::Kind::Marker
                 {
@@ -566,7 +628,12 @@ impl<'p> Checker<'p> {
                 return Type::Error;
             }
         };
-        Type::vector(Quantity::hard(dimension))
+        // Axes are computed: their products and components may stand for small angles.
+        let soft = matches!(name.text.as_str(), "x" | "y" | "z");
+        Type::vector(Quantity {
+            soft,
+            ..Quantity::hard(dimension)
+        })
     }
 
     fn field_of_cycle(&mut self, scope: &Scope<'p>, name: &Name) -> Type {
@@ -636,8 +703,11 @@ impl<'p> Checker<'p> {
                 if !found.is_error() && found != Type::Int {
                     let text = self.describe(&found);
                     self.report(
-                        Diagnostic::error(codes::INDEX, "an index is a whole number, counted from 1")
-                            .at(at.span, format!("this is {text}")),
+                        Diagnostic::error(
+                            codes::INDEX,
+                            "an index is a whole number, counted from 1",
+                        )
+                        .at(at.span, format!("this is {text}")),
                     );
                     ty = Type::Error;
                 }
@@ -738,6 +808,18 @@ impl<'p> Checker<'p> {
                 Type::Error
             }
         }
+    }
+}
+
+/// Whether an expression is a number without a unit.
+fn is_bare(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Number { unit: None, .. } => true,
+        ExprKind::Unary {
+            op: UnaryOp::Negate,
+            operand,
+        } => is_bare(operand),
+        _ => false,
     }
 }
 

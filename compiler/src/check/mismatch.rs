@@ -79,8 +79,29 @@ impl<'p> Checker<'p> {
         expected: &Type,
         due: &Due,
     ) -> Type {
-        let found = self.infer(scope, expr);
+        let found = self.infer_as(scope, expr, expected);
         self.fit(expr, &found, expected, due)
+    }
+
+    /// Infers `expr`; what is due ranks the guesses for units that are not known.
+    pub(super) fn infer_as(
+        &mut self,
+        scope: &super::scope::Scope<'p>,
+        expr: &Expr,
+        expected: &Type,
+    ) -> Type {
+        let dimension = match expected {
+            Type::Vector { quantity, .. } => Some(quantity.clone()),
+            Type::List { element, .. } => element.quantity(),
+            other => other.quantity(),
+        };
+        let wanted = dimension
+            .filter(|quantity| unit_of(expr).is_some() && quantity.dim.variables.is_empty())
+            .map(|quantity| quantity.dim.base);
+        let outer = std::mem::replace(&mut self.wanted, wanted);
+        let found = self.infer(scope, expr);
+        self.wanted = outer;
+        found
     }
 
     /// As [`Checker::expect`], for a type that is known.
@@ -192,13 +213,15 @@ impl<'p> Checker<'p> {
     }
 
     fn wrong_length(&mut self, expr: &Expr, wanted: u32, found: u32, due: &Due) -> Type {
-        self.report(due.label(
-            Diagnostic::error(
-                codes::LIST_LENGTH,
-                format!("{} has {wanted} elements, not {found}", due.what),
-            )
-            .at(expr.span, format!("{found} elements")),
-        ));
+        self.report(
+            due.label(
+                Diagnostic::error(
+                    codes::LIST_LENGTH,
+                    format!("{} has {wanted} elements, not {found}", due.what),
+                )
+                .at(expr.span, format!("{found} elements")),
+            ),
+        );
         Type::Error
     }
 
@@ -225,7 +248,10 @@ impl<'p> Checker<'p> {
                     }
                 }
             }
-            (_, Type::List { element, .. }) if self.assignable(element, expected) => {
+            (_, Type::List { element, .. })
+                if self.assignable(element, expected)
+                    && !matches!(expr.kind, ExprKind::List { .. }) =>
+            {
                 message = message.with_help(format!(
                     "say which one: `{}[1]`",
                     self.sources.text(expr.span)
@@ -309,7 +335,7 @@ impl<'p> Checker<'p> {
                 .dim
                 .variables
                 .is_empty()
-                .then(|| self.usual_unit(wanted.dim.base))
+                .then(|| self.usual_unit(wanted))
                 .flatten()
         });
         if let Some(unit) = unit {
@@ -355,8 +381,13 @@ impl<'p> Checker<'p> {
             self.quantity_in_full(found)
         ));
         if wanted.dim.variables.is_empty() && found.dim.variables.is_empty() {
-            if let Some(unit) = unit_of(expr)
-                && let Some(usual) = due.unit.clone().or_else(|| self.usual_unit(wanted.dim.base))
+            if wanted.dim.is_one() && unit_of(expr).is_some() {
+                message = message.with_help("leave the unit away");
+            } else if let Some(unit) = unit_of(expr)
+                && let Some(usual) = due
+                    .unit
+                    .clone()
+                    .or_else(|| self.usual_unit(wanted))
             {
                 message = message.with_help(format!(
                     "a unit of {} is `{usual}`, not `{}`",
@@ -367,12 +398,13 @@ impl<'p> Checker<'p> {
                 let factor = wanted.dim.over(&found.dim);
                 let name = self.dimension_name(&factor);
                 if !factor.is_one() && !name.contains(['^', '/', '*']) && !found.dim.is_one() {
-                    message = message.with_help(format!("a factor of the dimension {name} is missing"));
+                    message =
+                        message.with_help(format!("a factor of the dimension {name} is missing"));
                 } else {
                     let inverse = self.dimension_name(&found.dim.over(&wanted.dim));
                     if !inverse.contains(['^', '/', '*']) && !wanted.dim.is_one() {
-                        message =
-                            message.with_help(format!("a factor of the dimension {inverse} is too much"));
+                        message = message
+                            .with_help(format!("a factor of the dimension {inverse} is too much"));
                     }
                 }
             }
@@ -406,10 +438,13 @@ impl<'p> Checker<'p> {
         let speed = Dimension::ANGLE.over(Dimension::TIME);
         match unit_of(expr) {
             Some(unit)
-                if wanted.dim.base == speed && wanted.dim.variables.is_empty() && unit_text(unit) == "Hz" =>
+                if wanted.dim.base == speed
+                    && wanted.dim.variables.is_empty()
+                    && unit_text(unit) == "Hz" =>
             {
-                message = message
-                    .with_help("turns a second are `rev/s`, turns a minute `rpm`; `rad/s` is the SI unit");
+                message = message.with_help(
+                    "turns a second are `rev/s`, turns a minute `rpm`; `rad/s` is the SI unit",
+                );
                 for replacement in ["rev/s", "rpm", "rad/s"] {
                     if self.known_units(replacement) {
                         message = message.with_fix(
@@ -421,7 +456,11 @@ impl<'p> Checker<'p> {
                 }
             }
             Some(unit) => {
-                if let Some(usual) = due.unit.clone().or_else(|| self.usual_unit(wanted.dim.base)) {
+                if let Some(usual) = due
+                    .unit
+                    .clone()
+                    .or_else(|| self.usual_unit(wanted))
+                {
                     message = message.with_help(format!(
                         "a unit of {} is `{usual}`, not `{}`",
                         self.quantity_name(wanted),

@@ -26,6 +26,7 @@ mod unused;
 use crate::program::{Checked, DefinitionId, Program, ValueType};
 use eng_grammar::ast::{BindingKind, Form, Item, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
+use eng_system::Dimension;
 use scope::{ClassTable, Member, Scope};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -53,7 +54,9 @@ struct Checker<'p> {
     used: BTreeSet<(DefinitionId, String)>,
     /// Top-level names that each module reads.
     used_top: BTreeSet<(u32, DefinitionId)>,
-    /// Units that each module reads, by source.
+    /// The dimension that is due where a literal stands.
+    wanted: Option<Dimension>,
+    /// Units that each module reads.
     used_units: BTreeSet<(u32, String)>,
 }
 
@@ -71,6 +74,7 @@ pub fn check(program: &Program, sources: &SourceMap, diagnostics: &mut Diagnosti
         used: BTreeSet::new(),
         used_top: BTreeSet::new(),
         used_units: BTreeSet::new(),
+        wanted: None,
     };
     for (index, module) in program.modules.iter().enumerate() {
         for (item_index, item) in module.file.items.iter().enumerate() {
@@ -88,8 +92,25 @@ pub fn check(program: &Program, sources: &SourceMap, diagnostics: &mut Diagnosti
         unused::warn(&mut checker);
     }
     let checked = checker.export();
-    diagnostics.extend(checker.diagnostics);
+    diagnostics.extend(in_order_of_place(&checker.diagnostics));
     checked
+}
+
+/// Messages as a reader of the texts meets them.
+fn in_order_of_place(diagnostics: &Diagnostics) -> Diagnostics {
+    let mut all: Vec<&Diagnostic> = diagnostics.iter().collect();
+    all.sort_by_key(|diagnostic| {
+        diagnostic
+            .labels
+            .iter()
+            .find(|label| label.primary)
+            .map(|label| (label.span.source, label.span.start))
+    });
+    let mut ordered = Diagnostics::new();
+    for diagnostic in all {
+        ordered.push(diagnostic.clone());
+    }
+    ordered
 }
 
 impl<'p> Checker<'p> {
@@ -140,7 +161,10 @@ impl<'p> Checker<'p> {
                 (_, Kind::Default) => self.not_built(declaration.kind_span, "`default` blocks"),
                 (_, Kind::Analysis) => self.analysis(&scope, declaration),
                 (Form::Class { .. }, _)
-                | (Form::Plain { .. }, Kind::Model | Kind::Interface | Kind::Record | Kind::Component) => {
+                | (
+                    Form::Plain { .. },
+                    Kind::Model | Kind::Interface | Kind::Record | Kind::Component,
+                ) => {
                     self.definition(id, declaration);
                 }
                 _ => self.misplaced(

@@ -164,7 +164,9 @@ impl<'p> Checker<'p> {
                     )
                     .at(left.span, format!("this is {text_a}"))
                     .at(right.span, format!("this is {text_b}"))
-                    .with_help("components are constrained one by one: `constrain dot(e, m.x) == 0 mm`"),
+                    .with_help(
+                        "components are constrained one by one: `constrain dot(e, m.x) == 0 mm`",
+                    ),
                 );
             }
         }
@@ -365,7 +367,10 @@ impl<'p> Checker<'p> {
             self.report(
                 Diagnostic::error(
                     codes::POWER,
-                    format!("the exponent of {} must be written as a number", self.describe(a)),
+                    format!(
+                        "the exponent of {} must be written as a number",
+                        self.describe(a)
+                    ),
                 )
                 .at(sides.right.span, "known only later")
                 .also(sides.left.span, "its dimension would be unknown")
@@ -402,7 +407,10 @@ impl<'p> Checker<'p> {
             if misfit != Misfit::Point && own.dim.is_one() && plain(expr) {
                 let due = Due::new("this number").declared(
                     other_expr.span,
-                    format!("it stands beside {}", self.describe(&Type::Scalar(other.clone()))),
+                    format!(
+                        "it stands beside {}",
+                        self.describe(&Type::Scalar(other.clone()))
+                    ),
                 );
                 return self.misfit(strip(expr), Misfit::Dimension, own, other, &due);
             }
@@ -420,7 +428,9 @@ impl<'p> Checker<'p> {
         let title = match misfit {
             Misfit::Point => format!("{name_a} and {name_b} cannot be {verb}"),
             Misfit::Dimension => format!("{name_a} and {name_b} cannot be {verb}"),
-            Misfit::Angle => format!("{name_a} and {name_b} differ by an angle and cannot be {verb}"),
+            Misfit::Angle => {
+                format!("{name_a} and {name_b} differ by an angle and cannot be {verb}")
+            }
         };
         let code = match misfit {
             Misfit::Dimension => codes::OPERANDS,
@@ -447,8 +457,9 @@ impl<'p> Checker<'p> {
             Misfit::Dimension => {
                 let factor = self.dimension_name(&p.dim.over(&q.dim));
                 if !factor.contains(['^', '/', '*']) {
-                    message = message
-                        .with_note(format!("the left side has the dimension {factor} more than the right"));
+                    message = message.with_note(format!(
+                        "the left side has the dimension {factor} more than the right"
+                    ));
                 }
             }
         }
@@ -460,7 +471,10 @@ impl<'p> Checker<'p> {
         let (text_a, text_b) = (self.describe(a), self.describe(b));
         let mut message = Diagnostic::error(
             codes::OPERATOR,
-            format!("`{}` does not apply to {text_a} and {text_b}", sign(sides.op)),
+            format!(
+                "`{}` does not apply to {text_a} and {text_b}",
+                sign(sides.op)
+            ),
         )
         .at(sides.op_span, "no such operation")
         .also(sides.left.span, text_a)
@@ -468,7 +482,8 @@ impl<'p> Checker<'p> {
         let vectors = matches!(a, Type::Vector { .. } | Type::List { .. })
             && matches!(b, Type::Vector { .. } | Type::List { .. });
         if vectors && sides.op == BinaryOp::Multiply {
-            message = message.with_help("the products of vectors are `dot(a, b)` and `cross(a, b)`");
+            message =
+                message.with_help("the products of vectors are `dot(a, b)` and `cross(a, b)`");
         } else if vectors && sides.op == BinaryOp::Equal {
             message = message.with_help("compare a number of them: `norm(a - b) < 1 um`");
         } else if matches!(sides.op, BinaryOp::Power)
@@ -505,7 +520,8 @@ fn ratio(expr: &Expr) -> Option<(i32, i32)> {
         } => {
             // Decimals of a dimension are multiples of 1/60.
             let sixtieths = value * 60.0;
-            (sixtieths.fract() == 0.0 && sixtieths.abs() < 1e6).then(|| reduced(sixtieths as i32, 60))
+            (sixtieths.fract() == 0.0 && sixtieths.abs() < 1e6)
+                .then(|| reduced(sixtieths as i32, 60))
         }
         ExprKind::Unary {
             op: UnaryOp::Negate,

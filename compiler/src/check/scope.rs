@@ -9,7 +9,8 @@ use crate::codes;
 use crate::program::DefinitionId;
 use crate::resolve::suggest::nearest;
 use eng_grammar::ast::{
-    Binding, BindingKind, Block, Declaration, Form, Function, ItemKind, Kind, Name, Parameter, Table,
+    Binding, BindingKind, Block, Declaration, Form, Function, ItemKind, Kind, Name, Parameter,
+    Table,
 };
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
@@ -92,13 +93,6 @@ impl<'p> Scope<'p> {
             ..Scope::top(definition.module)
         }
     }
-
-    /// With more locals.
-    pub(super) fn with(&self, locals: impl IntoIterator<Item = (String, Type)>) -> Scope<'p> {
-        let mut scope = self.clone();
-        scope.locals.extend(locals);
-        scope
-    }
 }
 
 /// The block of a definition's or body's declaration.
@@ -127,12 +121,13 @@ impl<'p> Checker<'p> {
         }
         let mut members: BTreeMap<&'p str, Member<'p>> = BTreeMap::new();
         let mut twice: Vec<(&'p Name, Span)> = Vec::new();
-        let mut add = |name: &'p Name, member: Member<'p>| {
-            match members.get(name.text.as_str()).and_then(Member::span) {
-                Some(first) => twice.push((name, first)),
-                None => {
-                    members.insert(&name.text, member);
-                }
+        let mut add = |name: &'p Name, member: Member<'p>| match members
+            .get(name.text.as_str())
+            .and_then(Member::span)
+        {
+            Some(first) => twice.push((name, first)),
+            None => {
+                members.insert(&name.text, member);
             }
         };
         if let Some(declaration) = self.declaration(id) {
@@ -204,6 +199,11 @@ impl<'p> Checker<'p> {
 
     /// The type of a name.
     pub(super) fn name(&mut self, scope: &Scope<'p>, name: &str, span: Span) -> Type {
+        // A body's mass is a name in its block, for its inertia.
+        let local = scope.locals.iter().any(|(n, _)| n == name);
+        if name == "mass" && !local && scope.body.is_some_and(has_mass) {
+            return Type::Scalar(Quantity::hard(Dimension::MASS));
+        }
         if let Some(found) = self.find(scope, name) {
             return match found {
                 Found::Local(ty) => ty,
@@ -219,8 +219,11 @@ impl<'p> Checker<'p> {
             "time" => {
                 if scope.definition.is_none() && scope.at_use.is_none() {
                     self.report(
-                        Diagnostic::error(codes::MISPLACED, "there is no time at the top of a file")
-                            .at(span, "only classes and models live in time"),
+                        Diagnostic::error(
+                            codes::MISPLACED,
+                            "there is no time at the top of a file",
+                        )
+                        .at(span, "only classes and models live in time"),
                     );
                     return Type::Error;
                 }
@@ -266,11 +269,11 @@ impl<'p> Checker<'p> {
                 crate::resolve::defined_name(&item.kind).is_some_and(|n| n.text == name)
             })
         });
-        if let Some(module) = elsewhere {
-            message = message.with_help(format!(
-                "`{}` has it: `use {}.{name}`",
-                module.path, module.path
-            ));
+        let path = elsewhere
+            .map(|module| module.path.clone())
+            .or_else(|| self.program.offered.get(name).cloned());
+        if let Some(path) = path {
+            message = self.offer_use(message, scope.module, &path, name);
         } else if let Some(near) = nearest(name, known.iter().map(String::as_str)) {
             message = message
                 .with_help(format!("did you mean `{near}`?"))
@@ -281,6 +284,30 @@ impl<'p> Checker<'p> {
             ));
         }
         self.report(message);
+    }
+
+    /// Offers to take a name from a module.
+    pub(super) fn offer_use(
+        &self,
+        message: Diagnostic,
+        module: u32,
+        path: &str,
+        name: &str,
+    ) -> Diagnostic {
+        let message = message.with_help(format!("`{path}` has it: `use {path}.{name}`"));
+        let first = self
+            .program
+            .modules
+            .get(module as usize)
+            .and_then(|m| m.file.items.first());
+        match first {
+            Some(item) => {
+                let start = item.span.start as usize;
+                let place = Span::new(item.span.source, start, start);
+                message.with_fix("take it from there", place, format!("use {path}.{name}\n"))
+            }
+            None => message,
+        }
     }
 
     /// The type of a top-level item.
@@ -355,7 +382,11 @@ impl<'p> Checker<'p> {
             Member::Function(function) => Type::Function(self.function(&scope, function)),
             Member::Table(table) => Type::Function(self.table(&scope, table)),
             Member::Reaction(torque) => Type::Vector {
-                quantity: Quantity::hard(if torque { torque_dimension() } else { force_dimension() }),
+                quantity: Quantity::hard(if torque {
+                    torque_dimension()
+                } else {
+                    force_dimension()
+                }),
                 framed: true,
             },
             Member::Declaration(declaration) => match declaration.kind {
@@ -367,12 +398,11 @@ impl<'p> Checker<'p> {
                     self.arrayed(&declaration.index, body)
                 }
                 Kind::Marker => self.arrayed(&declaration.index, Type::Marker),
-                Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive | Kind::Part => {
-                    self.remembered(id, name, span, |c| {
+                Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive | Kind::Part => self
+                    .remembered(id, name, span, |c| {
                         let instance = c.element_type(&scope, declaration);
                         c.arrayed(&declaration.index, instance)
-                    })
-                }
+                    }),
                 _ => Type::Error,
             },
         }
@@ -414,7 +444,10 @@ impl<'p> Checker<'p> {
     /// `T` in as many lists as there are binders.
     pub(super) fn arrayed(&self, index: &[eng_grammar::ast::Binder], ty: Type) -> Type {
         index.iter().rev().fold(ty, |ty, binder| {
-            Type::list(ty, super::expression::literal_length(&binder.range))
+            // Places count as the binder does: `pin[i in 2..4]` has no `pin[1]`.
+            let from_one = super::expression::counts_from_one(&binder.range);
+            let length = super::expression::literal_length(&binder.range).filter(|_| from_one);
+            Type::list(ty, length)
         })
     }
 
@@ -450,9 +483,14 @@ impl<'p> Checker<'p> {
                     framed: true,
                 }
             }
-            (Member::Binding(binding), Type::List { element, length, framed })
-                if binding.kind == BindingKind::Output =>
-            {
+            (
+                Member::Binding(binding),
+                Type::List {
+                    element,
+                    length,
+                    framed,
+                },
+            ) if binding.kind == BindingKind::Output => {
                 let element = match *element {
                     Type::Vector { quantity, .. } => Type::Vector {
                         quantity,
@@ -495,13 +533,25 @@ impl<'p> Checker<'p> {
 
 /// A marker that stands in a body's block.
 pub(super) fn marker_of<'p>(body: &'p Declaration, name: &str) -> Option<&'p Declaration> {
-    block_of(body)?.items.iter().find_map(|item| match &item.kind {
-        ItemKind::Declaration(marker)
-            if marker.kind == Kind::Marker && marker.name.text == name =>
-        {
-            Some(marker)
-        }
-        _ => None,
+    block_of(body)?
+        .items
+        .iter()
+        .find_map(|item| match &item.kind {
+            ItemKind::Declaration(marker)
+                if marker.kind == Kind::Marker && marker.name.text == name =>
+            {
+                Some(marker)
+            }
+            _ => None,
+        })
+}
+
+fn has_mass(body: &Declaration) -> bool {
+    block_of(body).is_some_and(|block| {
+        block
+            .items
+            .iter()
+            .any(|item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == "mass"))
     })
 }
 

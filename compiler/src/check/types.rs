@@ -483,7 +483,10 @@ mod tests {
         let t = point("Temperature");
         let difference = t.plus(&t, true).expect("a difference");
         assert_eq!(difference.kind, Kind::Difference);
-        assert_eq!(t.plus(&difference, false).map(|q| q.kind), Ok(t.kind.clone()));
+        assert_eq!(
+            t.plus(&difference, false).map(|q| q.kind),
+            Ok(t.kind.clone())
+        );
         assert_eq!(t.plus(&t, false), Err(Misfit::Point));
         assert_eq!(difference.plus(&t, true), Err(Misfit::Point));
         assert_eq!(difference.fits(&t), Err(Misfit::Point));

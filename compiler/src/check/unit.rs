@@ -12,11 +12,11 @@ use eng_grammar::{Diagnostic, Span};
 impl<'p> Checker<'p> {
     /// A unit's size; says which of its names is not known.
     pub(super) fn unit(&mut self, scope: &Scope<'p>, unit: &UnitExpr) -> Option<Unit> {
-        for factor in &unit.factors {
+        for (place, factor) in unit.factors.iter().enumerate() {
             let name = &factor.name.text;
             self.used_units.insert((scope.module, name.clone()));
             let Some(known) = self.program.units.get(name) else {
-                self.unknown_unit(&factor.name.text, factor.name.span, unit);
+                self.unknown_unit(scope, place, unit);
                 return None;
             };
             if known.offset != 0.0
@@ -47,37 +47,72 @@ impl<'p> Checker<'p> {
         self.program.unit(unit).ok()
     }
 
-    fn unknown_unit(&mut self, name: &str, span: Span, whole: &UnitExpr) {
+    fn unknown_unit(&mut self, scope: &Scope<'p>, place: usize, whole: &UnitExpr) {
+        let Some(factor) = whole.factors.get(place) else {
+            return;
+        };
+        let (name, span) = (factor.name.text.as_str(), factor.name.span);
         let mut message =
             Diagnostic::error(codes::UNKNOWN_UNIT, format!("there is no unit `{name}`"))
                 .at(span, "not known");
+        // `5 mm*bore`: a product of values needs spaces.
+        let before = place.checked_sub(1).and_then(|p| whole.factors.get(p));
+        if let Some(before) = before
+            && (self.find(scope, name).is_some()
+                || super::scope::BUILT_IN_NAMES.contains(&name))
+        {
+            let between = Span::new(span.source, before.name.span.end as usize, span.start as usize);
+            let operator = if factor.numerator < 0 { '/' } else { '*' };
+            // After an exponent (`mm^2*bore`) the operator is the last character before the name.
+            let last = Span::new(span.source, span.start.saturating_sub(1) as usize, span.start as usize);
+            message = message
+                .also(between.to(span), "without spaces it is read as a part of the unit")
+                .with_help(format!("put spaces around `{operator}` for a product of values"));
+            if self.sources.text(last) == operator.to_string() {
+                message = message.with_fix("put spaces", last, format!(" {operator} "));
+            }
+            self.report(message);
+            return;
+        }
         let units = &self.program.units;
+        let wanted = self.wanted.filter(|_| whole.factors.len() == 1);
+        let fits = |known: &&String| {
+            wanted.is_some_and(|wanted| units.get(*known).is_some_and(|u| u.dimension == wanted))
+        };
         // `Nm` is N*m, `kgm2` is not guessed.
         let split = name.char_indices().skip(1).find_map(|(at, _)| {
             let (left, right) = name.split_at(at);
-            (units.contains_key(left) && units.contains_key(right)).then(|| format!("{left}*{right}"))
+            let both = units.contains_key(left) && units.contains_key(right);
+            both.then(|| format!("{left}*{right}"))
         });
-        let same_letters = units
-            .keys()
-            .find(|known| known.eq_ignore_ascii_case(name))
-            .cloned();
-        let celsius = matches!(name, "C" | "degree" | "celsius" | "Celsius").then_some("degC");
+        let same_letters = |fitting: bool| {
+            units
+                .keys()
+                .filter(|known| !fitting || fits(known))
+                .find(|known| known.eq_ignore_ascii_case(name))
+                .cloned()
+        };
+        let celsius = matches!(name, "C" | "degree" | "celsius" | "Celsius" | "dC").then_some("degC");
         let meant = celsius
             .filter(|unit| units.contains_key(*unit))
             .map(str::to_owned)
-            .or(same_letters)
+            .or_else(|| same_letters(true))
+            .or_else(|| {
+                nearest(name, units.keys().filter(fits).map(String::as_str)).map(str::to_owned)
+            })
+            .or_else(|| same_letters(false))
             .or(split)
             .or_else(|| nearest(name, units.keys().map(String::as_str)).map(str::to_owned));
         if let Some(meant) = meant {
             message = message
                 .with_help(format!("did you mean `{meant}`?"))
                 .with_fix(format!("write `{meant}`"), span, meant);
-        } else if whole.factors.first().is_some_and(|f| f.name.span != span) {
-            message = message.with_help(
-                "a unit binds to its number without spaces: put spaces around `*` and `/` for a product of values",
-            );
-        } else {
-            message = message.with_help("a factor stands after `*`: `5 * x`");
+        } else if self.find(scope, name).is_some() {
+            message = message.with_help(format!("a factor stands after `*`: `5 * {name}`"));
+        } else if let Some(wanted) = wanted
+            && let Some(usual) = self.usual_unit(&Quantity::hard(wanted))
+        {
+            message = message.with_help(format!("a unit that fits here is `{usual}`"));
         }
         self.report(message);
     }
@@ -142,13 +177,16 @@ impl<'p> Checker<'p> {
                     unit_text(display)
                 ),
             )
-            .at(display.span, format!("a unit of {}", self.quantity_name(&unit)))
+            .at(
+                display.span,
+                format!("a unit of {}", self.quantity_name(&unit)),
+            )
             .with_note(format!(
                 "the value is {}, the unit is one of {}",
                 self.quantity_in_full(&quantity),
                 self.quantity_in_full(&unit)
             ));
-            let message = match self.usual_unit(quantity.dim.base) {
+            let message = match self.usual_unit(&quantity) {
                 Some(usual) if quantity.dim.variables.is_empty() => {
                     message.with_help(format!("for instance `as {usual}`"))
                 }

@@ -7,7 +7,6 @@ mod scopes;
 pub(crate) use scopes::defined_name;
 pub(crate) mod suggest;
 mod units;
-pub(crate) use units::product_of;
 
 use crate::program::Program;
 use eng_grammar::{Diagnostics, SourceMap};
@@ -26,6 +25,7 @@ pub fn resolve(
     diagnostics: &mut Diagnostics,
 ) -> Program {
     let mut program = Program::default();
+    program.offered = modules::offered(library);
     modules::load(root, host, library, sources, diagnostics, &mut program);
     scopes::fill(&mut program, diagnostics);
     units::dimensions(&mut program, diagnostics);

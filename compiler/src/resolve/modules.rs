@@ -20,6 +20,30 @@ pub(super) fn path_of_file(file: &str) -> String {
     file.strip_suffix(".eng").unwrap_or(file).replace('/', ".")
 }
 
+/// What the library's modules define, read off the beginnings of lines: good enough for a hint, and cheap.
+pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, String> {
+    const WORDS: [&str; 9] = [
+        "joint", "force", "journal", "drive", "component", "interface", "record", "const", "fn",
+    ];
+    let mut names = BTreeMap::new();
+    for (path, text) in library {
+        for line in text.lines() {
+            let Some((word, rest)) = line.split_once(' ') else {
+                continue;
+            };
+            let end = rest
+                .find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))
+                .unwrap_or(rest.len());
+            if WORDS.contains(&word) && end > 0 {
+                names
+                    .entry(rest[..end].to_owned())
+                    .or_insert_with(|| (*path).to_owned());
+            }
+        }
+    }
+    names
+}
+
 struct Loader<'a> {
     host: &'a dyn Host,
     library: &'a [(&'a str, &'a str)],
@@ -137,7 +161,8 @@ impl Loader<'_> {
                     .with_help(format!("did you mean `{near}`?"))
                     .with_fix(format!("use `{near}`"), span, near);
             } else if is_library(path) {
-                let names: Vec<&str> = self.library.iter().map(|(name, _)| *name).collect();
+                let names = self.library.iter().map(|(name, _)| *name);
+                let names: Vec<&str> = names.filter(|name| *name != PRELUDE).collect();
                 message = message.with_note(format!(
                     "the library has {}",
                     super::suggest::listing(names, 30)

@@ -177,6 +177,8 @@ fn take(
                 "`{}` is in `{}`",
                 name.text, program.modules[elsewhere].path
             ));
+        } else if let Some(elsewhere) = program.offered.get(&name.text) {
+            message = message.with_help(format!("`{}` is in `{elsewhere}`", name.text));
         } else {
             message = message.with_note(format!(
                 "it has {}",

@@ -568,10 +568,7 @@ fn power(base: f64, numerator: i32, denominator: i32) -> f64 {
 }
 
 /// The dimension of a type that is a product of dimensions.
-pub(crate) fn product_of(
-    ty: &TypeExpr,
-    dimensions: &BTreeMap<String, NamedDimension>,
-) -> Option<Dimension> {
+fn product_of(ty: &TypeExpr, dimensions: &BTreeMap<String, NamedDimension>) -> Option<Dimension> {
     match &ty.kind {
         TypeExprKind::One => Some(Dimension::ONE),
         TypeExprKind::Name(name) => dimensions.get(&name.text).map(|named| named.dimension),

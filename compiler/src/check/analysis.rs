@@ -1,0 +1,249 @@
+//! Analyses: what is done with a model.
+
+use super::Checker;
+use super::call::Slot;
+use super::expression::has_cycle;
+use super::mismatch::Due;
+use super::scope::Scope;
+use super::types::{Quantity, Type};
+use crate::codes;
+use eng_grammar::ast::{Argument, Declaration, Expr, ExprKind, Form, Kind};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
+
+const EXAMPLE: &str =
+    "for instance `analysis run = transient(Model(), duration: 1 s, sample: 1 ms)`";
+
+impl<'p> Checker<'p> {
+    pub(super) fn analysis(&mut self, scope: &Scope<'p>, declaration: &'p Declaration) {
+        let scope = self.binders(scope, &declaration.index);
+        let Form::Instance { value, block } = &declaration.form else {
+            self.bad_analysis(
+                declaration.name.span,
+                "an analysis has a right side",
+                "no `= …`",
+            );
+            return;
+        };
+        if let Some(block) = block
+            && let Some(item) = block.items.first()
+        {
+            self.misplaced(
+                item.span,
+                "this",
+                "at an analysis",
+                "everything an analysis takes is an argument",
+            );
+        }
+        let ExprKind::Call { callee, arguments } = &value.kind else {
+            if !matches!(value.kind, ExprKind::Error) {
+                self.bad_analysis(value.span, "an analysis is a call", "not a call");
+            }
+            return;
+        };
+        let name = match &callee.kind {
+            ExprKind::Name(name) => name.as_str(),
+            _ => "",
+        };
+        match name {
+            "transient" | "assemble" => {
+                self.model_and_options(&scope, name, value.span, arguments);
+            }
+            "periodic" | "modes" | "modal" | "static" | "linearise" => {
+                self.not_built(callee.span, &format!("`{name}` analyses"));
+            }
+            _ => {
+                let mut message = Diagnostic::error(
+                    codes::ANALYSIS,
+                    format!("there is no analysis `{}`", self.sources.text(callee.span)),
+                )
+                .at(callee.span, "`transient` or `assemble`");
+                if let Some(near) =
+                    crate::resolve::suggest::nearest(name, ["transient", "assemble"])
+                {
+                    message = message
+                        .with_help(format!("did you mean `{near}`?"))
+                        .with_fix(format!("write `{near}`"), callee.span, near);
+                } else {
+                    message = message.with_help(EXAMPLE);
+                }
+                self.report(message);
+            }
+        }
+    }
+
+    fn bad_analysis(&mut self, span: Span, title: &str, label: &str) {
+        self.report(
+            Diagnostic::error(codes::ANALYSIS, title)
+                .at(span, label)
+                .with_help(EXAMPLE),
+        );
+    }
+
+    fn model_and_options(
+        &mut self,
+        scope: &Scope<'p>,
+        name: &str,
+        span: Span,
+        arguments: &[Argument],
+    ) {
+        let Some((first, rest)) = arguments.split_first() else {
+            self.bad_analysis(span, &format!("`{name}` needs a model"), "of which model?");
+            return;
+        };
+        let with_cycle = self.model_of(scope, first);
+        let slot = |name: &str, ty: Type, optional: bool, unit: &str| Slot {
+            name: name.to_owned(),
+            ty,
+            optional,
+            span: None,
+            unit: (!unit.is_empty()).then(|| unit.to_owned()),
+            named_only: true,
+        };
+        let time = Type::Scalar(Quantity::hard(Dimension::TIME));
+        let transient = name == "transient";
+        let mut slots = Vec::new();
+        if transient {
+            slots = vec![
+                slot("step", time, true, "us"),
+                slot("tolerance", Type::one(), true, ""),
+                slot("rho", Type::one(), true, ""),
+            ];
+        }
+        // A time or an angle, which the cycle counts.
+        let mut others: Vec<Argument> = Vec::new();
+        let mut given: Vec<(&str, Span)> = Vec::new();
+        for argument in rest {
+            let extent = argument
+                .name
+                .as_ref()
+                .filter(|n| transient && matches!(n.text.as_str(), "duration" | "sample"));
+            match extent {
+                Some(label) => {
+                    if let Some((_, first)) = given.iter().find(|(n, _)| *n == label.text) {
+                        self.report(
+                            Diagnostic::error(
+                                codes::ARGUMENT_TWICE,
+                                format!("`{}` is given twice", label.text),
+                            )
+                            .at(argument.value.span, "again here")
+                            .also(*first, "first here"),
+                        );
+                    }
+                    given.push((&label.text, argument.value.span));
+                    self.extent(scope, &label.text, &argument.value, with_cycle);
+                }
+                None => others.push(argument.clone()),
+            }
+        }
+        if transient {
+            // Known to the common check, so that a misspelling finds them.
+            for label in ["duration", "sample"] {
+                let present = given.iter().any(|(n, _)| *n == label);
+                slots.push(slot(
+                    label,
+                    Type::Scalar(Quantity::hard(Dimension::TIME)),
+                    present,
+                    "s",
+                ));
+            }
+        }
+        let mut solution = super::types::Solution::default();
+        self.arguments(scope, name, &slots, &others, span, &mut solution);
+        let place = |wanted: &str| {
+            rest.iter()
+                .find(|a| a.name.as_ref().is_some_and(|n| n.text == wanted))
+                .map(|a| a.value.span)
+        };
+        if let (Some(step), Some(tolerance)) = (place("step"), place("tolerance")) {
+            self.report(
+                Diagnostic::error(
+                    codes::ANALYSIS,
+                    "a fixed step and a tolerance exclude each other",
+                )
+                .at(tolerance, "for steps that follow the error")
+                .also(step, "for steps of one size")
+                .with_help("give one of the two, or none"),
+            );
+        }
+    }
+
+    /// `Model(arguments)`; whether the model has a cycle, if it is known.
+    fn model_of(&mut self, scope: &Scope<'p>, argument: &Argument) -> Option<bool> {
+        let value = &argument.value;
+        let ExprKind::Call { callee, arguments } = &value.kind else {
+            let ty = self.infer(scope, value);
+            if let Type::Class(id) = ty
+                && self.declaration(id).is_some_and(|d| d.kind == Kind::Model)
+            {
+                let text = self.sources.text(value.span).to_owned();
+                self.report(
+                    Diagnostic::error(codes::ANALYSIS, "a model needs its parentheses")
+                        .at(value.span, "the model itself, not one made of it")
+                        .with_help(format!("write `{text}()`"))
+                        .with_fix("add the parentheses", value.span, format!("{text}()")),
+                );
+            } else if !ty.is_error() {
+                let found = self.describe(&ty);
+                self.bad_analysis(
+                    value.span,
+                    "an analysis begins with a model",
+                    &format!("this is {found}"),
+                );
+            }
+            return None;
+        };
+        match self.infer(scope, callee) {
+            Type::Class(id) if self.declaration(id).is_some_and(|d| d.kind == Kind::Model) => {
+                self.arguments_of_class(scope, id, arguments, value.span);
+                self.declaration(id).map(has_cycle)
+            }
+            Type::Error => None,
+            other => {
+                let found = self.describe(&other);
+                self.bad_analysis(
+                    callee.span,
+                    "an analysis begins with a model",
+                    &format!("this is {found}"),
+                );
+                None
+            }
+        }
+    }
+
+    /// A time, or an angle of the cycle.
+    fn extent(&mut self, scope: &Scope<'p>, name: &str, value: &Expr, with_cycle: Option<bool>) {
+        let ty = self.infer(scope, value);
+        if ty.is_error() {
+            return;
+        }
+        let due = Due {
+            what: format!("`{name}` of `transient`"),
+            declared: None,
+            unit: Some(if name == "duration" { "s" } else { "ms" }.to_owned()),
+        };
+        let time = Quantity::hard(Dimension::TIME);
+        match ty.quantity() {
+            Some(quantity) if quantity.dim.base == Dimension::ANGLE => {
+                if with_cycle == Some(false) {
+                    self.report(
+                        Diagnostic::error(
+                            codes::NO_CYCLE,
+                            format!("`{name}` is an angle, but the model has no cycle"),
+                        )
+                        .at(value.span, "an angle of which cycle?")
+                        .with_help(
+                            "give a time, or state the cycle in the model: `cycle angle = rotation(a, ground) { period = 720 deg }`",
+                        ),
+                    );
+                }
+            }
+            Some(quantity) => {
+                if let Err(misfit) = quantity.fits(&time) {
+                    self.misfit(value, misfit, &quantity, &time, &due);
+                }
+            }
+            None => self.wrong_type(value, &ty, &Type::Scalar(time), &due),
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! Bodies and markers.
+
+use super::Checker;
+use super::call::FLEXIBLE_WORDS;
+use super::mismatch::Due;
+use super::scope::{Scope, block_of};
+use super::types::{Quantity, Type};
+use crate::codes;
+use crate::resolve::suggest::nearest;
+use eng_grammar::Diagnostic;
+use eng_grammar::ast::{
+    Argument, Declaration, Expr, ExprKind, Form, Item, ItemKind, Kind, Name, Statement,
+};
+use eng_system::Dimension;
+
+const ATTRIBUTES: [&str; 4] = ["mass", "inertia", "products_of_inertia", "center_of_mass"];
+const STARTS: [&str; 4] = ["position", "rotation", "velocity", "angular_velocity"];
+
+fn moment_of_inertia() -> Dimension {
+    Dimension::MASS
+        .times(Dimension::LENGTH)
+        .times(Dimension::LENGTH)
+}
+
+impl<'p> Checker<'p> {
+    pub(super) fn body(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
+        let scope = self.binders(outer, &declaration.index);
+        let name = &declaration.name.text;
+        let (Form::Plain { .. }, Some(block)) = (&declaration.form, block_of(declaration)) else {
+            self.report(
+                Diagnostic::error(
+                    codes::MISSING_VALUE,
+                    format!("the body `{name}` needs a block"),
+                )
+                .at(declaration.name.span, "of which mass?")
+                .with_help(format!("write `body {name} {{ mass = …; inertia = … }}`")),
+            );
+            return;
+        };
+        let inner = Scope {
+            body: Some(declaration),
+            ..scope
+        };
+        let mut attributes: Vec<&'p Name> = Vec::new();
+        let mut markers: Vec<&'p Name> = Vec::new();
+        for item in &block.items {
+            match &item.kind {
+                ItemKind::Error => {}
+                ItemKind::Attribute(attribute) => {
+                    self.attribute_once(&mut attributes, &attribute.name);
+                    self.body_attribute(&inner, &attribute.name, &attribute.value);
+                }
+                ItemKind::Declaration(marker) if marker.kind == Kind::Marker => {
+                    if marker.name.text == "origin" {
+                        self.report(
+                            Diagnostic::error(
+                                codes::DEFINED_TWICE,
+                                "`origin` is a marker of every body",
+                            )
+                            .at(marker.name.span, "another one")
+                            .with_help("give the marker a name of its own"),
+                        );
+                    } else if let Some(first) = markers.iter().find(|n| n.text == marker.name.text)
+                    {
+                        let first = first.span;
+                        self.defined_twice(&marker.name.text, marker.name.span, first);
+                    }
+                    markers.push(&marker.name);
+                    self.marker(&inner, marker);
+                }
+                ItemKind::Statement(
+                    Statement::Start { target, value } | Statement::Guess { target, value },
+                ) => self.start_of_body(&inner, target, value),
+                _ => self.misplaced_in_body(item),
+            }
+        }
+        for wanted in ["mass", "inertia"] {
+            let near = |given: &&&Name| {
+                given.text == wanted || nearest(&given.text, ATTRIBUTES) == Some(wanted)
+            };
+            if attributes.iter().find(near).is_none() {
+                let example = match wanted {
+                    "mass" => "mass = 1 kg",
+                    _ => "inertia = [1, 1, 1] kg*m^2",
+                };
+                self.report(
+                    Diagnostic::error(
+                        codes::MISSING_ATTRIBUTE,
+                        format!("the body `{name}` needs its {wanted}"),
+                    )
+                    .at(declaration.name.span, format!("no `{wanted}`"))
+                    .with_help(format!("add `{example}` with its value")),
+                );
+            }
+        }
+    }
+
+    fn misplaced_in_body(&mut self, item: &Item) {
+        let (what, help) = match &item.kind {
+            ItemKind::Binding(_) => (
+                "a named value",
+                "put it into the model around, where the body sees it",
+            ),
+            ItemKind::Declaration(_) => {
+                ("this part", "it belongs into the model; a body has markers")
+            }
+            _ => ("this", "a body has attributes, markers and start values"),
+        };
+        self.misplaced(item.span, what, "into a body", help);
+    }
+
+    fn body_attribute(&mut self, scope: &Scope<'p>, name: &Name, value: &Expr) {
+        let (ty, unit) = match name.text.as_str() {
+            "mass" => (Type::Scalar(Quantity::hard(Dimension::MASS)), "kg"),
+            "inertia" | "products_of_inertia" => (
+                Type::list(Type::Scalar(Quantity::hard(moment_of_inertia())), Some(3)),
+                "kg*m^2",
+            ),
+            "center_of_mass" => (
+                Type::list(Type::Scalar(Quantity::hard(Dimension::LENGTH)), Some(3)),
+                "mm",
+            ),
+            _ => {
+                let mut message = Diagnostic::error(
+                    codes::UNKNOWN_ATTRIBUTE,
+                    format!("a body has no attribute `{}`", name.text),
+                )
+                .at(name.span, "not known");
+                message = match nearest(&name.text, ATTRIBUTES) {
+                    Some(near) => message
+                        .with_help(format!("did you mean `{near}`?"))
+                        .with_fix(format!("write `{near}`"), name.span, near),
+                    None => message.with_note(
+                        "it has `mass`, `inertia`, `products_of_inertia` and `center_of_mass`",
+                    ),
+                };
+                self.report(message);
+                self.infer(scope, value);
+                return;
+            }
+        };
+        let mut due = Due::new(format!("`{}` of a body", name.text));
+        due.unit = Some(unit.to_owned());
+        self.expect(scope, value, &ty, &due);
+    }
+
+    fn start_of_body(&mut self, scope: &Scope<'p>, target: &Expr, value: &Expr) {
+        let name = match &target.kind {
+            ExprKind::Name(name) => name.as_str(),
+            ExprKind::Error => return,
+            _ => "",
+        };
+        let per_second = |dimension: Dimension| dimension.over(Dimension::TIME);
+        let (ty, unit) = match name {
+            "position" => (Type::vector(Quantity::hard(Dimension::LENGTH)), "mm"),
+            "velocity" => (
+                Type::vector(Quantity::hard(per_second(Dimension::LENGTH))),
+                "m/s",
+            ),
+            "angular_velocity" => (
+                Type::vector(Quantity::hard(per_second(Dimension::ANGLE))),
+                "rpm",
+            ),
+            "rotation" => (Type::vector(Quantity::hard(Dimension::ANGLE)), "deg"),
+            _ => {
+                let shown = self.sources.text(target.span).to_owned();
+                let mut message = Diagnostic::error(
+                    codes::START,
+                    format!("a body has no `{shown}` to set at the start"),
+                )
+                .at(target.span, "not known");
+                message = match nearest(name, STARTS) {
+                    Some(near) => message
+                        .with_help(format!("did you mean `{near}`?"))
+                        .with_fix(format!("write `{near}`"), target.span, near),
+                    None => message
+                        .with_note(
+                            "it has `position`, `rotation`, `velocity` and `angular_velocity`",
+                        )
+                        .with_help(
+                            "other things are set in the model: `start rotation(a, b) = 30 deg`",
+                        ),
+                };
+                self.report(message);
+                self.infer(scope, value);
+                return;
+            }
+        };
+        let mut due = Due::new(format!("`{name}` of a body"));
+        due.unit = Some(unit.to_owned());
+        self.expect(scope, value, &ty, &due);
+    }
+
+    pub(super) fn marker(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
+        let scope = self.binders(outer, &declaration.index);
+        let name = &declaration.name.text;
+        let Form::Instance { value, block } = &declaration.form else {
+            self.report(
+                Diagnostic::error(codes::MARKER, format!("the marker `{name}` needs a place"))
+                    .at(declaration.name.span, "where?")
+                    .with_help(format!("write `marker {name} = [0, 0, 0] mm`")),
+            );
+            return;
+        };
+        if let Some(block) = block {
+            self.misplaced(
+                block.span,
+                "a block",
+                "at a marker",
+                "its place and axes are all a marker has",
+            );
+        }
+        match &value.kind {
+            ExprKind::Error => {}
+            ExprKind::Call { callee, arguments } => match &callee.kind {
+                ExprKind::Name(word) if word == "at" => {
+                    self.place_with_axes(&scope, name, value, arguments);
+                }
+                ExprKind::Name(word) if FLEXIBLE_WORDS.contains(&word.as_str()) => {
+                    self.flexible(callee.span);
+                }
+                _ => self.place(&scope, name, value),
+            },
+            _ => self.place(&scope, name, value),
+        }
+    }
+
+    /// `origin`, or three lengths.
+    fn place(&mut self, scope: &Scope<'p>, name: &str, value: &Expr) {
+        if matches!(&value.kind, ExprKind::Name(word) if word == "origin") {
+            return;
+        }
+        let ty = self.infer(scope, value);
+        if ty == Type::Marker {
+            self.report(
+                Diagnostic::error(
+                    codes::MARKER,
+                    format!("the place of `{name}` is another marker"),
+                )
+                .at(value.span, "this is a marker")
+                .with_help("use that marker itself, or repeat its place: `[x, y, z] mm`"),
+            );
+            return;
+        }
+        let mut due = Due::new(format!("the place of the marker `{name}`"));
+        due.unit = Some("mm".to_owned());
+        self.fit(
+            value,
+            &ty,
+            &Type::vector(Quantity::hard(Dimension::LENGTH)),
+            &due,
+        );
+    }
+
+    fn place_with_axes(
+        &mut self,
+        scope: &Scope<'p>,
+        name: &str,
+        call: &Expr,
+        arguments: &[Argument],
+    ) {
+        let mut place = None;
+        let mut axes: Vec<&Name> = Vec::new();
+        for argument in arguments {
+            match &argument.name {
+                None if place.is_none() => {
+                    place = Some(());
+                    self.place(scope, name, &argument.value);
+                }
+                None => {
+                    self.report(
+                        Diagnostic::error(codes::TOO_MANY_ARGUMENTS, "`at` takes one place")
+                            .at(argument.value.span, "a second one")
+                            .with_help("axes have names: `at(origin, z: [1, 0, 0])`"),
+                    );
+                }
+                Some(axis) if matches!(axis.text.as_str(), "x" | "z") => {
+                    if let Some(first) = axes.iter().find(|a| a.text == axis.text) {
+                        self.report(
+                            Diagnostic::error(
+                                codes::ARGUMENT_TWICE,
+                                format!("`{}` is given twice", axis.text),
+                            )
+                            .at(argument.value.span, "again here")
+                            .also(first.span, "first here"),
+                        );
+                    }
+                    axes.push(axis);
+                    let due = Due::new(format!("the direction `{}` of a marker", axis.text));
+                    self.expect(scope, &argument.value, &Type::vector(Quantity::one()), &due);
+                }
+                Some(other) => {
+                    self.report(
+                        Diagnostic::error(
+                            codes::UNKNOWN_ARGUMENT,
+                            format!("`at` has no parameter `{}`", other.text),
+                        )
+                        .at(other.span, "no parameter of this name")
+                        .with_help("it takes a place, and `x:` and `z:` for directions"),
+                    );
+                    self.infer(scope, &argument.value);
+                }
+            }
+        }
+        if place.is_none() {
+            self.report(
+                Diagnostic::error(codes::MISSING_ARGUMENT, "`at` needs a place")
+                    .at(call.span, "where?")
+                    .with_help("for instance `at(origin, z: [1, 0, 0])`"),
+            );
+        }
+    }
+}

@@ -1,0 +1,573 @@
+//! The functions that the language itself has.
+
+use super::Checker;
+use super::mismatch::Due;
+use super::scope::Scope;
+use super::types::{Quantity, Type};
+use crate::codes;
+use eng_grammar::ast::{Argument, Expr, ExprKind};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
+
+/// Names of the built-in functions.
+pub(super) const NAMES: [&str; 25] = [
+    "dot",
+    "cross",
+    "norm",
+    "local",
+    "vector",
+    "perpendicular",
+    "rotation",
+    "der",
+    "abs",
+    "sqrt",
+    "exp",
+    "log",
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "tanh",
+    "atan2",
+    "min",
+    "max",
+    "sum",
+    "length",
+    "distinct",
+];
+
+/// Names of the parameters, for messages; empty where any number of arguments is taken.
+fn parameters(name: &str) -> &'static [&'static str] {
+    match name {
+        "dot" | "cross" | "rotation" => &["a", "b"],
+        "norm" | "perpendicular" | "length" | "distinct" | "sum" => &["v"],
+        "local" => &["v", "m"],
+        "vector" => &["c", "m"],
+        "atan2" => &["y", "x"],
+        "min" | "max" => &[],
+        _ => &["x"],
+    }
+}
+
+/// A vector or components, as the functions of vectors take them.
+struct Directed {
+    quantity: Quantity,
+    /// A vector in space rather than components.
+    spatial: bool,
+    framed: bool,
+    length: Option<u32>,
+}
+
+impl<'p> Checker<'p> {
+    pub(super) fn built_in(
+        &mut self,
+        scope: &Scope<'p>,
+        name: &str,
+        span: Span,
+        arguments: &[Argument],
+    ) -> Type {
+        let mut plain: Vec<(&Expr, Type)> = Vec::new();
+        let mut floor: Option<(&Expr, Type)> = None;
+        let mut failed = false;
+        for argument in arguments {
+            let ty = self.infer(scope, &argument.value);
+            failed |= ty.is_error();
+            match &argument.name {
+                None => plain.push((&argument.value, ty)),
+                Some(given) if name == "norm" && given.text == "floor" => {
+                    floor = Some((&argument.value, ty));
+                }
+                Some(given) => {
+                    failed = true;
+                    let mut message = Diagnostic::error(
+                        codes::UNKNOWN_ARGUMENT,
+                        format!("`{name}` has no parameter `{}`", given.text),
+                    )
+                    .at(given.span, "no parameter of this name");
+                    message = if name == "norm" {
+                        message.with_help("it has `floor`")
+                    } else {
+                        message.with_help("its arguments stand without names")
+                    };
+                    self.report(message);
+                }
+            }
+        }
+        let names = parameters(name);
+        if names.is_empty() {
+            if plain.is_empty() && !failed {
+                return self.too_few(name, "at least one argument", span);
+            }
+        } else if plain.len() > names.len() {
+            self.report(
+                Diagnostic::error(
+                    codes::TOO_MANY_ARGUMENTS,
+                    format!(
+                        "`{name}` takes {} argument{}",
+                        names.len(),
+                        if names.len() == 1 { "" } else { "s" }
+                    ),
+                )
+                .at(plain[names.len()].0.span, "one too many"),
+            );
+            return Type::Error;
+        } else if plain.len() < names.len() && !failed {
+            let missing: Vec<&str> = names[plain.len()..].to_vec();
+            let missing = crate::resolve::suggest::listing(missing, 4);
+            return self.too_few(name, &missing, span);
+        }
+        if failed {
+            return Type::Error;
+        }
+        match (name, plain.as_slice()) {
+            ("sin" | "cos" | "tan", [x]) => self.plain_argument(name, x, true, Quantity::one()),
+            ("exp" | "log" | "tanh", [x]) => self.plain_argument(name, x, true, Quantity::one()),
+            ("asin" | "acos" | "atan", [x]) => {
+                let angle = Quantity {
+                    soft: true,
+                    ..Quantity::hard(Dimension::ANGLE)
+                };
+                self.plain_argument(name, x, false, angle)
+            }
+            ("sqrt", [x]) => self.root(x),
+            ("abs", [x]) => self.magnitude(x),
+            ("atan2", [y, x]) => self.atan2(y, x),
+            ("der", [x]) => self.rate(x),
+            ("dot" | "cross", [a, b]) => self.vector_product(name, a, b),
+            ("norm", [v]) => self.norm(v, floor),
+            ("local" | "vector", [v, m]) => self.change_axes(name, v, m),
+            ("perpendicular", [e]) => self.perpendicular(e),
+            ("rotation", [a, b]) => {
+                let a = self.marker_argument("the first argument of `rotation`", a);
+                let b = self.marker_argument("the second argument of `rotation`", b);
+                if a && b {
+                    Type::Scalar(Quantity {
+                        soft: true,
+                        ..Quantity::hard(Dimension::ANGLE)
+                    })
+                } else {
+                    Type::Error
+                }
+            }
+            ("min" | "max", _) => self.extreme(name, &plain),
+            ("sum", [x]) => self.total(x),
+            ("length" | "distinct", [(expr, ty)]) => match ty {
+                Type::List { .. } | Type::Range(_) if name == "length" => Type::Int,
+                Type::List { .. } => Type::Bool,
+                other => {
+                    let other = other.clone();
+                    self.not_a(expr, &other, &format!("the argument of `{name}`"), "a list")
+                }
+            },
+            _ => Type::Error,
+        }
+    }
+
+    fn too_few(&mut self, name: &str, missing: &str, span: Span) -> Type {
+        self.report(
+            Diagnostic::error(codes::MISSING_ARGUMENT, format!("`{name}` needs {missing}"))
+                .at(span, format!("without {missing}")),
+        );
+        Type::Error
+    }
+
+    fn not_a(&mut self, expr: &Expr, found: &Type, what: &str, wanted: &str) -> Type {
+        let found = self.describe(found);
+        self.report(
+            Diagnostic::error(
+                codes::WRONG_TYPE,
+                format!("{what} is {wanted}, not {found}"),
+            )
+            .at(expr.span, format!("this is {found}")),
+        );
+        Type::Error
+    }
+
+    pub(super) fn marker_argument(&mut self, what: &str, (expr, ty): &(&Expr, Type)) -> bool {
+        !self
+            .fit(expr, ty, &Type::Marker, &Due::new(what))
+            .is_error()
+    }
+
+    /// A function of a plain number, where an angle may stand for one.
+    fn plain_argument(
+        &mut self,
+        name: &str,
+        (expr, ty): &(&Expr, Type),
+        angle: bool,
+        result: Quantity,
+    ) -> Type {
+        let what = format!("the argument of `{name}`");
+        let Some(quantity) = ty.quantity() else {
+            return self.not_a(expr, ty, &what, "a number");
+        };
+        let fits = quantity.dim.is_plain() && (angle || quantity.soft || quantity.dim.is_one());
+        if fits {
+            return Type::Scalar(Quantity {
+                soft: true,
+                ..result
+            });
+        }
+        let wanted = match name {
+            "sin" | "cos" | "tan" => Quantity::hard(Dimension::ANGLE),
+            _ => Quantity::one(),
+        };
+        let misfit = quantity.fits(&wanted).err();
+        match misfit {
+            Some(misfit) => self.misfit(expr, misfit, &quantity, &wanted, &Due::new(what)),
+            None => Type::Error,
+        }
+    }
+
+    fn root(&mut self, (expr, ty): &(&Expr, Type)) -> Type {
+        let Some(quantity) = ty.quantity() else {
+            return self.not_a(expr, ty, "the argument of `sqrt`", "a number");
+        };
+        if quantity.dim.is_one() {
+            return Type::Scalar(quantity);
+        }
+        match quantity.dim.power(1, 2) {
+            Some(dim) => Type::Scalar(Quantity::soft(dim)),
+            None => {
+                self.report(
+                    Diagnostic::error(codes::POWER, "this root has no dimension")
+                        .at(expr.span, self.describe(ty)),
+                );
+                Type::Error
+            }
+        }
+    }
+
+    fn magnitude(&mut self, (expr, ty): &(&Expr, Type)) -> Type {
+        match ty {
+            Type::Int => Type::Int,
+            Type::Scalar(quantity) => Type::Scalar(Quantity {
+                kind: Default::default(),
+                ..quantity.clone()
+            }),
+            Type::Vector { .. } => {
+                self.report(
+                    Diagnostic::error(
+                        codes::WRONG_TYPE,
+                        "the argument of `abs` is a number, not a vector",
+                    )
+                    .at(expr.span, self.describe(ty))
+                    .with_help("the length of a vector is `norm(v)`"),
+                );
+                Type::Error
+            }
+            other => self.not_a(expr, other, "the argument of `abs`", "a number"),
+        }
+    }
+
+    fn atan2(&mut self, (y, y_type): &(&Expr, Type), (x, x_type): &(&Expr, Type)) -> Type {
+        let Some(p) = y_type.quantity() else {
+            return self.not_a(y, y_type, "the first argument of `atan2`", "a number");
+        };
+        let Some(q) = x_type.quantity() else {
+            return self.not_a(x, x_type, "the second argument of `atan2`", "a number");
+        };
+        if let Err(misfit) = q.fits(&p) {
+            let due = Due::new("the second argument of `atan2`")
+                .declared(y.span, "must be like the first");
+            return self.misfit(x, misfit, &q, &p, &due);
+        }
+        Type::Scalar(Quantity {
+            soft: true,
+            ..Quantity::hard(Dimension::ANGLE)
+        })
+    }
+
+    fn rate(&mut self, (expr, ty): &(&Expr, Type)) -> Type {
+        let time = Quantity::hard(Dimension::TIME);
+        let per_time = |quantity: &Quantity| quantity.over(&time);
+        match ty {
+            Type::Int | Type::Scalar(_) => {
+                Type::Scalar(per_time(&ty.quantity().unwrap_or_default()))
+            }
+            Type::Vector { quantity, .. } => Type::vector(per_time(quantity)),
+            Type::List { length, framed, .. } if ty.components().is_some() => {
+                let quantity = ty.components().map(|(q, _)| q).unwrap_or_default();
+                Type::List {
+                    element: Box::new(Type::Scalar(per_time(&quantity))),
+                    length: *length,
+                    framed: *framed,
+                }
+            }
+            other => self.not_a(expr, other, "the argument of `der`", "a number or a vector"),
+        }
+    }
+
+    fn directed(&mut self, what: &str, (expr, ty): &(&Expr, Type)) -> Option<Directed> {
+        match ty {
+            Type::Vector { quantity, .. } => Some(Directed {
+                quantity: quantity.clone(),
+                spatial: true,
+                framed: false,
+                length: Some(3),
+            }),
+            Type::List { framed, .. } if ty.components().is_some() => {
+                let (quantity, length) = ty.components()?;
+                Some(Directed {
+                    quantity,
+                    spatial: false,
+                    framed: *framed,
+                    length,
+                })
+            }
+            other => {
+                self.not_a(expr, other, what, "a vector");
+                None
+            }
+        }
+    }
+
+    fn vector_product(&mut self, name: &str, a: &(&Expr, Type), b: &(&Expr, Type)) -> Type {
+        let p = self.directed(&format!("the first argument of `{name}`"), a);
+        let q = self.directed(&format!("the second argument of `{name}`"), b);
+        let (Some(p), Some(q)) = (p, q) else {
+            return Type::Error;
+        };
+        if p.spatial != q.spatial && (p.framed || q.framed) {
+            let (components, vector) = if p.spatial { (b, a) } else { (a, b) };
+            self.report(
+                Diagnostic::error(
+                    codes::FRAME,
+                    format!("`{name}` of a vector and of components along a marker's axes"),
+                )
+                .at(components.0.span, "components, whose axes would be lost")
+                .also(vector.0.span, "a vector")
+                .with_help(
+                    "bring both to one form: `local(v, marker)` or `vector(components, marker)`",
+                ),
+            );
+            return Type::Error;
+        }
+        let lengths_differ = matches!((p.length, q.length), (Some(m), Some(n)) if m != n);
+        let wrong = name == "cross" && (p.length.unwrap_or(3) != 3 || q.length.unwrap_or(3) != 3);
+        if lengths_differ || wrong {
+            let shown = |length: Option<u32>| length.map_or("?".to_owned(), |l| l.to_string());
+            let mut message = Diagnostic::error(
+                codes::LIST_LENGTH,
+                if lengths_differ {
+                    format!(
+                        "`{name}` of {} and {} components",
+                        shown(p.length),
+                        shown(q.length)
+                    )
+                } else {
+                    "`cross` needs three components".to_owned()
+                },
+            )
+            .at(b.0.span, format!("{} components", shown(q.length)))
+            .also(a.0.span, format!("{} components", shown(p.length)));
+            if wrong && !lengths_differ {
+                message = message.with_help("in a plane write `a.x*b.y - a.y*b.x`");
+            }
+            self.report(message);
+            return Type::Error;
+        }
+        // A computed value: cosines of small angles are angles, products of axes take part in torques.
+        let quantity = Quantity {
+            soft: true,
+            ..p.quantity.times(&q.quantity)
+        };
+        match name {
+            "dot" => Type::Scalar(quantity),
+            _ if p.spatial || q.spatial => Type::vector(quantity),
+            _ => Type::List {
+                element: Box::new(Type::Scalar(quantity)),
+                length: Some(3),
+                framed: p.framed || q.framed,
+            },
+        }
+    }
+
+    fn norm(&mut self, v: &(&Expr, Type), floor: Option<(&Expr, Type)>) -> Type {
+        let Some(directed) = self.directed("the argument of `norm`", v) else {
+            return Type::Error;
+        };
+        if let Some((expr, ty)) = floor {
+            let due = Due::new("`floor` of `norm`").declared(v.0.span, "must be like the vector");
+            self.fit(expr, &ty, &Type::Scalar(directed.quantity.clone()), &due);
+        }
+        Type::Scalar(Quantity {
+            soft: true,
+            ..directed.quantity
+        })
+    }
+
+    fn change_axes(&mut self, name: &str, v: &(&Expr, Type), m: &(&Expr, Type)) -> Type {
+        let marker = self.marker_argument(&format!("the second argument of `{name}`"), m);
+        let (expr, ty) = v;
+        let what = format!("the first argument of `{name}`");
+        let quantity = match (name, ty) {
+            (_, Type::Vector { quantity, .. }) if name == "local" => quantity.clone(),
+            (
+                "local",
+                Type::List {
+                    framed: false,
+                    length: None | Some(3),
+                    ..
+                },
+            ) if ty.components().is_some() => ty.components().map(|(q, _)| q).unwrap_or_default(),
+            ("local", Type::List { framed: true, .. }) => {
+                self.report(
+                    Diagnostic::error(codes::FRAME, "`local` of what are components already")
+                        .at(expr.span, "components along a marker's axes")
+                        .with_help("make a vector of them first: `local(vector(c, a), b)`"),
+                );
+                return Type::Error;
+            }
+            (
+                "vector",
+                Type::List {
+                    length: None | Some(3),
+                    ..
+                },
+            ) if ty.components().is_some() => ty.components().map(|(q, _)| q).unwrap_or_default(),
+            (
+                "vector",
+                Type::List {
+                    length: Some(found),
+                    ..
+                },
+            ) if ty.components().is_some() => {
+                self.report(
+                    Diagnostic::error(
+                        codes::LIST_LENGTH,
+                        format!("{what} has 3 elements, not {found}"),
+                    )
+                    .at(expr.span, format!("{found} elements")),
+                );
+                return Type::Error;
+            }
+            ("vector", Type::Vector { .. }) => {
+                self.report(
+                    Diagnostic::error(codes::FRAME, "`vector` of what is a vector already")
+                        .at(expr.span, "a vector, not components")
+                        .with_help(
+                            "leave `vector(…)` away, or take `local(v, m)` for its components",
+                        ),
+                );
+                return Type::Error;
+            }
+            (name, other) => {
+                let wanted = if name == "local" {
+                    "a vector"
+                } else {
+                    "a list of three components"
+                };
+                return self.not_a(expr, other, &what, wanted);
+            }
+        };
+        if !marker {
+            return Type::Error;
+        }
+        if name == "vector" {
+            Type::vector(quantity)
+        } else {
+            Type::List {
+                element: Box::new(Type::Scalar(quantity)),
+                length: Some(3),
+                framed: true,
+            }
+        }
+    }
+
+    fn perpendicular(&mut self, (expr, ty): &(&Expr, Type)) -> Type {
+        match ty {
+            Type::List {
+                length: None | Some(2),
+                ..
+            } if ty.components().is_some() => ty.clone(),
+            Type::List {
+                length: Some(found),
+                ..
+            } if ty.components().is_some() => {
+                self.report(
+                    Diagnostic::error(
+                        codes::LIST_LENGTH,
+                        format!("the argument of `perpendicular` has 2 elements, not {found}"),
+                    )
+                    .at(expr.span, format!("{found} elements")),
+                );
+                Type::Error
+            }
+            other => self.not_a(
+                expr,
+                other,
+                "the argument of `perpendicular`",
+                "a list of two components",
+            ),
+        }
+    }
+
+    fn extreme(&mut self, name: &str, arguments: &[(&Expr, Type)]) -> Type {
+        let what = format!("the arguments of `{name}`");
+        let mut result: Option<(Type, Span)> = None;
+        for (expr, ty) in arguments {
+            let element = match ty {
+                Type::List { element, .. } | Type::Range(element) if arguments.len() == 1 => {
+                    element.as_ref().clone()
+                }
+                other => other.clone(),
+            };
+            if element.quantity().is_none() {
+                return self.not_a(
+                    expr,
+                    &element,
+                    &format!("an argument of `{name}`"),
+                    "a number",
+                );
+            }
+            result = Some(match result {
+                None => (element, expr.span),
+                Some((known, span)) => {
+                    let joined = self.extreme_of(&known, span, &element, expr, &what);
+                    if joined.is_error() {
+                        return Type::Error;
+                    }
+                    (joined, span)
+                }
+            });
+        }
+        result.map_or(Type::Error, |(ty, _)| ty)
+    }
+
+    /// The common type of two arguments of `min` or `max`; a bare number lacks its unit.
+    fn extreme_of(&mut self, known: &Type, span: Span, ty: &Type, expr: &Expr, what: &str) -> Type {
+        if let (Some(p), Some(q)) = (known.quantity(), ty.quantity())
+            && q.dim.is_one()
+            && !p.dim.is_one()
+            && matches!(expr.kind, ExprKind::Number { unit: None, .. })
+            && let Err(misfit) = q.join(&p)
+        {
+            let due = Due::new("this argument").declared(span, "must be like the first");
+            return self.misfit(expr, misfit, &q, &p, &due);
+        }
+        self.join(expr, (known, span), (ty, expr.span), what)
+    }
+
+    fn total(&mut self, (expr, ty): &(&Expr, Type)) -> Type {
+        match ty {
+            Type::List { element, .. } => match element.as_ref() {
+                Type::Int => Type::Int,
+                Type::Scalar(quantity) => {
+                    if matches!(quantity.kind, super::types::Kind::Point(_)) {
+                        return self.multiple_of_point(&quantity.clone(), expr.span, "summed");
+                    }
+                    Type::Scalar(quantity.clone())
+                }
+                other => {
+                    let other = other.clone();
+                    self.not_a(expr, &other, "an element of what `sum` adds", "a number")
+                }
+            },
+            Type::Range(element) if **element == Type::Int => Type::Int,
+            other => self.not_a(expr, other, "the argument of `sum`", "a list"),
+        }
+    }
+}

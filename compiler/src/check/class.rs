@@ -1,0 +1,601 @@
+//! Definitions: models, components, classes, interfaces, records; and the uses of classes in them.
+
+use super::Checker;
+use super::describe::{kind_word, with_article};
+use super::scope::{Member, Scope, block_of};
+use super::types::Type;
+use crate::codes;
+use crate::program::DefinitionId;
+use crate::resolve::suggest::nearest;
+use eng_grammar::ast::{
+    BindingKind, Declaration, Expr, ExprKind, Form, Item, ItemKind, Kind, Name, Statement,
+};
+use eng_grammar::{Diagnostic, Span};
+
+/// What an item is called in messages, and whether it may stand in a definition of a kind.
+fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'static str)> {
+    let holds_parts = matches!(kind, Kind::Model | Kind::Component);
+    let class = matches!(
+        kind,
+        Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive
+    );
+    let constrains = matches!(kind, Kind::Joint | Kind::Drive);
+    let (allowed, what, help) = match item {
+        ItemKind::Error => (true, "", ""),
+        ItemKind::Use(_) => (false, "a `use`", "it belongs at the top of the file"),
+        ItemKind::Dimension(_) | ItemKind::Unit(_) => (
+            false,
+            "a dimension or unit",
+            "it belongs at the top of the file",
+        ),
+        ItemKind::Function(_) => (
+            kind != Kind::Interface,
+            "a function",
+            "an interface has parameters and outputs",
+        ),
+        ItemKind::Table(_) => (
+            holds_parts || class,
+            "a table",
+            "it belongs into a model or a class, or at the top of the file",
+        ),
+        ItemKind::Binding(binding) => match binding.kind {
+            BindingKind::Const => (
+                kind != Kind::Record,
+                "a `const`",
+                "the values of a record are its `let`s",
+            ),
+            BindingKind::Param => (
+                holds_parts || kind == Kind::Interface,
+                "a `param`",
+                if kind == Kind::Record {
+                    "the values of a record are its `let`s"
+                } else {
+                    "the parameters of a class stand in the parentheses after its name"
+                },
+            ),
+            BindingKind::Let => (
+                kind != Kind::Interface,
+                "a `let`",
+                "an interface has parameters and outputs",
+            ),
+            BindingKind::State => (class, "a state", "it belongs into a class"),
+            BindingKind::Output => (
+                kind != Kind::Record,
+                "an output",
+                "the values of a record are its `let`s",
+            ),
+        },
+        ItemKind::Attribute(_) => (holds_parts, "an attribute", "a named value is a `let`"),
+        ItemKind::Statement(statement) => match statement {
+            Statement::Constrain(_) | Statement::Branch(_) => (
+                constrains,
+                "a constraint",
+                if class {
+                    "only a joint or a drive constrains: define it as a `joint`"
+                } else {
+                    "it belongs into a joint; a branch also into the block of a use"
+                },
+            ),
+            Statement::Apply { .. } | Statement::Rate { .. } => (
+                class,
+                "this statement",
+                "it belongs into a joint, force, journal or drive",
+            ),
+            Statement::Start { .. } | Statement::Guess { .. } => (
+                holds_parts,
+                "a start value",
+                "it belongs into a model or a body: `start joint.angle = 30 deg`",
+            ),
+            Statement::Require { .. } => (
+                holds_parts || class,
+                "a requirement",
+                "it belongs into a model or a class",
+            ),
+        },
+        ItemKind::Declaration(declaration) => match declaration.kind {
+            Kind::Flexible | Kind::Default => (true, "", ""),
+            Kind::Body
+            | Kind::Marker
+            | Kind::Joint
+            | Kind::Force
+            | Kind::Journal
+            | Kind::Drive
+            | Kind::Part
+            | Kind::Cycle => {
+                if holds_parts && matches!(declaration.form, Form::Class { .. }) {
+                    (
+                        false,
+                        "a class",
+                        "define it at the top of the file, and use it here",
+                    )
+                } else {
+                    (
+                        holds_parts,
+                        "a part",
+                        "bodies, markers and elements belong into a model or a component",
+                    )
+                }
+            }
+            Kind::Model | Kind::Component | Kind::Interface | Kind::Record | Kind::Analysis => {
+                (false, "a definition", "it belongs at the top of the file")
+            }
+        },
+    };
+    (!allowed).then_some((what, help))
+}
+
+impl<'p> Checker<'p> {
+    pub(super) fn misplaced(&mut self, span: Span, what: &str, place: &str, help: &str) {
+        self.report(
+            Diagnostic::error(codes::MISPLACED, format!("{what} does not belong {place}"))
+                .at(span, "not here")
+                .with_help(help),
+        );
+    }
+
+    /// Checks a definition with everything in it.
+    pub(super) fn definition(&mut self, id: DefinitionId, declaration: &'p Declaration) {
+        let kind = declaration.kind;
+        if !declaration.index.is_empty() {
+            self.misplaced(
+                declaration.name.span,
+                "an index",
+                "at a definition",
+                "the index stands at a use",
+            );
+        }
+        if matches!(kind, Kind::Body | Kind::Marker | Kind::Part | Kind::Cycle) {
+            self.misplaced(
+                declaration.kind_span,
+                &with_article(kind_word(kind)),
+                "at the top of a file",
+                "put it into a model; a class of parts is a `component`",
+            );
+            return;
+        }
+        let class_form = matches!(declaration.form, Form::Class { .. });
+        if class_form && matches!(kind, Kind::Model | Kind::Interface | Kind::Record) {
+            self.misplaced(
+                declaration.name.span,
+                "a list of parameters",
+                &format!("at {}", with_article(kind_word(kind))),
+                if kind == Kind::Record {
+                    "its values are `let`s in the block: `let a: Length`"
+                } else {
+                    "its parameters are `param`s in the block: `param speed: AngularVelocity`"
+                },
+            );
+        }
+        let table = self.class_table(id);
+        for (name, member) in &table.members {
+            if let Some(span) = member.span() {
+                self.member_type(id, name, *member, span);
+            }
+        }
+        let scope = Scope::of(id);
+        let Some(block) = block_of(declaration) else {
+            return;
+        };
+        let mut cycles: Option<Span> = None;
+        let mut attributes: Vec<&'p Name> = Vec::new();
+        for item in &block.items {
+            if let Some((what, help)) = placing(kind, &item.kind) {
+                let place = format!("into {}", with_article(kind_word(kind)));
+                self.misplaced(item_place(item), what, &place, help);
+                continue;
+            }
+            match &item.kind {
+                ItemKind::Statement(statement) => self.statement(&scope, statement),
+                ItemKind::Attribute(attribute) => {
+                    self.attribute_once(&mut attributes, &attribute.name);
+                    self.model_attribute(&scope, attribute, kind);
+                }
+                ItemKind::Declaration(inner) => match inner.kind {
+                    Kind::Flexible => self.flexible(inner.kind_span),
+                    Kind::Default => self.not_built(inner.kind_span, "`default` blocks"),
+                    Kind::Body => self.body(&scope, inner),
+                    Kind::Marker => self.marker(&scope, inner),
+                    Kind::Cycle => {
+                        if let Some(first) = cycles {
+                            self.defined_twice("cycle", inner.kind_span, first);
+                        }
+                        cycles = Some(inner.kind_span);
+                        self.cycle(&scope, inner);
+                    }
+                    _ => self.element(&scope, inner),
+                },
+                _ => {}
+            }
+        }
+        self.states_and_rates(id, declaration);
+        self.conformity(id, declaration);
+    }
+
+    pub(super) fn attribute_once(&mut self, seen: &mut Vec<&'p Name>, name: &'p Name) {
+        if let Some(first) = seen.iter().find(|n| n.text == name.text) {
+            let first = first.span;
+            self.defined_twice(&name.text, name.span, first);
+        }
+        seen.push(name);
+    }
+
+    /// Every state has a rate and every rate a state.
+    fn states_and_rates(&mut self, id: DefinitionId, declaration: &'p Declaration) {
+        let items = || block_of(declaration).into_iter().flat_map(|b| &b.items);
+        let mut rates: Vec<&'p Name> = Vec::new();
+        for item in items() {
+            let ItemKind::Statement(Statement::Rate { state, .. }) = &item.kind else {
+                continue;
+            };
+            if let Some(first) = rates.iter().find(|rate| rate.text == state.text) {
+                let first = first.span;
+                self.defined_twice(&format!("der({})", state.text), state.span, first);
+            }
+            rates.push(state);
+            let is_state = matches!(
+                self.member(id, &state.text),
+                Some(Member::Binding(binding)) if binding.kind == BindingKind::State
+            );
+            if !is_state && placing(declaration.kind, &item.kind).is_none() {
+                let states: Vec<&str> = items()
+                    .filter_map(|item| match &item.kind {
+                        ItemKind::Binding(b) if b.kind == BindingKind::State => {
+                            Some(b.name.text.as_str())
+                        }
+                        _ => None,
+                    })
+                    .collect();
+                let mut message =
+                    Diagnostic::error(codes::STATE, format!("there is no state `{}`", state.text))
+                        .at(state.span, "a rate of what?");
+                if let Some(near) = nearest(&state.text, states) {
+                    message = message
+                        .with_help(format!("did you mean `{near}`?"))
+                        .with_fix(format!("write `{near}`"), state.span, near);
+                } else {
+                    message = message.with_help(format!(
+                        "for instance `state {}: Pressure = 1 bar`",
+                        state.text
+                    ));
+                }
+                self.report(message);
+            }
+        }
+        for item in items() {
+            if let ItemKind::Binding(binding) = &item.kind
+                && binding.kind == BindingKind::State
+                && !rates.iter().any(|rate| rate.text == binding.name.text)
+                && placing(declaration.kind, &item.kind).is_none()
+            {
+                let name = &binding.name.text;
+                self.report(
+                    Diagnostic::error(codes::STATE, format!("the state `{name}` has no rate"))
+                        .at(binding.name.span, "how does it change?")
+                        .with_help(format!("write `der({name}) = …`")),
+                );
+            }
+        }
+    }
+
+    /// Whether a class gives what its interface promises.
+    fn conformity(&mut self, id: DefinitionId, declaration: &'p Declaration) {
+        let Form::Class {
+            interface: Some(name),
+            ..
+        } = &declaration.form
+        else {
+            return;
+        };
+        let Some(interface) = self.interface_of(id) else {
+            match self.find_top(id.module, &name.text) {
+                Some(other) => {
+                    let message = Diagnostic::error(
+                        codes::INTERFACE,
+                        format!("`{}` is no interface", name.text),
+                    )
+                    .at(name.span, "an interface stands here");
+                    let message = match self.declaration(other) {
+                        Some(other) => message.also(other.name.span, "defined here"),
+                        None => message,
+                    };
+                    self.report(message);
+                }
+                None => {
+                    let interfaces: Vec<&str> = self
+                        .program
+                        .modules
+                        .iter()
+                        .flat_map(|module| &module.file.items)
+                        .filter_map(|item| match &item.kind {
+                            ItemKind::Declaration(d) if d.kind == Kind::Interface => {
+                                Some(d.name.text.as_str())
+                            }
+                            _ => None,
+                        })
+                        .collect();
+                    let mut message = Diagnostic::error(
+                        codes::UNKNOWN_TYPE,
+                        format!("there is no interface `{}`", name.text),
+                    )
+                    .at(name.span, "not known");
+                    let offered = self.program.offered.get(&name.text).cloned();
+                    if let Some(path) = offered {
+                        message = self.offer_use(message, id.module, &path, &name.text);
+                    } else if let Some(near) = nearest(&name.text, interfaces) {
+                        message = message
+                            .with_help(format!("did you mean `{near}`?"))
+                            .with_fix(format!("write `{near}`"), name.span, near);
+                    }
+                    self.report(message);
+                }
+            }
+            return;
+        };
+        let promised = self.class_table(interface);
+        for (wanted_name, wanted) in &promised.members {
+            let Member::Binding(promise) = wanted else {
+                continue;
+            };
+            let wanted_type = self.member_type(interface, wanted_name, *wanted, promise.name.span);
+            let own = self.member(id, wanted_name);
+            let (word, fits) = match promise.kind {
+                BindingKind::Output => (
+                    "output",
+                    matches!(own, Some(Member::Binding(b)) if b.kind == BindingKind::Output)
+                        || matches!(own, Some(Member::Reaction(_))),
+                ),
+                _ => (
+                    "parameter",
+                    matches!(own, Some(Member::Parameter(_) | Member::Binding(_))),
+                ),
+            };
+            let class = &declaration.name.text;
+            let Some(own) = own.filter(|_| fits) else {
+                self.report(
+                    Diagnostic::error(
+                        codes::INTERFACE,
+                        format!(
+                            "`{class}` lacks the {word} `{wanted_name}` of `{}`",
+                            name.text
+                        ),
+                    )
+                    .at(declaration.name.span, format!("no {word} `{wanted_name}`"))
+                    .also(promise.name.span, "promised here"),
+                );
+                continue;
+            };
+            let own_span = own.span().unwrap_or(declaration.name.span);
+            let own_type = self.member_type(id, wanted_name, own, own_span);
+            if own_type.is_error() || wanted_type.is_error() {
+                continue;
+            }
+            if !self.assignable(&own_type, &wanted_type) {
+                let (own_text, wanted_text) =
+                    (self.describe(&own_type), self.describe(&wanted_type));
+                self.report(
+                    Diagnostic::error(
+                        codes::INTERFACE,
+                        format!("the {word} `{wanted_name}` of `{class}` is {own_text}, not {wanted_text}"),
+                    )
+                    .at(own_span, format!("this is {own_text}"))
+                    .also(promise.name.span, format!("`{}` promises {wanted_text}", name.text)),
+                );
+            }
+        }
+    }
+
+    /// The type of what `kind name = Class(…)` makes; says what is wrong with the class.
+    pub(super) fn element_type(&mut self, scope: &Scope<'p>, declaration: &'p Declaration) -> Type {
+        let scope = self.binders(scope, &declaration.index);
+        let kind = declaration.kind;
+        let word = kind_word(kind);
+        let Form::Instance { value, .. } = &declaration.form else {
+            if matches!(declaration.form, Form::Plain { .. }) {
+                self.report(
+                    Diagnostic::error(
+                        codes::MISSING_VALUE,
+                        format!("the {word} `{}` needs a class", declaration.name.text),
+                    )
+                    .at(declaration.name.span, "of which class?")
+                    .with_help(format!(
+                        "write `{word} {} = Class(…)`",
+                        declaration.name.text
+                    )),
+                );
+            }
+            return Type::Error;
+        };
+        let ExprKind::Call { callee, .. } = &value.kind else {
+            return self.not_a_use(&scope, declaration, value);
+        };
+        let ty = match &callee.kind {
+            ExprKind::Name(name)
+                if super::builtin::NAMES.contains(&name.as_str())
+                    && self.find(&scope, name).is_none() =>
+            {
+                self.report(
+                    Diagnostic::error(
+                        codes::KIND,
+                        format!("`{name}` is a function, not {}", with_article(word)),
+                    )
+                    .at(callee.span, format!("a class of the kind `{word}` is due")),
+                );
+                return Type::Error;
+            }
+            _ => self.infer(&scope, callee),
+        };
+        match ty {
+            Type::Class(id) => {
+                let found = self.declaration(id).map(|d| d.kind);
+                let wanted = if kind == Kind::Part {
+                    Kind::Component
+                } else {
+                    kind
+                };
+                if found == Some(wanted) {
+                    return Type::Instance(id);
+                }
+                let class = self.class_name(id);
+                let found_word = found.map_or("class", kind_word);
+                let right = match found {
+                    Some(Kind::Component) => Some("part"),
+                    Some(Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive) => {
+                        Some(found_word)
+                    }
+                    _ => None,
+                };
+                let mut message = Diagnostic::error(
+                    codes::KIND,
+                    format!(
+                        "`{class}` is {}, not {}",
+                        with_article(found_word),
+                        with_article(kind_word(wanted))
+                    ),
+                )
+                .at(
+                    declaration.kind_span,
+                    format!("declared as {}", with_article(word)),
+                );
+                if let Some(declared) = self.declaration(id) {
+                    message = message.also(
+                        declared.name.span,
+                        format!("defined as {}", with_article(found_word)),
+                    );
+                }
+                if let Some(right) = right {
+                    message = message
+                        .with_help(format!(
+                            "write `{right} {} = {class}(…)`",
+                            declaration.name.text
+                        ))
+                        .with_fix(format!("write `{right}`"), declaration.kind_span, right);
+                }
+                self.report(message);
+                // What it is, is known: its members are not in doubt.
+                match right {
+                    Some(_) => Type::Instance(id),
+                    None => Type::Error,
+                }
+            }
+            Type::ClassOf(interface) => Type::InstanceOf(interface),
+            Type::Error => Type::Error,
+            other => {
+                let found = self.describe(&other);
+                self.report(
+                    Diagnostic::error(
+                        codes::KIND,
+                        format!("`{}` needs a class, not {found}", declaration.name.text),
+                    )
+                    .at(callee.span, format!("this is {found}"))
+                    .also(
+                        declaration.kind_span,
+                        format!("a class of the kind `{word}` is due"),
+                    ),
+                );
+                Type::Error
+            }
+        }
+    }
+
+    fn not_a_use(&mut self, scope: &Scope<'p>, declaration: &Declaration, value: &Expr) -> Type {
+        let ty = self.infer(scope, value);
+        if ty.is_error() {
+            return Type::Error;
+        }
+        let word = kind_word(declaration.kind);
+        let shown = self.sources.text(value.span).to_owned();
+        let message = match ty {
+            Type::Class(_) | Type::ClassOf(_) => Diagnostic::error(
+                codes::MISSING_ARGUMENT,
+                format!("`{shown}` needs its arguments"),
+            )
+            .at(value.span, "the class itself, not one made of it")
+            .with_help(format!(
+                "write `{word} {} = {shown}(…)`",
+                declaration.name.text
+            )),
+            other => {
+                let found = self.describe(&other);
+                Diagnostic::error(
+                    codes::KIND,
+                    format!("`{}` needs a class, not {found}", declaration.name.text),
+                )
+                .at(value.span, format!("this is {found}"))
+                .with_help(format!(
+                    "write `{word} {} = Class(…)`",
+                    declaration.name.text
+                ))
+            }
+        };
+        self.report(message);
+        Type::Error
+    }
+
+    /// A use of a class: arguments, and the block behind it.
+    fn element(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
+        let ty = self.element_type(outer, declaration);
+        let scope = self.binders(outer, &declaration.index);
+        let Form::Instance { value, block } = &declaration.form else {
+            return;
+        };
+        let ExprKind::Call { arguments, .. } = &value.kind else {
+            return;
+        };
+        let class = match ty {
+            Type::Instance(id) | Type::InstanceOf(id) => id,
+            _ => {
+                for argument in arguments {
+                    self.infer(&scope, &argument.value);
+                }
+                return;
+            }
+        };
+        self.arguments_of_class(&scope, class, arguments, value.span);
+        let Some(block) = block else {
+            return;
+        };
+        let inner = Scope {
+            at_use: Some(class),
+            ..scope
+        };
+        for item in &block.items {
+            match &item.kind {
+                ItemKind::Error => {}
+                ItemKind::Statement(statement @ (Statement::Branch(_) | Statement::Require { .. })) => {
+                    if matches!(statement, Statement::Branch(_))
+                        && !matches!(declaration.kind, Kind::Joint | Kind::Drive)
+                    {
+                        self.misplaced(
+                            item.span,
+                            "a branch",
+                            &format!("at {}", with_article(kind_word(declaration.kind))),
+                            "only joints and drives constrain, and can assemble in two ways",
+                        );
+                        continue;
+                    }
+                    self.statement(&inner, statement);
+                }
+                _ => self.misplaced(
+                    item_place(item),
+                    "this",
+                    "into the block of a use",
+                    "it takes `branch`, `require` and `advise`; start values stand in the model: `start joint.angle = 30 deg`",
+                ),
+            }
+        }
+    }
+}
+
+/// Where an item begins: the part of it that a message should show.
+fn item_place(item: &Item) -> Span {
+    match &item.kind {
+        ItemKind::Binding(binding) => binding.name.span,
+        ItemKind::Function(function) => function.name.span,
+        ItemKind::Table(table) => table.name.span,
+        ItemKind::Declaration(declaration) => declaration.kind_span.to(declaration.name.span),
+        ItemKind::Attribute(attribute) => attribute.name.span,
+        ItemKind::Dimension(dimension) => dimension.name.span,
+        ItemKind::Unit(unit) => unit.name.span,
+        ItemKind::Use(_) | ItemKind::Statement(_) | ItemKind::Error => item.span,
+    }
+}

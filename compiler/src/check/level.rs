@@ -1,0 +1,621 @@
+//! What depends on velocities and what on accelerations. Constraints hold positions; accelerations, reactions and rates
+//! of states are known in outputs only.
+//!
+//! A run over the definitions after their types are known to be right: every value gets its level, functions are
+//! followed with the levels of their arguments, and each statement says which level it can bear.
+
+use super::scope::{Found, Member, Scope, block_of};
+use super::types::Type;
+use super::{Checker, Progress};
+use crate::codes;
+use crate::program::DefinitionId;
+use eng_grammar::ast::{
+    Argument, Binder, Binding, BindingKind, Expr, ExprKind, Function, IndexArgument, ItemKind,
+    Kind, Name, Statement,
+};
+use eng_grammar::{Diagnostic, Span};
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// Most calls that are followed; a text that nests more is taken for what its arguments say.
+const MOST_CALLS: u32 = 100_000;
+
+/// How a level came about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Cause {
+    Velocity,
+    Derivative,
+    State,
+    SecondDerivative,
+    RateOfState,
+    Acceleration,
+    Reaction,
+}
+
+/// -1: parameters and time; 0: positions; 1: velocities and states; 2: accelerations, reactions and rates of states.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    order: i8,
+    cause: Option<(Span, Cause)>,
+}
+
+const FREE: Level = Level {
+    order: -1,
+    cause: None,
+};
+const POSITION: Level = Level {
+    order: 0,
+    cause: None,
+};
+
+impl Level {
+    fn new(order: i8, span: Span, cause: Cause) -> Level {
+        Level {
+            order,
+            cause: Some((span, cause)),
+        }
+    }
+
+    fn with(self, other: Level) -> Level {
+        if other.order > self.order {
+            other
+        } else {
+            self
+        }
+    }
+
+    fn rate(self, span: Span) -> Level {
+        match self.order {
+            ..=-1 => self,
+            0 => Level::new(1, span, Cause::Derivative),
+            1 => {
+                let cause = match self.cause {
+                    Some((_, Cause::State)) => Cause::RateOfState,
+                    _ => Cause::SecondDerivative,
+                };
+                Level::new(2, span, cause)
+            }
+            _ => self,
+        }
+    }
+}
+
+/// A value as far as levels matter.
+#[derive(Clone)]
+enum Abstract<'p> {
+    Number(Level),
+    Marker,
+    Body,
+    Cycle,
+    Record(DefinitionId, Rc<BTreeMap<String, Abstract<'p>>>),
+    Instance(DefinitionId),
+    Class(DefinitionId),
+    Function(&'p Function, Rc<Place<'p>>),
+    /// A table, or a function that is a parameter.
+    Unknown,
+}
+
+impl Abstract<'_> {
+    fn level(&self) -> Level {
+        match self {
+            Abstract::Number(level) => *level,
+            Abstract::Marker | Abstract::Body | Abstract::Cycle => POSITION,
+            Abstract::Record(_, fields) => fields
+                .values()
+                .fold(FREE, |level, field| level.with(field.level())),
+            _ => FREE,
+        }
+    }
+}
+
+/// Where an expression is followed.
+#[derive(Clone)]
+struct Place<'p> {
+    scope: Scope<'p>,
+    locals: Vec<(String, Abstract<'p>)>,
+}
+
+impl<'p> Place<'p> {
+    fn of(scope: Scope<'p>) -> Place<'p> {
+        Place {
+            scope,
+            locals: Vec::new(),
+        }
+    }
+}
+
+struct Levels<'c, 'p> {
+    checker: &'c mut Checker<'p>,
+    known: BTreeMap<(DefinitionId, String), Progress<Abstract<'p>>>,
+    calls: u32,
+}
+
+/// Checks all statements of all definitions.
+pub(super) fn check(checker: &mut Checker<'_>) {
+    let program = checker.program;
+    let mut levels = Levels {
+        checker,
+        known: BTreeMap::new(),
+        calls: 0,
+    };
+    for (module, file) in program.modules.iter().enumerate() {
+        for (item, content) in file.file.items.iter().enumerate() {
+            let ItemKind::Declaration(declaration) = &content.kind else {
+                continue;
+            };
+            let id = DefinitionId {
+                module: module as u32,
+                item: item as u32,
+            };
+            let place = Place::of(Scope::of(id));
+            for item in block_of(declaration).into_iter().flat_map(|b| &b.items) {
+                match &item.kind {
+                    ItemKind::Statement(statement) => levels.statement(&place, statement),
+                    ItemKind::Declaration(inner)
+                        if matches!(
+                            inner.kind,
+                            Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive
+                        ) =>
+                    {
+                        levels.block_of_use(&place, inner);
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+}
+
+impl<'p> Levels<'_, 'p> {
+    fn block_of_use(&mut self, place: &Place<'p>, declaration: &'p eng_grammar::ast::Declaration) {
+        let Some(block) = block_of(declaration) else {
+            return;
+        };
+        let ty = self.checker.element_type(&place.scope, declaration);
+        let at_use = match ty {
+            Type::Instance(id) | Type::InstanceOf(id) => Some(id),
+            _ => None,
+        };
+        let mut inner = Place::of(Scope {
+            at_use,
+            ..place.scope.clone()
+        });
+        self.bind(&mut inner, &declaration.index);
+        for item in &block.items {
+            if let ItemKind::Statement(statement) = &item.kind {
+                self.statement(&inner, statement);
+            }
+        }
+    }
+
+    fn statement(&mut self, place: &Place<'p>, statement: &Statement) {
+        match statement {
+            Statement::Constrain(equation) => {
+                let level = self.level(place, equation);
+                self.bear(level, 0, equation.span, "constrained");
+            }
+            Statement::Branch(condition) => {
+                let level = self.level(place, condition);
+                self.bear(level, 1, condition.span, "a branch");
+            }
+            Statement::Start { target, value } | Statement::Guess { target, value } => {
+                let level = self.level(place, target).with(self.level(place, value));
+                self.bear(level, 1, target.span, "set at the start");
+            }
+            Statement::Apply { value, .. } => {
+                let level = self.level(place, value);
+                self.bear(level, 1, value.span, "applied");
+            }
+            Statement::Require { condition, .. } => {
+                let level = self.level(place, condition);
+                self.bear(level, 1, condition.span, "a requirement");
+            }
+            Statement::Rate { value, .. } => {
+                let level = self.level(place, value);
+                self.bear(level, 1, value.span, "the rate of a state");
+            }
+        }
+    }
+
+    /// Says what is wrong where a level is higher than a statement can bear.
+    fn bear(&mut self, level: Level, most: i8, span: Span, use_: &str) {
+        let Some((at, cause)) = level.cause.filter(|_| level.order > most) else {
+            return;
+        };
+        let (code, title, label, help) = match (level.order, cause) {
+            (_, Cause::Acceleration) => (
+                codes::ACCELERATION,
+                "accelerations are known in outputs only",
+                "an acceleration",
+                "a force of inertia is what the body's mass gives already; show an acceleration by an `output`",
+            ),
+            (_, Cause::Reaction) => (
+                codes::ACCELERATION,
+                "reactions are known in outputs only",
+                "a reaction",
+                "a law that needs a reaction needs a compliant element instead of the joint",
+            ),
+            (_, Cause::RateOfState) => (
+                codes::DERIVATIVE,
+                "the rate of a state is known in outputs only",
+                "the rate of a state",
+                "write out the right side of its `der(…) = …`, as a `let` that both use",
+            ),
+            (2.., _) => (
+                codes::DERIVATIVE,
+                "a velocity is differentiated outside of outputs",
+                "the second derivative of a position",
+                "accelerations are known only when a step is solved; show them by an `output`",
+            ),
+            (_, Cause::State) => (
+                codes::DERIVATIVE,
+                "a constraint holds positions, not states",
+                "a state",
+                "apply a force that depends on the state instead",
+            ),
+            _ => (
+                codes::DERIVATIVE,
+                "a constraint holds positions, not velocities",
+                "a velocity",
+                "constrain the position that belongs to it: an angle to `speed*time` rather than its rate to `speed`",
+            ),
+        };
+        let mut message = Diagnostic::error(code, title).at(at, label);
+        if at != span {
+            message = message.also(span, use_.to_owned());
+        }
+        self.checker.report(message.with_help(help));
+    }
+
+    fn level(&mut self, place: &Place<'p>, expr: &Expr) -> Level {
+        self.value(place, expr).level()
+    }
+
+    fn joined<'e>(
+        &mut self,
+        place: &Place<'p>,
+        parts: impl IntoIterator<Item = &'e Expr>,
+    ) -> Level {
+        parts
+            .into_iter()
+            .fold(FREE, |level, part| level.with(self.level(place, part)))
+    }
+
+    fn bind(&mut self, place: &mut Place<'p>, binders: &[Binder]) {
+        for binder in binders {
+            let value = self.value(place, &binder.range);
+            place.locals.push((binder.name.text.clone(), value));
+        }
+    }
+
+    fn value(&mut self, place: &Place<'p>, expr: &Expr) -> Abstract<'p> {
+        match &expr.kind {
+            ExprKind::Number { .. } | ExprKind::Text(_) | ExprKind::Bool(_) | ExprKind::Error => {
+                Abstract::Number(FREE)
+            }
+            ExprKind::Name(name) => self.name(place, name, expr.span),
+            ExprKind::List { items, .. } => match items.as_slice() {
+                // A list of bodies, markers or elements is like one of them.
+                [only, ..] => {
+                    let first = self.value(place, only);
+                    match first {
+                        Abstract::Number(_) => Abstract::Number(self.joined(place, items)),
+                        other => other,
+                    }
+                }
+                [] => Abstract::Number(FREE),
+            },
+            ExprKind::Comprehension { body, binders, .. } => {
+                let mut inner = place.clone();
+                self.bind(&mut inner, binders);
+                self.value(&inner, body)
+            }
+            ExprKind::Paren { inner, .. } => self.value(place, inner),
+            ExprKind::Field { base, name } => {
+                let base = self.value(place, base);
+                self.field(base, name)
+            }
+            ExprKind::Call { callee, arguments } => self.call(place, callee, arguments, expr.span),
+            ExprKind::Index { base, indices } => {
+                for index in indices {
+                    if let IndexArgument::At(at) = index {
+                        self.level(place, at);
+                    }
+                }
+                self.value(place, base)
+            }
+            ExprKind::Unary { operand, .. } => Abstract::Number(self.level(place, operand)),
+            ExprKind::Binary { left, right, .. } => {
+                Abstract::Number(self.joined(place, [left.as_ref(), right.as_ref()]))
+            }
+            ExprKind::If {
+                condition,
+                then,
+                otherwise,
+            } => {
+                let value = self.value(place, then);
+                match value {
+                    Abstract::Number(level) => Abstract::Number(
+                        level.with(self.joined(place, [condition.as_ref(), otherwise.as_ref()])),
+                    ),
+                    other => other,
+                }
+            }
+            ExprKind::Range { from, to, by } => {
+                let parts = [Some(from), Some(to), by.as_ref()];
+                Abstract::Number(self.joined(place, parts.into_iter().flatten().map(AsRef::as_ref)))
+            }
+        }
+    }
+
+    fn name(&mut self, place: &Place<'p>, name: &str, span: Span) -> Abstract<'p> {
+        if let Some((_, value)) = place.locals.iter().rev().find(|(n, _)| n == name) {
+            return value.clone();
+        }
+        match self.checker.find(&place.scope, name) {
+            Some(Found::Local(_)) => Abstract::Number(FREE),
+            Some(Found::BodyMarker(_)) => Abstract::Marker,
+            Some(Found::Member(id, member)) => self.member(id, name, member, span),
+            Some(Found::Top(id)) => self.top(id),
+            None => match name {
+                "ground" | "origin" => Abstract::Marker,
+                "cycle" => Abstract::Cycle,
+                _ => Abstract::Number(FREE),
+            },
+        }
+    }
+
+    fn top(&mut self, id: DefinitionId) -> Abstract<'p> {
+        let Some(item) = self.checker.program.item(id) else {
+            return Abstract::Unknown;
+        };
+        match &item.kind {
+            ItemKind::Binding(binding) => self.remembered(id, "", |levels| {
+                levels.binding(&Place::of(Scope::top(id.module)), binding)
+            }),
+            ItemKind::Function(function) => {
+                Abstract::Function(function, Rc::new(Place::of(Scope::top(id.module))))
+            }
+            ItemKind::Declaration(_) => Abstract::Class(id),
+            _ => Abstract::Unknown,
+        }
+    }
+
+    fn remembered(
+        &mut self,
+        id: DefinitionId,
+        name: &str,
+        find: impl FnOnce(&mut Self) -> Abstract<'p>,
+    ) -> Abstract<'p> {
+        let key = (id, name.to_owned());
+        match self.known.get(&key) {
+            Some(Progress::Done(value)) => return value.clone(),
+            // Circles were said before; there is none here.
+            Some(Progress::Open) => return Abstract::Number(FREE),
+            None => {}
+        }
+        self.known.insert(key.clone(), Progress::Open);
+        let value = find(self);
+        self.known.insert(key, Progress::Done(value.clone()));
+        value
+    }
+
+    fn member(
+        &mut self,
+        id: DefinitionId,
+        name: &str,
+        member: Member<'p>,
+        span: Span,
+    ) -> Abstract<'p> {
+        let place = Place::of(Scope::of(id));
+        match member {
+            Member::Parameter(parameter) => {
+                let ty = self
+                    .checker
+                    .member_type(id, name, member, parameter.name.span);
+                self.given(&ty)
+            }
+            Member::Binding(binding) => match binding.kind {
+                BindingKind::State => Abstract::Number(Level::new(1, span, Cause::State)),
+                BindingKind::Param | BindingKind::Const if binding.value.is_none() => {
+                    let ty = self
+                        .checker
+                        .member_type(id, name, member, binding.name.span);
+                    self.given(&ty)
+                }
+                // An interface's output: as high as a law may have it outside of outputs.
+                BindingKind::Output if binding.value.is_none() => {
+                    Abstract::Number(Level::new(1, span, Cause::Velocity))
+                }
+                _ => self.remembered(id, name, |levels| levels.binding(&place, binding)),
+            },
+            Member::Function(function) => Abstract::Function(function, Rc::new(place)),
+            Member::Table(_) => Abstract::Unknown,
+            Member::Reaction(_) => Abstract::Number(Level::new(2, span, Cause::Reaction)),
+            Member::Declaration(declaration) => match declaration.kind {
+                Kind::Body => Abstract::Body,
+                Kind::Marker => Abstract::Marker,
+                _ => {
+                    let ty = self
+                        .checker
+                        .member_type(id, name, member, declaration.name.span);
+                    self.given(&ty)
+                }
+            },
+        }
+    }
+
+    fn binding(&mut self, place: &Place<'p>, binding: &'p Binding) -> Abstract<'p> {
+        let Some(value) = &binding.value else {
+            return Abstract::Number(FREE);
+        };
+        let mut inner = place.clone();
+        self.bind(&mut inner, &binding.index);
+        self.value(&inner, value)
+    }
+
+    /// What is known of something by its type alone.
+    fn given(&mut self, ty: &Type) -> Abstract<'p> {
+        match ty {
+            Type::Marker => Abstract::Marker,
+            Type::Body(_) => Abstract::Body,
+            Type::Cycle => Abstract::Cycle,
+            Type::Function(_) => Abstract::Unknown,
+            Type::List { element, .. } | Type::Range(element) => self.given(element),
+            Type::Class(id) | Type::ClassOf(id) => Abstract::Class(*id),
+            Type::Instance(id) | Type::InstanceOf(id) => {
+                match self.checker.declaration(*id).map(|d| d.kind) {
+                    Some(Kind::Record) => Abstract::Record(*id, Rc::new(BTreeMap::new())),
+                    _ => Abstract::Instance(*id),
+                }
+            }
+            _ => Abstract::Number(FREE),
+        }
+    }
+
+    fn field(&mut self, base: Abstract<'p>, name: &Name) -> Abstract<'p> {
+        match base {
+            Abstract::Number(level) => Abstract::Number(level),
+            Abstract::Marker => Abstract::Number(match name.text.as_str() {
+                "velocity" | "angular_velocity" => Level::new(1, name.span, Cause::Velocity),
+                "acceleration" | "angular_acceleration" => {
+                    Level::new(2, name.span, Cause::Acceleration)
+                }
+                _ => POSITION,
+            }),
+            Abstract::Body => Abstract::Marker,
+            Abstract::Cycle if name.text == "angle" => Abstract::Number(POSITION),
+            Abstract::Cycle => Abstract::Number(FREE),
+            Abstract::Record(id, fields) => {
+                if let Some(value) = fields.get(&name.text) {
+                    return value.clone();
+                }
+                let place = Place {
+                    scope: Scope::of(id),
+                    locals: fields.iter().map(|(n, v)| (n.clone(), v.clone())).collect(),
+                };
+                match self.checker.member(id, &name.text) {
+                    Some(Member::Function(function)) => {
+                        Abstract::Function(function, Rc::new(place))
+                    }
+                    Some(Member::Binding(binding)) => self.binding(&place, binding),
+                    _ => Abstract::Number(FREE),
+                }
+            }
+            Abstract::Instance(id) => match self.checker.member(id, &name.text) {
+                Some(member) => self.member(id, &name.text, member, name.span),
+                None => Abstract::Number(FREE),
+            },
+            Abstract::Class(_) | Abstract::Function(..) | Abstract::Unknown => {
+                Abstract::Number(FREE)
+            }
+        }
+    }
+
+    fn call(
+        &mut self,
+        place: &Place<'p>,
+        callee: &Expr,
+        arguments: &[Argument],
+        span: Span,
+    ) -> Abstract<'p> {
+        let values: Vec<(Option<&str>, Abstract<'p>)> = arguments
+            .iter()
+            .map(|argument| {
+                let name = argument.name.as_ref().map(|n| n.text.as_str());
+                (name, self.value(place, &argument.value))
+            })
+            .collect();
+        let all = values
+            .iter()
+            .fold(FREE, |level, (_, value)| level.with(value.level()));
+        if let ExprKind::Name(name) = &callee.kind
+            && super::builtin::NAMES.contains(&name.as_str())
+        {
+            let own = matches!(
+                self.name(place, name, callee.span),
+                Abstract::Function(..) | Abstract::Class(_)
+            );
+            if !own {
+                return Abstract::Number(match name.as_str() {
+                    "der" => all.rate(span),
+                    "length" => FREE,
+                    _ => all,
+                });
+            }
+        }
+        match self.value(place, callee) {
+            Abstract::Function(function, defined) => self.follow(function, &defined, values, all),
+            Abstract::Class(id) => {
+                let slots: Vec<String> = self
+                    .checker
+                    .slots_of(id)
+                    .into_iter()
+                    .map(|slot| slot.name)
+                    .collect();
+                let mut fields = BTreeMap::new();
+                let mut position = 0;
+                for (name, value) in values {
+                    let name = match name {
+                        Some(name) => Some(name.to_owned()),
+                        None => {
+                            position += 1;
+                            slots.get(position - 1).cloned()
+                        }
+                    };
+                    if let Some(name) = name {
+                        fields.insert(name, value);
+                    }
+                }
+                Abstract::Record(id, Rc::new(fields))
+            }
+            _ => Abstract::Number(all),
+        }
+    }
+
+    /// The value of a function for these arguments.
+    fn follow(
+        &mut self,
+        function: &'p Function,
+        defined: &Place<'p>,
+        values: Vec<(Option<&str>, Abstract<'p>)>,
+        all: Level,
+    ) -> Abstract<'p> {
+        self.calls += 1;
+        if self.calls > MOST_CALLS {
+            return Abstract::Number(all);
+        }
+        let mut inner = defined.clone();
+        let mut position = 0;
+        let mut given: Vec<&str> = Vec::new();
+        for (name, value) in &values {
+            let name = match name {
+                Some(name) => Some(*name),
+                None => {
+                    position += 1;
+                    function
+                        .parameters
+                        .get(position - 1)
+                        .map(|p| p.name.text.as_str())
+                }
+            };
+            if let Some(name) = name {
+                given.push(name);
+                inner.locals.push((name.to_owned(), value.clone()));
+            }
+        }
+        for parameter in &function.parameters {
+            if !given.contains(&parameter.name.text.as_str())
+                && let Some(default) = &parameter.default
+            {
+                let value = self.value(defined, default);
+                inner.locals.push((parameter.name.text.clone(), value));
+            }
+        }
+        for binding in &function.lets {
+            let value = self.binding(&inner, binding);
+            inner.locals.push((binding.name.text.clone(), value));
+        }
+        self.value(&inner, &function.value)
+    }
+}

@@ -1,0 +1,247 @@
+//! Statements of definitions and bodies.
+
+use super::Checker;
+use super::mismatch::Due;
+use super::scope::{Scope, force_dimension, torque_dimension};
+use super::types::{Kind as PointKind, Quantity, Type};
+use crate::codes;
+use eng_grammar::ast::{Attribute, Declaration, Expr, Form, ItemKind, Kind, Name, Statement};
+
+use eng_grammar::{Diagnostic, Diagnostics, MessagePart, parse_message};
+use eng_system::Dimension;
+
+impl<'p> Checker<'p> {
+    pub(super) fn statement(&mut self, scope: &Scope<'p>, statement: &Statement) {
+        match statement {
+            Statement::Constrain(equation) => self.equation(scope, equation),
+            Statement::Branch(condition) => self.condition(scope, condition, "a branch"),
+            Statement::Start { target, value } | Statement::Guess { target, value } => {
+                self.start(scope, target, value);
+            }
+            Statement::Apply {
+                torque,
+                value,
+                on,
+                against,
+            } => {
+                let (word, dimension) = if *torque {
+                    ("torque", torque_dimension())
+                } else {
+                    ("force", force_dimension())
+                };
+                let due = Due::new(format!("what `apply {word}` applies"));
+                self.expect(scope, value, &Type::vector(Quantity::hard(dimension)), &due);
+                self.expect(
+                    scope,
+                    on,
+                    &Type::Marker,
+                    &Due::new("what stands after `on`"),
+                );
+                if let Some(against) = against {
+                    let due = Due::new("what stands after `against`");
+                    self.expect(scope, against, &Type::Marker, &due);
+                }
+            }
+            Statement::Require {
+                advise,
+                condition,
+                message,
+            } => {
+                let word = if *advise { "advise" } else { "require" };
+                self.condition(scope, condition, &format!("what follows `{word}`"));
+                self.message(scope, message);
+            }
+            Statement::Rate { state, value } => {
+                // Whether it is a state at all is said elsewhere.
+                let found = self.find(scope, &state.text).is_some();
+                let rate = match found.then(|| self.name(scope, &state.text, state.span)) {
+                    Some(Type::Scalar(quantity)) => {
+                        let time = Quantity::hard(Dimension::TIME);
+                        Type::Scalar(Quantity {
+                            soft: true,
+                            ..quantity.over(&time)
+                        })
+                    }
+                    _ => Type::Error,
+                };
+                let due = Due::new(format!("the rate of `{}`", state.text))
+                    .declared(state.span, "a rate is the state's dimension in a time");
+                self.expect(scope, value, &rate, &due);
+            }
+        }
+    }
+
+    /// The `{expression as unit}` places of a message.
+    fn message(&mut self, scope: &Scope<'p>, message: &Name) {
+        // The parser has said what cannot be read in it.
+        let mut said = Diagnostics::new();
+        for part in parse_message(message, &mut said) {
+            let MessagePart::Value { value, unit, .. } = part else {
+                continue;
+            };
+            let ty = self.infer(scope, &value);
+            if let Some(unit) = unit {
+                self.display(scope, &ty, &unit);
+            }
+        }
+        self.diagnostics.extend(said);
+    }
+
+    /// `start target = value` in a model.
+    fn start(&mut self, scope: &Scope<'p>, target: &Expr, value: &Expr) {
+        let ty = self.infer(scope, target);
+        match &ty {
+            Type::Error => {
+                self.infer(scope, value);
+            }
+            Type::Scalar(quantity) => {
+                let due = Due::new(format!("the start of `{}`", self.sources.text(target.span)))
+                    .declared(target.span, "set here");
+                let open = Type::Scalar(Quantity {
+                    kind: PointKind::Any,
+                    ..quantity.clone()
+                });
+                self.expect(scope, value, &open, &due);
+            }
+            Type::Vector { quantity, .. } => {
+                let due = Due::new(format!("the start of `{}`", self.sources.text(target.span)))
+                    .declared(target.span, "set here");
+                self.expect(scope, value, &Type::vector(quantity.clone()), &due);
+            }
+            other => {
+                let found = self.describe(other);
+                self.report(
+                    Diagnostic::error(codes::START, "only what moves can be set at the start")
+                        .at(target.span, format!("this is {found}"))
+                        .with_help("for instance `start rotation(crank.main, ground) = 30 deg`"),
+                );
+                self.infer(scope, value);
+            }
+        }
+    }
+
+    /// `gravity = …`.
+    pub(super) fn model_attribute(
+        &mut self,
+        scope: &Scope<'p>,
+        attribute: &'p Attribute,
+        kind: Kind,
+    ) {
+        let name = &attribute.name;
+        if name.text != "gravity" || kind != Kind::Model {
+            let mut message = Diagnostic::error(
+                codes::UNKNOWN_ATTRIBUTE,
+                format!(
+                    "{} has no attribute `{}`",
+                    super::describe::with_article(super::describe::kind_word(kind)),
+                    name.text
+                ),
+            )
+            .at(name.span, "not known");
+            let near = (kind == Kind::Model)
+                .then(|| crate::resolve::suggest::nearest(&name.text, ["gravity"]))
+                .flatten();
+            if let Some(near) = near {
+                message = message
+                    .with_help(format!("did you mean `{near}`?"))
+                    .with_fix(format!("write `{near}`"), name.span, near);
+            } else if kind == Kind::Component && name.text == "gravity" {
+                message = message.with_help("gravity acts on the whole model: state it there");
+            } else {
+                message = message
+                    .with_note("a model has the attribute `gravity`")
+                    .with_help(format!("a named value is a `let`: `let {} = …`", name.text));
+            }
+            self.report(message);
+            self.infer(scope, &attribute.value);
+            return;
+        }
+        let acceleration = Dimension::LENGTH
+            .over(Dimension::TIME)
+            .over(Dimension::TIME);
+        let mut due = Due::new("`gravity`");
+        due.unit = Some("m/s^2".to_owned());
+        self.expect(
+            scope,
+            &attribute.value,
+            &Type::vector(Quantity::hard(acceleration)),
+            &due,
+        );
+    }
+
+    /// `cycle angle = rotation(crank.flange, ground) { period = 720 deg }`.
+    pub(super) fn cycle(&mut self, scope: &Scope<'p>, declaration: &'p Declaration) {
+        if declaration.name.text != "angle" {
+            self.report(
+                Diagnostic::error(
+                    codes::UNKNOWN_ATTRIBUTE,
+                    format!("the cycle has no `{}`", declaration.name.text),
+                )
+                .at(declaration.name.span, "a cycle is stated by its angle")
+                .with_help(
+                    "write `cycle angle = rotation(crank.main, ground) { period = 720 deg }`",
+                )
+                .with_fix("write `angle`", declaration.name.span, "angle"),
+            );
+        }
+        let Form::Instance { value, block } = &declaration.form else {
+            self.report(
+                Diagnostic::error(codes::MISSING_VALUE, "the cycle needs its angle")
+                    .at(declaration.name.span, "no value")
+                    .with_help(
+                        "write `cycle angle = rotation(crank.main, ground) { period = 720 deg }`",
+                    ),
+            );
+            return;
+        };
+        let angle = Type::Scalar(Quantity::hard(Dimension::ANGLE));
+        self.expect(scope, value, &angle, &Due::new("the angle of the cycle"));
+        let mut period = false;
+        for item in block.iter().flat_map(|block| &block.items) {
+            match &item.kind {
+                ItemKind::Attribute(attribute) if attribute.name.text == "period" => {
+                    if period {
+                        self.defined_twice("period", attribute.name.span, attribute.name.span);
+                    }
+                    period = true;
+                    let mut due = Due::new("the period of the cycle");
+                    due.unit = Some("deg".to_owned());
+                    self.expect(scope, &attribute.value, &angle, &due);
+                }
+                ItemKind::Attribute(attribute) if attribute.name.text == "pistons" => {
+                    self.not_built(attribute.name.span, "pistons of the cycle");
+                }
+                ItemKind::Attribute(attribute) => {
+                    let mut message = Diagnostic::error(
+                        codes::UNKNOWN_ATTRIBUTE,
+                        format!("the cycle has no attribute `{}`", attribute.name.text),
+                    )
+                    .at(attribute.name.span, "not known");
+                    if let Some(near) =
+                        crate::resolve::suggest::nearest(&attribute.name.text, ["period"])
+                    {
+                        period = true;
+                        message = message
+                            .with_help(format!("did you mean `{near}`?"))
+                            .with_fix(format!("write `{near}`"), attribute.name.span, near);
+                    }
+                    self.report(message);
+                }
+                ItemKind::Error => {}
+                _ => self.misplaced(
+                    item.span,
+                    "this",
+                    "into a cycle",
+                    "a cycle has the attribute `period`",
+                ),
+            }
+        }
+        if !period {
+            self.report(
+                Diagnostic::error(codes::MISSING_ATTRIBUTE, "the cycle needs its period")
+                    .at(declaration.name.span, "no `period`")
+                    .with_help("720 deg for a four-stroke engine: `{ period = 720 deg }`"),
+            );
+        }
+    }
+}
