@@ -76,7 +76,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
         &mut diagnostics,
     );
     if !diagnostics.has_errors() {
-        // CHECK
+        eng_compiler::check::check(&resolved, &texts, &mut diagnostics);
     }
     let mut plans = Vec::new();
     if !diagnostics.has_errors() {
@@ -114,9 +114,7 @@ fn models_of(resolved: &Resolved) -> Vec<DefinitionId> {
         .items
         .iter()
         .enumerate()
-        .filter(|(_, item)| {
-            matches!(&item.kind, ItemKind::Declaration(d) if d.kind == Kind::Model)
-        })
+        .filter(|(_, item)| matches!(&item.kind, ItemKind::Declaration(d) if d.kind == Kind::Model))
         .map(|(i, _)| DefinitionId {
             module: root,
             item: i as u32,

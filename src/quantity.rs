@@ -130,12 +130,7 @@ fn literal(expr: &Expr) -> Option<Result<Quantity, QuantityError>> {
         ExprKind::Unary {
             op: UnaryOp::Negate,
             operand,
-        } => literal(operand).map(|r| {
-            r.map(|q| Quantity {
-                si: -q.si,
-                ..q
-            })
-        }),
+        } => literal(operand).map(|r| r.map(|q| Quantity { si: -q.si, ..q })),
         _ => None,
     }
 }

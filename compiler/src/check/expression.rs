@@ -215,7 +215,10 @@ impl<'p> Checker<'p> {
             what: "an element of this list".to_owned(),
             declared: Some((
                 other.span,
-                format!("this element is {}", self.describe(&Type::Scalar(wanted.clone()))),
+                format!(
+                    "this element is {}",
+                    self.describe(&Type::Scalar(wanted.clone()))
+                ),
             )),
             unit: unit.clone(),
         };
@@ -226,7 +229,10 @@ impl<'p> Checker<'p> {
         let name = super::describe::with_article(&self.quantity_name(&wanted));
         let mut message = Diagnostic::error(
             codes::UNIT_MISSING,
-            format!("{} elements of this list need a unit: each is {name}", bare.len()),
+            format!(
+                "{} elements of this list need a unit: each is {name}",
+                bare.len()
+            ),
         );
         for expr in &bare {
             message = message.at(expr.span, "a number without a unit");

@@ -384,10 +384,7 @@ impl<'p> Checker<'p> {
             if wanted.dim.is_one() && unit_of(expr).is_some() {
                 message = message.with_help("leave the unit away");
             } else if let Some(unit) = unit_of(expr)
-                && let Some(usual) = due
-                    .unit
-                    .clone()
-                    .or_else(|| self.usual_unit(wanted))
+                && let Some(usual) = due.unit.clone().or_else(|| self.usual_unit(wanted))
             {
                 message = message.with_help(format!(
                     "a unit of {} is `{usual}`, not `{}`",
@@ -456,11 +453,7 @@ impl<'p> Checker<'p> {
                 }
             }
             Some(unit) => {
-                if let Some(usual) = due
-                    .unit
-                    .clone()
-                    .or_else(|| self.usual_unit(wanted))
-                {
+                if let Some(usual) = due.unit.clone().or_else(|| self.usual_unit(wanted)) {
                     message = message.with_help(format!(
                         "a unit of {} is `{usual}`, not `{}`",
                         self.quantity_name(wanted),

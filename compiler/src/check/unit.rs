@@ -58,16 +58,28 @@ impl<'p> Checker<'p> {
         // `5 mm*bore`: a product of values needs spaces.
         let before = place.checked_sub(1).and_then(|p| whole.factors.get(p));
         if let Some(before) = before
-            && (self.find(scope, name).is_some()
-                || super::scope::BUILT_IN_NAMES.contains(&name))
+            && (self.find(scope, name).is_some() || super::scope::BUILT_IN_NAMES.contains(&name))
         {
-            let between = Span::new(span.source, before.name.span.end as usize, span.start as usize);
+            let between = Span::new(
+                span.source,
+                before.name.span.end as usize,
+                span.start as usize,
+            );
             let operator = if factor.numerator < 0 { '/' } else { '*' };
             // After an exponent (`mm^2*bore`) the operator is the last character before the name.
-            let last = Span::new(span.source, span.start.saturating_sub(1) as usize, span.start as usize);
+            let last = Span::new(
+                span.source,
+                span.start.saturating_sub(1) as usize,
+                span.start as usize,
+            );
             message = message
-                .also(between.to(span), "without spaces it is read as a part of the unit")
-                .with_help(format!("put spaces around `{operator}` for a product of values"));
+                .also(
+                    between.to(span),
+                    "without spaces it is read as a part of the unit",
+                )
+                .with_help(format!(
+                    "put spaces around `{operator}` for a product of values"
+                ));
             if self.sources.text(last) == operator.to_string() {
                 message = message.with_fix("put spaces", last, format!(" {operator} "));
             }
@@ -92,7 +104,8 @@ impl<'p> Checker<'p> {
                 .find(|known| known.eq_ignore_ascii_case(name))
                 .cloned()
         };
-        let celsius = matches!(name, "C" | "degree" | "celsius" | "Celsius" | "dC").then_some("degC");
+        let celsius =
+            matches!(name, "C" | "degree" | "celsius" | "Celsius" | "dC").then_some("degC");
         let meant = celsius
             .filter(|unit| units.contains_key(*unit))
             .map(str::to_owned)

@@ -23,7 +23,15 @@ pub(super) fn path_of_file(file: &str) -> String {
 /// What the library's modules define, read off the beginnings of lines: good enough for a hint, and cheap.
 pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, String> {
     const WORDS: [&str; 9] = [
-        "joint", "force", "journal", "drive", "component", "interface", "record", "const", "fn",
+        "joint",
+        "force",
+        "journal",
+        "drive",
+        "component",
+        "interface",
+        "record",
+        "const",
+        "fn",
     ];
     let mut names = BTreeMap::new();
     for (path, text) in library {

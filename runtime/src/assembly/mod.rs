@@ -73,7 +73,10 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
 
     // what a marker follows holds its body where that stands: there is nothing to place it by
     for marker in &model.markers {
-        if let Some(body) = marker.placed_at.and_then(|partner| model.markers[partner].body) {
+        if let Some(body) = marker
+            .placed_at
+            .and_then(|partner| model.markers[partner].body)
+        {
             stated[body] = true;
         }
     }
