@@ -2,7 +2,7 @@
 
 use super::closing::{bodies_of, close};
 use super::rows::{self, Rows};
-use super::{CLOSED, violated_branches};
+use super::{is_closed, violated_branches};
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{M3, quaternion};
@@ -113,7 +113,7 @@ fn place_one(
     let mut best: Option<((bool, bool), f64, State)> = None;
     let mut consider = |mut trial: State| -> Result<bool, RuntimeError> {
         let size = close(model, &rows, &mobility, &mut trial, 40)?;
-        let open = !(size < CLOSED);
+        let open = !is_closed(size);
         let wrong = !violated_branches(model, &near, &trial)?.is_empty();
         let better = match &best {
             None => true,
