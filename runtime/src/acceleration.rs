@@ -161,7 +161,7 @@ impl AccelerationSystem {
                 if let Some((element, local)) = model.row_owner(row.0) {
                     return Err(RuntimeError::Projection {
                         moment,
-                        row: model.named_row(element, local, row.1),
+                        row: Box::new(model.named_row(element, local, row.1)),
                     });
                 }
             }
@@ -234,8 +234,8 @@ impl AccelerationSystem {
             self.rhs[n + i] = rate * self.scales[n + i];
         }
         self.solve();
-        for i in 0..n {
-            out[i] = self.rhs[i] * self.scales[i];
+        for (x, (y, s)) in out.iter_mut().zip(self.rhs[..n].iter().zip(&self.scales)) {
+            *x = y * s;
         }
     }
 

@@ -108,7 +108,7 @@ pub enum RuntimeError {
     #[error("{}: {message}", origin.path)]
     Body {
         /// The body.
-        origin: Origin,
+        origin: Box<Origin>,
         /// What is wrong.
         message: String,
     },
@@ -122,7 +122,7 @@ pub enum RuntimeError {
     #[error("{}: no start position with {condition} was found; it is missed by {}", origin.path, -value)]
     Branch {
         /// The element.
-        origin: Origin,
+        origin: Box<Origin>,
         /// The condition as written.
         condition: String,
         /// Its value; positive would hold.
@@ -152,7 +152,7 @@ pub enum RuntimeError {
     #[error("{} is not finite at {moment}: a table read outside its range, or an undefined operation", origin.path)]
     NotFinite {
         /// The element.
-        origin: Origin,
+        origin: Box<Origin>,
         /// When.
         moment: Moment,
     },
@@ -164,7 +164,7 @@ pub enum RuntimeError {
         /// The last step tried (s).
         step: f64,
         /// The element or body of the worst row.
-        origin: Origin,
+        origin: Box<Origin>,
         /// The equation of the worst row.
         equation: String,
         /// Residual of that row.
@@ -180,13 +180,13 @@ pub enum RuntimeError {
         /// The step (s).
         step: f64,
         /// The body with the largest error.
-        origin: Origin,
+        origin: Box<Origin>,
     },
     /// A condition that must hold at every state does not.
     #[error("{}: {message} at {moment}", origin.path)]
     Require {
         /// The element.
-        origin: Origin,
+        origin: Box<Origin>,
         /// The author's message.
         message: String,
         /// When.
@@ -197,13 +197,13 @@ pub enum RuntimeError {
     /// An output position or velocity does not come back to the constraints.
     #[error(
         "the output at {moment} cannot be projected on the constraints: {}",
-        gaps(std::slice::from_ref(row))
+        gaps(std::slice::from_ref(row.as_ref()))
     )]
     Projection {
         /// When.
         moment: Moment,
         /// The worst row.
-        row: NamedRow,
+        row: Box<NamedRow>,
     },
     /// An angle was asked for, but the model states no cycle.
     #[error("the analysis counts in cycle angle, but the model has no cycle")]

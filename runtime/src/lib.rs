@@ -16,6 +16,8 @@
 //! | [`simulation`], [`transient`], [`checkpoint`] | what a user holds |
 
 #![forbid(unsafe_code)]
+// Loops over the same index of several arrays read like the formulas they stand for.
+#![allow(clippy::needless_range_loop)]
 
 pub mod acceleration;
 pub mod assembly;

@@ -160,7 +160,7 @@ impl Model {
             }
             let about_center = M3::new(j[0], j[3], j[5], j[3], j[1], j[4], j[5], j[4], j[2]);
             let refuse = |message: &str| RuntimeError::Body {
-                origin: body.origin.clone(),
+                origin: Box::new(body.origin.clone()),
                 message: message.to_string(),
             };
             if !(mass > 0.0 && mass.is_finite()) {

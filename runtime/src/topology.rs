@@ -73,7 +73,7 @@ pub fn analyze(model: &Model, state: &State) -> Result<TopologyReport, RuntimeEr
         if found == 2 {
             break;
         }
-        let increment: Vec<f64> = scales.iter().map(|s| s * reach * numbers.next()).collect();
+        let increment: Vec<f64> = scales.iter().map(|s| s * reach * numbers.draw()).collect();
         let mut near = resting.clone();
         move_pose(model, &resting.pose, &increment, 1.0, &mut near.pose);
         if close(model, &held, &mobility, &mut near, 60)? < 1e-12 {

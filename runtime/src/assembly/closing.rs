@@ -1,7 +1,7 @@
 //! Closing loops: Gauss–Newton with smallest steps, and shaking where that ends on a wrong branch.
 
 use super::rows::{Along, Rows, smallest_solution};
-use super::{CLOSED, at, choose_turns, violated_branches};
+use super::{at, choose_turns, is_closed, violated_branches};
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{exponential, normalized, product};
@@ -25,7 +25,7 @@ impl Numbers {
         )
     }
     /// The next number.
-    pub fn next(&mut self) -> f64 {
+    pub fn draw(&mut self) -> f64 {
         self.0 = self
             .0
             .wrapping_mul(6_364_136_223_846_793_005)
@@ -129,7 +129,7 @@ fn offending(
     let rows = Rows::new(model, exact.to_vec());
     let (values, _) = rows.evaluate(model, &at(state), Along::Pose)?;
     for (i, (element, _)) in rows.owners.iter().enumerate() {
-        if !(values[i].abs() / rows.scales[i] < CLOSED) {
+        if !is_closed(values[i].abs() / rows.scales[i]) {
             found.insert(*element);
         }
     }
@@ -202,7 +202,7 @@ pub fn close_all(
     let (values, _) = rows.evaluate(model, &at(state), Along::Pose)?;
     let mut open: Vec<(f64, usize)> = (0..rows.len())
         .map(|i| (values[i].abs() / rows.scales[i], i))
-        .filter(|(size, _)| !(*size < CLOSED))
+        .filter(|(size, _)| !is_closed(*size))
         .collect();
     open.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     if open.is_empty() {
@@ -210,7 +210,7 @@ pub fn close_all(
             violated_branches(model, conditioned, state)?.first()
         {
             return Err(RuntimeError::Branch {
-                origin: model.compiled.system.elements[*element].origin.clone(),
+                origin: Box::new(model.compiled.system.elements[*element].origin.clone()),
                 condition: model.class(*element).conditions[*condition].text.clone(),
                 value: *value,
             });
@@ -231,10 +231,10 @@ pub fn close_all(
 
 fn turn_body(model: &Model, pose: usize, numbers: &mut Numbers, state: &mut State, reach: f64) {
     for i in 0..3 {
-        state.pose[pose + i] += reach * model.length * numbers.next();
+        state.pose[pose + i] += reach * model.length * numbers.draw();
     }
-    let axis = crate::rotation::V3::new(numbers.next(), numbers.next(), numbers.next());
-    let theta = axis * (std::f64::consts::PI / axis.norm().max(0.1) * numbers.next());
+    let axis = crate::rotation::V3::new(numbers.draw(), numbers.draw(), numbers.draw());
+    let theta = axis * (std::f64::consts::PI / axis.norm().max(0.1) * numbers.draw());
     let old = [
         state.pose[pose + 3],
         state.pose[pose + 4],
@@ -289,7 +289,7 @@ fn shake(
                 turn_body(model, model.bodies[*b].pose, numbers, &mut trial, 1.0);
             }
             let size = close(model, &rows, &mobility, &mut trial, 60)?;
-            if size < CLOSED && violated_branches(model, &near_conditioned, &trial)?.is_empty() {
+            if is_closed(size) && violated_branches(model, &near_conditioned, &trial)?.is_empty() {
                 *state = trial;
                 return Ok(true);
             }

@@ -24,6 +24,11 @@ use std::f64::consts::PI;
 /// A scaled row (m over the model's length, or rad) below this is closed.
 pub const CLOSED: f64 = 1e-10;
 
+/// Whether a scaled row is closed; NaN is not.
+pub fn is_closed(size: f64) -> bool {
+    size < CLOSED
+}
+
 /// A place to look from: borrowed parts of a state.
 pub fn at(state: &State) -> At<'_> {
     At {
@@ -150,7 +155,7 @@ fn check_branches(model: &Model, state: &State) -> Result<(), RuntimeError> {
         .collect();
     match violated_branches(model, &all, state)?.first() {
         Some((element, condition, value)) => Err(RuntimeError::Branch {
-            origin: model.compiled.system.elements[*element].origin.clone(),
+            origin: Box::new(model.compiled.system.elements[*element].origin.clone()),
             condition: model.class(*element).conditions[*condition].text.clone(),
             value: *value,
         }),

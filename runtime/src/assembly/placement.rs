@@ -2,7 +2,7 @@
 
 use super::closing::{bodies_of, close};
 use super::rows::{self, Rows};
-use super::{CLOSED, violated_branches};
+use super::{is_closed, violated_branches};
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{M3, V3, quaternion};
@@ -192,7 +192,7 @@ fn search(
     }
     let consider = |mut trial: State| -> Result<Trial, RuntimeError> {
         let size = close(model, &rows, &mobility, &mut trial, 40)?;
-        let open = !(size < CLOSED);
+        let open = !is_closed(size);
         let wrong = !violated_branches(model, elements, &trial)?.is_empty();
         Ok(Trial {
             key: (open, wrong),

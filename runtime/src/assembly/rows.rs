@@ -66,6 +66,11 @@ impl Rows {
         self.owners.len()
     }
 
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.owners.is_empty()
+    }
+
     /// Values of the rows, and their derivatives by all velocities of the model (rows × velocities).
     pub fn evaluate(
         &self,

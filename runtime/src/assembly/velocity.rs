@@ -52,7 +52,7 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
         Ok(&from_energy * x)
     };
     let mut v = DVector::zeros(model.velocities);
-    if guessed.len() > 0 {
+    if !guessed.is_empty() {
         v = solve(&all_matrix, &(-&all_values))?;
     }
     // Twice: the second pass takes the rounding of the first.
@@ -80,7 +80,7 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
                 0.0
             });
             let size = values[i].abs() / scale;
-            if !(size <= CONTRADICTION * speed.max(1e-3)) {
+            if size.is_nan() || size > CONTRADICTION * speed.max(1e-3) {
                 open.push((size, model.named_row(*element, *row, values[i])));
             }
         }

@@ -20,7 +20,7 @@ fn check(compiled: &Compiled, step: f64, reach: f64) {
     let mut at = vec![0.0; n];
     simulation.predicted(step, &mut at).unwrap();
     for x in &mut at {
-        *x += reach * numbers.next();
+        *x += reach * numbers.draw();
     }
     let mut exact = vec![vec![0.0; n]; n];
     let view = simulation.jacobian(step, &at).unwrap();

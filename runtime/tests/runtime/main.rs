@@ -1,5 +1,7 @@
 //! The runtime on hand-made element classes, whose derivatives come from nested dual numbers.
 
+#![allow(clippy::needless_range_loop)]
+
 mod assembly;
 mod jacobian;
 mod mechanisms;

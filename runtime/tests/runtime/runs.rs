@@ -299,3 +299,70 @@ fn factors_serve_for_many_steps() {
     assert!(s.factorizations * 3 < s.steps, "{s:?}");
     assert!(s.iterations < 5 * s.steps, "{s:?}");
 }
+
+/// A mass of 1 kg thrown at a barrier with 10 m/s: it turns where 2 k (sqrt(g0) − sqrt(g)) = 50 J.
+fn thrown(strength: f64) -> Compiled {
+    let mut b = Builder::new([0.0; 3]);
+    let body = b.body(
+        "mass",
+        BodySpec {
+            mass: 1.0,
+            center: [0.0; 3],
+            inertia: [0.01; 3],
+            place: Some(([0.0; 3], IDENTITY)),
+        },
+    );
+    let eye = b.marker("mass.eye", Some(body), [0.0; 3], IDENTITY);
+    let barrier = b.class("Barrier", Barrier);
+    let velocity = b.class("StartVelocity", StartVelocity);
+    b.element(
+        "barrier",
+        barrier,
+        Role::Dynamic,
+        &[eye],
+        &[0.1, strength],
+        &[],
+    );
+    let exact = Role::StartVelocity { exact: true };
+    b.element("throw", velocity, exact, &[eye], &[10.0, 0.0, 0.0], &[]);
+    b.finish()
+}
+
+#[test]
+fn iterates_beyond_a_law_come_back() {
+    // The predictor of one of these steps lies beyond the barrier, where the force is not a number.
+    for step in [StepControl::Fixed(0.004), StepControl::Tolerance(1.0)] {
+        let options = Options {
+            step,
+            ..Options::default()
+        };
+        let mut s = Simulation::new(&thrown(90.0), &[], options).unwrap();
+        let mut nearest = f64::INFINITY;
+        while s.state().velocity[0] > -5.0 {
+            s.step().unwrap();
+            nearest = nearest.min(0.1 - s.state().pose[0]);
+            assert!(s.time() < 0.2);
+        }
+        let turn = (0.1_f64.sqrt() - 50.0 / 180.0).powi(2);
+        assert!(nearest > 0.0 && nearest < 0.02, "{nearest} {turn}");
+        if step == StepControl::Tolerance(1.0) {
+            assert!((nearest / turn - 1.0).abs() < 0.05, "{nearest} {turn}");
+        }
+    }
+}
+
+#[test]
+fn a_wall_that_nothing_passes_ends_the_run_with_a_name() {
+    // Too weak to stop the mass: there is no solution beyond the barrier.
+    let t = transient(
+        Extent::Time(0.1),
+        Extent::Time(0.05),
+        StepControl::Fixed(1e-3),
+    );
+    let error = run_transient(&thrown(1.0), &[], &t, &mut Record::default(), None).unwrap_err();
+    let RuntimeError::NotFinite { origin, moment } = &error else {
+        panic!("{error}");
+    };
+    assert_eq!(origin.path, "barrier");
+    assert!((moment.time - 0.01).abs() < 2e-3, "{error}");
+}

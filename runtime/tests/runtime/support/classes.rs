@@ -424,3 +424,27 @@ impl Definition for InPlane {
         class.applies_load = false;
     }
 }
+
+/// A barrier at x = c0 (inertial): pushes a back with c1/sqrt(c0 − x) (N); not a number beyond it. Output: gap.
+#[derive(Debug)]
+pub struct Barrier;
+impl Definition for Barrier {
+    fn layout(&self) -> InputLayout {
+        layout(1, 0, 2)
+    }
+    fn loads<S: Scalar>(&self, i: &In<S>) -> Vec<[S; 6]> {
+        let gap = S::constant(i.c[0]) - i.m[0].x[0];
+        let o = S::constant(0.0);
+        vec![[-(S::constant(i.c[1]) * gap.sqrt().recip()), o, o, o, o, o]]
+    }
+    fn outputs(&self, i: &In<f64>, _: &[f64]) -> Vec<f64> {
+        vec![i.c[0] - i.m[0].x[0]]
+    }
+    fn conditions(&self, i: &In<f64>) -> Vec<f64> {
+        vec![i.c[0] - i.m[0].x[0]]
+    }
+    fn describe(&self, class: &mut ElementClass) {
+        class.outputs = vec![output("gap")];
+        class.conditions = vec![condition(ConditionKind::Require, "beyond the barrier")];
+    }
+}

@@ -1,0 +1,174 @@
+//! Checkpoints of a simulation.
+
+use super::{Energy, Options, Simulation, check};
+use crate::checkpoint::{self, Reader, Writer};
+use crate::control::{FixedGrid, StepSize};
+use crate::error::RuntimeError;
+use crate::model::Model;
+use crate::state::State;
+use eng_system::code::Compiled;
+
+impl Simulation {
+    /// Everything that goes on from here, as bytes. The kept factors are dropped here as well, so that this simulation and a resumed
+    /// one go on with the same bits.
+    pub fn checkpoint(&mut self) -> Vec<u8> {
+        self.integrator.drop_factors();
+        let mut w = Writer::new(self.fingerprint);
+        for marker in self.model.markers.iter().filter(|m| m.body.is_none()) {
+            w.numbers(marker.position.as_slice());
+            w.numbers(marker.orientation.as_slice());
+        }
+        for state in [&self.integrator.current, &self.integrator.previous] {
+            w.number(state.time);
+            for part in [
+                &state.pose,
+                &state.velocity,
+                &state.acceleration,
+                &state.states,
+                &state.rates,
+                &state.multipliers,
+                &state.rotations,
+            ] {
+                w.numbers(part);
+            }
+        }
+        let i = &self.integrator;
+        for part in [
+            &i.increment,
+            &i.auxiliary,
+            &i.state_auxiliary,
+            &i.jerk,
+            &i.multiplier_rate,
+            &i.state_jerk,
+            &i.state_peak,
+            &i.base_velocity,
+            &i.defect,
+        ] {
+            w.numbers(part);
+        }
+        w.numbers(i.state_scales(&self.model));
+        w.number(i.auxiliary_step);
+        w.integer(u64::from(i.defect_known));
+        let s = i.statistics;
+        for count in [
+            s.steps,
+            s.rejected,
+            s.failed,
+            s.iterations,
+            s.factorizations,
+            s.residuals,
+        ] {
+            w.integer(count);
+        }
+        w.numbers(&self.size.numbers());
+        let (origin, counts) = self.grid.parts();
+        w.number(origin);
+        counts.iter().for_each(|c| w.integer(*c));
+        let e = self.energy;
+        w.numbers(&[e.kinetic, e.gravity, e.loads, e.constraints, e.start]);
+        w.numbers(&[self.powers.0, self.powers.1, self.cycle_start]);
+        w.integer(u64::from(self.cycle_now.is_some()));
+        w.numbers(&self.cycle_now.unwrap_or_default());
+        let advised: Vec<f64> = self
+            .advised
+            .iter()
+            .map(|a| f64::from(u8::from(*a)))
+            .collect();
+        w.numbers(&advised);
+        w.finish()
+    }
+
+    /// Goes on from a checkpoint of the same model with the same parameters.
+    pub fn resume(
+        compiled: &Compiled,
+        overrides: &[Option<f64>],
+        options: Options,
+        bytes: &[u8],
+    ) -> Result<Simulation, RuntimeError> {
+        let mut model = Model::bind(compiled, overrides)?;
+        check(&options)?;
+        let mut r = Reader::new(bytes, checkpoint::fingerprint(&model))?;
+        for marker in model.markers.iter_mut().filter(|m| m.body.is_none()) {
+            r.numbers(marker.position.as_mut_slice())?;
+            r.numbers(marker.orientation.as_mut_slice())?;
+            marker.placed_at = None;
+        }
+        let blank = State::new(&model);
+        let mut simulation = Simulation::with_state(model, blank, options)?;
+        simulation.warnings.clear();
+        let i = &mut simulation.integrator;
+        for state in [&mut i.current, &mut i.previous] {
+            state.time = r.number()?;
+            for part in [
+                &mut state.pose,
+                &mut state.velocity,
+                &mut state.acceleration,
+                &mut state.states,
+                &mut state.rates,
+                &mut state.multipliers,
+                &mut state.rotations,
+            ] {
+                r.numbers(part)?;
+            }
+        }
+        for part in [
+            &mut i.increment,
+            &mut i.auxiliary,
+            &mut i.state_auxiliary,
+            &mut i.jerk,
+            &mut i.multiplier_rate,
+            &mut i.state_jerk,
+            &mut i.state_peak,
+            &mut i.base_velocity,
+            &mut i.defect,
+        ] {
+            r.numbers(part)?;
+        }
+        let states = i.state_peak.len();
+        let mut scales = vec![0.0; states];
+        r.numbers(&mut scales)?;
+        i.set_state_scales(&simulation.model, &scales);
+        i.auxiliary_step = r.number()?;
+        i.defect_known = r.integer()? == 1;
+        let s = &mut i.statistics;
+        for count in [
+            &mut s.steps,
+            &mut s.rejected,
+            &mut s.failed,
+            &mut s.iterations,
+            &mut s.factorizations,
+            &mut s.residuals,
+        ] {
+            *count = r.integer()?;
+        }
+        let mut size = [0.0; 2];
+        r.numbers(&mut size)?;
+        simulation.size = StepSize::from_numbers(size);
+        let origin = r.number()?;
+        let counts = [r.integer()?, r.integer()?, r.integer()?];
+        simulation.grid = FixedGrid::from_parts(origin, counts);
+        let mut energy = [0.0; 5];
+        r.numbers(&mut energy)?;
+        let [kinetic, gravity, loads, constraints, start] = energy;
+        simulation.energy = Energy {
+            kinetic,
+            gravity,
+            loads,
+            constraints,
+            start,
+        };
+        let mut rest = [0.0; 3];
+        r.numbers(&mut rest)?;
+        simulation.powers = (rest[0], rest[1]);
+        simulation.cycle_start = rest[2];
+        let has_cycle = r.integer()? == 1;
+        let mut cycle = [0.0; 2];
+        r.numbers(&mut cycle)?;
+        simulation.cycle_now = has_cycle.then_some(cycle);
+        let mut advised = vec![0.0; simulation.advised.len()];
+        r.numbers(&mut advised)?;
+        simulation.advised = advised.iter().map(|a| *a != 0.0).collect();
+        r.finish()?;
+        Ok(simulation)
+    }
+}

@@ -1,0 +1,315 @@
+//! The start and the steps of a simulation.
+
+use super::{Simulation, StepReport, Warning};
+use crate::control::{FixedGrid, StepSize};
+use crate::elements::Inputs;
+use crate::error::RuntimeError;
+use crate::integrator::{Trial, constraints_along};
+use crate::rotation::V3;
+use crate::state::move_pose;
+use eng_system::system::{ConditionKind, StepControl};
+
+impl Simulation {
+    /// Consistent accelerations, their rates, first step, first look at conditions.
+    pub(super) fn begin(&mut self) -> Result<(), RuntimeError> {
+        let moment = self.moment();
+        self.system.accelerations(
+            &self.model,
+            &mut self.dynamics,
+            &mut self.integrator.current,
+            moment,
+        )?;
+        let scales = self.model.velocity_scales();
+        let largest = |x: &[f64]| {
+            x.iter()
+                .zip(&scales)
+                .fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))
+        };
+        let speed = largest(&self.integrator.current.velocity);
+        let acceleration = largest(&self.integrator.current.acceleration);
+        // A ten-thousandth of the time in which the motion goes about its own size.
+        let pace = speed.max(libm::sqrt(acceleration));
+        let mut offset = if pace > 0.0 { 1e-4 / pace } else { 1e-5 };
+        if let StepControl::Fixed(h) = self.options.step {
+            offset = offset.min(0.1 * h);
+        }
+        let mut ends = Vec::with_capacity(2);
+        for sign in [-1.0, 1.0] {
+            let e = sign * offset;
+            let mut near = self.integrator.current.clone();
+            near.time += e;
+            for i in 0..self.model.velocities {
+                self.work[i] = e * near.velocity[i] + 0.5 * e * e * near.acceleration[i];
+                near.velocity[i] += e * near.acceleration[i];
+            }
+            move_pose(
+                &self.model,
+                &self.integrator.current.pose,
+                &self.work,
+                1.0,
+                &mut near.pose,
+            );
+            for i in 0..self.model.states {
+                near.states[i] += e * near.rates[i];
+            }
+            self.system
+                .accelerations(&self.model, &mut self.dynamics, &mut near, moment)?;
+            ends.push(near);
+        }
+        let rate = |a: &[f64], b: &[f64]| -> Vec<f64> {
+            a.iter()
+                .zip(b)
+                .map(|(a, b)| (b - a) / (2.0 * offset))
+                .collect()
+        };
+        let jerk = rate(&ends[0].acceleration, &ends[1].acceleration);
+        let multiplier_rate = rate(&ends[0].multipliers, &ends[1].multipliers);
+        let state_jerk = rate(&ends[0].rates, &ends[1].rates);
+        // Back at the start itself: the normal part of its jerk.
+        self.system.accelerations(
+            &self.model,
+            &mut self.dynamics,
+            &mut self.integrator.current,
+            moment,
+        )?;
+        let mut rates = vec![0.0; self.model.rows];
+        constraints_along(&self.model, &mut self.dynamics, &jerk, &mut rates)?;
+        self.system.normal(&self.model, &rates, &mut self.work);
+        self.integrator
+            .start(&jerk, &self.work, &multiplier_rate, &state_jerk);
+        if let StepControl::Tolerance(factor) = self.options.step {
+            let error =
+                self.integrator.coefficients.error.abs() * largest(&jerk) * self.model.length
+                    / (self.model.tolerance * factor);
+            let mut h = if pace > 0.0 { 0.02 / pace } else { 1e-5 };
+            if error > 0.0 {
+                h = h.min(0.5 * libm::cbrt(1.0 / error));
+            }
+            self.size = StepSize::new(h);
+        }
+        self.grid = FixedGrid::new(self.integrator.current.time);
+        self.stand()?;
+        self.observe_state()?;
+        let (kinetic, gravity) = self
+            .dynamics
+            .energy(&self.model, &self.integrator.current.velocity);
+        self.energy.kinetic = kinetic;
+        self.energy.gravity = gravity;
+        self.energy.start = kinetic + gravity;
+        self.cycle_start = self.cycle_now.map_or(0.0, |c| c[0]);
+        Ok(())
+    }
+
+    /// Evaluates the dynamics at the current state.
+    fn stand(&mut self) -> Result<(), RuntimeError> {
+        let state = &self.integrator.current;
+        self.dynamics
+            .place(&self.model, state.time, &state.pose, &state.velocity);
+        self.dynamics.gather(
+            &self.model,
+            &state.states,
+            &state.multipliers,
+            &state.rotations,
+        );
+        self.dynamics.evaluate(&self.model)
+    }
+
+    /// At a state at which the dynamics stand: turns, cycle, conditions, powers.
+    fn observe_state(&mut self) -> Result<(), RuntimeError> {
+        let state = &mut self.integrator.current;
+        self.work.fill(0.0);
+        let before = std::mem::take(&mut state.rotations);
+        self.completed.rotations.copy_from_slice(&before);
+        state.rotations = before;
+        let from = Inputs {
+            time: state.time,
+            markers: &self.dynamics.markers,
+            states: &state.states,
+            multipliers: &state.multipliers,
+            rotations: &self.completed.rotations,
+        };
+        self.watch
+            .unwrap(&self.model, &from, &mut state.rotations)?;
+        if let Some(cycle) = &mut self.cycle {
+            cycle.evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
+            self.cycle_now = Some(cycle.watched_values);
+        }
+        let moment = self.moment();
+        let state = &self.integrator.current;
+        let from = Inputs {
+            time: state.time,
+            markers: &self.dynamics.markers,
+            states: &state.states,
+            multipliers: &state.multipliers,
+            rotations: &state.rotations,
+        };
+        let (model, advised, warnings) = (&self.model, &mut self.advised, &mut self.warnings);
+        let mut touch = None;
+        self.watch.violations(
+            model,
+            &from,
+            |kind| *kind != ConditionKind::Branch,
+            |violation| {
+                let condition = &model.class(violation.element).conditions[violation.condition];
+                let origin = &model.compiled.system.elements[violation.element].origin;
+                if condition.kind == ConditionKind::Advise {
+                    let first: usize = (0..violation.element)
+                        .map(|e| model.class(e).conditions.len())
+                        .sum();
+                    let seen = &mut advised[first + violation.condition];
+                    if !*seen {
+                        *seen = true;
+                        warnings.push(Warning {
+                            origin: origin.clone(),
+                            message: condition.text.clone(),
+                            moment,
+                        });
+                    }
+                } else if touch.is_none() {
+                    touch = Some(RuntimeError::Require {
+                        origin: Box::new(origin.clone()),
+                        message: condition.text.clone(),
+                        moment,
+                        value: violation.value,
+                    });
+                }
+            },
+        )?;
+        if let Some(error) = touch {
+            return Err(error);
+        }
+        if self.options.energy {
+            self.powers = self
+                .dynamics
+                .powers(&self.model, &self.integrator.current.multipliers)?;
+        }
+        Ok(())
+    }
+
+    /// One step.
+    pub fn step(&mut self) -> Result<StepReport, RuntimeError> {
+        self.step_within(f64::INFINITY)
+    }
+
+    /// One step that does not go beyond `end` (s) and meets it to the last bit where it comes near.
+    pub fn step_within(&mut self, end: f64) -> Result<StepReport, RuntimeError> {
+        let begin = self.integrator.current.time;
+        if end.is_nan() || end <= begin {
+            return Err(RuntimeError::Options {
+                message: format!("a step must go forward: from {begin} s to {end} s"),
+            });
+        }
+        let (h, time) = match self.options.step {
+            StepControl::Fixed(nominal) => self.fixed_step(nominal, end)?,
+            StepControl::Tolerance(factor) => self.controlled_step(factor, end)?,
+        };
+        self.integrator.accept(&self.model, h, time);
+        self.evaluated = None;
+        let old = self.powers;
+        self.observe_state()
+            .map_err(|error| self.at_moment(error))?;
+        let (kinetic, gravity) = self
+            .dynamics
+            .energy(&self.model, &self.integrator.current.velocity);
+        self.energy.kinetic = kinetic;
+        self.energy.gravity = gravity;
+        self.energy.loads += 0.5 * h * (old.0 + self.powers.0);
+        self.energy.constraints += 0.5 * h * (old.1 + self.powers.1);
+        Ok(StepReport { time, step: h })
+    }
+
+    fn trial(&mut self, h: f64, tolerance: Option<f64>) -> Result<Trial, RuntimeError> {
+        let mut moment = self.moment();
+        if self.integrator.needs_defect(h) {
+            self.system.velocity_defect(
+                &self.model,
+                &mut self.dynamics,
+                &self.integrator.current,
+                moment,
+                &mut self.work,
+            )?;
+            self.integrator.set_defect(&self.work);
+        }
+        moment.time += h;
+        self.integrator
+            .try_step(&self.model, &mut self.dynamics, h, tolerance, moment)
+    }
+
+    /// A fixed step; halved where Newton fails, back to the grid of whole steps as soon as that is met again.
+    fn fixed_step(&mut self, nominal: f64, end: f64) -> Result<(f64, f64), RuntimeError> {
+        loop {
+            let begin = self.integrator.current.time;
+            let (mut h, mut time) = self.grid.next(nominal);
+            let last = time >= end - 1e-9 * nominal;
+            if last {
+                h = end - begin;
+                time = end;
+            }
+            match self.trial(h, None)? {
+                Trial::Solved { .. } => {
+                    if last {
+                        self.grid = FixedGrid::new(end);
+                    } else {
+                        self.grid.advance();
+                    }
+                    return Ok((h, time));
+                }
+                Trial::Failed(error) => {
+                    self.integrator.statistics.failed += 1;
+                    if !self.grid.halve() {
+                        return Err(self.at_moment(*error));
+                    }
+                }
+            }
+        }
+    }
+
+    fn controlled_step(&mut self, factor: f64, end: f64) -> Result<(f64, f64), RuntimeError> {
+        let begin = self.integrator.current.time;
+        let rest = end - begin;
+        let mut failures = 0;
+        // The dense output and the unwrapped angles want less than a fraction of a turn a step.
+        let turning = self.model.bodies.iter().fold(0.0_f64, |w, b| {
+            let v = &self.integrator.current.velocity[b.velocity + 3..b.velocity + 6];
+            w.max(V3::new(v[0], v[1], v[2]).norm())
+        });
+        self.size.limit(self.options.max_step);
+        if turning > 0.0 {
+            self.size.limit(0.25 / turning);
+        }
+        loop {
+            let mut h = self.size.step;
+            let last = h >= rest * (1.0 - 1e-9);
+            if last {
+                h = rest;
+            } else if 2.0 * h > rest {
+                h = 0.5 * rest;
+            }
+            if begin + h == begin || h < 1e-14 {
+                return Err(RuntimeError::StepTooSmall {
+                    moment: self.moment(),
+                    step: h,
+                    origin: Box::new(self.integrator.worst_body(&self.model)),
+                });
+            }
+            match self.trial(h, Some(factor))? {
+                Trial::Solved { error } if error <= 1.0 => {
+                    self.size.accepted(h, error);
+                    return Ok((h, if last { end } else { begin + h }));
+                }
+                Trial::Solved { error } => {
+                    self.integrator.statistics.rejected += 1;
+                    self.size.rejected(h, error);
+                }
+                Trial::Failed(error) => {
+                    self.integrator.statistics.failed += 1;
+                    failures += 1;
+                    if failures > 12 {
+                        return Err(self.at_moment(*error));
+                    }
+                    self.size.halved(h);
+                }
+            }
+        }
+    }
+}
