@@ -13,8 +13,16 @@ fn run_file(path: &Path) -> Run {
 }
 
 fn run_text(path: &Path, text: &str) -> Run {
-    let folder = path.parent().expect("a folder").to_string_lossy().into_owned();
-    let file = path.file_name().expect("a file").to_string_lossy().into_owned();
+    let folder = path
+        .parent()
+        .expect("a folder")
+        .to_string_lossy()
+        .into_owned();
+    let file = path
+        .file_name()
+        .expect("a file")
+        .to_string_lossy()
+        .into_owned();
     run_in(&folder, &file, text)
 }
 
@@ -51,15 +59,26 @@ fn every_code_is_raised_by_the_fixture_that_names_it() {
         let text = std::fs::read_to_string(&path).expect("a fixture");
         let named = text.strip_prefix("// ").and_then(|t| t.split(':').next());
         if let Some(named) = named.filter(|n| n.starts_with(['E', 'W']) && n.len() == 5) {
-            assert!(codes.contains(named), "{}: {named} is not raised", path.display());
+            assert!(
+                codes.contains(named),
+                "{}: {named} is not raised",
+                path.display()
+            );
         }
         raised.extend(codes);
     }
     for code in CODES {
-        assert!(raised.contains(code.code), "no fixture raises {}", code.code);
+        assert!(
+            raised.contains(code.code),
+            "no fixture raises {}",
+            code.code
+        );
     }
     let known: BTreeSet<&str> = CODES.iter().map(|code| code.code).collect();
-    let unknown: Vec<&&str> = raised.iter().filter(|code| !known.contains(*code)).collect();
+    let unknown: Vec<&&str> = raised
+        .iter()
+        .filter(|code| !known.contains(*code))
+        .collect();
     assert!(unknown.is_empty(), "not in the registry: {unknown:?}");
 }
 
@@ -89,7 +108,10 @@ fn every_fix_mends_its_mistake() {
                     continue;
                 }
                 let mut mended = text.clone();
-                mended.replace_range(fix.span.start as usize..fix.span.end as usize, &fix.replacement);
+                mended.replace_range(
+                    fix.span.start as usize..fix.span.end as usize,
+                    &fix.replacement,
+                );
                 let again = run_text(&path, &mended);
                 assert!(
                     same(&again) < same(&run),

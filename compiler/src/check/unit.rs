@@ -5,7 +5,6 @@ use super::scope::Scope;
 use super::types::{Dim, Kind, Quantity, Type};
 use crate::codes;
 use crate::program::{Unit, unit_text};
-use crate::resolve::suggest::nearest;
 use eng_grammar::ast::UnitExpr;
 use eng_grammar::{Diagnostic, Span};
 
@@ -58,16 +57,28 @@ impl<'p> Checker<'p> {
         // `5 mm*bore`: a product of values needs spaces.
         let before = place.checked_sub(1).and_then(|p| whole.factors.get(p));
         if let Some(before) = before
-            && (self.find(scope, name).is_some()
-                || super::scope::BUILT_IN_NAMES.contains(&name))
+            && (self.find(scope, name).is_some() || super::scope::BUILT_IN_NAMES.contains(&name))
         {
-            let between = Span::new(span.source, before.name.span.end as usize, span.start as usize);
+            let between = Span::new(
+                span.source,
+                before.name.span.end as usize,
+                span.start as usize,
+            );
             let operator = if factor.numerator < 0 { '/' } else { '*' };
             // After an exponent (`mm^2*bore`) the operator is the last character before the name.
-            let last = Span::new(span.source, span.start.saturating_sub(1) as usize, span.start as usize);
+            let last = Span::new(
+                span.source,
+                span.start.saturating_sub(1) as usize,
+                span.start as usize,
+            );
             message = message
-                .also(between.to(span), "without spaces it is read as a part of the unit")
-                .with_help(format!("put spaces around `{operator}` for a product of values"));
+                .also(
+                    between.to(span),
+                    "without spaces it is read as a part of the unit",
+                )
+                .with_help(format!(
+                    "put spaces around `{operator}` for a product of values"
+                ));
             if self.sources.text(last) == operator.to_string() {
                 message = message.with_fix("put spaces", last, format!(" {operator} "));
             }
@@ -82,8 +93,9 @@ impl<'p> Checker<'p> {
         // `Nm` is N*m, `kgm2` is not guessed.
         let split = name.char_indices().skip(1).find_map(|(at, _)| {
             let (left, right) = name.split_at(at);
-            let both = units.contains_key(left) && units.contains_key(right);
-            both.then(|| format!("{left}*{right}"))
+            let (a, b) = (units.get(left)?, units.get(right)?);
+            let fitting = wanted.is_none_or(|wanted| a.dimension.times(b.dimension) == wanted);
+            fitting.then(|| format!("{left}*{right}"))
         });
         let same_letters = |fitting: bool| {
             units
@@ -92,17 +104,16 @@ impl<'p> Checker<'p> {
                 .find(|known| known.eq_ignore_ascii_case(name))
                 .cloned()
         };
-        let celsius = matches!(name, "C" | "degree" | "celsius" | "Celsius" | "dC").then_some("degC");
+        let celsius =
+            matches!(name, "C" | "degree" | "celsius" | "Celsius" | "dC").then_some("degC");
         let meant = celsius
             .filter(|unit| units.contains_key(*unit))
             .map(str::to_owned)
             .or_else(|| same_letters(true))
-            .or_else(|| {
-                nearest(name, units.keys().filter(fits).map(String::as_str)).map(str::to_owned)
-            })
-            .or_else(|| same_letters(false))
             .or(split)
-            .or_else(|| nearest(name, units.keys().map(String::as_str)).map(str::to_owned));
+            .or_else(|| super::describe::nearest_unit(name, units.keys().filter(fits)))
+            .or_else(|| same_letters(false))
+            .or_else(|| super::describe::nearest_unit(name, units.keys()));
         if let Some(meant) = meant {
             message = message
                 .with_help(format!("did you mean `{meant}`?"))

@@ -24,8 +24,10 @@ pub fn resolve(
     sources: &mut SourceMap,
     diagnostics: &mut Diagnostics,
 ) -> Program {
-    let mut program = Program::default();
-    program.offered = modules::offered(library);
+    let mut program = Program {
+        offered: modules::offered(library),
+        ..Program::default()
+    };
     modules::load(root, host, library, sources, diagnostics, &mut program);
     scopes::fill(&mut program, diagnostics);
     units::dimensions(&mut program, diagnostics);

@@ -23,7 +23,15 @@ pub(super) fn path_of_file(file: &str) -> String {
 /// What the library's modules define, read off the beginnings of lines: good enough for a hint, and cheap.
 pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, String> {
     const WORDS: [&str; 9] = [
-        "joint", "force", "journal", "drive", "component", "interface", "record", "const", "fn",
+        "joint",
+        "force",
+        "journal",
+        "drive",
+        "component",
+        "interface",
+        "record",
+        "const",
+        "fn",
     ];
     let mut names = BTreeMap::new();
     for (path, text) in library {
@@ -43,6 +51,9 @@ pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, String> {
     }
     names
 }
+
+/// Most files that use each other in a row.
+const DEEPEST: usize = 100;
 
 struct Loader<'a> {
     host: &'a dyn Host,
@@ -119,6 +130,17 @@ impl Loader<'_> {
             }
             self.diagnostics
                 .push(message.with_help("put what both need into a third file that uses neither"));
+            return;
+        }
+        if self.open.len() > DEEPEST {
+            let mut message = Diagnostic::error(
+                codes::NO_MODULE,
+                format!("more than {DEEPEST} files use each other in a row"),
+            );
+            if let Some(span) = used_at {
+                message = message.at(span, "not followed");
+            }
+            self.diagnostics.push(message);
             return;
         }
         if let Some(text) = self.text_of_library(path).map(str::to_owned) {
