@@ -58,6 +58,7 @@ codes! {
     UNIT_TWICE = "E0323", "a unit stands on something that is not a plain number";
     RANGE = "E0324", "a range is not one of counts, or has no step";
     STRUCTURAL = "E0325", "a parameter decides a count";
+    TOO_DEEP = "E0326", "values build on each other too deeply";
     FLEXIBLE = "E0390", "flexible bodies are not built yet";
     NOT_BUILT = "E0391", "a part of the language is not built yet";
     UNUSED_LET = "W0301", "a value is not used";

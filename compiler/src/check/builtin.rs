@@ -548,7 +548,7 @@ impl<'p> Checker<'p> {
             let due = Due::new("this argument").declared(span, "must be like the first");
             return self.misfit(expr, misfit, &q, &p, &due);
         }
-        self.join(expr, (known, span), (ty, expr.span), what)
+        self.join((known, span), (ty, expr.span), what)
     }
 
     fn total(&mut self, (expr, ty): &(&Expr, Type)) -> Type {

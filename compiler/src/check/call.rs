@@ -313,15 +313,13 @@ impl<'p> Checker<'p> {
                         self.report(
                             Diagnostic::error(
                                 codes::TOO_MANY_ARGUMENTS,
-                                format!(
-                                    "`{callee}` takes {count} argument{}{}",
-                                    if count == 1 { "" } else { "s" },
-                                    if count < slots.len() {
-                                        " without a name"
-                                    } else {
-                                        ""
+                                match count {
+                                    0 if !slots.is_empty() => {
+                                        format!("the arguments of `{callee}` have names")
                                     }
-                                ),
+                                    1 => format!("`{callee}` takes 1 argument"),
+                                    _ => format!("`{callee}` takes {count} arguments"),
+                                },
                             )
                             .at(argument.value.span, "one too many")
                             .with_note(format!(

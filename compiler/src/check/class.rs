@@ -69,7 +69,11 @@ fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'static str)> 
         ItemKind::Statement(statement) => match statement {
             Statement::Constrain(_) | Statement::Branch(_) => (
                 constrains,
-                "a constraint",
+                if matches!(statement, Statement::Branch(_)) {
+                    "a branch"
+                } else {
+                    "a constraint"
+                },
                 if class {
                     "only a joint or a drive constrains: define it as a `joint`"
                 } else {
@@ -301,7 +305,7 @@ impl<'p> Checker<'p> {
                     self.report(message);
                 }
                 None => {
-                    let interfaces: Vec<&str> = self
+                    let mut interfaces: Vec<&str> = self
                         .program
                         .modules
                         .iter()
@@ -318,6 +322,7 @@ impl<'p> Checker<'p> {
                         format!("there is no interface `{}`", name.text),
                     )
                     .at(name.span, "not known");
+                    interfaces.extend(self.program.offered.keys().map(String::as_str));
                     let offered = self.program.offered.get(&name.text).cloned();
                     if let Some(path) = offered {
                         message = self.offer_use(message, id.module, &path, &name.text);

@@ -282,6 +282,11 @@ impl<'p> Checker<'p> {
             let Some(binding) = binding.filter(|b| b.kind == BindingKind::Param) else {
                 continue;
             };
+            // A count that is a `param` is refused where it is declared.
+            let ty = self.name(scope, &name, span);
+            if ty.is_error() || matches!(ty, Type::Int | Type::Bool | Type::Text) {
+                continue;
+            }
             let message = Diagnostic::error(
                 codes::STRUCTURAL,
                 format!("the parameter `{name}` decides how many there are"),
@@ -575,7 +580,15 @@ impl<'p> Checker<'p> {
             }
             None => {}
         }
+        if !self.deeper(key) {
+            return Rc::new(Signature {
+                name: String::new(),
+                parameters: Vec::new(),
+                result: Type::Error,
+            });
+        }
         self.signatures.insert(key, Progress::Open);
+        self.depth += 1;
         let mut scope = Scope {
             locals: Vec::new(),
             body: None,
@@ -588,9 +601,18 @@ impl<'p> Checker<'p> {
             self.variables.push(generic.text.clone());
             scope.generics.push((generic.text.clone(), number));
         }
+        // Counts are known to all types beside them: `fn mean(values: Length[n], n: Int)`.
+        let mut counted = scope.clone();
+        for parameter in &function.parameters {
+            if matches!(&parameter.ty.kind, TypeExprKind::Name(name) if name.text == "Int") {
+                counted
+                    .locals
+                    .push((parameter.name.text.clone(), Type::Int));
+            }
+        }
         let mut parameters: Vec<FunctionParameter> = Vec::new();
         for parameter in &function.parameters {
-            let ty = self.parameter(&scope, parameter);
+            let ty = self.parameter(&counted, parameter);
             if let Some(first) = parameters.iter().find(|p| p.name == parameter.name.text) {
                 let first = first.span;
                 self.defined_twice(&parameter.name.text, parameter.name.span, first);
@@ -636,6 +658,7 @@ impl<'p> Checker<'p> {
             }
             None => self.infer(&scope, &function.value),
         };
+        self.depth -= 1;
         let signature = Rc::new(Signature {
             name: function.name.text.clone(),
             parameters,

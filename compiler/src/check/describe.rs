@@ -64,6 +64,33 @@ const USUAL_UNITS: [&str; 32] = [
     "rad/s^2",
 ];
 
+/// The unit that was likely meant by one that is not known: of those as near, one as long and as usual as possible.
+pub(super) fn nearest_unit<'a>(
+    name: &str,
+    known: impl Iterator<Item = &'a String>,
+) -> Option<String> {
+    let length = name.chars().count();
+    let allowed = if length < 2 { 0 } else { (length / 3).max(1) };
+    known
+        .map(|unit| {
+            let usual = USUAL_UNITS.iter().position(|u| u == unit);
+            (
+                strsim::damerau_levenshtein(name, unit),
+                unit.chars().count().abs_diff(length),
+                usual.unwrap_or(USUAL_UNITS.len()),
+                unit,
+            )
+        })
+        .filter(|(distance, ..)| *distance <= allowed)
+        .min()
+        .map(|(.., unit)| unit.clone())
+}
+
+/// The name of a dimension that is a base itself: what is missing or too much, where it is that simple.
+fn is_base(dimension: Dimension) -> bool {
+    (0..eng_system::dimension::BASES).any(|base| dimension == Dimension::base(base))
+}
+
 /// `joint`, `body`: as it is written.
 pub(super) fn kind_word(kind: Kind) -> &'static str {
     match kind {
@@ -162,6 +189,22 @@ impl Checker<'_> {
             PointKind::Point(name) => name.to_string(),
             _ => self.dimension_name(&quantity.dim),
         }
+    }
+
+    /// The base dimension by which a is more than b.
+    pub(super) fn surplus(&self, a: &Quantity, b: &Quantity) -> Option<String> {
+        let ratio = a.dim.over(&b.dim);
+        (ratio.variables.is_empty() && is_base(ratio.base)).then(|| self.dimension_name(&ratio))
+    }
+
+    /// The unit that the declaration itself uses, or a usual one.
+    pub(super) fn unit_for(&self, own: Option<&str>, wanted: &Quantity) -> Option<String> {
+        if !wanted.dim.variables.is_empty() {
+            return None;
+        }
+        own.filter(|unit| self.size_of_text(unit) == Some(wanted.dim.base))
+            .map(str::to_owned)
+            .or_else(|| self.usual_unit(wanted))
     }
 
     pub(super) fn class_name(&self, id: DefinitionId) -> String {

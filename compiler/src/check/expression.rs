@@ -88,7 +88,6 @@ impl<'p> Checker<'p> {
                 self.condition(scope, condition, "the condition of `if`");
                 let (a, b) = (self.infer(scope, then), self.infer(scope, otherwise));
                 self.join(
-                    otherwise,
                     (&a, then.span),
                     (&b, otherwise.span),
                     "the two values of `if`",
@@ -177,7 +176,7 @@ impl<'p> Checker<'p> {
         let mut element = types.first().cloned().unwrap_or(Type::Error);
         for (ty, item) in types.iter().zip(items).skip(1) {
             let (a, b) = ((&element, first.span), (ty, item.span));
-            element = self.join(item, a, b, "the elements of a list");
+            element = self.join(a, b, "the elements of a list");
             if element.is_error() {
                 return Type::Error;
             }
@@ -260,7 +259,6 @@ impl<'p> Checker<'p> {
     /// The common type of two values that stand for one.
     pub(super) fn join(
         &mut self,
-        at: &Expr,
         (a, a_span): (&Type, Span),
         (b, b_span): (&Type, Span),
         what: &str,
@@ -285,7 +283,7 @@ impl<'p> Checker<'p> {
                     framed: h,
                 },
             ) if m.is_none() || n.is_none() || m == n => {
-                let element = self.join(at, (e, a_span), (g, b_span), what);
+                let element = self.join((e, a_span), (g, b_span), what);
                 if element.is_error() {
                     return Type::Error;
                 }
@@ -354,7 +352,9 @@ impl<'p> Checker<'p> {
                     Type::Error
                 }
             };
-            self.structural(&inner, &binder.range);
+            if !element.is_error() {
+                self.structural(&inner, &binder.range);
+            }
             inner.locals.push((binder.name.text.clone(), element));
         }
         inner
@@ -400,11 +400,26 @@ impl<'p> Checker<'p> {
                 return Type::Error;
             }
         }
-        let element = self.join(to, (&a, from.span), (&b, to.span), "the ends of a range");
+        let element = self.join((&a, from.span), (&b, to.span), "the ends of a range");
         if element.is_error() {
             return Type::Error;
         }
         match step {
+            None if element.quantity().is_some_and(|q| q.dim.is_one()) && element != Type::Int => {
+                let (end, ty) = if a == Type::Int { (to, &b) } else { (from, &a) };
+                let found = self.describe(ty);
+                self.report(
+                    Diagnostic::error(
+                        codes::RANGE,
+                        "a range without a step counts in whole numbers",
+                    )
+                    .at(end.span, format!("this is {found}"))
+                    .with_help(
+                        "a count is an `Int`; a range of numbers has a step: `0 .. 1 by 0.1`",
+                    ),
+                );
+                Type::Error
+            }
             None if element != Type::Int => {
                 self.report(
                     Diagnostic::error(codes::RANGE, "a range of quantities needs a step")

@@ -128,6 +128,7 @@ struct Levels<'c, 'p> {
     checker: &'c mut Checker<'p>,
     known: BTreeMap<(DefinitionId, String), Progress<Abstract<'p>>>,
     calls: u32,
+    depth: u32,
 }
 
 /// Checks all statements of all definitions.
@@ -137,6 +138,7 @@ pub(super) fn check(checker: &mut Checker<'_>) {
         checker,
         known: BTreeMap::new(),
         calls: 0,
+        depth: 0,
     };
     for (module, file) in program.modules.iter().enumerate() {
         for (item, content) in file.file.items.iter().enumerate() {
@@ -394,8 +396,13 @@ impl<'p> Levels<'_, 'p> {
             Some(Progress::Open) => return Abstract::Number(FREE),
             None => {}
         }
+        if self.depth > super::DEEPEST {
+            return Abstract::Number(FREE);
+        }
         self.known.insert(key.clone(), Progress::Open);
+        self.depth += 1;
         let value = find(self);
+        self.depth -= 1;
         self.known.insert(key, Progress::Done(value.clone()));
         value
     }
@@ -582,9 +589,10 @@ impl<'p> Levels<'_, 'p> {
         all: Level,
     ) -> Abstract<'p> {
         self.calls += 1;
-        if self.calls > MOST_CALLS {
+        if self.calls > MOST_CALLS || self.depth > super::DEEPEST {
             return Abstract::Number(all);
         }
+        self.depth += 1;
         let mut inner = defined.clone();
         let mut position = 0;
         let mut given: Vec<&str> = Vec::new();
@@ -616,6 +624,8 @@ impl<'p> Levels<'_, 'p> {
             let value = self.binding(&inner, binding);
             inner.locals.push((binding.name.text.clone(), value));
         }
-        self.value(&inner, &function.value)
+        let value = self.value(&inner, &function.value);
+        self.depth -= 1;
+        value
     }
 }

@@ -330,14 +330,7 @@ impl<'p> Checker<'p> {
             format!("{} needs a unit: it is {name}", due.what),
         )
         .at(expr.span, "a number without a unit");
-        let unit = due.unit.clone().or_else(|| {
-            wanted
-                .dim
-                .variables
-                .is_empty()
-                .then(|| self.usual_unit(wanted))
-                .flatten()
-        });
+        let unit = self.unit_for(due.unit.as_deref(), wanted);
         if let Some(unit) = unit {
             let mended = format!("{} {unit}", self.sources.text(expr.span));
             message = message
@@ -384,7 +377,7 @@ impl<'p> Checker<'p> {
             if wanted.dim.is_one() && unit_of(expr).is_some() {
                 message = message.with_help("leave the unit away");
             } else if let Some(unit) = unit_of(expr)
-                && let Some(usual) = due.unit.clone().or_else(|| self.usual_unit(wanted))
+                && let Some(usual) = self.unit_for(due.unit.as_deref(), wanted)
             {
                 message = message.with_help(format!(
                     "a unit of {} is `{usual}`, not `{}`",
@@ -392,17 +385,12 @@ impl<'p> Checker<'p> {
                     unit_text(unit)
                 ));
             } else if unit_of(expr).is_none() {
-                let factor = wanted.dim.over(&found.dim);
-                let name = self.dimension_name(&factor);
-                if !factor.is_one() && !name.contains(['^', '/', '*']) && !found.dim.is_one() {
+                if let Some(name) = self.surplus(wanted, found) {
                     message =
                         message.with_help(format!("a factor of the dimension {name} is missing"));
-                } else {
-                    let inverse = self.dimension_name(&found.dim.over(&wanted.dim));
-                    if !inverse.contains(['^', '/', '*']) && !wanted.dim.is_one() {
-                        message = message
-                            .with_help(format!("a factor of the dimension {inverse} is too much"));
-                    }
+                } else if let Some(name) = self.surplus(found, wanted) {
+                    message =
+                        message.with_help(format!("a factor of the dimension {name} is too much"));
                 }
             }
         }
@@ -453,7 +441,7 @@ impl<'p> Checker<'p> {
                 }
             }
             Some(unit) => {
-                if let Some(usual) = due.unit.clone().or_else(|| self.usual_unit(wanted)) {
+                if let Some(usual) = self.unit_for(due.unit.as_deref(), wanted) {
                     message = message.with_help(format!(
                         "a unit of {} is `{usual}`, not `{}`",
                         self.quantity_name(wanted),

@@ -23,6 +23,7 @@ mod types;
 mod unit;
 mod unused;
 
+use crate::codes;
 use crate::program::{Checked, DefinitionId, Program, ValueType};
 use eng_grammar::ast::{BindingKind, Form, Item, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
@@ -31,6 +32,9 @@ use scope::{ClassTable, Member, Scope};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use types::{Signature, Type};
+
+/// Most values and functions that build on each other: what elaboration and the stack can bear.
+const DEEPEST: u32 = 100;
 
 /// Where the inference of a named value stands.
 #[derive(Clone)]
@@ -56,6 +60,8 @@ struct Checker<'p> {
     used_top: BTreeSet<(u32, DefinitionId)>,
     /// The dimension that is due where a literal stands.
     wanted: Option<Dimension>,
+    /// Values and functions being inferred.
+    depth: u32,
     /// Units that each module reads.
     used_units: BTreeSet<(u32, String)>,
 }
@@ -75,6 +81,7 @@ pub fn check(program: &Program, sources: &SourceMap, diagnostics: &mut Diagnosti
         used_top: BTreeSet::new(),
         used_units: BTreeSet::new(),
         wanted: None,
+        depth: 0,
     };
     for (index, module) in program.modules.iter().enumerate() {
         for (item_index, item) in module.file.items.iter().enumerate() {
@@ -116,6 +123,22 @@ fn in_order_of_place(diagnostics: &Diagnostics) -> Diagnostics {
 impl<'p> Checker<'p> {
     fn report(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
+    }
+
+    /// Whether there is room for one more value inside those being inferred; says where there is not.
+    fn deeper(&mut self, span: Span) -> bool {
+        if self.depth < DEEPEST {
+            return true;
+        }
+        self.report(
+            Diagnostic::error(
+                codes::TOO_DEEP,
+                format!("more than {DEEPEST} values build on each other"),
+            )
+            .at(span, "here it is too deep")
+            .with_help("shorten the chain"),
+        );
+        false
     }
 
     /// One item at the top of a file.

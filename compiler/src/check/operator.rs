@@ -455,10 +455,11 @@ impl<'p> Checker<'p> {
                 );
             }
             Misfit::Dimension => {
-                let factor = self.dimension_name(&p.dim.over(&q.dim));
-                if !factor.contains(['^', '/', '*']) {
+                let more = self.surplus(p, q).map(|name| ("left", name, "right"));
+                let less = self.surplus(q, p).map(|name| ("right", name, "left"));
+                if let Some((side, name, other)) = more.or(less) {
                     message = message.with_note(format!(
-                        "the left side has the dimension {factor} more than the right"
+                        "the {side} side has a factor of the dimension {name} more than the {other}"
                     ));
                 }
             }

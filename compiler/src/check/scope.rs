@@ -278,6 +278,11 @@ impl<'p> Checker<'p> {
             message = message
                 .with_help(format!("did you mean `{near}`?"))
                 .with_fix(format!("write `{near}`"), span, near);
+        } else if let Some((near, path)) =
+            nearest(name, self.program.offered.keys().map(String::as_str))
+                .and_then(|near| Some((near, self.program.offered.get(near)?)))
+        {
+            message = message.with_help(format!("did you mean `{near}` of `{path}`?"));
         } else if self.program.units.contains_key(name) {
             message = message.with_help(format!(
                 "`{name}` is a unit: it stands after a number, as in `1 {name}`, a list or a parenthesis"
@@ -430,8 +435,13 @@ impl<'p> Checker<'p> {
             }
             None => {}
         }
+        if !self.deeper(span) {
+            return Type::Error;
+        }
         self.values.insert(key.clone(), Progress::Open);
+        self.depth += 1;
         let ty = infer(self);
+        self.depth -= 1;
         // A circle has put an error there meanwhile.
         let ty = match self.values.get(&key) {
             Some(Progress::Done(error)) => error.clone(),

@@ -5,7 +5,6 @@ use super::scope::Scope;
 use super::types::{Dim, Kind, Quantity, Type};
 use crate::codes;
 use crate::program::{Unit, unit_text};
-use crate::resolve::suggest::nearest;
 use eng_grammar::ast::UnitExpr;
 use eng_grammar::{Diagnostic, Span};
 
@@ -94,8 +93,9 @@ impl<'p> Checker<'p> {
         // `Nm` is N*m, `kgm2` is not guessed.
         let split = name.char_indices().skip(1).find_map(|(at, _)| {
             let (left, right) = name.split_at(at);
-            let both = units.contains_key(left) && units.contains_key(right);
-            both.then(|| format!("{left}*{right}"))
+            let (a, b) = (units.get(left)?, units.get(right)?);
+            let fitting = wanted.is_none_or(|wanted| a.dimension.times(b.dimension) == wanted);
+            fitting.then(|| format!("{left}*{right}"))
         });
         let same_letters = |fitting: bool| {
             units
@@ -110,12 +110,10 @@ impl<'p> Checker<'p> {
             .filter(|unit| units.contains_key(*unit))
             .map(str::to_owned)
             .or_else(|| same_letters(true))
-            .or_else(|| {
-                nearest(name, units.keys().filter(fits).map(String::as_str)).map(str::to_owned)
-            })
-            .or_else(|| same_letters(false))
             .or(split)
-            .or_else(|| nearest(name, units.keys().map(String::as_str)).map(str::to_owned));
+            .or_else(|| super::describe::nearest_unit(name, units.keys().filter(fits)))
+            .or_else(|| same_letters(false))
+            .or_else(|| super::describe::nearest_unit(name, units.keys()));
         if let Some(meant) = meant {
             message = message
                 .with_help(format!("did you mean `{meant}`?"))

@@ -52,6 +52,9 @@ pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, String> {
     names
 }
 
+/// Most files that use each other in a row.
+const DEEPEST: usize = 100;
+
 struct Loader<'a> {
     host: &'a dyn Host,
     library: &'a [(&'a str, &'a str)],
@@ -127,6 +130,17 @@ impl Loader<'_> {
             }
             self.diagnostics
                 .push(message.with_help("put what both need into a third file that uses neither"));
+            return;
+        }
+        if self.open.len() > DEEPEST {
+            let mut message = Diagnostic::error(
+                codes::NO_MODULE,
+                format!("more than {DEEPEST} files use each other in a row"),
+            );
+            if let Some(span) = used_at {
+                message = message.at(span, "not followed");
+            }
+            self.diagnostics.push(message);
             return;
         }
         if let Some(text) = self.text_of_library(path).map(str::to_owned) {

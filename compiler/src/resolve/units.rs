@@ -23,6 +23,9 @@ const BASES: [&[&str]; eng_system::dimension::BASES] = [
     &["Angle"],
 ];
 
+/// Most definitions inside each other.
+const DEEPEST: u32 = 100;
+
 /// What became of a definition.
 #[derive(Clone)]
 enum Entry<T> {
@@ -36,6 +39,7 @@ enum Entry<T> {
 struct Dimensions<'a> {
     items: BTreeMap<String, DimensionItem>,
     done: BTreeMap<String, Entry<NamedDimension>>,
+    depth: u32,
     diagnostics: &'a mut Diagnostics,
 }
 
@@ -61,6 +65,7 @@ pub(super) fn dimensions(program: &mut Program, diagnostics: &mut Diagnostics) {
     let mut table = Dimensions {
         items,
         done: BTreeMap::new(),
+        depth: 0,
         diagnostics,
     };
     for name in &names {
@@ -106,8 +111,17 @@ impl Dimensions<'_> {
             None => {}
         }
         let item = self.items.get(name)?.clone();
+        if self.depth > DEEPEST {
+            self.diagnostics.push(
+                Diagnostic::error(codes::BAD_UNIT, "the definitions are nested too deeply")
+                    .at(item.name.span, "here it is too deep"),
+            );
+            return None;
+        }
+        self.depth += 1;
         self.done.insert(name.to_owned(), Entry::Open);
         let result = self.evaluate(&item);
+        self.depth -= 1;
         let open = matches!(self.done.get(name), Some(Entry::Open));
         let entry = match &result {
             Some(dimension) if open => Entry::Done(dimension.clone()),
@@ -226,6 +240,7 @@ struct Size {
 struct Units<'a> {
     items: BTreeMap<String, UnitItem>,
     done: BTreeMap<String, Entry<Unit>>,
+    depth: u32,
     dimensions: &'a BTreeMap<String, NamedDimension>,
     diagnostics: &'a mut Diagnostics,
 }
@@ -247,6 +262,7 @@ pub(super) fn units(program: &mut Program, diagnostics: &mut Diagnostics) {
     let mut table = Units {
         items,
         done: BTreeMap::new(),
+        depth: 0,
         dimensions: &program.dimensions,
         diagnostics,
     };
@@ -282,8 +298,17 @@ impl Units<'_> {
             None => {}
         }
         let item = self.items.get(name)?.clone();
+        if self.depth > DEEPEST {
+            self.diagnostics.push(
+                Diagnostic::error(codes::BAD_UNIT, "the definitions are nested too deeply")
+                    .at(item.name.span, "here it is too deep"),
+            );
+            return None;
+        }
+        self.depth += 1;
         self.done.insert(name.to_owned(), Entry::Open);
         let result = self.evaluate(&item);
+        self.depth -= 1;
         let open = matches!(self.done.get(name), Some(Entry::Open));
         let entry = match &result {
             Some(unit) if open => Entry::Done(unit.clone()),

@@ -42,7 +42,7 @@ pub fn run_in(folder: &str, root: &str, text: &str) -> Run {
     };
     let mut sources = SourceMap::new();
     let mut diagnostics = Diagnostics::new();
-    let program = resolve(root, &host, &LIBRARY, &mut sources, &mut diagnostics);
+    let program = resolve(root, &host, LIBRARY, &mut sources, &mut diagnostics);
     let checked = check(&program, &sources, &mut diagnostics);
     Run {
         sources,
@@ -52,6 +52,7 @@ pub fn run_in(folder: &str, root: &str, text: &str) -> Run {
     }
 }
 
+#[allow(dead_code)]
 pub fn run(text: &str) -> Run {
     run_in("no such folder", "test.eng", text)
 }
