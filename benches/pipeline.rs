@@ -32,13 +32,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sources = Sources::folder(folder)?;
     println!("{:<46} {:>12} {:>12}", "µs a time", "minimum", "median");
 
-    show("check: text to checked program", 1, time(7, || {
-        std::hint::black_box(eng::check(&sources, "inline4.eng"));
-    }));
+    show(
+        "check: text to checked program",
+        1,
+        time(7, || {
+            std::hint::black_box(eng::check(&sources, "inline4.eng"));
+        }),
+    );
     let program = eng::check(&sources, "inline4.eng").into_program()?;
-    show("compile: checked program to machine code", 1, time(7, || {
-        let _ = std::hint::black_box(program.model("Inline4"));
-    }));
+    show(
+        "compile: checked program to machine code",
+        1,
+        time(7, || {
+            let _ = std::hint::black_box(program.model("Inline4"));
+        }),
+    );
     let model = program.model("Inline4")?;
     for (class, bytes) in model.code_bytes() {
         if bytes > 4000 {
@@ -47,9 +55,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
 
     let step = 1e-5;
-    show("start: bind, assemble, first accelerations", 1, time(5, || {
-        let _ = std::hint::black_box(model.simulation().fixed_step(step).start());
-    }));
+    show(
+        "start: bind, assemble, first accelerations",
+        1,
+        time(5, || {
+            let _ = std::hint::black_box(model.simulation().fixed_step(step).start());
+        }),
+    );
     let mut simulation = model.simulation().fixed_step(step).start()?;
     for _ in 0..1000 {
         simulation.step()?;
@@ -59,16 +71,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut unknowns = vec![0.0; size];
     let mut residual = vec![0.0; size];
     runtime.predicted(step, &mut unknowns)?;
-    show("residual", 200, time(21, || {
-        for _ in 0..200 {
-            let _ = runtime.residual(step, &unknowns, &mut residual);
-        }
-    }));
-    show("residual and Jacobian", 200, time(21, || {
-        for _ in 0..200 {
-            let _ = runtime.jacobian(step, &unknowns);
-        }
-    }));
+    show(
+        "residual",
+        200,
+        time(21, || {
+            for _ in 0..200 {
+                let _ = runtime.residual(step, &unknowns, &mut residual);
+            }
+        }),
+    );
+    show(
+        "residual and Jacobian",
+        200,
+        time(21, || {
+            for _ in 0..200 {
+                let _ = runtime.jacobian(step, &unknowns);
+            }
+        }),
+    );
     let matrix = runtime.jacobian(step, &unknowns)?;
     let mut pattern = PatternBuilder::new(matrix.size);
     for column in 0..matrix.size {
@@ -79,21 +99,33 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let pattern = pattern.finish();
     let mut solver = SparseLu::new(&pattern)?;
     println!("  {size} unknowns, {} entries", matrix.values.len());
-    show("factorisation", 50, time(21, || {
-        for _ in 0..50 {
-            let _ = solver.factor(matrix.values);
-        }
-    }));
-    show("solution of one right-hand side", 200, time(21, || {
-        for _ in 0..200 {
-            solver.solve(&mut residual);
-        }
-    }));
-    show("step of 10 µs, 1000 steps", 1000, time(5, || {
-        for _ in 0..1000 {
-            let _ = simulation.step();
-        }
-    }));
+    show(
+        "factorisation",
+        50,
+        time(21, || {
+            for _ in 0..50 {
+                let _ = solver.factor(matrix.values);
+            }
+        }),
+    );
+    show(
+        "solution of one right-hand side",
+        200,
+        time(21, || {
+            for _ in 0..200 {
+                solver.solve(&mut residual);
+            }
+        }),
+    );
+    show(
+        "step of 10 µs, 1000 steps",
+        1000,
+        time(5, || {
+            for _ in 0..1000 {
+                let _ = simulation.step();
+            }
+        }),
+    );
 
     for name in ["unfired", "fired"] {
         let analysis = program.analysis(name)?;
@@ -105,7 +137,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 steps = summary.statistics.steps;
             }
         });
-        show(&format!("whole run `{name}`, {steps} steps, 2881 samples"), 1, whole);
+        show(
+            &format!("whole run `{name}`, {steps} steps, 2881 samples"),
+            1,
+            whole,
+        );
     }
     Ok(())
 }

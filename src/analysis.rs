@@ -42,7 +42,7 @@ pub struct Outcome {
 #[derive(Debug)]
 pub struct Failed {
     /// Why.
-    pub error: Error,
+    pub error: Box<Error>,
     /// Samples up to the failure, if there are any.
     pub partial: Option<Box<Outcome>>,
 }
@@ -123,10 +123,13 @@ impl Analysis {
             (Ok(outcome), None) => Ok(outcome),
             (Ok(outcome), Some(error)) => {
                 let partial = (outcome.results.samples() > 0).then(|| Box::new(outcome));
-                Err(Failed { error, partial })
+                Err(Failed {
+                    error: Box::new(error),
+                    partial,
+                })
             }
             (Err(error), None) | (_, Some(error)) => Err(Failed {
-                error,
+                error: Box::new(error),
                 partial: None,
             }),
         }

@@ -90,7 +90,7 @@ impl Engine for Local {
             Ok(outcome) => run_outcome(&analysis, outcome).map_err(engine_error),
             Err(Failed { error, partial }) => {
                 let partial = partial.and_then(|o| run_outcome(&analysis, *o).ok());
-                Err(match engine_error(error) {
+                Err(match engine_error(*error) {
                     EngineError::Model { diagnostics, .. } => EngineError::Model {
                         diagnostics,
                         partial: partial.map(Box::new),

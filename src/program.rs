@@ -71,7 +71,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
     let resolved = eng_compiler::resolve::resolve(
         file,
         sources,
-        &eng_compiler::library::LIBRARY,
+        eng_compiler::library::LIBRARY,
         &mut texts,
         &mut diagnostics,
     );

@@ -88,7 +88,7 @@ fn standard_units() -> &'static Program {
         eng_compiler::resolve::resolve(
             "units",
             &crate::Sources::from_text("units", ""),
-            &eng_compiler::library::LIBRARY,
+            eng_compiler::library::LIBRARY,
             &mut sources,
             &mut diagnostics,
         )
