@@ -132,7 +132,11 @@ impl Analysis {
         }
     }
 
-    fn transient(&self, transient: &Transient, recorder: &mut Recorder<'_>) -> Result<RunSummary, Error> {
+    fn transient(
+        &self,
+        transient: &Transient,
+        recorder: &mut Recorder<'_>,
+    ) -> Result<RunSummary, Error> {
         run_transient(
             self.model.compiled(),
             &self.overrides,

@@ -116,7 +116,10 @@ fn span(at: Location) -> Span {
 pub(crate) fn advice(warning: &eng_runtime::Warning) -> Diagnostic {
     let message = Diagnostic::warning(
         "W0711",
-        format!("{}: {} at {}", warning.origin.path, warning.message, warning.moment),
+        format!(
+            "{}: {} at {}",
+            warning.origin.path, warning.message, warning.moment
+        ),
     );
     place(message, &warning.origin, "said by this element")
 }

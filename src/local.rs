@@ -116,7 +116,8 @@ fn engine_error(error: Error) -> EngineError {
 fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Error> {
     let system = &analysis.model().compiled().system;
     let bound = analysis.bound()?;
-    let at = |slot: eng_system::system::Slot| bound.slots.get(slot.0 as usize).copied().unwrap_or(0.0);
+    let at =
+        |slot: eng_system::system::Slot| bound.slots.get(slot.0 as usize).copied().unwrap_or(0.0);
     let mut diagnostics = Diagnostics::new();
     for warning in &outcome.warnings {
         diagnostics.push(crate::failure::advice(warning));

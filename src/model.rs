@@ -123,6 +123,33 @@ impl Model {
             .collect()
     }
 
+    /// One line: bodies, elements, unknowns, journals, bytes of code.
+    pub fn summary(&self) -> String {
+        let system = &self.compiled.system;
+        let dynamic = || {
+            system
+                .elements
+                .iter()
+                .filter(|e| e.role == eng_system::system::Role::Dynamic)
+        };
+        let rows: usize = dynamic()
+            .map(|e| system.classes[e.class as usize].rows.len())
+            .sum();
+        let bytes: usize = self.compiled.code.iter().map(|c| c.code_bytes()).sum();
+        format!(
+            "{}: {} bodies with {} velocities, {} elements of {} classes, {rows} constraint equations, {} journals, {} parameters, {} channels; {} kB of machine code",
+            system.name,
+            system.bodies.len(),
+            6 * system.bodies.len(),
+            dynamic().count(),
+            system.classes.len(),
+            system.journals.len(),
+            system.parameters.len(),
+            system.channels.len(),
+            bytes / 1024,
+        )
+    }
+
     /// Bytes of machine code of each class of element.
     pub fn code_bytes(&self) -> Vec<(String, usize)> {
         self.compiled

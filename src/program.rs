@@ -46,7 +46,11 @@ impl Report {
 
 impl std::fmt::Display for Report {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&crate::render::human(&self.diagnostics, &self.texts, false))
+        f.write_str(&crate::render::human(
+            &self.diagnostics,
+            &self.texts,
+            crate::render::Colors::None,
+        ))
     }
 }
 
@@ -67,7 +71,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
     let resolved = eng_compiler::resolve::resolve(
         file,
         sources,
-        eng_compiler::library::LIBRARY,
+        &eng_compiler::library::LIBRARY,
         &mut texts,
         &mut diagnostics,
     );
@@ -110,9 +114,7 @@ fn models_of(resolved: &Resolved) -> Vec<DefinitionId> {
         .items
         .iter()
         .enumerate()
-        .filter(|(_, item)| {
-            matches!(&item.kind, ItemKind::Declaration(d) if d.kind == Kind::Model)
-        })
+        .filter(|(_, item)| matches!(&item.kind, ItemKind::Declaration(d) if d.kind == Kind::Model))
         .map(|(i, _)| DefinitionId {
             module: root,
             item: i as u32,
@@ -183,6 +185,19 @@ impl Program {
         &self.inner.texts
     }
 
+    /// SHA-256 of all texts that were read, library and user's, as hexadecimal digits.
+    pub fn source_hash(&self) -> String {
+        use sha2::Digest;
+        let mut hash = sha2::Sha256::new();
+        for (_, source) in self.inner.texts.iter() {
+            hash.update(source.name.as_bytes());
+            hash.update([0]);
+            hash.update(source.text.as_bytes());
+            hash.update([0]);
+        }
+        hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
+    }
+
     fn name_of(&self, id: DefinitionId) -> Option<&str> {
         match &self.inner.resolved.item(id)?.kind {
             ItemKind::Declaration(d) => Some(&d.name.text),
@@ -240,7 +255,7 @@ impl Program {
         };
         let mut code = Vec::with_capacity(elaborated.classes.len());
         for functions in elaborated.classes {
-            match eng_compiler::compile_class(functions, true) {
+            match eng_compiler::generate::compile_class(functions, true) {
                 Ok(c) => code.push(c),
                 Err(error) => {
                     diagnostics.push(Diagnostic::error("E0601", error.to_string()));

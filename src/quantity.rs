@@ -88,7 +88,7 @@ fn standard_units() -> &'static Program {
         eng_compiler::resolve::resolve(
             "units",
             &crate::Sources::from_text("units", ""),
-            eng_compiler::library::LIBRARY,
+            &eng_compiler::library::LIBRARY,
             &mut sources,
             &mut diagnostics,
         )
@@ -130,12 +130,7 @@ fn literal(expr: &Expr) -> Option<Result<Quantity, QuantityError>> {
         ExprKind::Unary {
             op: UnaryOp::Negate,
             operand,
-        } => literal(operand).map(|r| {
-            r.map(|q| Quantity {
-                si: -q.si,
-                ..q
-            })
-        }),
+        } => literal(operand).map(|r| r.map(|q| Quantity { si: -q.si, ..q })),
         _ => None,
     }
 }

@@ -69,13 +69,19 @@ fn outcome(analysis: &str) -> RunOutcome {
         column("main[1].force.x", "kN", 1e3, "block.main[1]", cosine(-3e3)),
         column("main[1].force.y", "kN", 1e3, "block.main[1]", sine(-2e3)),
         column(
-            "main[1].offset.x",
+            "main[1].eccentricity.x",
             "um",
             1e-6,
             "block.main[1]",
             cosine(2e-5),
         ),
-        column("main[1].offset.y", "um", 1e-6, "block.main[1]", sine(2e-5)),
+        column(
+            "main[1].eccentricity.y",
+            "um",
+            1e-6,
+            "block.main[1]",
+            sine(2e-5),
+        ),
         column(
             "main[1].minimum_film",
             "um",

@@ -1,1 +1,43 @@
-//! Eng: state on the manifold, kinematic chain, solvers, analyses, results
+//! Eng's runtime: state on the manifold, kinematic chain, assembly, integration, outputs.
+//!
+//! It works on a [`eng_system::code::Compiled`] model and knows no syntax, no names to be looked up, no files, no terminal: it
+//! returns numbers and errors that carry the path and the place of what they concern. It holds no global state, and the same
+//! input gives the same bits whatever the number of threads.
+//!
+//! | module | subject |
+//! | --- | --- |
+//! | [`model`], [`state`] | numbers of one parameter set; the state on R³ × SO(3) × Rⁿ |
+//! | [`body`], [`chain`] | what depends on the kind of a body: inertia; markers and generalised forces |
+//! | [`elements`], [`dynamics`] | calls of element code; residual and exact matrix |
+//! | [`linear`] | sparse factorisation behind a trait |
+//! | [`assembly`], [`topology`] | start positions and velocities; freedom and redundancy |
+//! | [`acceleration`] | projection of outputs, accelerations and reactions |
+//! | [`integrator`], [`control`] | generalised-α on the Lie group; step sizes |
+//! | [`simulation`], [`transient`], [`checkpoint`] | what a user holds |
+
+#![forbid(unsafe_code)]
+
+pub mod acceleration;
+pub mod assembly;
+pub mod body;
+pub mod chain;
+pub mod checkpoint;
+pub mod control;
+pub mod dynamics;
+pub mod elements;
+pub mod error;
+pub mod integrator;
+pub mod linear;
+pub mod model;
+pub mod outputs;
+pub mod rotation;
+pub mod simulation;
+pub mod state;
+pub mod topology;
+pub mod transient;
+
+pub use error::{Moment, NamedRow, RedundantGroup, RuntimeError};
+pub use integrator::Statistics;
+pub use simulation::{CscView, Energy, Options, Simulation, StepReport, Warning};
+pub use topology::{TopologyReport, topology};
+pub use transient::{Observer, RunSummary, Sample, run_transient};

@@ -248,7 +248,7 @@ impl<'a> Elaborator<'a, '_> {
             if binding.kind == BindingKind::Const {
                 constants.push((
                     name.text.clone(),
-                    self.to_structural(value, argument.value.span)?,
+                    self.structural_of(value, argument.value.span)?,
                 ));
             } else {
                 self.parameter_values(value, &name.text, argument.value.span, &mut set)?;
@@ -278,7 +278,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    fn to_structural(&mut self, value: Value<'a>, span: Span) -> Eval<Structural> {
+    fn structural_of(&mut self, value: Value<'a>, span: Span) -> Eval<Structural> {
         Ok(match value {
             Value::Int(i) => Structural::Int(i),
             Value::Bool(b) => Structural::Bool(b),
@@ -287,7 +287,7 @@ impl<'a> Elaborator<'a, '_> {
             Value::List(items) => Structural::List(
                 items
                     .into_iter()
-                    .map(|v| self.to_structural(v, span))
+                    .map(|v| self.structural_of(v, span))
                     .collect::<Eval<Vec<_>>>()?,
             ),
             other => return Err(self.unfit(span, "a structural value", &other)),

@@ -46,6 +46,9 @@ pub(crate) fn find(name: &str) -> Option<&'static str> {
     NAMES.iter().copied().find(|n| *n == name)
 }
 
+/// Constructor of an operation on one number.
+type UnaryOp = fn(Node) -> Op;
+
 impl<'a> Elaborator<'a, '_> {
     pub fn builtin(
         &mut self,
@@ -68,7 +71,7 @@ impl<'a> Elaborator<'a, '_> {
                 _ => values.push((value, argument.value.span)),
             }
         }
-        let unary: Option<(fn(Node) -> Op, Dimension)> = match name {
+        let unary: Option<(UnaryOp, Dimension)> = match name {
             "exp" => Some((Op::Exp, Dimension::ONE)),
             "log" => Some((Op::Log, Dimension::ONE)),
             "sin" => Some((Op::Sin, Dimension::ONE)),
@@ -161,7 +164,7 @@ impl<'a> Elaborator<'a, '_> {
                 let marker = self.as_marker(m.0, m.1)?;
                 let local = self.local_marker(marker, Some(m.1))?;
                 Ok(if name == "local" {
-                    Self::list(&self.into_axes(local, &components))
+                    Self::list(&self.along_axes(local, &components))
                 } else {
                     Value::Vector(self.rotate(local, &components))
                 })

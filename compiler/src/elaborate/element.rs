@@ -639,10 +639,10 @@ impl<'a> Elaborator<'a, '_> {
         };
         let back = v.map(|s| self.bench.negate(s));
         if torque {
-            let on_axes = self.into_axes(a, &v);
+            let on_axes = self.along_axes(a, &v);
             self.add_load(a, None, Some(on_axes));
             if let Some(b) = b {
-                let back_axes = self.into_axes(b, &back);
+                let back_axes = self.along_axes(b, &back);
                 self.add_load(b, None, Some(back_axes));
             }
         } else {
@@ -652,7 +652,7 @@ impl<'a> Elaborator<'a, '_> {
                 let xb = self.marker_origin(b);
                 let arm = [0, 1, 2].map(|i| self.bench.subtract(xa[i], xb[i]));
                 let moment = self.bench.cross(&arm, &back);
-                let moment_axes = self.into_axes(b, &moment);
+                let moment_axes = self.along_axes(b, &moment);
                 self.add_load(b, Some(back), Some(moment_axes));
             }
         }
@@ -758,7 +758,7 @@ impl<'a> Elaborator<'a, '_> {
             Value::Vector(v) => match &frame {
                 Some((marker, _)) => {
                     let local = self.local_marker(*marker, Some(span))?;
-                    (self.into_axes(local, &v).to_vec(), false)
+                    (self.along_axes(local, &v).to_vec(), false)
                 }
                 None => (v.to_vec(), false),
             },

@@ -11,6 +11,9 @@ use eng_system::Dimension;
 /// Longest list or range.
 const LONGEST: usize = 100_000;
 
+/// What is done for each combination of binders: scope with their values, and the combination's name.
+pub(crate) type Visit<'v, E> = dyn FnMut(&mut E, ScopeId, &[usize]) -> Eval<()> + 'v;
+
 impl<'a> Elaborator<'a, '_> {
     /// The value of an expression; a family as the list of its members.
     pub fn evaluate(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Value<'a>> {
@@ -213,7 +216,7 @@ impl<'a> Elaborator<'a, '_> {
         &mut self,
         binders: &'a [ast::Binder],
         scope: ScopeId,
-        f: &mut dyn FnMut(&mut Self, ScopeId, &[usize]) -> Eval<()>,
+        f: &mut Visit<'_, Self>,
     ) -> Eval<()> {
         self.for_each_from(binders, scope, &mut Vec::new(), f)
     }
@@ -223,7 +226,7 @@ impl<'a> Elaborator<'a, '_> {
         binders: &'a [ast::Binder],
         scope: ScopeId,
         position: &mut Vec<usize>,
-        f: &mut dyn FnMut(&mut Self, ScopeId, &[usize]) -> Eval<()>,
+        f: &mut Visit<'_, Self>,
     ) -> Eval<()> {
         let Some((first, rest)) = binders.split_first() else {
             return f(self, scope, position);

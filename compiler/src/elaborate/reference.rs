@@ -327,7 +327,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Components of a vector along a marker's axes.
-    pub fn into_axes(&mut self, local: u32, v: &[Scalar; 3]) -> [Scalar; 3] {
+    pub fn along_axes(&mut self, local: u32, v: &[Scalar; 3]) -> [Scalar; 3] {
         [0, 1, 2].map(|j| {
             let axis = self.marker_axis(local, j);
             self.bench.dot(&axis, v)

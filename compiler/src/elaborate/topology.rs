@@ -30,8 +30,8 @@ impl Elaborator<'_, '_> {
         }
         let mut found = Vec::new();
         let mut groups: Vec<usize> = Vec::new();
-        for b in 0..ground {
-            let origin = &self.bodies[b].origin;
+        for (b, body) in self.bodies.iter().enumerate() {
+            let origin = &body.origin;
             let Some(place) = origin.used_at else {
                 continue;
             };

@@ -1,0 +1,272 @@
+//! The acceleration-level system `[M Gᵀ; G 0][v̇; λ] = [Q; γ]` and the projections on position and velocity.
+//!
+//! All three have one matrix: with `[0; −Φ]` it gives the smallest move (in the mass norm) back to the constraints, with
+//! `[0; −Φ̇]` the smallest change of velocity. Scaled as the step's matrix, with the model's length and largest mass.
+
+use crate::dynamics::Dynamics;
+use crate::error::{Moment, RuntimeError};
+use crate::linear::{Block, LinearSolver, Pattern, PatternBuilder, SparseLu};
+use crate::model::Model;
+use crate::state::{State, move_pose};
+
+/// Largest |Φ| of an output, in m or rad.
+pub const POSITION_LIMIT: f64 = 1e-9;
+/// Below this the projection does not move any more.
+const POSITION_GOAL: f64 = 1e-12;
+
+/// The system with its factors.
+#[derive(Debug)]
+pub struct AccelerationSystem {
+    pattern: Pattern,
+    bodies: Vec<Block>,
+    values: Vec<f64>,
+    solver: Box<dyn LinearSolver>,
+    rhs: Vec<f64>,
+    mass: Vec<f64>,
+    scales: Vec<f64>,
+    moved: Vec<f64>,
+    zeros: Vec<f64>,
+}
+
+impl AccelerationSystem {
+    /// Plans and analyses the system of a model.
+    pub fn new(model: &Model) -> Result<AccelerationSystem, RuntimeError> {
+        let size = model.velocities + model.rows;
+        let mut builder = PatternBuilder::new(size);
+        for body in &model.bodies {
+            let range = body.velocity..body.velocity + body.width();
+            builder.reserve(range.clone(), range);
+        }
+        for element in model.elements.iter().filter(|e| e.dynamic) {
+            let count = model.compiled.system.classes[element.class].rows.len();
+            let rows = model.velocities + element.row..model.velocities + element.row + count;
+            for b in element
+                .markers
+                .iter()
+                .filter_map(|m| model.markers[*m].body)
+            {
+                let body = &model.bodies[b];
+                let range = body.velocity..body.velocity + body.width();
+                builder.reserve(rows.clone(), range.clone());
+                builder.reserve(range, rows.clone());
+            }
+        }
+        let pattern = builder.finish();
+        let bodies = model
+            .bodies
+            .iter()
+            .map(|b| pattern.block(b.velocity, b.velocity..b.velocity + b.width()))
+            .collect();
+        let solver = SparseLu::new(&pattern).map_err(|e| RuntimeError::Malformed {
+            what: e.to_string(),
+        })?;
+        let mut scales = model.velocity_scales();
+        scales.extend(model.row_scales().iter().map(|s| 1.0 / s));
+        let width = model.bodies.iter().map(|b| b.width()).max().unwrap_or(0);
+        Ok(AccelerationSystem {
+            values: vec![0.0; pattern.rows.len()],
+            solver: Box::new(solver),
+            rhs: vec![0.0; size],
+            mass: vec![0.0; width * width],
+            scales,
+            moved: vec![0.0; model.poses],
+            zeros: vec![0.0; model.velocities],
+            pattern,
+            bodies,
+        })
+    }
+
+    /// Factors at the place of `dynamics`, whose gradients are taken anew.
+    fn factor(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        moment: Moment,
+    ) -> Result<(), RuntimeError> {
+        dynamics.constraint_gradients(model)?;
+        self.values.fill(0.0);
+        for ((body, frame), block) in model.bodies.iter().zip(&dynamics.frames).zip(&self.bodies) {
+            let mass = &mut self.mass[..body.width() * body.width()];
+            mass.fill(0.0);
+            body.add_mass(frame, mass);
+            block.add(
+                &mut self.values,
+                mass,
+                1.0 / (model.mass * model.length * model.length),
+            );
+        }
+        let offset = model.velocities;
+        let (pattern, values) = (&self.pattern, &mut self.values);
+        let place = |row: usize, column: usize| {
+            let rows = &pattern.rows[pattern.columns[column]..pattern.columns[column + 1]];
+            pattern.columns[column] + rows.partition_point(|r| *r < row)
+        };
+        dynamics.body_gradients(model, |row, first, line| {
+            for (i, g) in line.iter().enumerate() {
+                values[place(offset + row, first + i)] += g;
+                values[place(first + i, offset + row)] += g;
+            }
+        });
+        for column in 0..self.pattern.size {
+            for k in self.pattern.columns[column]..self.pattern.columns[column + 1] {
+                self.values[k] *= self.scales[column] * self.scales[self.pattern.rows[k]];
+            }
+        }
+        self.solver
+            .factor(&self.values)
+            .map_err(|_| RuntimeError::Singular { moment })
+    }
+
+    /// Solves with `self.rhs` (velocity rows scaled by s/(m L²), constraint rows by 1/s); returns scaled unknowns there.
+    fn solve(&mut self) {
+        self.solver.solve(&mut self.rhs);
+    }
+
+    /// Brings a state back to Φ = 0 and Φ̇ = 0 and computes its accelerations, multipliers and state rates.
+    ///
+    /// `speed` is the model's speed scale (m/s): |Φ̇| ends below 1e-9 of it.
+    pub fn complete(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        state: &mut State,
+        moment: Moment,
+    ) -> Result<(), RuntimeError> {
+        let n = model.velocities;
+        for attempt in 0..8 {
+            dynamics.place(model, state.time, &state.pose, &state.velocity);
+            dynamics.gather(model, &state.states, &[], &state.rotations);
+            dynamics.evaluate(model)?;
+            let worst = dynamics
+                .constraints
+                .iter()
+                .fold(0.0_f64, |w, x| w.max(x.abs()));
+            self.factor(model, dynamics, moment)?;
+            if worst <= POSITION_GOAL || (attempt >= 3 && worst <= POSITION_LIMIT) {
+                break;
+            }
+            if attempt == 7 {
+                let row =
+                    dynamics
+                        .constraints
+                        .iter()
+                        .enumerate()
+                        .fold((0, 0.0_f64), |best, (i, x)| {
+                            if x.abs() > best.1.abs() {
+                                (i, *x)
+                            } else {
+                                best
+                            }
+                        });
+                if let Some((element, local)) = model.row_owner(row.0) {
+                    return Err(RuntimeError::Projection {
+                        moment,
+                        row: model.named_row(element, local, row.1),
+                    });
+                }
+            }
+            self.rhs[..n].fill(0.0);
+            for i in 0..model.rows {
+                self.rhs[n + i] = -dynamics.constraints[i] * self.scales[n + i];
+            }
+            self.solve();
+            for (x, s) in self.rhs[..n].iter_mut().zip(&self.scales) {
+                *x *= s;
+            }
+            move_pose(model, &state.pose, &self.rhs[..n], 1.0, &mut self.moved);
+            state.pose.copy_from_slice(&self.moved);
+        }
+        // Twice, so that rounding of large velocities goes as well.
+        for _ in 0..2 {
+            dynamics.velocity_level(model, &state.velocity)?;
+            self.rhs[..n].fill(0.0);
+            for i in 0..model.rows {
+                self.rhs[n + i] = -dynamics.constraint_rates[i] * self.scales[n + i];
+            }
+            self.solve();
+            for i in 0..n {
+                state.velocity[i] += self.rhs[i] * self.scales[i];
+            }
+            dynamics.place(model, state.time, &state.pose, &state.velocity);
+            dynamics.gather(model, &state.states, &[], &state.rotations);
+        }
+        self.accelerate(model, dynamics, state)
+    }
+
+    /// Accelerations, multipliers and state rates at a state, without moving it.
+    pub fn accelerations(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        state: &mut State,
+        moment: Moment,
+    ) -> Result<(), RuntimeError> {
+        dynamics.place(model, state.time, &state.pose, &state.velocity);
+        dynamics.gather(model, &state.states, &[], &state.rotations);
+        self.factor(model, dynamics, moment)?;
+        self.accelerate(model, dynamics, state)
+    }
+
+    /// The part of the state's velocity that misses the constraints, normal to them in the mass norm.
+    pub fn velocity_defect(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        state: &State,
+        moment: Moment,
+        out: &mut [f64],
+    ) -> Result<(), RuntimeError> {
+        dynamics.place(model, state.time, &state.pose, &state.velocity);
+        dynamics.gather(model, &state.states, &[], &state.rotations);
+        self.factor(model, dynamics, moment)?;
+        dynamics.velocity_level(model, &state.velocity)?;
+        let rates = std::mem::take(&mut dynamics.constraint_rates);
+        self.normal(model, &rates, out);
+        dynamics.constraint_rates = rates;
+        Ok(())
+    }
+
+    /// The smallest x in the mass norm with `G x = rates`, with the factors last made.
+    pub fn normal(&mut self, model: &Model, rates: &[f64], out: &mut [f64]) {
+        let n = model.velocities;
+        self.rhs[..n].fill(0.0);
+        for (i, rate) in rates.iter().enumerate() {
+            self.rhs[n + i] = rate * self.scales[n + i];
+        }
+        self.solve();
+        for i in 0..n {
+            out[i] = self.rhs[i] * self.scales[i];
+        }
+    }
+
+    /// At the place, the gathered inputs (multipliers zero) and the factors of the state.
+    fn accelerate(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        state: &mut State,
+    ) -> Result<(), RuntimeError> {
+        let n = model.velocities;
+        dynamics.evaluate(model)?;
+        dynamics.velocity_level(model, &state.velocity)?;
+        self.rhs.fill(0.0);
+        dynamics.add_forces(model, -1.0, &mut self.rhs[..n]);
+        dynamics.add_inertia(model, &state.velocity, &self.zeros, &mut self.rhs[..n]);
+        let unit = model.mass * model.length * model.length;
+        for i in 0..n {
+            self.rhs[i] *= -self.scales[i] / unit;
+        }
+        for i in 0..model.rows {
+            self.rhs[n + i] = dynamics.constraint_accelerations[i] * self.scales[n + i];
+        }
+        self.solve();
+        for i in 0..n {
+            state.acceleration[i] = self.rhs[i] * self.scales[i];
+        }
+        for i in 0..model.rows {
+            state.multipliers[i] = self.rhs[n + i] * self.scales[n + i] * unit;
+        }
+        state.rates.copy_from_slice(&dynamics.rates);
+        Ok(())
+    }
+}

@@ -1,0 +1,299 @@
+//! Closing loops: Gauss–Newton with smallest steps, and shaking where that ends on a wrong branch.
+
+use super::rows::{Along, Rows, smallest_solution};
+use super::{CLOSED, at, choose_turns, violated_branches};
+use crate::error::RuntimeError;
+use crate::model::Model;
+use crate::rotation::{exponential, normalized, product};
+use crate::state::{State, move_pose};
+use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeSet;
+
+/// Weight of moving a body whose place is stated against one whose place is not.
+const STATED: f64 = 1e-3;
+
+/// Deterministic numbers in −1…1 (a multiplicative congruential generator of Knuth's MMIX constants).
+#[derive(Clone, Debug)]
+pub struct Numbers(u64);
+
+impl Numbers {
+    /// A sequence.
+    pub fn new(seed: u64) -> Numbers {
+        Numbers(
+            seed.wrapping_mul(2_862_933_555_777_941_757)
+                .wrapping_add(3_037_000_493),
+        )
+    }
+    /// The next number.
+    pub fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Moves the bodies of `mobility` (by velocity index; 0 holds) until the rows close. Returns the largest scaled row.
+pub fn close(
+    model: &Model,
+    rows: &Rows,
+    mobility: &[f64],
+    state: &mut State,
+    limit: usize,
+) -> Result<f64, RuntimeError> {
+    let active: Vec<usize> = (0..mobility.len()).filter(|i| mobility[*i] > 0.0).collect();
+    let columns = model.velocity_scales();
+    let mut trial = state.clone();
+    let measure = |state: &mut State| -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
+        choose_turns(model, &rows.elements, state)?;
+        let (mut values, mut matrix) = rows.evaluate(model, &at(state), Along::Pose)?;
+        rows.scale(model, &mut values, &mut matrix);
+        Ok((values, matrix))
+    };
+    let (mut values, mut matrix) = measure(state)?;
+    for _ in 0..limit {
+        if values.amax() < 1e-14 {
+            break;
+        }
+        let reduced = DMatrix::from_fn(values.len(), active.len(), |i, j| {
+            matrix[(i, active[j])] * mobility[active[j]]
+        });
+        let Some(step) = smallest_solution(&reduced, &(-&values)) else {
+            break;
+        };
+        let mut increment = vec![0.0; mobility.len()];
+        for (j, i) in active.iter().enumerate() {
+            increment[*i] = step[j] * mobility[*i];
+        }
+        let largest = increment.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+        if largest < 1e-15 {
+            break;
+        }
+        for (x, s) in increment.iter_mut().zip(&columns) {
+            *x *= s;
+        }
+        let mut factor = (1.0 / largest).min(1.0);
+        let mut better = None;
+        for _ in 0..14 {
+            move_pose(model, &state.pose, &increment, factor, &mut trial.pose);
+            let (v, m) = measure(&mut trial)?;
+            if v.norm() < values.norm() * (1.0 - 1e-4 * factor) {
+                better = Some((v, m));
+                break;
+            }
+            factor *= 0.5;
+        }
+        let Some((v, m)) = better else { break };
+        std::mem::swap(&mut state.pose, &mut trial.pose);
+        state.rotations.copy_from_slice(&trial.rotations);
+        values = v;
+        matrix = m;
+    }
+    choose_turns(model, &rows.elements, state)?;
+    Ok(if values.is_empty() {
+        0.0
+    } else {
+        values.amax()
+    })
+}
+
+/// Mobility of all bodies: stated ones move little.
+fn mobility(model: &Model, stated: &[bool]) -> Vec<f64> {
+    let mut m = vec![1.0; model.velocities];
+    for (body, stated) in model.bodies.iter().zip(stated) {
+        if *stated {
+            m[body.velocity..body.velocity + body.width()].fill(STATED);
+        }
+    }
+    m
+}
+
+/// The bodies an element touches.
+pub fn bodies_of(model: &Model, element: usize) -> BTreeSet<usize> {
+    model.elements[element]
+        .markers
+        .iter()
+        .filter_map(|m| model.markers[*m].body)
+        .collect()
+}
+
+/// Elements among `exact` that stay open or on a wrong branch.
+fn offending(
+    model: &Model,
+    exact: &[usize],
+    conditioned: &[usize],
+    state: &State,
+) -> Result<Vec<usize>, RuntimeError> {
+    let mut found = BTreeSet::new();
+    let rows = Rows::new(model, exact.to_vec());
+    let (values, _) = rows.evaluate(model, &at(state), Along::Pose)?;
+    for (i, (element, _)) in rows.owners.iter().enumerate() {
+        if !(values[i].abs() / rows.scales[i] < CLOSED) {
+            found.insert(*element);
+        }
+    }
+    for (element, _, _) in violated_branches(model, conditioned, state)? {
+        found.insert(element);
+    }
+    Ok(found.into_iter().collect())
+}
+
+/// Closes all rows with the branches asked for.
+pub fn close_all(
+    model: &Model,
+    all: &[usize],
+    exact: &[usize],
+    conditioned: &[usize],
+    stated: &[bool],
+    state: &mut State,
+) -> Result<(), RuntimeError> {
+    let every = mobility(model, stated);
+    if all.len() > exact.len() {
+        close(model, &Rows::new(model, all.to_vec()), &every, state, 60)?;
+    }
+    let rows = Rows::new(model, exact.to_vec());
+    close(model, &rows, &every, state, 80)?;
+    let mut bad = offending(model, exact, conditioned, state)?;
+    if bad.is_empty() {
+        return Ok(());
+    }
+    let mut numbers = Numbers::new(1);
+    for _ in 0..(2 * model.elements.len()).min(40) {
+        let Some(first) = bad.first().copied() else {
+            break;
+        };
+        if !shake(
+            model,
+            exact,
+            conditioned,
+            stated,
+            first,
+            &mut numbers,
+            state,
+        )? {
+            break;
+        }
+        close(model, &rows, &every, state, 80)?;
+        bad = offending(model, exact, conditioned, state)?;
+    }
+    // From other starts altogether, if that did not do.
+    let begin = state.clone();
+    for _ in 0..6 {
+        if bad.is_empty() {
+            return Ok(());
+        }
+        let mut trial = begin.clone();
+        for (index, body) in model.bodies.iter().enumerate() {
+            if !stated[index] {
+                turn_body(model, body.pose, &mut numbers, &mut trial, 0.5);
+            }
+        }
+        close(model, &rows, &every, &mut trial, 80)?;
+        let found = offending(model, exact, conditioned, &trial)?;
+        if found.len() < bad.len() {
+            bad = found;
+            *state = trial;
+        }
+    }
+    if bad.is_empty() {
+        return Ok(());
+    }
+    let (values, _) = rows.evaluate(model, &at(state), Along::Pose)?;
+    let mut open: Vec<(f64, usize)> = (0..rows.len())
+        .map(|i| (values[i].abs() / rows.scales[i], i))
+        .filter(|(size, _)| !(*size < CLOSED))
+        .collect();
+    open.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    if open.is_empty() {
+        if let Some((element, condition, value)) =
+            violated_branches(model, conditioned, state)?.first()
+        {
+            return Err(RuntimeError::Branch {
+                origin: model.compiled.system.elements[*element].origin.clone(),
+                condition: model.class(*element).conditions[*condition].text.clone(),
+                value: *value,
+            });
+        }
+        return Ok(());
+    }
+    open.truncate(6);
+    Err(RuntimeError::OpenLoop {
+        rows: open
+            .iter()
+            .map(|(_, i)| {
+                let (element, row) = rows.owners[*i];
+                model.named_row(element, row, values[*i])
+            })
+            .collect(),
+    })
+}
+
+fn turn_body(model: &Model, pose: usize, numbers: &mut Numbers, state: &mut State, reach: f64) {
+    for i in 0..3 {
+        state.pose[pose + i] += reach * model.length * numbers.next();
+    }
+    let axis = crate::rotation::V3::new(numbers.next(), numbers.next(), numbers.next());
+    let theta = axis * (std::f64::consts::PI / axis.norm().max(0.1) * numbers.next());
+    let old = [
+        state.pose[pose + 3],
+        state.pose[pose + 4],
+        state.pose[pose + 5],
+        state.pose[pose + 6],
+    ];
+    let new = normalized(&product(&old, &exponential(&theta)));
+    state.pose[pose + 3..pose + 7].copy_from_slice(&new);
+}
+
+/// Shakes the bodies around an element until everything that touches them closes on its branch; the others hold.
+fn shake(
+    model: &Model,
+    exact: &[usize],
+    conditioned: &[usize],
+    stated: &[bool],
+    element: usize,
+    numbers: &mut Numbers,
+    state: &mut State,
+) -> Result<bool, RuntimeError> {
+    let mut cluster: BTreeSet<usize> = bodies_of(model, element);
+    for radius in 0..3 {
+        if radius > 0 {
+            let mut wider = cluster.clone();
+            for e in exact {
+                let touched = bodies_of(model, *e);
+                if !touched.is_disjoint(&cluster) {
+                    wider.extend(touched);
+                }
+            }
+            if wider == cluster {
+                break;
+            }
+            cluster = wider;
+        }
+        let mobile: Vec<usize> = cluster.iter().copied().filter(|b| !stated[*b]).collect();
+        if mobile.is_empty() {
+            continue;
+        }
+        let mut mobility = vec![0.0; model.velocities];
+        for b in &mobile {
+            let body = &model.bodies[*b];
+            mobility[body.velocity..body.velocity + body.width()].fill(1.0);
+        }
+        let touches = |e: &usize| bodies_of(model, *e).iter().any(|b| mobile.contains(b));
+        let near: Vec<usize> = exact.iter().copied().filter(touches).collect();
+        let near_conditioned: Vec<usize> = conditioned.iter().copied().filter(touches).collect();
+        let rows = Rows::new(model, near.clone());
+        for _ in 0..if radius == 0 { 10 } else { 40 } {
+            let mut trial = state.clone();
+            for b in &mobile {
+                turn_body(model, model.bodies[*b].pose, numbers, &mut trial, 1.0);
+            }
+            let size = close(model, &rows, &mobility, &mut trial, 60)?;
+            if size < CLOSED && violated_branches(model, &near_conditioned, &trial)?.is_empty() {
+                *state = trial;
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
+}

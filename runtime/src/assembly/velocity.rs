@@ -1,0 +1,148 @@
+//! Velocities at the start.
+
+use super::at;
+use super::rows::{Along, Rows, smallest_solution};
+use crate::error::RuntimeError;
+use crate::model::Model;
+use crate::state::State;
+use eng_system::system::Role;
+use nalgebra::{DMatrix, DVector};
+
+/// Relative to the model's speed, a row that is left by more contradicts others.
+const CONTRADICTION: f64 = 1e-8;
+
+/// Velocities of smallest kinetic energy with `Φ̇ = 0` and the exact start rows. Guessed rows are fitted first; the exact
+/// ones then correct by the smallest change.
+pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
+    state.velocity.fill(0.0);
+    let system = &model.compiled.system;
+    let of = |wanted: &dyn Fn(&Role) -> bool| -> Rows {
+        Rows::new(
+            model,
+            (0..model.elements.len())
+                .filter(|e| wanted(&system.elements[*e].role) && !model.class(*e).rows.is_empty())
+                .collect(),
+        )
+    };
+    let constraints = of(&|r| *r == Role::Dynamic);
+    let exact = of(&|r| *r == Role::StartVelocity { exact: true });
+    let guessed = of(&|r| *r == Role::StartVelocity { exact: false });
+
+    let (_, gradients) = constraints.evaluate(model, &at(state), Along::Pose)?;
+    let by_time = constraints.rates(model, &at(state))?;
+    let (exact_values, exact_matrix) = exact.evaluate(model, &at(state), Along::Velocity)?;
+    let (guess_values, guess_matrix) = guessed.evaluate(model, &at(state), Along::Velocity)?;
+
+    let (values, matrix) = stack(&[(&by_time, &gradients), (&exact_values, &exact_matrix)]);
+    let (all_values, all_matrix) = stack(&[(&values, &matrix), (&guess_values, &guess_matrix)]);
+    let from_energy = inverse_roots(model, state);
+    let solve = |matrix: &DMatrix<f64>, rhs: &DVector<f64>| -> Result<DVector<f64>, RuntimeError> {
+        let mut reduced = matrix * &from_energy;
+        let mut rhs = rhs.clone();
+        for i in 0..reduced.nrows() {
+            let size = reduced.row(i).norm();
+            if size > 0.0 {
+                reduced.row_mut(i).scale_mut(1.0 / size);
+                rhs[i] /= size;
+            }
+        }
+        let x = smallest_solution(&reduced, &rhs).ok_or_else(|| RuntimeError::Malformed {
+            what: "the start velocities are not finite".to_string(),
+        })?;
+        Ok(&from_energy * x)
+    };
+    let mut v = DVector::zeros(model.velocities);
+    if guessed.len() > 0 {
+        v = solve(&all_matrix, &(-&all_values))?;
+    }
+    // Twice: the second pass takes the rounding of the first.
+    for _ in 0..2 {
+        let rest = &values + &matrix * &v;
+        v += solve(&matrix, &(-rest))?;
+    }
+    state.velocity.copy_from_slice(v.as_slice());
+
+    let scales = model.velocity_scales();
+    let speed = state
+        .velocity
+        .iter()
+        .zip(&scales)
+        .fold(0.0_f64, |w, (v, s)| w.max((v / s).abs()));
+    let rates = constraints.rates(model, &at(state))?;
+    let (starts, _) = exact.evaluate(model, &at(state), Along::Velocity)?;
+    let mut open = Vec::new();
+    for (rows, values) in [(&constraints, &rates), (&exact, &starts)] {
+        for (i, (element, row)) in rows.owners.iter().enumerate() {
+            // Rows that state velocities have the dimension of a velocity: their own gradient says how large that is here.
+            let scale = rows.scales[i].max(if std::ptr::eq(rows, &exact) {
+                gradient_size(&exact_matrix, i, &scales)
+            } else {
+                0.0
+            });
+            let size = values[i].abs() / scale;
+            if !(size <= CONTRADICTION * speed.max(1e-3)) {
+                open.push((size, model.named_row(*element, *row, values[i])));
+            }
+        }
+    }
+    if open.is_empty() {
+        return Ok(());
+    }
+    open.sort_by(|a, b| b.0.total_cmp(&a.0));
+    open.truncate(6);
+    Err(RuntimeError::StartVelocity {
+        rows: open.into_iter().map(|(_, row)| row).collect(),
+    })
+}
+
+fn gradient_size(matrix: &DMatrix<f64>, row: usize, scales: &[f64]) -> f64 {
+    scales
+        .iter()
+        .enumerate()
+        .fold(0.0_f64, |w, (j, s)| w.max((matrix[(row, j)] * s).abs()))
+}
+
+fn stack(parts: &[(&DVector<f64>, &DMatrix<f64>)]) -> (DVector<f64>, DMatrix<f64>) {
+    let rows: usize = parts.iter().map(|(v, _)| v.len()).sum();
+    let columns = parts.first().map_or(0, |(_, m)| m.ncols());
+    let mut values = DVector::zeros(rows);
+    let mut matrix = DMatrix::zeros(rows, columns);
+    let mut first = 0;
+    for (v, m) in parts {
+        for i in 0..v.len() {
+            values[first + i] = v[i];
+            for j in 0..columns {
+                matrix[(first + i, j)] = m[(i, j)];
+            }
+        }
+        first += v.len();
+    }
+    (values, matrix)
+}
+
+/// `L⁻ᵀ` of `M = L Lᵀ`, block by block. A body whose mass matrix is not positive definite (a point mass) gets a small
+/// inertia for this purpose alone.
+fn inverse_roots(model: &Model, state: &State) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(model.velocities, model.velocities);
+    for body in &model.bodies {
+        let width = body.width();
+        let mut mass = vec![0.0; width * width];
+        body.add_mass(&body.frame(&state.pose), &mut mass);
+        let mut matrix = DMatrix::from_row_slice(width, width, &mass);
+        let floor = 1e-9 * model.mass * model.length * model.length;
+        for i in 3..width {
+            matrix[(i, i)] += floor;
+        }
+        let inverse = matrix
+            .clone()
+            .cholesky()
+            .and_then(|c| c.l().transpose().try_inverse())
+            .unwrap_or_else(|| DMatrix::identity(width, width));
+        for i in 0..width {
+            for j in 0..width {
+                out[(body.velocity + i, body.velocity + j)] = inverse[(i, j)];
+            }
+        }
+    }
+    out
+}

@@ -1,0 +1,219 @@
+//! Kinds of bodies: inertia, gravity, and their derivatives.
+//!
+//! Velocity of a body: `v = [ṙ (inertial, m/s); ω (body axes, rad/s); ȧ (modal)]`. Everything that depends on the
+//! kind of a body is a match here or in [`crate::chain`].
+
+use crate::rotation::{M3, V3, matrix, skew};
+use eng_system::system::Origin;
+
+/// Position and orientation of a body's reference frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyFrame {
+    /// Origin (m, inertial).
+    pub position: V3,
+    /// Body → inertial.
+    pub rotation: M3,
+}
+
+/// Inertia of a rigid body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rigid {
+    /// Mass (kg).
+    pub mass: f64,
+    /// Centre of mass in the body frame (m).
+    pub center: V3,
+    /// Inertia about the frame's ORIGIN, body axes (kg m²): `J_c + m (c·c I − c cᵀ)`.
+    pub inertia: M3,
+}
+
+/// What a body is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BodyKind {
+    /// Rigid.
+    Rigid(Rigid),
+}
+
+/// A body with its places in the state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyModel {
+    /// Path and places.
+    pub origin: Origin,
+    /// Its kind.
+    pub kind: BodyKind,
+    /// First of its 7 + n pose numbers: r, quaternion, modal amplitudes.
+    pub pose: usize,
+    /// First of its 6 + n velocities.
+    pub velocity: usize,
+}
+
+/// What multiplies the derivatives by acceleration and by velocity in a matrix.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights {
+    /// dv̇/du (1/s²).
+    pub acceleration: f64,
+    /// dv/du (1/s).
+    pub velocity: f64,
+}
+
+fn vector(x: &[f64]) -> V3 {
+    V3::new(x[0], x[1], x[2])
+}
+
+fn put(out: &mut [f64], width: usize, row: usize, column: usize, block: &M3) {
+    for i in 0..3 {
+        for j in 0..3 {
+            out[(row + i) * width + column + j] += block[(i, j)];
+        }
+    }
+}
+
+impl BodyModel {
+    /// Modal amplitudes.
+    pub fn modes(&self) -> usize {
+        match &self.kind {
+            BodyKind::Rigid(_) => 0,
+        }
+    }
+
+    /// Velocities: 6 + modes.
+    pub fn width(&self) -> usize {
+        6 + self.modes()
+    }
+
+    /// Mass (kg).
+    pub fn mass(&self) -> f64 {
+        match &self.kind {
+            BodyKind::Rigid(b) => b.mass,
+        }
+    }
+
+    /// Reference frame from the state's pose numbers.
+    pub fn frame(&self, pose: &[f64]) -> BodyFrame {
+        let p = &pose[self.pose..];
+        BodyFrame {
+            position: vector(p),
+            rotation: matrix(&[p[3], p[4], p[5], p[6]]),
+        }
+    }
+
+    /// Adds `M v̇ − Q_v − Q_g` (N, N m in body axes), from the virtual power of `m ẍ` over the body:
+    /// force `m (r̈ + A(ω̇×c + ω×(ω×c)) − g)`, torque about the origin `J ω̇ + ω×Jω + m c×Aᵀ(r̈ − g)`.
+    pub fn add_inertia(
+        &self,
+        frame: &BodyFrame,
+        v: &[f64],
+        rate: &[f64],
+        gravity: &V3,
+        out: &mut [f64],
+    ) {
+        match &self.kind {
+            BodyKind::Rigid(b) => {
+                let omega = vector(&v[3..]);
+                let acceleration = vector(rate) - gravity;
+                let alpha = vector(&rate[3..]);
+                let a = &frame.rotation;
+                let force = (acceleration
+                    + a * (alpha.cross(&b.center) + omega.cross(&omega.cross(&b.center))))
+                    * b.mass;
+                let torque = b.inertia * alpha
+                    + omega.cross(&(b.inertia * omega))
+                    + b.center.cross(&(a.transpose() * acceleration)) * b.mass;
+                for i in 0..3 {
+                    out[i] += force[i];
+                    out[3 + i] += torque[i];
+                }
+            }
+        }
+    }
+
+    /// Adds the mass matrix, row-major width × width.
+    pub fn add_mass(&self, frame: &BodyFrame, out: &mut [f64]) {
+        let width = self.width();
+        match &self.kind {
+            BodyKind::Rigid(b) => {
+                let coupling = frame.rotation * skew(&b.center) * b.mass;
+                put(out, width, 0, 0, &(M3::identity() * b.mass));
+                put(out, width, 0, 3, &(-coupling));
+                put(out, width, 3, 0, &(-coupling.transpose()));
+                put(out, width, 3, 3, &b.inertia);
+            }
+        }
+    }
+
+    /// Adds the derivative of [`BodyModel::add_inertia`] along the step's unknown, row-major width × width:
+    /// `weights.acceleration M + weights.velocity ∂/∂v + ∂/∂q T`, where `turn` is T of the rotation.
+    #[allow(clippy::too_many_arguments)]
+    pub fn add_inertia_matrix(
+        &self,
+        frame: &BodyFrame,
+        v: &[f64],
+        rate: &[f64],
+        gravity: &V3,
+        weights: Weights,
+        turn: &M3,
+        out: &mut [f64],
+    ) {
+        let width = self.width();
+        match &self.kind {
+            BodyKind::Rigid(b) => {
+                let omega = vector(&v[3..]);
+                let acceleration = vector(rate) - gravity;
+                let alpha = vector(&rate[3..]);
+                let a = &frame.rotation;
+                let c = skew(&b.center);
+                let w = skew(&omega);
+                let coupling = a * c * b.mass;
+                put(
+                    out,
+                    width,
+                    0,
+                    0,
+                    &(M3::identity() * (b.mass * weights.acceleration)),
+                );
+                let by_omega = a * (skew(&omega.cross(&b.center)) + w * c) * (-b.mass);
+                let centre_acceleration =
+                    alpha.cross(&b.center) + omega.cross(&omega.cross(&b.center));
+                let by_turn = a * skew(&centre_acceleration) * (-b.mass) * turn;
+                put(
+                    out,
+                    width,
+                    0,
+                    3,
+                    &(coupling * (-weights.acceleration) + by_omega * weights.velocity + by_turn),
+                );
+                put(
+                    out,
+                    width,
+                    3,
+                    0,
+                    &(coupling.transpose() * (-weights.acceleration)),
+                );
+                let gyroscopic = w * b.inertia - skew(&(b.inertia * omega));
+                let by_turn = c * skew(&(a.transpose() * acceleration)) * b.mass * turn;
+                put(
+                    out,
+                    width,
+                    3,
+                    3,
+                    &(b.inertia * weights.acceleration + gyroscopic * weights.velocity + by_turn),
+                );
+            }
+        }
+    }
+
+    /// Kinetic energy and potential of gravity, zero at the inertial origin (J).
+    pub fn energy(&self, frame: &BodyFrame, v: &[f64], gravity: &V3) -> (f64, f64) {
+        match &self.kind {
+            BodyKind::Rigid(b) => {
+                let velocity = vector(v);
+                let omega = vector(&v[3..]);
+                let arm = frame.rotation * omega.cross(&b.center);
+                let kinetic = 0.5 * b.mass * velocity.norm_squared()
+                    + b.mass * velocity.dot(&arm)
+                    + 0.5 * omega.dot(&(b.inertia * omega));
+                let center = frame.position + frame.rotation * b.center;
+                (kinetic, -b.mass * gravity.dot(&center))
+            }
+        }
+    }
+}

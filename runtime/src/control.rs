@@ -1,0 +1,150 @@
+//! Sizes of steps.
+
+/// Growth of one step against the one before.
+const GROWTH: (f64, f64) = (0.2, 2.0);
+/// Steps are kept while the wish to grow stays below this: the factors serve longer.
+const KEEP: f64 = 1.15;
+
+/// PI controller for a local error of order three (Gustafsson 1991; exponents 0.7/3 and 0.4/3).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepSize {
+    /// Next step (s).
+    pub step: f64,
+    before: f64,
+}
+
+impl StepSize {
+    /// Begins with a step.
+    pub fn new(step: f64) -> StepSize {
+        StepSize { step, before: 1.0 }
+    }
+    /// From a checkpoint.
+    pub fn from_numbers(numbers: [f64; 2]) -> StepSize {
+        StepSize {
+            step: numbers[0],
+            before: numbers[1],
+        }
+    }
+    /// For a checkpoint.
+    pub fn numbers(&self) -> [f64; 2] {
+        [self.step, self.before]
+    }
+    /// Never above a limit (s).
+    pub fn limit(&mut self, limit: f64) {
+        self.step = self.step.min(limit);
+    }
+    /// After an accepted step h with its error over tolerance. A step cut short does not shrink the next one.
+    pub fn accepted(&mut self, h: f64, error: f64) {
+        let error = error.max(1e-8);
+        let factor = 0.9 * libm::pow(error, -0.7 / 3.0) * libm::pow(self.before, 0.4 / 3.0);
+        self.before = error.max(1e-4);
+        let factor = factor.clamp(GROWTH.0, GROWTH.1);
+        let wish = if (1.0..KEEP).contains(&factor) {
+            h
+        } else {
+            h * factor
+        };
+        let cut = h < 0.999 * self.step;
+        self.step = if cut {
+            wish.max(self.step.min(h * GROWTH.1))
+        } else {
+            wish
+        };
+    }
+    /// After a step h whose error exceeds the tolerance.
+    pub fn rejected(&mut self, h: f64, error: f64) {
+        let factor = if error.is_finite() {
+            (0.9 * libm::cbrt(1.0 / error)).clamp(GROWTH.0, 0.8)
+        } else {
+            GROWTH.0
+        };
+        self.step = h * factor;
+    }
+    /// After a step h without solution.
+    pub fn halved(&mut self, h: f64) {
+        self.step = 0.5 * h;
+    }
+}
+
+/// Deepest halving of a fixed step.
+const DEEPEST: u64 = 6;
+
+/// Fixed steps: times are multiples of the step from an origin, without accumulated rounding; a failed step is halved, and whole steps
+/// come back where the halves meet the grid.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FixedGrid {
+    origin: f64,
+    whole: u64,
+    part: u64,
+    level: u64,
+}
+
+impl FixedGrid {
+    /// Begins at a time (s).
+    pub fn new(origin: f64) -> FixedGrid {
+        FixedGrid {
+            origin,
+            ..FixedGrid::default()
+        }
+    }
+    /// For a checkpoint.
+    pub fn parts(&self) -> (f64, [u64; 3]) {
+        (self.origin, [self.whole, self.part, self.level])
+    }
+    /// From a checkpoint.
+    pub fn from_parts(origin: f64, [whole, part, level]: [u64; 3]) -> FixedGrid {
+        FixedGrid {
+            origin,
+            whole,
+            part,
+            level: level.min(DEEPEST),
+        }
+    }
+    /// Next step (s) and the time it ends at.
+    pub fn next(&self, nominal: f64) -> (f64, f64) {
+        let pieces = (1_u64 << self.level) as f64;
+        let count = self.whole as f64 + (self.part + 1) as f64 / pieces;
+        (nominal / pieces, self.origin + count * nominal)
+    }
+    /// After an accepted step.
+    pub fn advance(&mut self) {
+        self.part += 1;
+        while self.level > 0 && self.part.is_multiple_of(2) {
+            self.part /= 2;
+            self.level -= 1;
+        }
+        if self.level == 0 {
+            self.whole += self.part;
+            self.part = 0;
+        }
+    }
+    /// After a failed step; `false` where it cannot be halved again.
+    pub fn halve(&mut self) -> bool {
+        if self.level == DEEPEST {
+            return false;
+        }
+        self.level += 1;
+        self.part *= 2;
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_come_back_to_the_grid() {
+        let mut grid = FixedGrid::new(1.0);
+        grid.advance();
+        assert_eq!(grid.next(0.5), (0.5, 2.0));
+        assert!(grid.halve() && grid.halve());
+        assert_eq!(grid.next(0.5), (0.125, 1.625));
+        grid.advance();
+        assert_eq!(grid.next(0.5), (0.125, 1.75));
+        grid.advance();
+        assert_eq!(grid.next(0.5), (0.25, 2.0));
+        grid.advance();
+        assert_eq!(grid.next(0.5), (0.5, 2.5));
+    }
+}

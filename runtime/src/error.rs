@@ -1,0 +1,235 @@
+//! Everything that can go wrong between binding and the last sample.
+
+use eng_system::code::BindError;
+use eng_system::system::Origin;
+
+/// When something happened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Time (s).
+    pub time: f64,
+    /// Unwrapped cycle angle (rad), if the model has a cycle.
+    pub cycle_angle: Option<f64>,
+}
+
+impl std::fmt::Display for Moment {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "t = {:.9} s", self.time)?;
+        if let Some(angle) = self.cycle_angle {
+            write!(f, " ({:.2} °CA)", angle.to_degrees())?;
+        }
+        Ok(())
+    }
+}
+
+/// One constraint equation of one element, with a number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedRow {
+    /// The element.
+    pub origin: Origin,
+    /// The equation as written.
+    pub equation: String,
+    /// What is left of it, or its share in a dependence (SI).
+    pub value: f64,
+    /// Whether `value` is a length (m).
+    pub is_length: bool,
+}
+
+impl std::fmt::Display for NamedRow {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ({})", self.origin.path, self.equation)
+    }
+}
+
+impl NamedRow {
+    fn gap(&self) -> String {
+        if self.is_length {
+            format!("{:.6} mm", 1e3 * self.value.abs())
+        } else {
+            format!("{:.6}", self.value.abs())
+        }
+    }
+}
+
+/// Equations that repeat each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RedundantGroup {
+    /// The equation that follows from the others.
+    pub redundant: NamedRow,
+    /// Those it follows from.
+    pub repeats: Vec<NamedRow>,
+}
+
+impl std::fmt::Display for RedundantGroup {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.redundant)?;
+        if !self.repeats.is_empty() {
+            let names: Vec<String> = self.repeats.iter().map(ToString::to_string).collect();
+            write!(f, " repeats {}", names.join(", "))?;
+        }
+        Ok(())
+    }
+}
+
+fn gaps(rows: &[NamedRow]) -> String {
+    rows.iter()
+        .map(|r| format!("{} at {r}", r.gap()))
+        .collect::<Vec<_>>()
+        .join("; ")
+}
+
+fn list_groups(groups: &[RedundantGroup]) -> String {
+    groups
+        .iter()
+        .map(ToString::to_string)
+        .collect::<Vec<_>>()
+        .join("; ")
+}
+
+/// Why an analysis stopped.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RuntimeError {
+    /// The parameters cannot be used.
+    #[error(transparent)]
+    Bind(#[from] BindError),
+    /// System and code do not fit together: a fault of the compiler, not of the model.
+    #[error("the compiled model is inconsistent: {what}")]
+    Malformed {
+        /// What does not fit.
+        what: String,
+    },
+    /// An option has no meaning.
+    #[error("{message}")]
+    Options {
+        /// What is wrong, and what would be right.
+        message: String,
+    },
+    /// A body whose mass or inertia no body can have.
+    #[error("{}: {message}", origin.path)]
+    Body {
+        /// The body.
+        origin: Origin,
+        /// What is wrong.
+        message: String,
+    },
+    /// Positions cannot satisfy every constraint.
+    #[error("the assembly stays open by {}", gaps(rows))]
+    OpenLoop {
+        /// The rows that stay open, the widest first.
+        rows: Vec<NamedRow>,
+    },
+    /// The assembled positions are on the wrong branch.
+    #[error("{}: no start position with {condition} was found; it is missed by {}", origin.path, -value)]
+    Branch {
+        /// The element.
+        origin: Origin,
+        /// The condition as written.
+        condition: String,
+        /// Its value; positive would hold.
+        value: f64,
+    },
+    /// Start velocities contradict the constraints or each other.
+    #[error("the start velocities contradict each other: {}", gaps(rows))]
+    StartVelocity {
+        /// The rows that stay unsatisfied, the worst first.
+        rows: Vec<NamedRow>,
+    },
+    /// Constraint equations repeat each other.
+    #[error("{} constraint equation(s) repeat others: {}", groups.len(), list_groups(groups))]
+    Redundant {
+        /// One group an excess equation.
+        groups: Vec<RedundantGroup>,
+    },
+    /// The system of accelerations has no unique solution.
+    #[error(
+        "the accelerations are not determined at {moment}: a movable body has no mass or inertia, or the mechanism is locked"
+    )]
+    Singular {
+        /// When.
+        moment: Moment,
+    },
+    /// An element returned something that is not a number.
+    #[error("{} is not finite at {moment}: a table read outside its range, or an undefined operation", origin.path)]
+    NotFinite {
+        /// The element.
+        origin: Origin,
+        /// When.
+        moment: Moment,
+    },
+    /// Newton's iteration fails even with the smallest step.
+    #[error("no solution of the step at {moment} with h = {step:.3e} s: the largest residual is {size:.3e} {unit} in {} ({equation})", origin.path)]
+    Newton {
+        /// When.
+        moment: Moment,
+        /// The last step tried (s).
+        step: f64,
+        /// The element or body of the worst row.
+        origin: Origin,
+        /// The equation of the worst row.
+        equation: String,
+        /// Residual of that row.
+        size: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// Error control asks for steps below what numbers resolve.
+    #[error("the step falls below {step:.3e} s at {moment}; the motion is not smooth there: {}", origin.path)]
+    StepTooSmall {
+        /// When.
+        moment: Moment,
+        /// The step (s).
+        step: f64,
+        /// The body with the largest error.
+        origin: Origin,
+    },
+    /// A condition that must hold at every state does not.
+    #[error("{}: {message} at {moment}", origin.path)]
+    Require {
+        /// The element.
+        origin: Origin,
+        /// The author's message.
+        message: String,
+        /// When.
+        moment: Moment,
+        /// The value that should be positive.
+        value: f64,
+    },
+    /// An output position or velocity does not come back to the constraints.
+    #[error(
+        "the output at {moment} cannot be projected on the constraints: {}",
+        gaps(std::slice::from_ref(row))
+    )]
+    Projection {
+        /// When.
+        moment: Moment,
+        /// The worst row.
+        row: NamedRow,
+    },
+    /// An angle was asked for, but the model states no cycle.
+    #[error("the analysis counts in cycle angle, but the model has no cycle")]
+    NoCycle,
+    /// The cycle does not advance.
+    #[error("the cycle angle stays at {:.3}° while time passes {moment}", angle.to_degrees())]
+    CycleStands {
+        /// When.
+        moment: Moment,
+        /// Where (rad).
+        angle: f64,
+    },
+    /// A time outside the last step.
+    #[error("t = {time} s is outside the last step, {from}…{to} s")]
+    OutsideStep {
+        /// Asked for (s).
+        time: f64,
+        /// Begin of the last step (s).
+        from: f64,
+        /// End of the last step (s).
+        to: f64,
+    },
+    /// Bytes that are no checkpoint of this model.
+    #[error("the checkpoint cannot be used: {reason}")]
+    Checkpoint {
+        /// Why.
+        reason: String,
+    },
+}

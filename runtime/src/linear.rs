@@ -1,0 +1,307 @@
+//! Sparse linear systems with a fixed pattern.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::linalg::lu::{
+    LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Columns of a sparse square matrix with sorted rows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pattern {
+    /// Rows and columns.
+    pub size: usize,
+    /// Begin of each column, and the end.
+    pub columns: Vec<usize>,
+    /// Row of each entry.
+    pub rows: Vec<usize>,
+}
+
+/// A block of a pattern: the entry where each of its columns begins; its rows follow each other.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Block {
+    /// Entry of the first row, one a column.
+    pub starts: Vec<usize>,
+}
+
+impl Block {
+    /// Adds `factor` times a row-major block.
+    pub fn add(&self, values: &mut [f64], block: &[f64], factor: f64) {
+        let width = self.starts.len();
+        if width == 0 {
+            return;
+        }
+        for (i, row) in block.chunks_exact(width).enumerate() {
+            for (start, x) in self.starts.iter().zip(row) {
+                values[start + i] += factor * x;
+            }
+        }
+    }
+}
+
+/// Collects blocks.
+#[derive(Clone, Debug, Default)]
+pub struct PatternBuilder {
+    columns: Vec<BTreeSet<usize>>,
+}
+
+impl PatternBuilder {
+    /// An empty square pattern with its diagonal.
+    pub fn new(size: usize) -> PatternBuilder {
+        PatternBuilder {
+            columns: (0..size).map(|i| BTreeSet::from([i])).collect(),
+        }
+    }
+    /// Reserves a block.
+    pub fn reserve(&mut self, rows: std::ops::Range<usize>, columns: std::ops::Range<usize>) {
+        for column in columns {
+            self.columns[column].extend(rows.clone());
+        }
+    }
+    /// The pattern.
+    pub fn finish(self) -> Pattern {
+        let mut columns = vec![0];
+        let mut rows = Vec::new();
+        for column in &self.columns {
+            rows.extend(column.iter().copied());
+            columns.push(rows.len());
+        }
+        Pattern {
+            size: self.columns.len(),
+            columns,
+            rows,
+        }
+    }
+}
+
+impl Pattern {
+    /// The places of a reserved block whose first row is `row`.
+    pub fn block(&self, row: usize, columns: std::ops::Range<usize>) -> Block {
+        let starts = columns
+            .map(|c| {
+                let rows = &self.rows[self.columns[c]..self.columns[c + 1]];
+                self.columns[c] + rows.partition_point(|r| *r < row)
+            })
+            .collect();
+        Block { starts }
+    }
+
+    /// `out = A x`.
+    pub fn multiply(&self, values: &[f64], x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for (c, xc) in x.iter().enumerate() {
+            for k in self.columns[c]..self.columns[c + 1] {
+                out[self.rows[k]] += values[k] * xc;
+            }
+        }
+    }
+}
+
+/// Places that several elements share, found once.
+#[derive(Clone, Debug, Default)]
+pub struct BlockTable {
+    blocks: Vec<Block>,
+    index: BTreeMap<(usize, usize), usize>,
+}
+
+impl BlockTable {
+    /// Index of the block at a row and a column range.
+    pub fn find(
+        &mut self,
+        pattern: &Pattern,
+        row: usize,
+        columns: std::ops::Range<usize>,
+    ) -> usize {
+        let key = (row, columns.start);
+        if let Some(index) = self.index.get(&key) {
+            return *index;
+        }
+        self.blocks.push(pattern.block(row, columns));
+        self.index.insert(key, self.blocks.len() - 1);
+        self.blocks.len() - 1
+    }
+    /// A block by its index.
+    pub fn get(&self, index: usize) -> &Block {
+        &self.blocks[index]
+    }
+}
+
+/// A matrix cannot be factored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LinearError {
+    /// A pivot vanishes, or the factors grow until they say nothing.
+    #[error("the matrix is singular")]
+    Singular,
+    /// The pattern is too large for memory.
+    #[error("the matrix is too large")]
+    TooLarge,
+}
+
+/// Solves with matrices of one pattern. A block factorisation can stand in its place.
+pub trait LinearSolver: Send + std::fmt::Debug {
+    /// Factors the values of the pattern.
+    fn factor(&mut self, values: &[f64]) -> Result<(), LinearError>;
+    /// Overwrites the right-hand side by the solution, with the last factors.
+    fn solve(&mut self, rhs: &mut [f64]);
+}
+
+/// Sparse LU of faer: columns ordered once (COLAMD), rows pivoted at each factorisation.
+///
+/// Work space is kept. faer's numeric storage is kept as well: it grows with the first factorisations and is then reused.
+pub struct SparseLu {
+    pattern: Pattern,
+    structure: SymbolicSparseColMat<usize>,
+    symbolic: SymbolicLu<usize>,
+    numeric: NumericLu<usize, f64>,
+    memory: MemBuffer,
+    probe: Vec<f64>,
+    product: Vec<f64>,
+    magnitude: Vec<f64>,
+    factored: bool,
+}
+
+impl std::fmt::Debug for SparseLu {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "SparseLu({} rows, {} entries)",
+            self.pattern.size,
+            self.pattern.rows.len()
+        )
+    }
+}
+
+impl SparseLu {
+    /// Analyses a pattern.
+    pub fn new(pattern: &Pattern) -> Result<SparseLu, LinearError> {
+        let n = pattern.size;
+        let structure = SymbolicSparseColMat::new_checked(
+            n,
+            n,
+            pattern.columns.clone(),
+            None,
+            pattern.rows.clone(),
+        );
+        let symbolic = factorize_symbolic_lu(structure.as_ref(), LuSymbolicParams::default())
+            .map_err(|_| LinearError::TooLarge)?;
+        let need = symbolic
+            .factorize_numeric_lu_scratch::<f64>(Par::Seq, faer::Spec::default())
+            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        let memory = MemBuffer::try_new(need).map_err(|_| LinearError::TooLarge)?;
+        Ok(SparseLu {
+            pattern: pattern.clone(),
+            structure,
+            symbolic,
+            numeric: NumericLu::new(),
+            memory,
+            probe: vec![0.0; n],
+            product: vec![0.0; n],
+            magnitude: vec![0.0; n],
+            factored: false,
+        })
+    }
+}
+
+impl LinearSolver for SparseLu {
+    /// Accepts the factors if they solve `A x = A·1` with a backward error below 1e-9, which growing pivots would not.
+    fn factor(&mut self, values: &[f64]) -> Result<(), LinearError> {
+        self.factored = false;
+        if self.pattern.size == 0 {
+            self.factored = true;
+            return Ok(());
+        }
+        if values.iter().any(|v| !v.is_finite()) {
+            return Err(LinearError::Singular);
+        }
+        let structure: SymbolicSparseColMatRef<'_, usize> = self.structure.as_ref();
+        let matrix = SparseColMatRef::new(structure, values);
+        self.symbolic
+            .factorize_numeric_lu(
+                &mut self.numeric,
+                matrix,
+                Par::Seq,
+                MemStack::new(&mut self.memory),
+                faer::Spec::default(),
+            )
+            .map_err(|_| LinearError::Singular)?;
+        self.factored = true;
+        let mut probe = std::mem::take(&mut self.probe);
+        self.magnitude.fill(1.0);
+        self.pattern
+            .multiply(values, &self.magnitude, &mut self.product);
+        probe.copy_from_slice(&self.product);
+        self.solve(&mut probe);
+        self.magnitude.fill(0.0);
+        for (c, x) in probe.iter().enumerate() {
+            for k in self.pattern.columns[c]..self.pattern.columns[c + 1] {
+                let row = self.pattern.rows[k];
+                self.product[row] -= values[k] * x;
+                self.magnitude[row] += (values[k] * x).abs() + values[k].abs();
+            }
+        }
+        let sound = self
+            .product
+            .iter()
+            .zip(&self.magnitude)
+            .all(|(r, m)| r.is_finite() && r.abs() <= 1e-9 * m)
+            && probe.iter().all(|x| x.is_finite() && x.abs() < 1e9);
+        self.probe = probe;
+        if sound {
+            Ok(())
+        } else {
+            self.factored = false;
+            Err(LinearError::Singular)
+        }
+    }
+
+    fn solve(&mut self, rhs: &mut [f64]) {
+        if self.pattern.size == 0 {
+            return;
+        }
+        if !self.factored {
+            rhs.fill(f64::NAN);
+            return;
+        }
+        let size = rhs.len();
+        LuRef::new_unchecked(&self.symbolic, &self.numeric).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(rhs, size, 1),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solves_and_refuses_singular() {
+        let mut builder = PatternBuilder::new(3);
+        builder.reserve(0..2, 1..3);
+        builder.reserve(1..3, 0..1);
+        let pattern = builder.finish();
+        let mut lu = SparseLu::new(&pattern).unwrap();
+        let mut values = vec![0.0; pattern.rows.len()];
+        pattern
+            .block(0, 1..3)
+            .add(&mut values, &[1.0, 2.0, 0.0, 3.0], 1.0);
+        pattern.block(1, 0..1).add(&mut values, &[4.0, 5.0], 1.0);
+        lu.factor(&values).unwrap();
+        let x = [1.0, -2.0, 3.0];
+        let mut b = [0.0; 3];
+        pattern.multiply(&values, &x, &mut b);
+        lu.solve(&mut b);
+        for (a, b) in x.iter().zip(b) {
+            assert!((a - b).abs() < 1e-14);
+        }
+        values.fill(0.0);
+        pattern
+            .block(0, 1..3)
+            .add(&mut values, &[1.0, 2.0, 1.0, 2.0], 1.0);
+        assert_eq!(lu.factor(&values), Err(LinearError::Singular));
+    }
+}

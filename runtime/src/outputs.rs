@@ -1,0 +1,314 @@
+//! Outputs, conditions and unwrapped angles of elements at a state.
+
+use crate::chain;
+use crate::dynamics::{Dynamics, not_finite};
+use crate::elements::{self, Batch, Inputs, Scratch};
+use crate::error::RuntimeError;
+use crate::model::Model;
+use crate::state::State;
+use eng_system::code::Function;
+use eng_system::system::ConditionKind;
+use std::collections::BTreeSet;
+
+/// Outputs of some elements, each after those whose channels it reads.
+#[derive(Clone, Debug)]
+pub struct Outputs {
+    levels: Vec<Vec<Batch>>,
+    scratch: Scratch,
+    accelerations: Vec<[f64; 6]>,
+    /// Channels of each element: (output, channel).
+    channels: Vec<Vec<(usize, usize)>>,
+    /// Values of the channels; those of elements not evaluated are NaN.
+    pub values: Vec<f64>,
+    watched: Option<usize>,
+    /// First two outputs of the watched element.
+    pub watched_values: [f64; 2],
+}
+
+impl Outputs {
+    /// All channels of the model.
+    pub fn all(model: &Model) -> Result<Outputs, RuntimeError> {
+        let system = &model.compiled.system;
+        let wanted: BTreeSet<usize> = system.channels.iter().map(|c| c.element as usize).collect();
+        Outputs::of(model, wanted, None)
+    }
+
+    /// What the outputs of one element need.
+    pub fn watching(model: &Model, element: usize) -> Result<Outputs, RuntimeError> {
+        Outputs::of(model, BTreeSet::from([element]), Some(element))
+    }
+
+    fn of(
+        model: &Model,
+        wanted: BTreeSet<usize>,
+        watched: Option<usize>,
+    ) -> Result<Outputs, RuntimeError> {
+        let system = &model.compiled.system;
+        let mut level: Vec<Option<usize>> = vec![None; model.elements.len()];
+        let mut open = vec![false; model.elements.len()];
+        // Depth first over the signals; the stack holds elements whose signals are being placed.
+        for root in wanted {
+            let mut stack = vec![root];
+            while let Some(&element) = stack.last() {
+                if level[element].is_some() {
+                    stack.pop();
+                    continue;
+                }
+                let mut height = 0;
+                let mut waiting = false;
+                for signal in &system.elements[element].signals {
+                    let source = system.channels[*signal as usize].element as usize;
+                    match level[source] {
+                        Some(l) => height = height.max(l + 1),
+                        None => {
+                            if open[source] || source == element {
+                                return Err(RuntimeError::Malformed {
+                                    what: format!(
+                                        "{}: outputs read each other",
+                                        system.elements[element].origin.path
+                                    ),
+                                });
+                            }
+                            stack.push(source);
+                            waiting = true;
+                        }
+                    }
+                }
+                open[element] = true;
+                if !waiting {
+                    level[element] = Some(height);
+                    stack.pop();
+                }
+            }
+        }
+        let highest = level.iter().flatten().max().copied();
+        let levels = (0..highest.map_or(0, |h| h + 1))
+            .map(|l| {
+                let members: Vec<usize> =
+                    (0..level.len()).filter(|e| level[*e] == Some(l)).collect();
+                elements::batches(model, &members, true)
+            })
+            .collect();
+        let mut channels = vec![Vec::new(); model.elements.len()];
+        for (index, channel) in system.channels.iter().enumerate() {
+            channels[channel.element as usize].push((channel.output as usize, index));
+        }
+        Ok(Outputs {
+            levels,
+            scratch: Scratch::new(model),
+            accelerations: vec![[0.0; 6]; model.markers.len()],
+            channels,
+            values: vec![f64::NAN; system.channels.len()],
+            watched,
+            watched_values: [0.0; 2],
+        })
+    }
+
+    /// Evaluates at a state at which `dynamics` stands (place called).
+    pub fn evaluate(
+        &mut self,
+        model: &Model,
+        dynamics: &Dynamics,
+        state: &State,
+    ) -> Result<(), RuntimeError> {
+        for (index, marker) in model.markers.iter().enumerate() {
+            let Some(b) = marker.body else { continue };
+            let body = &model.bodies[b];
+            let width = body.width();
+            let mut x = chain::acceleration_bias(
+                body,
+                &dynamics.frames[b],
+                marker,
+                &state.velocity[body.velocity..],
+            );
+            if let Some(jacobian) = dynamics.marker_jacobian(model, index) {
+                let rate = &state.acceleration[body.velocity..body.velocity + width];
+                for (d, x) in x.iter_mut().enumerate() {
+                    *x += jacobian[d * width..(d + 1) * width]
+                        .iter()
+                        .zip(rate)
+                        .map(|(j, r)| j * r)
+                        .sum::<f64>();
+                }
+            }
+            self.accelerations[index] = x;
+        }
+        let from = Inputs {
+            time: state.time,
+            markers: &dynamics.markers,
+            states: &state.states,
+            multipliers: &state.multipliers,
+            rotations: &state.rotations,
+        };
+        for batches in &mut self.levels {
+            for batch in batches {
+                elements::gather(model, batch, &from);
+                let class = &model.compiled.system.classes[batch.class];
+                let layout = class.layout;
+                let count = class.outputs.len();
+                for pair in 0..batch.pairs.len() {
+                    let members = batch.pairs[pair];
+                    let inputs = batch.inputs_mut(pair);
+                    for (lane, index) in members.iter().enumerate() {
+                        let element = &model.elements[*index];
+                        for (k, marker) in element.markers.iter().enumerate() {
+                            let at = layout.acceleration(k as u32) as usize;
+                            for (i, x) in self.accelerations[*marker].iter().enumerate() {
+                                inputs[at + i][lane] = *x;
+                            }
+                        }
+                        for k in 0..layout.states {
+                            inputs[layout.state_rate(k) as usize][lane] =
+                                state.rates[element.state + k as usize];
+                        }
+                        let signals = &model.compiled.system.elements[*index].signals;
+                        for (k, signal) in signals.iter().enumerate() {
+                            inputs[layout.signal(k as u32) as usize][lane] =
+                                self.values[*signal as usize];
+                        }
+                    }
+                    if count == 0 {
+                        continue;
+                    }
+                    elements::call(
+                        model,
+                        batch.class,
+                        Function::Outputs,
+                        batch.inputs(pair),
+                        &mut self.scratch.outputs[..count],
+                    )?;
+                    for lane in 0..batch.lanes(pair) {
+                        let index = members[lane];
+                        for (output, channel) in &self.channels[index] {
+                            let value = self.scratch.outputs[*output][lane];
+                            if !value.is_finite() {
+                                return Err(not_finite(model, index, state.time));
+                            }
+                            self.values[*channel] = value;
+                        }
+                        if self.watched == Some(index) && count >= 2 {
+                            self.watched_values =
+                                [self.scratch.outputs[0][lane], self.scratch.outputs[1][lane]];
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A condition that does not hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Violation {
+    /// The element.
+    pub element: usize,
+    /// Index into its class's conditions.
+    pub condition: usize,
+    /// The value that should be positive.
+    pub value: f64,
+}
+
+/// Conditions and rotations of elements.
+#[derive(Clone, Debug)]
+pub struct Watch {
+    conditions: Vec<Batch>,
+    rotations: Vec<Batch>,
+    scratch: Scratch,
+}
+
+impl Watch {
+    /// Watches the elements that fulfil `which`.
+    pub fn new(model: &Model, which: impl Fn(usize) -> bool) -> Watch {
+        let pick = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
+            (0..model.elements.len())
+                .filter(|e| which(*e) && wanted(*e))
+                .collect()
+        };
+        Watch {
+            conditions: elements::batches(
+                model,
+                &pick(&|e| !model.class(e).conditions.is_empty()),
+                false,
+            ),
+            rotations: elements::batches(
+                model,
+                &pick(&|e| model.class(e).layout.rotations > 0),
+                false,
+            ),
+            scratch: Scratch::new(model),
+        }
+    }
+
+    /// Reports each condition that is not positive and that `which` asks for; NaN counts as violated.
+    pub fn violations(
+        &mut self,
+        model: &Model,
+        from: &Inputs,
+        which: impl Fn(&ConditionKind) -> bool,
+        mut report: impl FnMut(Violation),
+    ) -> Result<(), RuntimeError> {
+        for batch in &mut self.conditions {
+            elements::gather(model, batch, from);
+            let conditions = &model.compiled.system.classes[batch.class].conditions;
+            for pair in 0..batch.pairs.len() {
+                let out = &mut self.scratch.outputs[..conditions.len()];
+                elements::call(
+                    model,
+                    batch.class,
+                    Function::Conditions,
+                    batch.inputs(pair),
+                    out,
+                )?;
+                for lane in 0..batch.lanes(pair) {
+                    for (k, condition) in conditions.iter().enumerate() {
+                        let value = out[k][lane];
+                        if which(&condition.kind)
+                            && !matches!(value.partial_cmp(&0.0), Some(std::cmp::Ordering::Greater))
+                        {
+                            report(Violation {
+                                element: batch.pairs[pair][lane],
+                                condition: k,
+                                value,
+                            });
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Unwrapped angles at the inputs, whose references are those of the state before.
+    pub fn unwrap(
+        &mut self,
+        model: &Model,
+        from: &Inputs,
+        rotations: &mut [f64],
+    ) -> Result<(), RuntimeError> {
+        for batch in &mut self.rotations {
+            elements::gather(model, batch, from);
+            let count = model.compiled.system.classes[batch.class].layout.rotations as usize;
+            for pair in 0..batch.pairs.len() {
+                let out = &mut self.scratch.outputs[..count];
+                elements::call(
+                    model,
+                    batch.class,
+                    Function::Rotations,
+                    batch.inputs(pair),
+                    out,
+                )?;
+                for lane in 0..batch.lanes(pair) {
+                    let index = batch.pairs[pair][lane];
+                    for (k, angle) in out.iter().enumerate() {
+                        if !angle[lane].is_finite() {
+                            return Err(not_finite(model, index, from.time));
+                        }
+                        rotations[model.elements[index].rotation + k] = angle[lane];
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,199 @@
+//! Rotations: unit quaternions (w, x, y, z), the exponential map and its tangent operator.
+//!
+//! Increments are in body axes: `A ← A exp(θ~)`.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Vector in space.
+pub type V3 = Vector3<f64>;
+/// Matrix 3×3.
+pub type M3 = Matrix3<f64>;
+/// Unit quaternion w, x, y, z.
+pub type Quaternion = [f64; 4];
+
+/// `v~`, so that `v~ w = v × w`.
+pub fn skew(v: &V3) -> M3 {
+    M3::new(0.0, -v.z, v.y, v.z, 0.0, -v.x, -v.y, v.x, 0.0)
+}
+
+/// Quaternion of the rotation vector θ (rad).
+pub fn exponential(theta: &V3) -> Quaternion {
+    let angle_squared = theta.norm_squared();
+    let (w, factor) = if angle_squared < 1e-6 {
+        // cos(θ/2) and sin(θ/2)/θ as series: the next terms are below 1e-20.
+        (
+            1.0 - angle_squared / 8.0 + angle_squared * angle_squared / 384.0,
+            0.5 - angle_squared / 48.0 + angle_squared * angle_squared / 3840.0,
+        )
+    } else {
+        let angle = libm::sqrt(angle_squared);
+        (libm::cos(0.5 * angle), libm::sin(0.5 * angle) / angle)
+    };
+    [w, factor * theta.x, factor * theta.y, factor * theta.z]
+}
+
+/// Product of quaternions: the rotation `a` after which, in the turned axes, `b` follows.
+pub fn product(a: &Quaternion, b: &Quaternion) -> Quaternion {
+    [
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    ]
+}
+
+/// The quaternion of unit length in the same direction; identity for zero.
+pub fn normalized(q: &Quaternion) -> Quaternion {
+    let norm = libm::sqrt(q.iter().map(|x| x * x).sum::<f64>());
+    if norm > 0.0 {
+        q.map(|x| x / norm)
+    } else {
+        [1.0, 0.0, 0.0, 0.0]
+    }
+}
+
+/// Rotation matrix of a unit quaternion.
+pub fn matrix(q: &Quaternion) -> M3 {
+    let [w, x, y, z] = *q;
+    M3::new(
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y - w * z),
+        2.0 * (x * z + w * y),
+        2.0 * (x * y + w * z),
+        1.0 - 2.0 * (x * x + z * z),
+        2.0 * (y * z - w * x),
+        2.0 * (x * z - w * y),
+        2.0 * (y * z + w * x),
+        1.0 - 2.0 * (x * x + y * y),
+    )
+}
+
+/// Quaternion of a rotation matrix (Shepperd 1978: the largest of the four squares is the divisor).
+pub fn quaternion(a: &M3) -> Quaternion {
+    let trace = a[(0, 0)] + a[(1, 1)] + a[(2, 2)];
+    let candidates = [trace, a[(0, 0)], a[(1, 1)], a[(2, 2)]];
+    let mut best = 0;
+    for (i, c) in candidates.iter().enumerate() {
+        if *c > candidates[best] {
+            best = i;
+        }
+    }
+    let q = match best {
+        0 => [
+            1.0 + trace,
+            a[(2, 1)] - a[(1, 2)],
+            a[(0, 2)] - a[(2, 0)],
+            a[(1, 0)] - a[(0, 1)],
+        ],
+        1 => [
+            a[(2, 1)] - a[(1, 2)],
+            1.0 + 2.0 * a[(0, 0)] - trace,
+            a[(0, 1)] + a[(1, 0)],
+            a[(0, 2)] + a[(2, 0)],
+        ],
+        2 => [
+            a[(0, 2)] - a[(2, 0)],
+            a[(0, 1)] + a[(1, 0)],
+            1.0 + 2.0 * a[(1, 1)] - trace,
+            a[(1, 2)] + a[(2, 1)],
+        ],
+        _ => [
+            a[(1, 0)] - a[(0, 1)],
+            a[(0, 2)] + a[(2, 0)],
+            a[(1, 2)] + a[(2, 1)],
+            1.0 + 2.0 * a[(2, 2)] - trace,
+        ],
+    };
+    normalized(&q)
+}
+
+/// Tangent operator T(θ) of the exponential in body axes: `d exp(θ~) = exp(θ~) (T dθ)~`,
+/// `T = I − (1 − cos θ)/θ² θ~ + (θ − sin θ)/θ³ θ~θ~` (Brüls, Cardona, Arnold 2012, equation 18).
+pub fn tangent(theta: &V3) -> M3 {
+    let s = theta.norm_squared();
+    let (c1, c2) = if s < 1e-2 {
+        (
+            0.5 - s * (1.0 / 24.0 - s * (1.0 / 720.0 - s * (1.0 / 40320.0 - s / 3_628_800.0))),
+            1.0 / 6.0 - s * (1.0 / 120.0 - s * (1.0 / 5040.0 - s / 362_880.0)),
+        )
+    } else {
+        let angle = libm::sqrt(s);
+        (
+            (1.0 - libm::cos(angle)) / s,
+            (angle - libm::sin(angle)) / (s * angle),
+        )
+    };
+    let t = skew(theta);
+    M3::identity() - t * c1 + t * t * c2
+}
+
+/// Inverse of [`tangent`]: `I + ½θ~ + (1 − θ/2 cot θ/2)/θ² θ~θ~`, for |θ| < 2π.
+pub fn inverse_tangent(theta: &V3) -> M3 {
+    let s = theta.norm_squared();
+    let c = if s < 1e-2 {
+        1.0 / 12.0 + s * (1.0 / 720.0 + s * (1.0 / 30240.0 + s / 1_209_600.0))
+    } else {
+        let half = 0.5 * libm::sqrt(s);
+        (1.0 - half * libm::cos(half) / libm::sin(half)) / s
+    };
+    let t = skew(theta);
+    M3::identity() + t * 0.5 + t * t * c
+}
+
+/// Rotation vector of a quaternion, |θ| ≤ π.
+pub fn logarithm(q: &Quaternion) -> V3 {
+    let q = if q[0] < 0.0 { q.map(|x| -x) } else { *q };
+    let v = V3::new(q[1], q[2], q[3]);
+    let sine = v.norm();
+    if sine < 1e-12 {
+        v * 2.0
+    } else {
+        v * (2.0 * libm::atan2(sine, q[0]) / sine)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tangent_is_the_derivative_of_the_exponential() {
+        for theta in [
+            V3::new(0.3, -0.4, 0.2),
+            V3::new(0.01, 0.02, -0.03),
+            V3::new(0.0, 0.0, 0.0),
+            V3::new(1.5, 1.0, -1.2),
+        ] {
+            let direction = V3::new(0.2, -0.7, 0.4);
+            let step = 1e-5;
+            let inverse = {
+                let q = exponential(&theta);
+                [q[0], -q[1], -q[2], -q[3]]
+            };
+            let ahead = product(&inverse, &exponential(&(theta + direction * step)));
+            let behind = product(&inverse, &exponential(&(theta - direction * step)));
+            let difference = (logarithm(&ahead) - logarithm(&behind)) / (2.0 * step);
+            let exact = tangent(&theta) * direction;
+            assert!((difference - exact).norm() < 1e-9, "{difference} {exact}");
+            let back = inverse_tangent(&theta) * exact;
+            assert!((back - direction).norm() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn matrix_and_quaternion_agree() {
+        for theta in [
+            V3::new(3.0, 0.1, 0.2),
+            V3::new(0.1, 3.0, -0.2),
+            V3::new(-0.2, 0.3, 3.1),
+            V3::new(0.1, 0.1, 0.1),
+        ] {
+            let q = exponential(&theta);
+            let a = matrix(&q);
+            assert!((a * a.transpose() - M3::identity()).norm() < 1e-14);
+            assert!((matrix(&quaternion(&a)) - a).norm() < 1e-14);
+            let axis = theta.normalize();
+            assert!((a * axis - axis).norm() < 1e-14);
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! Degrees of freedom and redundant constraints, by rank.
+//!
+//! The rank of the scaled G is taken at the assembled and at two generic nearby positions that satisfy the constraints: at a dead
+//! centre it drops locally, which is no redundancy. Drives, whose rows depend on time, are let go while looking for such positions.
+
+use crate::assembly::closing::{Numbers, close};
+use crate::assembly::rows::{Along, Rows};
+use crate::assembly::{assemble, at};
+use crate::error::{RedundantGroup, RuntimeError};
+use crate::model::Model;
+use crate::state::{State, move_pose};
+use eng_system::code::Compiled;
+use nalgebra::{DMatrix, DVector};
+
+/// A pivot below this share of a unit row is none.
+const RANK_LIMIT: f64 = 1e-8;
+/// A share below this does not name a row.
+const SHARE_LIMIT: f64 = 1e-6;
+
+/// What the constraints leave.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TopologyReport {
+    /// Velocities of all bodies.
+    pub velocities: usize,
+    /// Constraint equations.
+    pub equations: usize,
+    /// Independent ones.
+    pub rank: usize,
+    /// Degrees of freedom: velocities minus rank.
+    pub freedom: usize,
+    /// One group an excess equation.
+    pub redundant: Vec<RedundantGroup>,
+}
+
+/// Assembles a model and counts.
+pub fn topology(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+) -> Result<TopologyReport, RuntimeError> {
+    let mut model = Model::bind(compiled, overrides)?;
+    let state = assemble(&mut model)?;
+    analyze(&model, &state)
+}
+
+/// Counts at an assembled state.
+pub fn analyze(model: &Model, state: &State) -> Result<TopologyReport, RuntimeError> {
+    let elements: Vec<usize> = (0..model.elements.len())
+        .filter(|e| model.elements[*e].dynamic && !model.class(*e).rows.is_empty())
+        .collect();
+    let rows = Rows::new(model, elements.clone());
+    let mut best = Rank::of(model, &rows, state)?;
+    if best.dependent.is_empty() {
+        return Ok(best.report(model, &rows));
+    }
+    let mut resting = state.clone();
+    resting.velocity.fill(0.0);
+    let by_time = rows.rates(model, &at(&resting))?;
+    let driven = |element: usize| {
+        rows.owners
+            .iter()
+            .zip(by_time.iter())
+            .any(|((e, _), rate)| *e == element && *rate != 0.0)
+    };
+    let held = Rows::new(
+        model,
+        elements.into_iter().filter(|e| !driven(*e)).collect(),
+    );
+    let mobility = vec![1.0; model.velocities];
+    let scales = model.velocity_scales();
+    let mut numbers = Numbers::new(7);
+    let mut found = 0;
+    for reach in [0.05, 0.05, 0.05, 0.01, 0.01, 0.002] {
+        if found == 2 {
+            break;
+        }
+        let increment: Vec<f64> = scales.iter().map(|s| s * reach * numbers.next()).collect();
+        let mut near = resting.clone();
+        move_pose(model, &resting.pose, &increment, 1.0, &mut near.pose);
+        if close(model, &held, &mobility, &mut near, 60)? < 1e-12 {
+            found += 1;
+            let rank = Rank::of(model, &rows, &near)?;
+            if rank.dependent.len() < best.dependent.len() {
+                best = rank;
+            }
+        }
+    }
+    Ok(best.report(model, &rows))
+}
+
+/// Rows split into independent and dependent ones.
+#[derive(Clone, Debug)]
+struct Rank {
+    /// Dependent rows with the shares of independent rows that make them up.
+    dependent: Vec<(usize, Vec<(usize, f64)>)>,
+}
+
+impl Rank {
+    fn of(model: &Model, rows: &Rows, state: &State) -> Result<Rank, RuntimeError> {
+        let (mut values, mut matrix) = rows.evaluate(model, &at(state), Along::Pose)?;
+        rows.scale(model, &mut values, &mut matrix);
+        Ok(Rank {
+            dependent: dependencies(&matrix),
+        })
+    }
+
+    fn report(&self, model: &Model, rows: &Rows) -> TopologyReport {
+        let name = |row: usize, share: f64| {
+            let (element, local) = rows.owners[row];
+            model.named_row(element, local, share)
+        };
+        let redundant = self
+            .dependent
+            .iter()
+            .map(|(row, shares)| RedundantGroup {
+                redundant: name(*row, 1.0),
+                repeats: shares.iter().map(|(r, share)| name(*r, *share)).collect(),
+            })
+            .collect();
+        let rank = rows.len() - self.dependent.len();
+        TopologyReport {
+            velocities: model.velocities,
+            equations: rows.len(),
+            rank,
+            freedom: model.velocities.saturating_sub(rank),
+            redundant,
+        }
+    }
+}
+
+/// Elimination with complete pivoting, early rows first among equals; dependent rows by the independent ones.
+fn dependencies(matrix: &DMatrix<f64>) -> Vec<(usize, Vec<(usize, f64)>)> {
+    let (rows, columns) = matrix.shape();
+    let mut unit = matrix.clone();
+    for i in 0..rows {
+        let size = unit.row(i).norm();
+        if size > 0.0 {
+            unit.row_mut(i).scale_mut(1.0 / size);
+        }
+    }
+    let mut work = unit.clone();
+    let mut free_rows: Vec<usize> = (0..rows).collect();
+    let mut free_columns: Vec<usize> = (0..columns).collect();
+    let (mut pivot_rows, mut pivot_columns) = (Vec::new(), Vec::new());
+    loop {
+        let mut best = (RANK_LIMIT, None);
+        for (p, i) in free_rows.iter().enumerate() {
+            for (q, j) in free_columns.iter().enumerate() {
+                let size = work[(*i, *j)].abs();
+                // A later row must be clearly larger, so that the first of two equal ones counts as the independent one.
+                if size > best.0 * 1.01 {
+                    best = (size, Some((p, q)));
+                }
+            }
+        }
+        let Some((p, q)) = best.1 else { break };
+        let (row, column) = (free_rows.remove(p), free_columns.remove(q));
+        for i in &free_rows {
+            let factor = work[(*i, column)] / work[(row, column)];
+            if factor != 0.0 {
+                for j in &free_columns {
+                    let x = work[(row, *j)];
+                    work[(*i, *j)] -= factor * x;
+                }
+                work[(*i, column)] = 0.0;
+            }
+        }
+        pivot_rows.push(row);
+        pivot_columns.push(column);
+    }
+    let rank = pivot_rows.len();
+    let square = DMatrix::from_fn(rank, rank, |i, j| unit[(pivot_rows[j], pivot_columns[i])]);
+    let lu = square.lu();
+    free_rows
+        .into_iter()
+        .map(|row| {
+            let rhs = DVector::from_fn(rank, |i, _| unit[(row, pivot_columns[i])]);
+            let mut shares: Vec<(usize, f64)> = lu
+                .solve(&rhs)
+                .map(|x| {
+                    x.iter()
+                        .enumerate()
+                        .filter(|(_, share)| share.abs() > SHARE_LIMIT)
+                        .map(|(i, share)| (pivot_rows[i], *share))
+                        .collect()
+                })
+                .unwrap_or_default();
+            shares.sort_by_key(|(row, _)| *row);
+            (row, shares)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_the_rows_that_repeat() {
+        let m = DMatrix::from_row_slice(
+            4,
+            5,
+            &[
+                1.0, 0.0, 0.0, 0.0, 1.0, //
+                0.0, 2.0, 0.0, 1.0, 0.0, //
+                0.0, 0.0, 3.0, 0.0, 0.0, //
+                1.0, 2.0, 0.0, 1.0, 1.0,
+            ],
+        );
+        let found = dependencies(&m);
+        assert_eq!(found.len(), 1);
+        let mut names: Vec<usize> = found[0].1.iter().map(|(r, _)| *r).collect();
+        names.push(found[0].0);
+        names.sort_unstable();
+        assert_eq!(names, [0, 1, 3]);
+        assert!(dependencies(&DMatrix::identity(3, 4)).is_empty());
+    }
+}

@@ -1,0 +1,307 @@
+//! A transient from start to end, with samples on a grid of time or cycle angle.
+
+use crate::error::{Moment, RuntimeError};
+use crate::integrator::Statistics;
+use crate::simulation::{Energy, Options, Simulation, Warning};
+use eng_system::code::Compiled;
+use eng_system::system::{Extent, Transient};
+use std::ops::ControlFlow;
+
+/// One sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<'a> {
+    /// Time (s).
+    pub time: f64,
+    /// Unwrapped cycle angle (rad), where there is a cycle.
+    pub cycle_angle: Option<f64>,
+    /// Its rate (rad/s).
+    pub cycle_rate: Option<f64>,
+    /// Channels (SI).
+    pub values: &'a [f64],
+    /// Energy at the end of the step in which the sample lies.
+    pub energy: Energy,
+}
+
+/// What looks on.
+pub trait Observer {
+    /// Takes a sample; `Break` ends the run after it.
+    fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()>;
+    /// After every step: the fraction 0…1 that is done.
+    fn progress(&mut self, _fraction: f64, _cycle_angle: Option<f64>) {}
+    /// An `advise` does not hold; each comes once.
+    fn warning(&mut self, _warning: &Warning) {}
+    /// Whether a checkpoint is wanted after this step.
+    fn wants_checkpoint(&mut self) -> bool {
+        false
+    }
+    /// Takes a checkpoint.
+    fn checkpoint(&mut self, _bytes: Vec<u8>) {}
+}
+
+/// How a run went.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunSummary {
+    /// Time of the last sample (s).
+    pub time: f64,
+    /// Cycle angle of the last accepted state (rad).
+    pub cycle_angle: Option<f64>,
+    /// Samples given.
+    pub samples: u64,
+    /// Work done.
+    pub statistics: Statistics,
+    /// Energy at the end.
+    pub energy: Energy,
+    /// Whether the observer ended it.
+    pub interrupted: bool,
+}
+
+/// Steps without progress of the cycle before a run by angle gives up.
+const PATIENCE: u64 = 200_000;
+/// Share of the sample distance below which a grid point is the end itself.
+const SAME: f64 = 1e-6;
+
+/// Points of time or angle in their order.
+#[derive(Clone, Copy, Debug)]
+enum Points {
+    Time { distance: f64 },
+    Angle { start: f64, distance: f64 },
+}
+
+impl Points {
+    fn at(self, index: u64) -> f64 {
+        match self {
+            Points::Time { distance } => index as f64 * distance,
+            Points::Angle { start, distance } => start + index as f64 * distance,
+        }
+    }
+
+    fn distance(self) -> f64 {
+        match self {
+            Points::Time { distance } | Points::Angle { distance, .. } => distance,
+        }
+    }
+
+    /// How far a simulation is beyond the point, in the point's unit; negative before it.
+    fn passed(self, index: u64, simulation: &Simulation) -> f64 {
+        match self {
+            Points::Time { .. } => simulation.time() - self.at(index),
+            Points::Angle { distance, .. } => {
+                let angle = simulation.cycle_angle().unwrap_or(0.0);
+                (angle - self.at(index)) * distance.signum()
+            }
+        }
+    }
+}
+
+/// Runs a transient, or goes on from a checkpoint of the same analysis.
+pub fn run_transient(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    transient: &Transient,
+    observer: &mut dyn Observer,
+    resume: Option<&[u8]>,
+) -> Result<RunSummary, RuntimeError> {
+    let options = Options {
+        step: transient.step,
+        rho_infinity: transient.rho_infinity,
+        ..Options::default()
+    };
+    let mut simulation = match resume {
+        Some(bytes) => Simulation::resume(compiled, overrides, options, bytes)?,
+        None => Simulation::new(compiled, overrides, options)?,
+    };
+    let positive = |extent: Extent, name: &str| -> Result<(), RuntimeError> {
+        let (Extent::Time(x) | Extent::Angle(x)) = extent;
+        if x > 0.0 && x.is_finite() {
+            Ok(())
+        } else {
+            Err(RuntimeError::Options {
+                message: format!("the {name} is {x}; it must be positive"),
+            })
+        }
+    };
+    positive(transient.duration, "duration")?;
+    positive(transient.sample, "distance of the samples")?;
+    let by_angle = matches!(transient.duration, Extent::Angle(_))
+        || matches!(transient.sample, Extent::Angle(_));
+    if by_angle && simulation.cycle_angle().is_none() {
+        return Err(RuntimeError::NoCycle);
+    }
+    let start = simulation.cycle_start();
+    // The grid runs in the sense in which the machine turns.
+    let turned = simulation.cycle_angle().unwrap_or(start) - start;
+    let sense = if turned != 0.0 {
+        turned.signum()
+    } else if simulation.cycle_rate().unwrap_or(1.0) < 0.0 {
+        -1.0
+    } else {
+        1.0
+    };
+    let points = match transient.sample {
+        Extent::Time(distance) => Points::Time { distance },
+        Extent::Angle(distance) => Points::Angle {
+            start,
+            distance: sense * distance,
+        },
+    };
+    let mut run = Run {
+        values: vec![0.0; simulation.model().compiled.system.channels.len()],
+        observer,
+        samples: 0,
+        last: f64::NAN,
+    };
+    let mut next = 1;
+    if resume.is_none() {
+        run.values.fill(0.0);
+        simulation.evaluate_channels(&mut run.values)?;
+        let cycle = simulation.cycle_angle().zip(simulation.cycle_rate());
+        run.give_warnings(&mut simulation);
+        if run.give(&simulation, simulation.time(), cycle).is_break() {
+            return Ok(run.summary(&simulation, true));
+        }
+    } else {
+        // Points up to the checkpoint were given before it.
+        while points.passed(next, &simulation) >= 0.0 {
+            next += 1;
+        }
+    }
+
+    let mut farthest = f64::NEG_INFINITY;
+    let mut standing = 0;
+    loop {
+        let limit = match transient.duration {
+            Extent::Time(duration) => duration,
+            Extent::Angle(_) => f64::INFINITY,
+        };
+        if simulation.time() < limit {
+            simulation.step_within(limit)?;
+        }
+        run.give_warnings(&mut simulation);
+        // The end, if it lies in this step.
+        let (end, fraction) = match transient.duration {
+            Extent::Time(duration) => (
+                (simulation.time() >= duration).then_some(duration),
+                simulation.time() / duration,
+            ),
+            Extent::Angle(duration) => {
+                let done = (simulation.cycle_angle().unwrap_or(start) - start) * sense;
+                if done > farthest + 1e-9 {
+                    farthest = done;
+                    standing = 0;
+                } else {
+                    standing += 1;
+                    if standing > PATIENCE {
+                        return Err(RuntimeError::CycleStands {
+                            moment: Moment {
+                                time: simulation.time(),
+                                cycle_angle: simulation.cycle_angle(),
+                            },
+                            angle: start + sense * farthest,
+                        });
+                    }
+                }
+                let end = if done >= duration {
+                    Some(simulation.locate_angle(start + sense * duration)?)
+                } else {
+                    None
+                };
+                (end, done / duration)
+            }
+        };
+        while points.passed(next, &simulation) >= 0.0 {
+            let time = match points {
+                Points::Time { .. } => points.at(next),
+                Points::Angle { .. } => simulation.locate_angle(points.at(next))?,
+            };
+            if let Some(end) = end {
+                // The end itself comes below, exactly.
+                let near = match points {
+                    Points::Time { distance } => SAME * distance,
+                    Points::Angle { .. } => {
+                        let rate = simulation.cycle_rate().unwrap_or(0.0).abs().max(1e-12);
+                        SAME * points.distance().abs() / rate
+                    }
+                };
+                if time >= end - near {
+                    break;
+                }
+            }
+            let (time, cycle) = match points {
+                Points::Time { .. } => (time, simulation.sample_at(time, &mut run.values)?),
+                Points::Angle { .. } => {
+                    let (time, cycle) =
+                        simulation.sample_at_angle(points.at(next), &mut run.values)?;
+                    (time, Some(cycle))
+                }
+            };
+            next += 1;
+            if run
+                .give(&simulation, time, cycle.map(|c| (c[0], c[1])))
+                .is_break()
+            {
+                return Ok(run.summary(&simulation, true));
+            }
+        }
+        run.observer
+            .progress(fraction.clamp(0.0, 1.0), simulation.cycle_angle());
+        if let Some(end) = end {
+            let (end, cycle) = match transient.duration {
+                Extent::Time(_) => (end, simulation.sample_at(end, &mut run.values)?),
+                Extent::Angle(duration) => {
+                    let (time, cycle) =
+                        simulation.sample_at_angle(start + sense * duration, &mut run.values)?;
+                    (time, Some(cycle))
+                }
+            };
+            let _ = run.give(&simulation, end, cycle.map(|c| (c[0], c[1])));
+            return Ok(run.summary(&simulation, false));
+        }
+        if run.observer.wants_checkpoint() {
+            let bytes = simulation.checkpoint();
+            run.observer.checkpoint(bytes);
+        }
+    }
+}
+
+struct Run<'a> {
+    values: Vec<f64>,
+    observer: &'a mut dyn Observer,
+    samples: u64,
+    last: f64,
+}
+
+impl Run<'_> {
+    fn give(
+        &mut self,
+        simulation: &Simulation,
+        time: f64,
+        cycle: Option<(f64, f64)>,
+    ) -> ControlFlow<()> {
+        self.samples += 1;
+        self.last = time;
+        self.observer.sample(&Sample {
+            time,
+            cycle_angle: cycle.map(|c| c.0),
+            cycle_rate: cycle.map(|c| c.1),
+            values: &self.values,
+            energy: simulation.energy(),
+        })
+    }
+
+    fn give_warnings(&mut self, simulation: &mut Simulation) {
+        for warning in simulation.take_warnings() {
+            self.observer.warning(&warning);
+        }
+    }
+
+    fn summary(&self, simulation: &Simulation, interrupted: bool) -> RunSummary {
+        RunSummary {
+            time: self.last,
+            cycle_angle: simulation.cycle_angle(),
+            samples: self.samples,
+            statistics: simulation.statistics(),
+            energy: simulation.energy(),
+            interrupted,
+        }
+    }
+}
