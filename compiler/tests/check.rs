@@ -29,6 +29,9 @@ fn the_examples_are_clean() {
         let text = std::fs::read_to_string(format!("{folder}/{file}")).expect("an example");
         clean(&run_in(&folder, &file, &text));
     }
+    let folder = format!("{}/tests/models", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(format!("{folder}/every_class.eng")).expect("a model");
+    clean(&run_in(&folder, "every_class.eng", &text));
 }
 
 const RIGHT: &str = r#"

@@ -2,7 +2,7 @@
 
 use super::Checker;
 use super::call::Slot;
-use super::expression::has_cycle;
+use super::field::has_cycle;
 use super::mismatch::Due;
 use super::scope::Scope;
 use super::types::{Quantity, Type};

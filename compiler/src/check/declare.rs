@@ -1,15 +1,15 @@
 //! Types as written, and the things that are declared with one: bindings, parameters, functions.
 
+use super::Checker;
 use super::mismatch::Due;
 use super::scope::{Found, Member, Scope};
 use super::types::{Dim, FunctionParameter, Kind as PointKind, Quantity, Signature, Type};
-use super::{Checker, Progress};
 use crate::codes;
 use crate::program::{DefinitionId, unit_text};
 use crate::resolve::suggest::nearest;
 use eng_grammar::ast::{
-    Binding, BindingKind, Expr, ExprKind, Function, IndexArgument, ItemKind, Kind, Name, Parameter,
-    TypeExpr, TypeExprKind,
+    Binding, BindingKind, Expr, ExprKind, IndexArgument, ItemKind, Kind, Name, Parameter, TypeExpr,
+    TypeExprKind,
 };
 use eng_grammar::{Diagnostic, Span};
 use std::rc::Rc;
@@ -554,119 +554,6 @@ impl<'p> Checker<'p> {
             self.expect(scope, high, &ty, &due);
         }
         ty
-    }
-
-    /// Checks a function once, and gives its signature.
-    pub(super) fn function(&mut self, outer: &Scope<'p>, function: &'p Function) -> Rc<Signature> {
-        let key = function.name.span;
-        match self.signatures.get(&key) {
-            Some(Progress::Done(signature)) => return signature.clone(),
-            Some(Progress::Open) => {
-                self.report(
-                    Diagnostic::error(
-                        codes::VALUE_CIRCLE,
-                        format!("the function `{}` calls itself", function.name.text),
-                    )
-                    .at(function.name.span, "its value leads back to it")
-                    .with_note(
-                        "functions are put in where they are called, so none can call itself",
-                    ),
-                );
-                return Rc::new(Signature {
-                    name: String::new(),
-                    parameters: Vec::new(),
-                    result: Type::Error,
-                });
-            }
-            None => {}
-        }
-        if !self.deeper(key) {
-            return Rc::new(Signature {
-                name: String::new(),
-                parameters: Vec::new(),
-                result: Type::Error,
-            });
-        }
-        self.signatures.insert(key, Progress::Open);
-        self.depth += 1;
-        let mut scope = Scope {
-            locals: Vec::new(),
-            body: None,
-            at_use: None,
-            output: false,
-            ..outer.clone()
-        };
-        for generic in &function.generics {
-            let number = self.variables.len() as u32;
-            self.variables.push(generic.text.clone());
-            scope.generics.push((generic.text.clone(), number));
-        }
-        // Counts are known to all types beside them: `fn mean(values: Length[n], n: Int)`.
-        let mut counted = scope.clone();
-        for parameter in &function.parameters {
-            if matches!(&parameter.ty.kind, TypeExprKind::Name(name) if name.text == "Int") {
-                counted
-                    .locals
-                    .push((parameter.name.text.clone(), Type::Int));
-            }
-        }
-        let mut parameters: Vec<FunctionParameter> = Vec::new();
-        for parameter in &function.parameters {
-            let ty = self.parameter(&counted, parameter);
-            if let Some(first) = parameters.iter().find(|p| p.name == parameter.name.text) {
-                let first = first.span;
-                self.defined_twice(&parameter.name.text, parameter.name.span, first);
-            }
-            parameters.push(FunctionParameter {
-                name: parameter.name.text.clone(),
-                ty: ty.clone(),
-                optional: parameter.default.is_some(),
-                span: parameter.name.span,
-            });
-            scope.locals.push((parameter.name.text.clone(), ty));
-        }
-        let declared = function.result.as_ref().map(|ty| self.ty(&scope, ty));
-        for binding in &function.lets {
-            if scope
-                .locals
-                .iter()
-                .any(|(name, _)| *name == binding.name.text)
-            {
-                let first = function
-                    .parameters
-                    .iter()
-                    .map(|p| p.name.span)
-                    .chain(function.lets.iter().map(|l| l.name.span))
-                    .find(|span| self.sources.text(*span) == binding.name.text);
-                self.defined_twice(
-                    &binding.name.text,
-                    binding.name.span,
-                    first.unwrap_or(binding.name.span),
-                );
-            }
-            let ty = self.binding(&scope, binding);
-            scope.locals.push((binding.name.text.clone(), ty));
-        }
-        let result = match declared {
-            Some(declared) => {
-                let mut due = Due::new(format!("the value of `{}`", function.name.text));
-                if let Some(ty) = &function.result {
-                    due = due.declared(ty.span, "declared here");
-                }
-                self.expect(&scope, &function.value, &declared, &due);
-                declared
-            }
-            None => self.infer(&scope, &function.value),
-        };
-        self.depth -= 1;
-        let signature = Rc::new(Signature {
-            name: function.name.text.clone(),
-            parameters,
-            result,
-        });
-        self.signatures
-            .insert(key, Progress::Done(signature.clone()));
-        signature
     }
 
     /// The interface that a class says it fits.

@@ -13,6 +13,8 @@ mod class;
 mod declare;
 mod describe;
 mod expression;
+mod field;
+mod function;
 mod level;
 mod mismatch;
 mod operator;

@@ -1,0 +1,278 @@
+//! What stands after a dot.
+
+use super::Checker;
+use super::scope::Scope;
+use super::types::{Quantity, Type};
+use crate::codes;
+use eng_grammar::Diagnostic;
+use eng_grammar::ast::{Expr, ExprKind, IndexArgument, Name};
+use eng_system::Dimension;
+
+impl<'p> Checker<'p> {
+    pub(super) fn field(&mut self, scope: &Scope<'p>, base: &Expr, name: &Name) -> Type {
+        let ty = self.infer(scope, base);
+        // `rod[*].big`: of each element.
+        if let (
+            Type::List {
+                element, length, ..
+            },
+            true,
+        ) = (&ty, selects_all(base))
+        {
+            let inner = self.field_of(scope, element, base, name);
+            return if inner.is_error() {
+                Type::Error
+            } else {
+                Type::list(inner, *length)
+            };
+        }
+        self.field_of(scope, &ty, base, name)
+    }
+
+    fn field_of(&mut self, scope: &Scope<'p>, ty: &Type, base: &Expr, name: &Name) -> Type {
+        match ty {
+            Type::Error => Type::Error,
+            Type::Marker => self.field_of_marker(name),
+            Type::Body(body) => {
+                if name.text == "origin" {
+                    return Type::Marker;
+                }
+                let Some(body) = body else {
+                    self.no_member(
+                        format!(
+                            "a body that is a parameter has no marker `{}` that is known",
+                            name.text
+                        ),
+                        name,
+                        ["origin"],
+                    );
+                    return Type::Error;
+                };
+                let declared = match self.member(body.definition, &body.name) {
+                    Some(super::scope::Member::Declaration(declaration)) => declaration,
+                    _ => return Type::Error,
+                };
+                if let Some(marker) = super::scope::marker_of(declared, &name.text) {
+                    return self.arrayed(&marker.index, Type::Marker);
+                }
+                let markers = self.markers_of(body);
+                let title = format!("the body `{}` has no marker `{}`", body.name, name.text);
+                self.no_member(title, name, markers.iter().map(String::as_str));
+                Type::Error
+            }
+            Type::Vector { quantity, framed } => {
+                if !matches!(name.text.as_str(), "x" | "y" | "z") {
+                    self.no_member(
+                        format!("a vector has no `{}`", name.text),
+                        name,
+                        if *framed {
+                            vec!["x", "y", "z"]
+                        } else {
+                            Vec::new()
+                        },
+                    );
+                    return Type::Error;
+                }
+                if *framed {
+                    return Type::Scalar(quantity.clone());
+                }
+                let text = self.sources.text(base.span);
+                let shown = match base.kind {
+                    ExprKind::Binary { .. } | ExprKind::Unary { .. } => {
+                        text.trim_matches(['(', ')'])
+                    }
+                    _ => text,
+                };
+                let mended = format!("local({shown}, ground).{}", name.text);
+                self.report(
+                    Diagnostic::error(
+                        codes::COMPONENT_WITHOUT_AXES,
+                        format!("`.{}` of a vector: along which axes?", name.text),
+                    )
+                    .at(name.span, "a vector carries no axes")
+                    .also(base.span, self.describe(ty))
+                    .with_help(format!(
+                        "say whose axes: `local({shown}, marker).{}`",
+                        name.text
+                    ))
+                    .with_fix(
+                        "along the ground's axes",
+                        base.span.to(name.span),
+                        mended,
+                    ),
+                );
+                Type::Error
+            }
+            Type::List {
+                element, length, ..
+            } => {
+                if matches!(name.text.as_str(), "x" | "y" | "z") && element.quantity().is_some() {
+                    let place = match name.text.as_str() {
+                        "x" => 1,
+                        "y" => 2,
+                        _ => 3,
+                    };
+                    if length.is_some_and(|length| place > length || length > 3) {
+                        self.no_member(
+                            format!("{} has no `.{}`", self.describe(ty), name.text),
+                            name,
+                            [],
+                        );
+                        return Type::Error;
+                    }
+                    return match element.as_ref() {
+                        Type::Int => Type::one(),
+                        other => other.clone(),
+                    };
+                }
+                let shown = self.sources.text(base.span).to_owned();
+                let found = self.describe(ty);
+                self.report(
+                    Diagnostic::error(
+                        codes::INDEX,
+                        format!(
+                            "`{shown}` is {found}: of which one is `{}` meant?",
+                            name.text
+                        ),
+                    )
+                    .at(base.span, "an index is missing")
+                    .with_help(format!(
+                        "`{shown}[1].{}` is of the first, `{shown}[*].{}` a list of all",
+                        name.text, name.text
+                    )),
+                );
+                Type::Error
+            }
+            Type::Instance(id) => self.field_of_instance(*id, name, false),
+            Type::InstanceOf(id) => self.field_of_instance(*id, name, true),
+            Type::Cycle => self.field_of_cycle(scope, name),
+            other => {
+                let what = self.describe(other);
+                self.no_member(format!("{what} has no `{}`", name.text), name, []);
+                Type::Error
+            }
+        }
+    }
+
+    /// Names of a body's markers, `origin` last.
+    pub(super) fn markers_of(&mut self, body: &super::types::BodyRef) -> Vec<String> {
+        let mut names = Vec::new();
+        if let Some(super::scope::Member::Declaration(declared)) =
+            self.member(body.definition, &body.name)
+        {
+            for item in super::scope::block_of(declared)
+                .into_iter()
+                .flat_map(|b| &b.items)
+            {
+                if let eng_grammar::ast::ItemKind::Declaration(marker) = &item.kind
+                    && marker.kind == eng_grammar::ast::Kind::Marker
+                {
+                    names.push(marker.name.text.clone());
+                }
+            }
+        }
+        names.push("origin".to_owned());
+        names
+    }
+
+    fn field_of_marker(&mut self, name: &Name) -> Type {
+        let per_second = |dimension: Dimension| dimension.over(Dimension::TIME);
+        let dimension = match name.text.as_str() {
+            "origin" => Dimension::LENGTH,
+            "x" | "y" | "z" => Dimension::ONE,
+            "velocity" => per_second(Dimension::LENGTH),
+            "angular_velocity" => per_second(Dimension::ANGLE),
+            "acceleration" => per_second(per_second(Dimension::LENGTH)),
+            "angular_acceleration" => per_second(per_second(Dimension::ANGLE)),
+            _ => {
+                self.no_member(
+                    format!("a marker has no `{}`", name.text),
+                    name,
+                    [
+                        "origin",
+                        "x",
+                        "y",
+                        "z",
+                        "velocity",
+                        "angular_velocity",
+                        "acceleration",
+                        "angular_acceleration",
+                    ],
+                );
+                return Type::Error;
+            }
+        };
+        // Axes are computed: their products and components may stand for small angles.
+        let soft = matches!(name.text.as_str(), "x" | "y" | "z");
+        Type::vector(Quantity {
+            soft,
+            ..Quantity::hard(dimension)
+        })
+    }
+
+    fn field_of_cycle(&mut self, scope: &Scope<'p>, name: &Name) -> Type {
+        if let Some(definition) = scope.definition
+            && let Some(model) = self.declaration(definition)
+            && model.kind == eng_grammar::ast::Kind::Model
+            && !has_cycle(model)
+        {
+            self.report(
+                Diagnostic::error(
+                    codes::NO_CYCLE,
+                    format!("`{}` has no cycle", model.name.text),
+                )
+                .at(name.span, "of which cycle?")
+                .also(model.name.span, "this model states none")
+                .with_help("for instance `cycle angle = rotation(crank.main, ground) { period = 720 deg }`"),
+            );
+            return Type::Error;
+        }
+        match name.text.as_str() {
+            "angle" => {
+                let point = self.program.dimensions.get("CrankAngle");
+                let kind = match point {
+                    Some(named) if named.point_of.is_some() => {
+                        super::types::Kind::Point("CrankAngle".into())
+                    }
+                    _ => super::types::Kind::Any,
+                };
+                Type::Scalar(Quantity {
+                    kind,
+                    ..Quantity::hard(Dimension::ANGLE)
+                })
+            }
+            "period" => Type::Scalar(Quantity::hard(Dimension::ANGLE)),
+            _ => {
+                self.no_member(
+                    format!("the cycle has no `{}`", name.text),
+                    name,
+                    ["angle", "period"],
+                );
+                Type::Error
+            }
+        }
+    }
+}
+
+/// Whether the last index of an expression is `[*]`.
+fn selects_all(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Index { indices, .. } => indices
+            .iter()
+            .any(|index| matches!(index, IndexArgument::All(_))),
+        _ => false,
+    }
+}
+
+/// Whether a model's block states a cycle.
+pub(super) fn has_cycle(model: &eng_grammar::ast::Declaration) -> bool {
+    super::scope::block_of(model).is_some_and(|block| {
+        block.items.iter().any(|item| {
+            matches!(
+                &item.kind,
+                eng_grammar::ast::ItemKind::Declaration(inner)
+                    if inner.kind == eng_grammar::ast::Kind::Cycle
+            )
+        })
+    })
+}
