@@ -13,6 +13,10 @@ use crate::state::{State, move_pose};
 pub const POSITION_LIMIT: f64 = 1e-9;
 /// Below this the projection does not move any more.
 const POSITION_GOAL: f64 = 1e-12;
+/// Most corrections of a position.
+const ATTEMPTS: usize = 12;
+/// Most refinements of a solution with factors of a place beside.
+const REFINEMENTS: usize = 6;
 
 /// The system with its factors.
 #[derive(Debug)]
@@ -26,6 +30,10 @@ pub struct AccelerationSystem {
     scales: Vec<f64>,
     moved: Vec<f64>,
     zeros: Vec<f64>,
+    wanted: Vec<f64>,
+    correction: Vec<f64>,
+    /// Whether the matrix is of a later place than its factors.
+    stale: bool,
 }
 
 impl AccelerationSystem {
@@ -71,6 +79,9 @@ impl AccelerationSystem {
             scales,
             moved: vec![0.0; model.poses],
             zeros: vec![0.0; model.velocities],
+            wanted: vec![0.0; size],
+            correction: vec![0.0; size],
+            stale: false,
             pattern,
             bodies,
         })
@@ -83,6 +94,16 @@ impl AccelerationSystem {
         dynamics: &mut Dynamics,
         moment: Moment,
     ) -> Result<(), RuntimeError> {
+        self.fill(model, dynamics)?;
+        self.stale = false;
+        self.solver
+            .factor(&self.values)
+            .map_err(|_| RuntimeError::Singular { moment })
+    }
+
+    /// The matrix at the place of `dynamics`; the factors stay those of an earlier place.
+    fn fill(&mut self, model: &Model, dynamics: &mut Dynamics) -> Result<(), RuntimeError> {
+        self.stale = true;
         dynamics.constraint_gradients(model)?;
         self.values.fill(0.0);
         for ((body, frame), block) in model.bodies.iter().zip(&dynamics.frames).zip(&self.bodies) {
@@ -112,19 +133,56 @@ impl AccelerationSystem {
                 self.values[k] *= self.scales[column] * self.scales[self.pattern.rows[k]];
             }
         }
-        self.solver
-            .factor(&self.values)
-            .map_err(|_| RuntimeError::Singular { moment })
+        Ok(())
     }
 
     /// Solves with `self.rhs` (velocity rows scaled by s/(m L²), constraint rows by 1/s); returns scaled unknowns there.
-    fn solve(&mut self) {
+    ///
+    /// Factors of a place a little beside are made good by refinement against the matrix as it is; where that does not
+    /// settle at once, the matrix is factored.
+    fn solve(&mut self, moment: Moment) -> Result<(), RuntimeError> {
+        if !self.stale {
+            self.solver.solve(&mut self.rhs);
+            return Ok(());
+        }
+        self.wanted.copy_from_slice(&self.rhs);
         self.solver.solve(&mut self.rhs);
+        let mut last = f64::INFINITY;
+        for _ in 0..REFINEMENTS {
+            self.pattern
+                .multiply(&self.values, &self.rhs, &mut self.correction);
+            for (c, w) in self.correction.iter_mut().zip(&self.wanted) {
+                *c = w - *c;
+            }
+            self.solver.solve(&mut self.correction);
+            let (mut size, mut change) = (0.0_f64, 0.0_f64);
+            for (x, c) in self.rhs.iter_mut().zip(&self.correction) {
+                *x += c;
+                size = size.max(x.abs());
+                change = change.max(c.abs());
+            }
+            if change <= 1e-15 * size {
+                return Ok(());
+            }
+            if !(change < 0.1 * last) {
+                // rounding is all that is left, or the factors are too far off
+                if change <= 1e-12 * size {
+                    return Ok(());
+                }
+                break;
+            }
+            last = change;
+        }
+        self.solver
+            .factor(&self.values)
+            .map_err(|_| RuntimeError::Singular { moment })?;
+        self.stale = false;
+        self.rhs.copy_from_slice(&self.wanted);
+        self.solver.solve(&mut self.rhs);
+        Ok(())
     }
 
     /// Brings a state back to Φ = 0 and Φ̇ = 0 and computes its accelerations, multipliers and state rates.
-    ///
-    /// `speed` is the model's speed scale (m/s): |Φ̇| ends below 1e-9 of it.
     pub fn complete(
         &mut self,
         model: &Model,
@@ -132,36 +190,49 @@ impl AccelerationSystem {
         state: &mut State,
         moment: Moment,
     ) -> Result<(), RuntimeError> {
+        self.project(model, dynamics, state, moment, true)?;
+        self.finish(model, dynamics, state, moment)
+    }
+
+    /// Brings positions back to Φ = 0; `dynamics` stands there afterwards. The factors are made at the state as it comes, or
+    /// kept (not `fresh`) from a call just before at a place close by.
+    pub fn project(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        state: &mut State,
+        moment: Moment,
+        fresh: bool,
+    ) -> Result<(), RuntimeError> {
         let n = model.velocities;
-        for attempt in 0..8 {
+        for attempt in 0..ATTEMPTS {
             dynamics.place(model, state.time, &state.pose, &state.velocity);
             dynamics.gather(model, &state.states, &[], &state.rotations);
             dynamics.evaluate(model)?;
-            let worst = dynamics
-                .constraints
-                .iter()
-                .fold(0.0_f64, |w, x| w.max(x.abs()));
-            self.factor(model, dynamics, moment)?;
-            if worst <= POSITION_GOAL || (attempt >= 3 && worst <= POSITION_LIMIT) {
-                break;
+            let (at, worst) =
+                dynamics
+                    .constraints
+                    .iter()
+                    .enumerate()
+                    .fold((0, 0.0_f64), |best, (i, x)| {
+                        if x.abs() > best.1.abs() {
+                            (i, *x)
+                        } else {
+                            best
+                        }
+                    });
+            // factors of the first place serve small moves; a second set where they do not
+            if (attempt == 0 && fresh) || attempt == ATTEMPTS / 2 {
+                self.factor(model, dynamics, moment)?;
             }
-            if attempt == 7 {
-                let row =
-                    dynamics
-                        .constraints
-                        .iter()
-                        .enumerate()
-                        .fold((0, 0.0_f64), |best, (i, x)| {
-                            if x.abs() > best.1.abs() {
-                                (i, *x)
-                            } else {
-                                best
-                            }
-                        });
-                if let Some((element, local)) = model.row_owner(row.0) {
+            if worst.abs() <= POSITION_GOAL || (attempt >= 3 && worst.abs() <= POSITION_LIMIT) {
+                return Ok(());
+            }
+            if attempt + 1 == ATTEMPTS {
+                if let Some((element, local)) = model.row_owner(at) {
                     return Err(RuntimeError::Projection {
                         moment,
-                        row: Box::new(model.named_row(element, local, row.1)),
+                        row: Box::new(model.named_row(element, local, worst)),
                     });
                 }
             }
@@ -169,13 +240,27 @@ impl AccelerationSystem {
             for i in 0..model.rows {
                 self.rhs[n + i] = -dynamics.constraints[i] * self.scales[n + i];
             }
-            self.solve();
+            self.solver.solve(&mut self.rhs);
             for (x, s) in self.rhs[..n].iter_mut().zip(&self.scales) {
                 *x *= s;
             }
             move_pose(model, &state.pose, &self.rhs[..n], 1.0, &mut self.moved);
             state.pose.copy_from_slice(&self.moved);
         }
+        Ok(())
+    }
+
+    /// After [`AccelerationSystem::project`]: velocities with |Φ̇| below 1e-9 of the model's speed, accelerations, multipliers
+    /// and rates.
+    pub fn finish(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        state: &mut State,
+        moment: Moment,
+    ) -> Result<(), RuntimeError> {
+        let n = model.velocities;
+        self.fill(model, dynamics)?;
         // Twice, so that rounding of large velocities goes as well.
         for _ in 0..2 {
             dynamics.velocity_level(model, &state.velocity)?;
@@ -183,14 +268,14 @@ impl AccelerationSystem {
             for i in 0..model.rows {
                 self.rhs[n + i] = -dynamics.constraint_rates[i] * self.scales[n + i];
             }
-            self.solve();
+            self.solve(moment)?;
             for i in 0..n {
                 state.velocity[i] += self.rhs[i] * self.scales[i];
             }
             dynamics.place(model, state.time, &state.pose, &state.velocity);
             dynamics.gather(model, &state.states, &[], &state.rotations);
         }
-        self.accelerate(model, dynamics, state)
+        self.accelerate(model, dynamics, state, moment)
     }
 
     /// Accelerations, multipliers and state rates at a state, without moving it.
@@ -204,7 +289,7 @@ impl AccelerationSystem {
         dynamics.place(model, state.time, &state.pose, &state.velocity);
         dynamics.gather(model, &state.states, &[], &state.rotations);
         self.factor(model, dynamics, moment)?;
-        self.accelerate(model, dynamics, state)
+        self.accelerate(model, dynamics, state, moment)
     }
 
     /// The part of the state's velocity that misses the constraints, normal to them in the mass norm.
@@ -226,14 +311,15 @@ impl AccelerationSystem {
         Ok(())
     }
 
-    /// The smallest x in the mass norm with `G x = rates`, with the factors last made.
+    /// The smallest x in the mass norm with `G x = rates`, with the factors last made: after `velocity_defect` or
+    /// `accelerations`.
     pub fn normal(&mut self, model: &Model, rates: &[f64], out: &mut [f64]) {
         let n = model.velocities;
         self.rhs[..n].fill(0.0);
         for (i, rate) in rates.iter().enumerate() {
             self.rhs[n + i] = rate * self.scales[n + i];
         }
-        self.solve();
+        self.solver.solve(&mut self.rhs);
         for (x, (y, s)) in out.iter_mut().zip(self.rhs[..n].iter().zip(&self.scales)) {
             *x = y * s;
         }
@@ -245,6 +331,7 @@ impl AccelerationSystem {
         model: &Model,
         dynamics: &mut Dynamics,
         state: &mut State,
+        moment: Moment,
     ) -> Result<(), RuntimeError> {
         let n = model.velocities;
         dynamics.evaluate(model)?;
@@ -259,7 +346,7 @@ impl AccelerationSystem {
         for i in 0..model.rows {
             self.rhs[n + i] = dynamics.constraint_accelerations[i] * self.scales[n + i];
         }
-        self.solve();
+        self.solve(moment)?;
         for i in 0..n {
             state.acceleration[i] = self.rhs[i] * self.scales[i];
         }

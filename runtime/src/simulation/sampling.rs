@@ -87,9 +87,22 @@ impl Simulation {
     ) -> Result<(f64, [f64; 2]), RuntimeError> {
         let (from, to) = (self.integrator.previous.time, self.integrator.current.time);
         let mut time = self.locate_angle(angle)?;
-        for _ in 0..4 {
+        for round in 0..4 {
             self.interpolate_at(time)?;
-            self.complete()?;
+            let moment = Moment {
+                time,
+                cycle_angle: Some(angle),
+            };
+            // only positions decide the angle; the factors of the first round serve all
+            self.system
+                .project(
+                    &self.model,
+                    &mut self.dynamics,
+                    &mut self.completed,
+                    moment,
+                    round == 0,
+                )
+                .map_err(|error| self.at_moment(error))?;
             let [now, rate] = self.cycle_of_completed()?.ok_or(RuntimeError::NoCycle)?;
             let miss = angle - now;
             let next = (time + miss / rate).clamp(from, to);
@@ -98,8 +111,20 @@ impl Simulation {
             }
             time = next;
         }
-        let cycle = self.sample_at(time, out)?;
-        Ok((time, cycle.ok_or(RuntimeError::NoCycle)?))
+        let moment = Moment {
+            time: self.completed.time,
+            cycle_angle: Some(angle),
+        };
+        self.system
+            .finish(&self.model, &mut self.dynamics, &mut self.completed, moment)
+            .and_then(|()| {
+                self.outputs
+                    .evaluate(&self.model, &self.dynamics, &self.completed)
+            })
+            .map_err(|error| self.at_moment(error))?;
+        self.copy_channels(out)?;
+        let cycle = self.cycle_of_completed()?.ok_or(RuntimeError::NoCycle)?;
+        Ok((self.completed.time, cycle))
     }
 
     fn interpolate_at(&mut self, time: f64) -> Result<(), RuntimeError> {
