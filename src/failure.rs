@@ -33,27 +33,7 @@ pub(crate) fn diagnostic(error: &RuntimeError) -> Diagnostic {
             }
             message.with_help("a driven part and its start velocity must agree; leave one of them out")
         }
-        R::Redundant { groups } => {
-            let mut message = d("E0706");
-            for group in groups {
-                message = place(message, &group.redundant.origin, "repeats other equations");
-                let mut names: Vec<String> = group
-                    .repeats
-                    .iter()
-                    .map(|r| r.origin.path.clone())
-                    .collect();
-                names.dedup();
-                message = message.with_note(format!(
-                    "{} ({}) follows from {}",
-                    group.redundant.origin.path,
-                    group.redundant.equation,
-                    names.join(", ")
-                ));
-            }
-            message.with_help(
-                "reactions of repeated equations are not unique: free them, for example with PointOnLine or a journal in place of all but one revolute",
-            )
-        }
+        R::Redundant { groups } => redundant(groups),
         R::NotFinite { origin, .. } => place(d("E0708"), origin, "this element"),
         R::Newton { origin, .. } => place(d("E0709"), origin, "the largest residual is here"),
         R::StepTooSmall { origin, .. } => place(d("E0710"), origin, "the largest error is here"),
@@ -67,6 +47,51 @@ pub(crate) fn diagnostic(error: &RuntimeError) -> Diagnostic {
         R::Options { .. } => d("E0701"),
         _ => d("E0700"),
     }
+}
+
+/// One label and one note a joint, however many of its equations repeat others.
+fn redundant(groups: &[eng_runtime::RedundantGroup]) -> Diagnostic {
+    let mut message = Diagnostic::error(
+        "E0706",
+        match groups.len() {
+            1 => "a constraint equation repeats others".to_owned(),
+            n => format!("{n} constraint equations repeat others"),
+        },
+    );
+    let mut joints: Vec<&Origin> = Vec::new();
+    for group in groups {
+        if !joints.contains(&&group.redundant.origin) {
+            joints.push(&group.redundant.origin);
+        }
+    }
+    joints.sort_by(|a, b| a.path.cmp(&b.path));
+    let mut places = Vec::new();
+    for joint in joints {
+        let own = groups.iter().filter(|g| g.redundant.origin == *joint);
+        let (mut equations, mut others) = (Vec::new(), Vec::new());
+        for group in own {
+            equations.push(group.redundant.equation.clone());
+            for repeated in &group.repeats {
+                if !others.contains(&repeated.origin.path) {
+                    others.push(repeated.origin.path.clone());
+                }
+            }
+        }
+        message = message.with_note(format!(
+            "{}: {} already {} from {}",
+            joint.path,
+            equations.join(", "),
+            if equations.len() == 1 { "follows" } else { "follow" },
+            others.join(", "),
+        ));
+        if !places.contains(&joint.used_at) {
+            places.push(joint.used_at);
+            message = place(message, joint, "repeats what other joints hold");
+        }
+    }
+    message.with_help(
+        "reactions of repeated equations are not unique: keep one of the joints, and let the others hold less (PointOnLine, PointOnPlane) or replace them by journals",
+    )
 }
 
 fn bind_diagnostic(error: &BindError) -> Diagnostic {
