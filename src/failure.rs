@@ -81,7 +81,11 @@ fn redundant(groups: &[eng_runtime::RedundantGroup]) -> Diagnostic {
             "{}: {} already {} from {}",
             joint.path,
             equations.join(", "),
-            if equations.len() == 1 { "follows" } else { "follow" },
+            if equations.len() == 1 {
+                "follows"
+            } else {
+                "follow"
+            },
             others.join(", "),
         ));
         if !places.contains(&joint.used_at) {

@@ -124,7 +124,11 @@ fn slider_crank_kinematics_are_exact() {
                 .expect("a sample at every 5°");
             for (k, (values, unit, size)) in columns.iter().enumerate() {
                 let error = (values[i] / unit - number(&row[k + 1])).abs() / size;
-                assert!(error < 1e-8, "r {r}, column {k} at {}°: {error:.1e}", row[0]);
+                assert!(
+                    error < 1e-8,
+                    "r {r}, column {k} at {}°: {error:.1e}",
+                    row[0]
+                );
             }
         }
     }
@@ -157,7 +161,11 @@ fn a_prescribed_rotation_holds_its_angle_for_a_second() {
     }
     let exact = 4000.0 * 2.0 * std::f64::consts::PI / 60.0 * simulation.time();
     let error = (simulation.value(angle).expect("a value") - exact).abs();
-    assert!(error < 1e-9, "{error:.1e} rad after {} turns", exact / 6.283);
+    assert!(
+        error < 1e-9,
+        "{error:.1e} rad after {} turns",
+        exact / 6.283
+    );
 }
 
 fn peak(values: &[f64]) -> f64 {
@@ -202,7 +210,10 @@ fn the_engine_on_five_films() {
     let unfired = get("unfired");
     for (from, to) in [(turn, 2.0 * turn), (2.0 * turn, 3.0 * turn)] {
         let c = change(&unfired, from, to, turn);
-        assert!(c < 0.01, "unfired forces change by {c:.4} from revolution to revolution");
+        assert!(
+            c < 0.01,
+            "unfired forces change by {c:.4} from revolution to revolution"
+        );
     }
     let first = column(&unfired, "main[1].force.x");
     let last = column(&unfired, "main[5].force.x");
@@ -266,7 +277,10 @@ fn a_fired_cycle_repeats() {
         .unwrap_or_else(|error| panic!("{error}")));
     let early = change(&results, 2.0 * turn, 4.0 * turn, 2.0 * turn);
     let late = change(&results, 4.0 * turn, 6.0 * turn, 2.0 * turn);
-    assert!(late < 0.01, "fired forces change by {late:.4} (a cycle earlier {early:.4})");
+    assert!(
+        late < 0.01,
+        "fired forces change by {late:.4} (a cycle earlier {early:.4})"
+    );
 }
 
 const FIVE_MAINS: &str = "
@@ -298,7 +312,10 @@ fn five_revolutes_are_named() {
     for path in ["main[2]", "main[3]", "main[4]", "main[5]"] {
         assert!(text.contains(path), "{path} is not named in:\n{text}");
     }
-    insta::assert_snapshot!("five_revolutes", text.lines().take(30).collect::<Vec<_>>().join("\n"));
+    insta::assert_snapshot!(
+        "five_revolutes",
+        text.lines().take(30).collect::<Vec<_>>().join("\n")
+    );
 }
 
 #[test]
@@ -338,7 +355,9 @@ fn models_are_shared_and_threads_agree() {
         let mut bits = Vec::new();
         for _ in 0..60 {
             simulation.step().unwrap_or_else(|error| panic!("{error}"));
-            let value = simulation.value(force).unwrap_or_else(|error| panic!("{error}"));
+            let value = simulation
+                .value(force)
+                .unwrap_or_else(|error| panic!("{error}"));
             bits.push((simulation.time().to_bits(), value.to_bits()));
         }
         bits
@@ -378,18 +397,23 @@ fn a_resumed_engine_has_the_same_bits() {
         resumed.step().unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(going.time().to_bits(), resumed.time().to_bits());
         let (a, b) = (going.value(force), resumed.value(force));
-        assert_eq!(
-            a.expect("a value").to_bits(),
-            b.expect("a value").to_bits()
-        );
+        assert_eq!(a.expect("a value").to_bits(), b.expect("a value").to_bits());
     }
-    assert!(model.simulation().resume(&saved[..saved.len() / 2]).is_err());
+    assert!(
+        model
+            .simulation()
+            .resume(&saved[..saved.len() / 2])
+            .is_err()
+    );
 }
 
 /// The step's exact matrix against Richardson differences of its residual, near states on the way.
 #[test]
 fn jacobians_of_the_examples_are_exact() {
-    for (example, name, step) in [("slider_crank", "inertia", 2e-4), ("inline4", "fired", 1e-3)] {
+    for (example, name, step) in [
+        ("slider_crank", "inertia", 2e-4),
+        ("inline4", "fired", 1e-3),
+    ] {
         let mut simulation = analysis(example, name)
             .model()
             .simulation()
@@ -483,8 +507,11 @@ fn drift(revolutions: u32, steps: u32) -> (f64, f64, f64) {
         simulation.step().unwrap_or_else(|error| panic!("{error}"));
         energy = energy.max((simulation.energy().kinetic / start - 1.0).abs());
         if k % 97 == 0 {
-            let (p, v) = simulation
-                .runtime()
+            let runtime = simulation.runtime();
+            runtime
+                .output_state()
+                .unwrap_or_else(|error| panic!("{error}"));
+            let (p, v) = runtime
                 .output_drift()
                 .unwrap_or_else(|error| panic!("{error}"));
             position = position.max(p);
