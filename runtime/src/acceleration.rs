@@ -164,7 +164,8 @@ impl AccelerationSystem {
             if change <= 1e-15 * size {
                 return Ok(());
             }
-            if !(change < 0.1 * last) {
+            let settling = change < 0.1 * last;
+            if !settling {
                 // rounding is all that is left, or the factors are too far off
                 if change <= 1e-12 * size {
                     return Ok(());
@@ -228,13 +229,13 @@ impl AccelerationSystem {
             if worst.abs() <= POSITION_GOAL || (attempt >= 3 && worst.abs() <= POSITION_LIMIT) {
                 return Ok(());
             }
-            if attempt + 1 == ATTEMPTS {
-                if let Some((element, local)) = model.row_owner(at) {
-                    return Err(RuntimeError::Projection {
-                        moment,
-                        row: Box::new(model.named_row(element, local, worst)),
-                    });
-                }
+            if attempt + 1 == ATTEMPTS
+                && let Some((element, local)) = model.row_owner(at)
+            {
+                return Err(RuntimeError::Projection {
+                    moment,
+                    row: Box::new(model.named_row(element, local, worst)),
+                });
             }
             self.rhs[..n].fill(0.0);
             for i in 0..model.rows {
