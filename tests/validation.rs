@@ -164,7 +164,7 @@ fn a_prescribed_rotation_holds_its_angle_for_a_second() {
     assert!(
         error < 1e-9,
         "{error:.1e} rad after {} turns",
-        exact / 6.283
+        exact / std::f64::consts::TAU
     );
 }
 
