@@ -10,7 +10,7 @@
 //! | [`body`], [`chain`] | what depends on the kind of a body: inertia; markers and generalised forces |
 //! | [`elements`], [`dynamics`] | calls of element code; residual and exact matrix |
 //! | [`linear`] | sparse factorisation behind a trait |
-//! | [`assembly`], [`topology`] | start positions and velocities; freedom and redundancy |
+//! | [`assembly`], [`mod@topology`] | start positions and velocities; freedom and redundancy |
 //! | [`acceleration`] | projection of outputs, accelerations and reactions |
 //! | [`integrator`], [`control`] | generalised-α on the Lie group; step sizes |
 //! | [`simulation`], [`transient`], [`checkpoint`] | what a user holds |

@@ -3,7 +3,7 @@
 //!
 //! May contain: types. Must not contain: values, lengths of arrays that parameters decide, instances.
 //!
-//! A thing in error has [`types::Type::Error`] and raises no further message.
+//! A thing in error has `types::Type::Error` and raises no further message.
 
 mod analysis;
 mod body;

@@ -34,8 +34,9 @@ impl Simulation {
             offset = offset.min(0.1 * h);
         }
         let mut ends = Vec::with_capacity(2);
-        for sign in [-1.0, 1.0] {
-            let e = sign * offset;
+        // Forwards only: what a model states need not reach back beyond its start.
+        for factor in [1.0, 2.0] {
+            let e = factor * offset;
             let mut near = self.integrator.current.clone();
             near.time += e;
             for i in 0..self.model.velocities {
@@ -56,15 +57,26 @@ impl Simulation {
                 .accelerations(&self.model, &mut self.dynamics, &mut near, moment)?;
             ends.push(near);
         }
-        let rate = |a: &[f64], b: &[f64]| -> Vec<f64> {
-            a.iter()
-                .zip(b)
-                .map(|(a, b)| (b - a) / (2.0 * offset))
+        // (−3 f₀ + 4 f₁ − f₂)/2e: second order, from one side
+        let rate = |start: &[f64], a: &[f64], b: &[f64]| -> Vec<f64> {
+            start
+                .iter()
+                .zip(a.iter().zip(b))
+                .map(|(f, (a, b))| (4.0 * (a - f) - (b - f)) / (2.0 * offset))
                 .collect()
         };
-        let jerk = rate(&ends[0].acceleration, &ends[1].acceleration);
-        let multiplier_rate = rate(&ends[0].multipliers, &ends[1].multipliers);
-        let state_jerk = rate(&ends[0].rates, &ends[1].rates);
+        let start = &self.integrator.current;
+        let jerk = rate(
+            &start.acceleration,
+            &ends[0].acceleration,
+            &ends[1].acceleration,
+        );
+        let multiplier_rate = rate(
+            &start.multipliers,
+            &ends[0].multipliers,
+            &ends[1].multipliers,
+        );
+        let state_jerk = rate(&start.rates, &ends[0].rates, &ends[1].rates);
         // Back at the start itself: the normal part of its jerk.
         self.system.accelerations(
             &self.model,
