@@ -1,0 +1,53 @@
+//! What the README shows is true.
+
+use std::path::Path;
+
+/// The first block of Eng text in a document.
+fn first_model(document: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(document);
+    let text = std::fs::read_to_string(path).expect("the document");
+    let (_, rest) = text.split_once("```eng\n").expect("a block of Eng");
+    let (model, _) = rest.split_once("```").expect("its end");
+    model.to_owned()
+}
+
+#[test]
+fn the_readme_model_runs() {
+    let text = first_model("README.md");
+    let checked = eng::check(&eng::Sources::from_text("swing.eng", text), "swing.eng");
+    assert!(
+        checked.report().diagnostics().is_empty(),
+        "{}",
+        checked.report()
+    );
+    let program = checked
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}"));
+    let outcome = program
+        .analysis("swing")
+        .unwrap_or_else(|error| panic!("{error}"))
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error));
+    assert_eq!(outcome.results.samples(), 501);
+    let height = &outcome.results.column("height").expect("an output").values;
+    // it hangs 400 mm below the pivot at its lowest
+    let lowest = height.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!((lowest + 0.4).abs() < 1e-4, "{lowest}");
+}
+
+#[test]
+fn mistakes_named_in_the_readme_are_told() {
+    let text = first_model("README.md");
+    for (right, wrong, code) in [
+        ("400 mm in", "400 mn in", "E0206"),
+        ("start pin.angle", "start pin.angel", "E0211"),
+        ("mass = 1.2 kg", "mass = 1.2 m", "E0302"),
+    ] {
+        let broken = text.replace(right, wrong);
+        assert_ne!(broken, text);
+        let checked = eng::check(&eng::Sources::from_text("swing.eng", broken), "swing.eng");
+        let report = checked.report();
+        let codes: Vec<&str> = report.diagnostics().iter().map(|d| d.code).collect();
+        assert_eq!(codes, [code], "{report}");
+    }
+}
