@@ -11,6 +11,7 @@ mod element;
 mod expression;
 mod finish;
 mod model;
+mod output;
 mod reference;
 mod scalar;
 mod table;

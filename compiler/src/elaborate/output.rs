@@ -1,0 +1,492 @@
+//! Outputs of elements, their channels, and the closing of an element's graph.
+
+use super::element::{Class, Draft, is_marker};
+use super::scalar::{PROVISIONAL, Scalar, Stage, compact_input};
+use super::value::{ScopeId, Value};
+use super::{
+    ClassMeta, Elaborator, ElementDraft, ElementSource, Entry, Eval, OutputShape, Reported,
+    location,
+};
+use crate::ir::{ClassBody, Graph, Node, Op};
+use eng_grammar::ast::{self, BindingKind, ItemKind, Kind};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::layout::InputLayout;
+use eng_system::system::{Channel, JournalInfo, Origin, OutputInfo, Role, StateInfo};
+use eng_system::{Dimension, DisplayUnit};
+
+impl<'a> Elaborator<'a, '_> {
+    pub fn class_outputs(
+        &mut self,
+        items: &'a [ast::Item],
+        scope: ScopeId,
+        draft: &mut Draft,
+    ) -> Eval<()> {
+        for item in items {
+            let ItemKind::Binding(b) = &item.kind else {
+                continue;
+            };
+            if b.kind != BindingKind::Output {
+                continue;
+            }
+            let Some(expr) = &b.value else { continue };
+            let value = if self.scope(scope).entries.contains_key(&b.name.text) {
+                self.entry(scope, &b.name.text, b.name.span)?
+            } else {
+                self.evaluate(expr, scope)?
+            };
+            let frame = match &b.frame {
+                Some(frame_expr) => {
+                    let f = self.evaluate(frame_expr, scope)?;
+                    match f {
+                        Value::Ground => None,
+                        other => {
+                            let marker = self.as_marker(other, frame_expr.span)?;
+                            Some((marker, self.sources.text(frame_expr.span).to_owned()))
+                        }
+                    }
+                }
+                None => None,
+            };
+            let display = match &b.display {
+                Some(u) => {
+                    let unit = self.unit(u)?;
+                    Some(DisplayUnit {
+                        symbol: unit.symbol,
+                        scale: unit.scale,
+                        offset: unit.offset,
+                    })
+                }
+                None => None,
+            };
+            let declared = b.ty.as_ref().map(|t| self.dimension(t));
+            self.add_output(
+                &b.name.text,
+                value,
+                expr.span,
+                frame,
+                display,
+                declared,
+                draft,
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Adds an output: vectors become components along the frame's axes.
+    #[allow(clippy::too_many_arguments)]
+    fn add_output(
+        &mut self,
+        name: &str,
+        value: Value<'a>,
+        span: Span,
+        frame: Option<(u32, String)>,
+        display: Option<DisplayUnit>,
+        declared: Option<Dimension>,
+        draft: &mut Draft,
+    ) -> Eval<()> {
+        let is_vector = matches!(value, Value::Vector(_));
+        let (components, single) = match value {
+            Value::Vector(v) => match &frame {
+                Some((marker, _)) => {
+                    let local = self.local_marker(*marker, Some(span))?;
+                    (self.along_axes(local, &v).to_vec(), false)
+                }
+                None => (v.to_vec(), false),
+            },
+            Value::List(_) => (self.as_components(value, span)?, false),
+            Value::Flag(flag) => {
+                let one = self.bench.constant(1.0, Dimension::ONE);
+                let zero = self.bench.constant(0.0, Dimension::ONE);
+                (vec![self.bench.select(flag, one, zero)], true)
+            }
+            other => (vec![self.as_scalar(other, span)?], true),
+        };
+        let first = draft.outputs.len() as u32;
+        let frame_name = match (&frame, is_vector) {
+            (Some((_, text)), _) => text.clone(),
+            (None, true) => "ground".to_owned(),
+            (None, false) => String::new(),
+        };
+        let count = components.len() as u32;
+        for (i, s) in components.into_iter().enumerate() {
+            let node = self.bench.lift(s.stage, s.node);
+            let dimension = declared.unwrap_or(s.dimension);
+            draft.outputs.push(node);
+            draft.frames.push(frame.as_ref().map(|f| f.0));
+            let suffix = match (single, ["x", "y", "z"].get(i)) {
+                (true, _) => String::new(),
+                (false, Some(axis)) if count <= 3 => format!(".{axis}"),
+                _ => format!("[{}]", i + 1),
+            };
+            draft.infos.push(OutputInfo {
+                name: format!("{name}{suffix}"),
+                dimension,
+                display: display
+                    .clone()
+                    .unwrap_or_else(|| self.natural_unit(dimension)),
+                frame: frame_name.clone(),
+            });
+        }
+        draft.shapes.push(OutputShape {
+            name: name.to_owned(),
+            first,
+            count: if single { 1 } else { count },
+        });
+        Ok(())
+    }
+
+    /// Joints and drives: the wrench on the first marker from the constraints, at its origin, in the second marker's axes.
+    pub fn reaction_outputs(&mut self, class: Class<'a>, draft: &mut Draft) -> Eval<()> {
+        if !matches!(class.declaration.kind, Kind::Joint | Kind::Drive) {
+            return Ok(());
+        }
+        let Some(element) = self.bench.element.as_mut() else {
+            return Ok(());
+        };
+        if element.rows.is_empty() || element.markers.len() < 2 {
+            return Ok(());
+        }
+        let g = &mut element.graph;
+        let mut power = g.constant(0.0);
+        for (i, row) in element.rows.iter().enumerate() {
+            let lambda = g.input(PROVISIONAL.multiplier(i as u32));
+            let p = g.multiply(lambda, row.node);
+            power = g.add(power, p);
+        }
+        let first = PROVISIONAL.marker(0);
+        let inputs: Vec<u32> = (first..first + 12).collect();
+        let gradient = crate::ir::differentiate::gradient(g, power, &inputs);
+        let scalar = |node, dimension| Scalar {
+            stage: Stage::Motion,
+            node,
+            dimension,
+        };
+        let newton = Dimension::MASS
+            .times(Dimension::LENGTH)
+            .over(Dimension::TIME)
+            .over(Dimension::TIME);
+        let newton_metre = newton.times(Dimension::LENGTH);
+        let force = [0, 1, 2].map(|i| {
+            let n = g.negate(gradient[i]);
+            scalar(n, newton)
+        });
+        // δR = R δπ~ : torque k in marker axes is Σ ∂/∂R_ij (R e_k~)_ij with (R e_k~) = columns of R crossed
+        let r: Vec<Node> = (0..9).map(|i| g.input(first + 3 + i)).collect();
+        let torque = [0usize, 1, 2].map(|k| {
+            let (i1, i2) = ((k + 1) % 3, (k + 2) % 3);
+            let mut sum = g.constant(0.0);
+            for row in 0..3 {
+                // column i1 of R e_k~ is column i2 of R; column i2 is minus column i1
+                let p = g.multiply(gradient[3 + 3 * row + i1], r[3 * row + i2]);
+                sum = g.add(sum, p);
+                let q = g.multiply(gradient[3 + 3 * row + i2], r[3 * row + i1]);
+                sum = g.subtract(sum, q);
+            }
+            let n = g.negate(sum);
+            scalar(n, newton_metre)
+        });
+        let second = element.markers[1];
+        let torque = self.rotate(0, &torque);
+        let frame_name = class
+            .parameters
+            .iter()
+            .filter(|p| is_marker(&p.ty))
+            .nth(1)
+            .map_or_else(|| "reference".to_owned(), |p| p.name.text.clone());
+        for (name, vector) in [("force", force), ("torque", torque)] {
+            if draft.shapes.iter().all(|s| s.name != name) {
+                self.add_output(
+                    name,
+                    Value::Vector(vector),
+                    class.declaration.name.span,
+                    Some((second, frame_name.clone())),
+                    None,
+                    None,
+                    draft,
+                )?;
+            }
+        }
+        Ok(())
+    }
+
+    pub fn journal_info(&mut self, own: ScopeId) -> Option<JournalInfo> {
+        let number = |e: &mut Self, name: &str| match e.scope(own).entries.get(name) {
+            Some(Entry::Value(Value::Scalar(s))) if s.stage == Stage::Bind => {
+                let node = s.node;
+                Some(e.slot(node))
+            }
+            _ => None,
+        };
+        let marker = |e: &mut Self, name: &str| match e.scope(own).entries.get(name) {
+            Some(Entry::Value(Value::Marker(m))) => {
+                let m = *m;
+                let local = e
+                    .bench
+                    .element
+                    .as_ref()
+                    .and_then(|b| b.markers.iter().position(|x| *x == m));
+                local.map(|i| i as u32)
+            }
+            _ => None,
+        };
+        Some(JournalInfo {
+            element: 0,
+            diameter: number(self, "diameter")?,
+            width: number(self, "width")?,
+            radial_clearance: number(self, "radial_clearance")?,
+            pin: marker(self, "pin")?,
+            shell: marker(self, "shell")?,
+        })
+    }
+
+    /// Closes the element being lowered: compact layout, channels, draft of the class.
+    pub fn finish_element(
+        &mut self,
+        origin: Origin,
+        span: Span,
+        role: Role,
+        class_name: String,
+        source: Option<ElementSource<'a>>,
+        draft: Draft,
+    ) -> Eval<u32> {
+        let Some(mut element) = self.bench.element.take() else {
+            return Err(Reported);
+        };
+        let layout = element.layout();
+        let zero = element.graph.constant(0.0);
+        element.loads.resize(element.markers.len(), [zero; 6]);
+        if element.constants.len() as u32 > PROVISIONAL.constants
+            || element.signals.len() as u32 > PROVISIONAL.signals
+        {
+            return Err(self.report(
+                Diagnostic::error("E0512", "one element uses too many numbers")
+                    .at(span, "the limit is reached here"),
+            ));
+        }
+        let (graph, map) = compact(&element.graph, &layout);
+        let at = |n: &Node| map[n.0 as usize];
+        let body = ClassBody {
+            name: class_name.clone(),
+            layout,
+            rows: element.rows.iter().map(|r| at(&r.node)).collect(),
+            loads: element
+                .loads
+                .iter()
+                .map(|l| [0, 1, 2, 3, 4, 5].map(|i| at(&l[i])))
+                .collect(),
+            rates: element
+                .states
+                .iter()
+                .filter_map(|s| s.rate.as_ref().map(at))
+                .collect(),
+            outputs: draft.outputs.iter().map(at).collect(),
+            conditions: draft.conditions.iter().map(|c| at(&c.0)).collect(),
+            rotations: element.rotations.iter().map(|r| at(&r.2)).collect(),
+            graph,
+        };
+        let index = self.elements.len() as u32;
+        let first_channel = self.channels.len() as u32;
+        if matches!(role, Role::Dynamic | Role::Output) {
+            for (i, info) in draft.infos.iter().enumerate() {
+                let copied = draft.copied.iter().find(|(output, _)| *output == i);
+                let frame = match (copied, draft.frames[i]) {
+                    (Some((_, path)), _) => path.clone(),
+                    (None, Some(marker)) => self.markers[marker as usize].origin.path.clone(),
+                    (None, None) => info.frame.clone(),
+                };
+                let path = match (role, info.name.as_str()) {
+                    // a model's own output is its element
+                    (Role::Output, name) => match name.find(['.', '[']) {
+                        Some(at) => format!("{}{}", origin.path, &name[at..]),
+                        None => origin.path.clone(),
+                    },
+                    (_, name) => format!("{}.{name}", origin.path),
+                };
+                self.channels.push(Channel {
+                    path,
+                    element: index,
+                    output: i as u32,
+                    dimension: info.dimension,
+                    display: info.display.clone(),
+                    frame,
+                });
+            }
+        }
+        let meta = ClassMeta {
+            rows: element.rows.iter().map(|r| r.row.clone()).collect(),
+            states: element
+                .states
+                .iter()
+                .map(|s| StateInfo {
+                    name: s.name.clone(),
+                    dimension: s.dimension,
+                })
+                .collect(),
+            outputs: draft.infos,
+            conditions: draft.conditions.into_iter().map(|c| c.1).collect(),
+        };
+        self.elements.push(ElementDraft {
+            origin,
+            span,
+            role,
+            source,
+            outputs: draft.shapes,
+            first_channel,
+            class_name,
+            body,
+            meta,
+            markers: element.markers,
+            constants: element.constants,
+            state_start: element.states.iter().map(|s| s.start).collect(),
+            signals: element.signals,
+        });
+        Ok(index)
+    }
+
+    /// `joint.output` and the names of its class.
+    pub fn element_field(&mut self, index: u32, name: &ast::Name) -> Eval<Value<'a>> {
+        let draft = &self.elements[index as usize];
+        let shape = draft.outputs.iter().find(|s| s.name == name.text).cloned();
+        let first_channel = draft.first_channel;
+        let source = draft.source.clone();
+        let path = draft.origin.path.clone();
+        if let Some(shape) = shape
+            && self.in_output
+            && !self.in_rate
+        {
+            let mut scalars = Vec::new();
+            for k in 0..shape.count {
+                let channel = first_channel + shape.first + k;
+                let dimension = self.channels[channel as usize].dimension;
+                let Some(element) = self.bench.element.as_mut() else {
+                    return Err(Reported);
+                };
+                scalars.push(Scalar {
+                    stage: Stage::Motion,
+                    node: element.signal(channel),
+                    dimension,
+                });
+            }
+            return Ok(match scalars.as_slice() {
+                [one] if shape.count == 1 => Value::Scalar(*one),
+                many => Self::list(many),
+            });
+        }
+        let Some(source) = source else {
+            return Err(Reported);
+        };
+        let class = self.class_of(source.definition, name.span)?;
+        let own = self.class_scope(&source, class, &path)?;
+        if self.scope(own).entries.contains_key(&name.text) {
+            return self.entry(own, &name.text, name.span);
+        }
+        Err(self.report(
+            Diagnostic::error("E0203", format!("{path} has no {}", name.text))
+                .at(name.span, "no such output or parameter")
+                .with_help(if self.in_rate {
+                    "the rate of a reaction or a state is not known; only kinematic outputs have a `der`"
+                } else {
+                    "reactions and states of other elements are known in outputs only"
+                }),
+        ))
+    }
+
+    /// An element that is only a start condition: rows = value − target.
+    pub fn start_element(
+        &mut self,
+        role: Role,
+        path: String,
+        span: Span,
+        rows: Vec<(Scalar, String)>,
+    ) -> Eval<()> {
+        for (value, text) in rows {
+            self.add_row(value, text, span)?;
+        }
+        let origin = Origin {
+            path,
+            used_at: Some(location(span)),
+            defined_at: None,
+        };
+        self.finish_element(
+            origin,
+            span,
+            role,
+            "start".into(),
+            None,
+            Draft {
+                conditions: Vec::new(),
+                outputs: Vec::new(),
+                infos: Vec::new(),
+                shapes: Vec::new(),
+                frames: Vec::new(),
+                copied: Vec::new(),
+            },
+        )?;
+        Ok(())
+    }
+
+    /// An element that has outputs only. The frame of a copied component is that of its channel.
+    pub fn output_element(
+        &mut self,
+        path: String,
+        declared: Option<Dimension>,
+        values: Vec<(String, Value<'a>)>,
+        frame: Option<(u32, String)>,
+        display: Option<DisplayUnit>,
+        span: Span,
+    ) -> Eval<u32> {
+        let mut draft = Draft {
+            conditions: Vec::new(),
+            outputs: Vec::new(),
+            infos: Vec::new(),
+            shapes: Vec::new(),
+            frames: Vec::new(),
+            copied: Vec::new(),
+        };
+        for (name, value) in values {
+            self.add_output(
+                &name,
+                value,
+                span,
+                frame.clone(),
+                display.clone(),
+                declared,
+                &mut draft,
+            )?;
+        }
+        for (i, node) in draft.outputs.iter().enumerate() {
+            if let Some(element) = self.bench.element.as_ref()
+                && let Op::Input(input) = element.graph.op(*node)
+                && input >= PROVISIONAL.signal(0)
+            {
+                let channel = element.signals[(input - PROVISIONAL.signal(0)) as usize];
+                let copied = &self.channels[channel as usize];
+                draft.copied.push((i, copied.frame.clone()));
+                if display.is_none() && declared.is_none() {
+                    draft.infos[i].display = copied.display.clone();
+                }
+            }
+        }
+        let origin = Origin {
+            path,
+            used_at: Some(location(span)),
+            defined_at: None,
+        };
+        self.finish_element(origin, span, Role::Output, "output".into(), None, draft)
+    }
+}
+
+/// Copies a graph with inputs at their places in the compact layout.
+fn compact(graph: &Graph, layout: &InputLayout) -> (Graph, Vec<Node>) {
+    let mut out = Graph::new();
+    let mut map: Vec<Node> = Vec::with_capacity(graph.nodes().len());
+    for op in graph.nodes() {
+        let mapped = match *op {
+            Op::Input(i) => Op::Input(compact_input(i, layout)),
+            other => other.map_operands(|n| map[n.0 as usize]),
+        };
+        let node = out.push(mapped);
+        map.push(node);
+    }
+    (out, map)
+}
