@@ -1,0 +1,104 @@
+//! What can go wrong between a finite-element file and a reduced body.
+
+use thiserror::Error;
+
+/// Where in a file something was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// A line, from 1.
+    Line(u64),
+    /// A byte of a binary file, and which record this is, from 1.
+    Record {
+        /// Number of the record.
+        record: u64,
+        /// Byte where it starts.
+        byte: u64,
+    },
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Place::File => Ok(()),
+            Place::Line(line) => write!(f, ":{line}"),
+            Place::Record { record, byte } => write!(f, ": record {record} at byte {byte}"),
+        }
+    }
+}
+
+/// A file that can't be read as what it should be.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{file}{place}: {problem}")]
+pub struct FileProblem {
+    /// The file as the model names it.
+    pub file: String,
+    /// Where.
+    pub place: Place,
+    /// What is wrong, with card, keyword or matrix name and the text found.
+    pub problem: String,
+    /// What to do; empty where nothing sensible can be said.
+    pub advice: String,
+}
+
+impl FileProblem {
+    /// A problem at a line.
+    pub fn at_line(
+        file: &str,
+        line: u64,
+        problem: impl Into<String>,
+        advice: impl Into<String>,
+    ) -> Self {
+        FileProblem {
+            file: file.into(),
+            place: Place::Line(line),
+            problem: problem.into(),
+            advice: advice.into(),
+        }
+    }
+}
+
+/// An error of this crate.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FlexibleError {
+    /// A file is not what it should be.
+    #[error(transparent)]
+    File(#[from] FileProblem),
+    /// The mesh makes no sense as a structure: an inverted element, a mechanism, no mass.
+    #[error("{problem}")]
+    Structure {
+        /// What is wrong, with ids.
+        problem: String,
+        /// What to do.
+        advice: String,
+    },
+    /// A matrix is not what it should be: not finite, not symmetric, of the wrong size.
+    #[error("{problem}")]
+    Matrix {
+        /// What is wrong.
+        problem: String,
+        /// What to do.
+        advice: String,
+    },
+    /// An iteration did not come to its end.
+    #[error("{problem}")]
+    Numerical {
+        /// What did not work.
+        problem: String,
+        /// What to do.
+        advice: String,
+    },
+}
+
+impl FlexibleError {
+    /// What to do about it; empty where nothing sensible can be said.
+    pub fn advice(&self) -> &str {
+        match self {
+            FlexibleError::File(problem) => &problem.advice,
+            FlexibleError::Structure { advice, .. }
+            | FlexibleError::Matrix { advice, .. }
+            | FlexibleError::Numerical { advice, .. } => advice,
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! The finite-element kernel: a mesh becomes stiffness and mass.

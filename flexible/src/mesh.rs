@@ -1,0 +1,325 @@
+//! A finite-element mesh as the files give it: nodes, elements, masses, springs, ties, supports, sets.
+//!
+//! Places are in the basic (global) frame of the file; [`Mesh::frames`] holds the nodes' analysis frames, in which
+//! foreign matrices, supports and tie components are written. Node and element *indices* (`u32`) count from 0 in the order of
+//! the file; *ids* are the file's own numbers.
+
+use std::collections::BTreeMap;
+
+/// Stands in a connectivity for a mid-side node that is not there: that edge is straight and linear.
+pub const ABSENT: u32 = u32::MAX;
+
+/// A node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    /// The file's number.
+    pub id: u64,
+    /// Place in the basic frame.
+    pub position: [f64; 3],
+    /// Index into [`Mesh::frames`] of its analysis frame; `None`: the basic frame.
+    pub frame: Option<u32>,
+}
+
+/// An analysis frame at a node: the rotation matrix frame → basic, row-major (columns are the frame's axes). A cylindrical or
+/// spherical frame is one such entry a node, evaluated at the node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Rotation frame → basic.
+    pub rotation: [[f64; 3]; 3],
+}
+
+/// Shape and order of nodes of an element. Nodes are in the order of VTK and Abaqus: corners, then mid-side nodes; a hexahedron's
+/// and wedge's mid-side nodes bottom, top, vertical; a tetrahedron's 12 23 31 14 24 34.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ElementKind {
+    /// 4-node tetrahedron.
+    Tetrahedron4,
+    /// 10-node tetrahedron.
+    Tetrahedron10,
+    /// 8-node hexahedron.
+    Hexahedron8,
+    /// 20-node hexahedron.
+    Hexahedron20,
+    /// 6-node wedge.
+    Wedge6,
+    /// 15-node wedge.
+    Wedge15,
+    /// 5-node pyramid.
+    Pyramid5,
+    /// 13-node pyramid: base edges, then edges to the apex.
+    Pyramid13,
+    /// 3-node shell or facet.
+    Triangle3,
+    /// 6-node shell or facet.
+    Triangle6,
+    /// 4-node shell or facet.
+    Quadrilateral4,
+    /// 8-node shell or facet.
+    Quadrilateral8,
+    /// 2-node beam.
+    Beam2,
+}
+
+impl ElementKind {
+    /// Number of nodes.
+    pub fn node_count(self) -> usize {
+        match self {
+            ElementKind::Beam2 => 2,
+            ElementKind::Triangle3 => 3,
+            ElementKind::Tetrahedron4 | ElementKind::Quadrilateral4 => 4,
+            ElementKind::Pyramid5 => 5,
+            ElementKind::Wedge6 | ElementKind::Triangle6 => 6,
+            ElementKind::Hexahedron8 | ElementKind::Quadrilateral8 => 8,
+            ElementKind::Tetrahedron10 => 10,
+            ElementKind::Pyramid13 => 13,
+            ElementKind::Wedge15 => 15,
+            ElementKind::Hexahedron20 => 20,
+        }
+    }
+
+    /// Number of corner nodes; they come first.
+    pub fn corner_count(self) -> usize {
+        match self {
+            ElementKind::Beam2 => 2,
+            ElementKind::Triangle3 | ElementKind::Triangle6 => 3,
+            ElementKind::Tetrahedron4
+            | ElementKind::Tetrahedron10
+            | ElementKind::Quadrilateral4
+            | ElementKind::Quadrilateral8 => 4,
+            ElementKind::Pyramid5 | ElementKind::Pyramid13 => 5,
+            ElementKind::Wedge6 | ElementKind::Wedge15 => 6,
+            ElementKind::Hexahedron8 | ElementKind::Hexahedron20 => 8,
+        }
+    }
+}
+
+/// An element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Element {
+    /// The file's number.
+    pub id: u64,
+    /// Shape and order of nodes.
+    pub kind: ElementKind,
+    /// Index into [`Mesh::properties`].
+    pub property: u32,
+    /// Where its nodes start in [`Mesh::connectivity`].
+    pub first: u32,
+    /// For a beam: index into [`Mesh::beam_axes`].
+    pub beam: Option<u32>,
+}
+
+/// Place and direction of a beam's section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeamAxes {
+    /// Vector in the section's first plane (basic frame), not parallel to the beam.
+    pub orientation: [f64; 3],
+    /// From each node to the beam's end (basic frame).
+    pub offsets: [[f64; 3]; 2],
+    /// Freedoms 1…6 (bit 0 … bit 5, element axes) released at each end.
+    pub released: [u8; 2],
+}
+
+/// What elements are made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Property {
+    /// The file's number or name.
+    pub name: String,
+    /// Index into [`Mesh::materials`]; `None` for elements without stiffness and mass (facets).
+    pub material: Option<u32>,
+    /// Section.
+    pub section: Section,
+}
+
+/// Section of an element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Section {
+    /// A solid.
+    Solid,
+    /// A shell of this thickness and added mass an area.
+    Shell {
+        /// Thickness.
+        thickness: f64,
+        /// Mass an area beside the material's.
+        mass_per_area: f64,
+    },
+    /// A beam: x along the beam, y in the plane of the orientation vector.
+    Beam {
+        /// Area.
+        area: f64,
+        /// Second moment for bending in the x–y plane (about z).
+        moment_z: f64,
+        /// Second moment for bending in the x–z plane (about y).
+        moment_y: f64,
+        /// Product of second moments.
+        product: f64,
+        /// Torsion constant.
+        torsion: f64,
+        /// Shear area factors for y and z; zero: no shear flexibility.
+        shear: [f64; 2],
+        /// Mass a length beside the material's.
+        mass_per_length: f64,
+    },
+}
+
+/// An isotropic linear elastic material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// The file's number or name.
+    pub name: String,
+    /// Young's modulus.
+    pub young: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+    /// Density.
+    pub density: f64,
+}
+
+/// A mass at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointMass {
+    /// The file's number.
+    pub id: u64,
+    /// Index of the node.
+    pub node: u32,
+    /// 6×6 symmetric mass matrix about the node, basic frame (translations, rotations), row-major.
+    pub matrix: [[f64; 6]; 6],
+}
+
+/// A spring between two freedoms, or a freedom and the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spring {
+    /// The file's number.
+    pub id: u64,
+    /// Stiffness: force or torque an extension.
+    pub stiffness: f64,
+    /// Index of the node and freedom 0…5 in the node's analysis frame.
+    pub first: (u32, u8),
+    /// The other end; `None`: the ground.
+    pub second: Option<(u32, u8)>,
+}
+
+/// A rule that makes freedoms depend on others. Components are bits 0…5 of freedoms 1…6 in the node's analysis frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Tie {
+    /// The dependent components move as if on a rigid body with the six freedoms of `independent`.
+    Rigid {
+        /// The file's number.
+        id: u64,
+        /// Index of the node that moves the others.
+        independent: u32,
+        /// Nodes that follow, and which of their components do.
+        dependent: Vec<(u32, u8)>,
+    },
+    /// The reference node follows the weighted mean motion of the others (least squares).
+    Averaging {
+        /// The file's number.
+        id: u64,
+        /// Index of the node that follows.
+        reference: u32,
+        /// Its components that follow.
+        reference_components: u8,
+        /// Nodes, weights, and which of their components take part.
+        independent: Vec<(u32, f64, u8)>,
+    },
+    /// Σ coefficient · freedom = 0; the first term's freedom depends on the others.
+    Equation {
+        /// The file's number, or its place in the file.
+        id: u64,
+        /// Node, freedom 0…5, coefficient.
+        terms: Vec<(u32, u8, f64)>,
+    },
+}
+
+/// Freedoms held at zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Support {
+    /// Index of the node.
+    pub node: u32,
+    /// Bits 0…5 of freedoms 1…6 in the node's analysis frame.
+    pub components: u8,
+}
+
+/// A named set.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Set {
+    /// Indices of nodes, sorted.
+    pub nodes: Vec<u32>,
+    /// Indices of elements, sorted.
+    pub elements: Vec<u32>,
+}
+
+/// What an unread card or keyword could have carried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Carries {
+    /// Output requests, loads, comments: nothing that reduction needs.
+    Nothing,
+    /// Mass, stiffness or a constraint: results differ without it.
+    Structure,
+    /// Not known.
+    Unknown,
+}
+
+/// Cards or keywords of one name that were not read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unread {
+    /// Name of the card or keyword.
+    pub name: String,
+    /// How many.
+    pub count: u64,
+    /// File and line of the first.
+    pub first: (String, u64),
+    /// What is lost.
+    pub carries: Carries,
+}
+
+/// A mesh.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Mesh {
+    /// Nodes in the order of the file.
+    pub nodes: Vec<Node>,
+    /// Analysis frames of nodes.
+    pub frames: Vec<Frame>,
+    /// Elements in the order of the file.
+    pub elements: Vec<Element>,
+    /// Node indices of the elements.
+    pub connectivity: Vec<u32>,
+    /// Axes of beams.
+    pub beam_axes: Vec<BeamAxes>,
+    /// Properties.
+    pub properties: Vec<Property>,
+    /// Materials.
+    pub materials: Vec<Material>,
+    /// Point masses.
+    pub point_masses: Vec<PointMass>,
+    /// Springs.
+    pub springs: Vec<Spring>,
+    /// Ties.
+    pub ties: Vec<Tie>,
+    /// Supports the file asks for.
+    pub supports: Vec<Support>,
+    /// Freedoms the file names as its interface (`ASET`).
+    pub interface: Vec<Support>,
+    /// Sets by name.
+    pub sets: BTreeMap<String, Set>,
+    /// What was not read.
+    pub unread: Vec<Unread>,
+}
+
+impl Mesh {
+    /// The node indices of an element.
+    pub fn nodes_of(&self, element: &Element) -> &[u32] {
+        let first = element.first as usize;
+        self.connectivity
+            .get(first..first + element.kind.node_count())
+            .unwrap_or(&[])
+    }
+
+    /// Index of each node id.
+    pub fn node_index(&self) -> BTreeMap<u64, u32> {
+        self.nodes
+            .iter()
+            .enumerate()
+            .map(|(index, node)| (node.id, index as u32))
+            .collect()
+    }
+}

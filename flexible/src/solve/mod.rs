@@ -1,0 +1,1 @@
+//! Linear solutions and eigenvalues of large sparse symmetric matrices.
