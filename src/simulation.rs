@@ -42,7 +42,8 @@ impl SimulationBuilder {
         self
     }
 
-    /// Spectral radius at infinite frequency, 0…1 (default 0.8): 1 damps nothing.
+    /// Spectral radius at infinite frequency, 0…1 (default 0.8). 1 damps nothing and is refused where there
+    /// are constraints.
     pub fn rho_infinity(mut self, rho: f64) -> Self {
         self.options.rho_infinity = rho;
         self

@@ -25,7 +25,8 @@ use eng_system::system::{Origin, StepControl};
 pub struct Options {
     /// Fixed steps, or a factor on the physical tolerances.
     pub step: StepControl,
-    /// Spectral radius at infinite frequency, 0…1.
+    /// Spectral radius at infinite frequency, 0…1; below 1 where there are constraints, whose multipliers are otherwise not damped
+    /// at all and drift away after many turns.
     pub rho_infinity: f64,
     /// Tolerance of Newton's iteration in scaled unknowns; `None`: 1e-4 of the position tolerance over the model's length, at most
     /// 1e-10.
@@ -122,7 +123,11 @@ pub struct Simulation {
     size: StepSize,
     grid: FixedGrid,
     energy: Energy,
+    /// Powers of loads and of constraints at the last accepted state and at the one before.
     powers: (f64, f64),
+    earlier_powers: (f64, f64),
+    /// Length of the last step (s), zero before the first.
+    earlier_step: f64,
     cycle_now: Option<[f64; 2]>,
     cycle_start: f64,
     advised: Vec<bool>,
@@ -139,7 +144,7 @@ impl Simulation {
         options: Options,
     ) -> Result<Simulation, RuntimeError> {
         let mut model = Model::bind(compiled, overrides)?;
-        check(&options)?;
+        check(&options, model.rows)?;
         let state = assembly::assemble(&mut model)?;
         let report = topology::analyze(&model, &state)?;
         if !report.redundant.is_empty() {
@@ -199,6 +204,8 @@ impl Simulation {
             grid: FixedGrid::default(),
             energy: Energy::default(),
             powers: (0.0, 0.0),
+            earlier_powers: (0.0, 0.0),
+            earlier_step: 0.0,
             cycle_now: None,
             cycle_start: 0.0,
             advised: vec![false; conditions],
@@ -348,13 +355,20 @@ impl Simulation {
     }
 }
 
-fn check(options: &Options) -> Result<(), RuntimeError> {
+fn check(options: &Options, rows: usize) -> Result<(), RuntimeError> {
     let refuse = |message: String| Err(RuntimeError::Options { message });
     if !(0.0..=1.0).contains(&options.rho_infinity) {
         return refuse(format!(
             "the spectral radius at infinite frequency is {}; it lies in 0…1",
             options.rho_infinity
         ));
+    }
+    if options.rho_infinity == 1.0 && rows > 0 {
+        return refuse(
+            "a spectral radius of 1 at infinite frequency damps no error of the constraints' multipliers, which then \
+             grows over many turns; take one below 1, such as 0.95"
+                .into(),
+        );
     }
     let (name, value) = match options.step {
         StepControl::Fixed(h) => ("step", h),

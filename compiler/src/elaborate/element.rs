@@ -512,9 +512,7 @@ impl<'a> Elaborator<'a, '_> {
     ) {
         let lifted = self.bench.lift_flag(flag);
         if let Some(element) = self.bench.element.as_mut() {
-            let yes = element.graph.constant(1.0);
-            let no = element.graph.constant(-1.0);
-            let node = element.graph.select(lifted, yes, no);
+            let node = element.graph.margin(lifted);
             draft.conditions.push((
                 node,
                 Condition {

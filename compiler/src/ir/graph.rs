@@ -490,6 +490,49 @@ impl Graph {
         }
     }
 
+    /// A number that is positive where `flag` is set: by how much its comparisons hold, or fail. Of several that must hold it is
+    /// the smallest, of alternatives the largest. NaN where what is compared is NaN.
+    pub fn margin(&mut self, flag: Node) -> Node {
+        let reach = self.reach(flag);
+        let tiny = self.constant(f64::MIN_POSITIVE);
+        let zero = self.constant(0.0);
+        let holds = self.maximum(reach, tiny);
+        let fails = self.minimum(reach, zero);
+        self.select(flag, holds, fails)
+    }
+
+    fn reach(&mut self, flag: Node) -> Node {
+        match self.op(flag) {
+            Op::Less(a, b) | Op::LessEqual(a, b) => self.subtract(b, a),
+            Op::Equal(a, b) => {
+                let difference = self.subtract(b, a);
+                let distance = self.abs(difference);
+                self.negate(distance)
+            }
+            Op::Not(inner) => {
+                let inner = self.reach(inner);
+                self.negate(inner)
+            }
+            Op::And(a, b) => {
+                let (x, y) = (self.reach(a), self.reach(b));
+                let least = self.minimum(x, y);
+                // a failed one decides, also where it is NaN
+                let first = self.select(a, least, x);
+                self.select(b, first, y)
+            }
+            Op::Or(a, b) => {
+                let (x, y) = (self.reach(a), self.reach(b));
+                let most = self.maximum(x, y);
+                let first = self.select(b, most, x);
+                self.select(a, first, y)
+            }
+            _ => {
+                let (yes, no) = (self.constant(1.0), self.constant(-1.0));
+                self.select(flag, yes, no)
+            }
+        }
+    }
+
     /// Flag a = b.
     pub fn equal(&mut self, a: Node, b: Node) -> Node {
         self.push(Op::Equal(a, b))

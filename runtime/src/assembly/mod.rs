@@ -127,6 +127,10 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
     Ok(state)
 }
 
+/// A branch is taken where its condition exceeds this (SI): closing is far more exact, so that a false solution on the border of
+/// two branches is not let in by rounding.
+const BRANCH_MARGIN: f64 = 1e-9;
+
 /// Values of violated branch conditions: (element, condition, value).
 pub fn violated_branches(
     model: &Model,
@@ -137,10 +141,7 @@ pub fn violated_branches(
     for e in elements {
         let values = rows::conditions(model, *e, &at(state))?;
         for (k, condition) in model.class(*e).conditions.iter().enumerate() {
-            let holds = matches!(
-                values[k].partial_cmp(&0.0),
-                Some(std::cmp::Ordering::Greater)
-            );
+            let holds = values[k] > BRANCH_MARGIN;
             if condition.kind == ConditionKind::Branch && !holds {
                 violated.push((*e, k, values[k]));
             }

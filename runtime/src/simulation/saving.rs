@@ -67,6 +67,8 @@ impl Simulation {
         let e = self.energy;
         w.numbers(&[e.kinetic, e.gravity, e.loads, e.constraints, e.start]);
         w.numbers(&[self.powers.0, self.powers.1, self.cycle_start]);
+        let earlier = self.earlier_powers;
+        w.numbers(&[earlier.0, earlier.1, self.earlier_step]);
         w.integer(u64::from(self.cycle_now.is_some()));
         w.numbers(&self.cycle_now.unwrap_or_default());
         let advised: Vec<f64> = self
@@ -86,7 +88,7 @@ impl Simulation {
         bytes: &[u8],
     ) -> Result<Simulation, RuntimeError> {
         let mut model = Model::bind(compiled, overrides)?;
-        check(&options)?;
+        check(&options, model.rows)?;
         let mut r = Reader::new(bytes, checkpoint::fingerprint(&model))?;
         for marker in model.markers.iter_mut().filter(|m| m.body.is_none()) {
             r.numbers(marker.position.as_mut_slice())?;
@@ -161,6 +163,9 @@ impl Simulation {
         r.numbers(&mut rest)?;
         simulation.powers = (rest[0], rest[1]);
         simulation.cycle_start = rest[2];
+        r.numbers(&mut rest)?;
+        simulation.earlier_powers = (rest[0], rest[1]);
+        simulation.earlier_step = rest[2];
         let has_cycle = r.integer()? == 1;
         let mut cycle = [0.0; 2];
         r.numbers(&mut cycle)?;

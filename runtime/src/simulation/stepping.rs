@@ -225,8 +225,11 @@ impl Simulation {
             .energy(&self.model, &self.integrator.current.velocity);
         self.energy.kinetic = kinetic;
         self.energy.gravity = gravity;
-        self.energy.loads += 0.5 * h * (old.0 + self.powers.0);
-        self.energy.constraints += 0.5 * h * (old.1 + self.powers.1);
+        let earlier = (self.earlier_step, self.earlier_powers);
+        self.energy.loads += work_of_step(h, [earlier.1.0, old.0, self.powers.0], earlier.0);
+        self.energy.constraints += work_of_step(h, [earlier.1.1, old.1, self.powers.1], earlier.0);
+        self.earlier_step = h;
+        self.earlier_powers = old;
         Ok(StepReport { time, step: h })
     }
 
@@ -324,4 +327,18 @@ impl Simulation {
             }
         }
     }
+}
+
+/// Work (J) of a step of `h` (s), the integral of the parabola through the powers (W) at the begin of the step before, of this
+/// step, and at its end; the step before took `earlier` (s), zero where there is none: then the trapezoid's.
+///
+/// With the second divided difference `d`, `∫ = h (p₁ + p₂)/2 − d h³/6`; the error falls as h⁴ a step.
+fn work_of_step(h: f64, powers: [f64; 3], earlier: f64) -> f64 {
+    let trapezoid = 0.5 * h * (powers[1] + powers[2]);
+    if earlier <= 0.0 {
+        return trapezoid;
+    }
+    let curvature =
+        ((powers[2] - powers[1]) / h - (powers[1] - powers[0]) / earlier) / (earlier + h);
+    trapezoid - curvature * h * h * h / 6.0
 }
