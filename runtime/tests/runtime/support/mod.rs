@@ -299,7 +299,7 @@ impl<D: Definition> ElementCode for Code<D> {
         true
     }
 
-    fn code_bytes(&self) -> usize {
+    fn function_bytes(&self, _: Function) -> usize {
         0
     }
 }
