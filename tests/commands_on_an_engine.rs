@@ -127,6 +127,13 @@ impl Engine for Known {
         })
     }
 
+    fn assemble(&mut self) -> Result<AssemblyOutcome, EngineError> {
+        Ok(AssemblyOutcome {
+            facts: vec!["fired: 5 freedoms".to_owned()],
+            ..AssemblyOutcome::default()
+        })
+    }
+
     fn run(
         &mut self,
         analysis: &str,
