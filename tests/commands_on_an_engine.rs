@@ -1,8 +1,8 @@
 //! The command's behaviour with an engine whose answers are known.
 
 use eng::cli::{
-    CheckOutcome, Console, Engine, EngineError, JournalGeometry, Progress, RunOutcome, Setting,
-    run_on,
+    AssemblyOutcome, CheckOutcome, Console, Engine, EngineError, JournalGeometry, Progress,
+    RunOutcome, Setting, run_on,
 };
 use eng::plot::Upright;
 use eng::results::{Column, Results};
