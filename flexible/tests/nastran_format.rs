@@ -43,9 +43,9 @@ fn small_large_and_free_field_say_the_same() {
 
 #[test]
 fn fields_touch_each_other() {
-    let mesh = mesh("GRID    12345678       0-1.2345671.2345678-1.23-12");
+    let mesh = mesh("GRID    12345678       0-1.234561.234567-1.23-12");
     assert_eq!(mesh.nodes[0].id, 12_345_678);
-    assert_eq!(mesh.nodes[0].position, [-1.234567, 1.2345678, -1.23e-12]);
+    assert_eq!(mesh.nodes[0].position, [-1.23456, 1.234567, -1.23e-12]);
 }
 
 #[test]
@@ -59,12 +59,14 @@ fn continuations_in_every_way() {
 +              7       8       9      10",
         // blank on both
         "CTETRA         1       1       1       2       3       4       5       6
-               7       8       9      10"
-            .replace("\n       ", "\n               ")
-            .as_str(),
+               7       8       9      10",
         // free field, blank and plus
         "CTETRA,1,1,1,2,3,4,5,6\n,7,8,9,10",
         "CTETRA,1,1,1,2,3,4,5,6,+\n+,7,8,9,10",
+        // all on one line, and lines cut short
+        "CTETRA,1,1,1,2,3,4,5,6,7,8,9,10",
+        "CTETRA,1,1,1,2,3,4,5,6,7,8,9,10,,,+,\n+",
+        "CTETRA*,1,1,1,2,*\n*,3,4,5,6\n+,7,8,9,10,+\n+,,",
         "CTETRA,1,1,1,2,3,4,5,6,+X1\n+X1,7,8,9,10",
         // small field, continued in large field
         "CTETRA         1       1       1       2       3       4       5       6
@@ -230,7 +232,8 @@ fn decks_of_cards_alone() {
 fn files_that_are_no_decks() {
     for (deck, message) in [
         ("", "no grid point"),
-        ("*NODE\n1, 0., 0., 0.\n", "no grid point"),
+        ("*NODE\n1, 0., 0., 0.\n", "\"*NODE\" continues no card"),
+        ("<html>\n</html>\n", "no grid point"),
         ("SOL 103\nCEND\nTITLE = x\n", "no BEGIN BULK"),
         ("GRID\0\u{1}\n", "no text of bulk data"),
         (
@@ -261,7 +264,10 @@ fn files_are_included() {
             "parts/grids.bdf",
             "INCLUDE 'more.bdf'\nINCLUDE beside.bdf\nGRID,3,,0.,1.,0.\nCTETRA,1,1,1,2\n",
         ),
-        ("parts/more.bdf", "GRID,1,,0.,0.,0.\n"),
+        (
+            "parts/more.bdf",
+            "GRID,1,,0.,0.,0.\nENDDATA\nGRID,1,,not read\n",
+        ),
         ("beside.bdf", "GRID,2,,1.,0.,0.\n"),
         // a card may be continued beyond the end of a file
         (
@@ -361,9 +367,13 @@ fn numbers_and_fields_that_are_wrong() {
             "GRID,9,,0.,0.,0.,,17",
             "field PS is \"17\", not freedoms 1 to 6",
         ),
+        (
+            "CTETRA,9,1,1,2,3,4,5,6,ABC",
+            "its continuation \"ABC\" is missing",
+        ),
         ("CTETRA,9,1,1,2,3", "the card ends before its field G4"),
         ("CTETRA,9,1,1,2,,3", "field G3 is blank"),
-        ("CTETRA,9,1,1,2,3,4,5,6,7,8", "\"8\" is one field too many"),
+        ("CTETRA,9,1,1,2,3,4,5,6,,8", "\"8\" is one field too many"),
         (
             "CORD2R,9,,0.,0.,0.,0.,0.,1.",
             "the card ends before its field C1",

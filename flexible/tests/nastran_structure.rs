@@ -189,10 +189,53 @@ RBE2,8,1,123,2,3,4,5,+\n+,6,.1
 }
 
 #[test]
+fn rigid_elements_with_shared_freedoms() {
+    // 1 at (1, 0, 0), 6 at (6, 1, 2) with x = y, y = −x: 1 gives the translations, 6 the rotations about its axes
+    let mesh = mesh(&format!(
+        "{GRIDS}RBAR,1,1,6,123,456\nRBE1,2,1,123,6,456\n,UM,6,12\n"
+    ));
+    // θ = (−θ₅, θ₄, θ₆) in basic axes, d = (5, 1, 2): u = θ × d
+    let expected = |freedom: u8| match freedom {
+        // along basic y: θz dx − θx dz
+        0 => vec![(5, 0, 1.0), (0, 1, -1.0), (5, 4, -2.0), (5, 5, -5.0)],
+        // along −x: −(θy dz − θz dy)
+        1 => vec![(5, 1, 1.0), (0, 0, 1.0), (5, 3, 2.0), (5, 5, -1.0)],
+        // along z: θx dy − θy dx
+        _ => vec![(5, 2, 1.0), (0, 2, -1.0), (5, 3, 5.0), (5, 4, 1.0)],
+    };
+    let mut found = mesh.ties.iter().map(|tie| match tie {
+        Tie::Equation { id, terms } => {
+            let mut sorted = terms.clone();
+            sorted[1..].sort_by_key(|(node, freedom, _)| (*node, *freedom));
+            (*id, sorted)
+        }
+        other => panic!("{other:?}"),
+    });
+    let mut equation = |id: u64, terms: Vec<(u32, u8, f64)>| {
+        let (found_id, found) = found.next().expect("an equation");
+        assert_eq!((found_id, found.len()), (id, terms.len()), "{found:?}");
+        for ((node, freedom, value), expected) in found.into_iter().zip(terms) {
+            assert_eq!((node, freedom), (expected.0, expected.1));
+            close(value, expected.2, 10.0);
+        }
+    };
+    // the dependent rotations of 1 come first: about x, y, z
+    equation(1, vec![(0, 3, 1.0), (5, 4, 1.0)]);
+    equation(1, vec![(0, 4, 1.0), (5, 3, -1.0)]);
+    equation(1, vec![(0, 5, 1.0), (5, 5, -1.0)]);
+    for freedom in 0..3 {
+        equation(1, expected(freedom));
+    }
+    equation(2, expected(0));
+    equation(2, expected(1));
+    assert_eq!(mesh.ties.len(), 8);
+}
+
+#[test]
 fn averaging_spiders() {
     let mesh = mesh(&format!(
         "{GRIDS}RBE3,1,,6,123456,1.0,123,1,2\n,3,2.5,12,4,5
-RBE3,2,,6,123,1,123,1,THRU,3\n,UM,1,123,ALPHA,1.-5
+RBE3,2,,6,123,1,123,1,THRU\n,3,UM,1,123,ALPHA,1.-5
 RBE3           3               5  123456      1.     123       1       2
 "
     ));
@@ -272,8 +315,12 @@ fn ties_that_cannot_be() {
         ("RBE3,1,,6,123", "ends before its field WT1"),
         ("RBE3,1,,6,123,1.,123", "a weight has no grid points"),
         ("RBE3,1,,6,123,-1.,123,1,2", "the weight -1 is negative"),
-        ("RBAR,1,1,2,123,456", "not all at one end"),
-        ("RBE1,1,1,123,2,456\n,UM,3,123", "not all at one grid point"),
+        (
+            "RBAR,1,1,2,123,123",
+            "RBAR 1: its independent freedoms leave a rigid motion free",
+        ),
+        ("RBAR,1,1,2,123,45", "5 independent freedoms instead of six"),
+        ("RBE1,1,1,123,2,456", "\"UM\" is missing"),
         ("MPC,1,1,1,0.,2,1,1.", "the first coefficient is zero"),
         ("MPC,1,1,,1.,2,1,1.", "no freedom named at grid point 1"),
         (
@@ -311,6 +358,7 @@ SPC,1,1,12,,2,3
 SPC,1,2,6,.01
 SPC1,2,123,3,4
 SPC1,3,4,1,THRU,4
+SPC,3,2202,0,0.
 SPCADD,8,2,3
 "
     );

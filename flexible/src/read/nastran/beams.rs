@@ -250,7 +250,8 @@ fn offset_flag(card: &Card, flag: &str) -> Result<(Axes, [Axes; 2]), FileProblem
         _ => Err(unknown()),
     };
     match *flag.as_bytes() {
-        [] => Ok((Axes::Analysis, [Axes::Analysis; 2])),
+        // old decks tell vector and grid point apart by 1 and 2
+        [] | [b'1' | b'2'] => Ok((Axes::Analysis, [Axes::Analysis; 2])),
         [vector, first, second] => {
             let vector = match vector {
                 b'G' => Axes::Analysis,

@@ -9,10 +9,12 @@ use crate::error::FileProblem;
 pub(super) struct Piece {
     /// First field, upper case; blank or beginning with `+` or `*` on a continuation.
     pub head: String,
-    /// Data fields: 8, or 4 of a large-field line.
+    /// Data fields: 8, or 4 of a large-field line; more on a long line in free field.
     pub fields: Vec<String>,
     /// Last field: what the continuation is called.
     pub tail: String,
+    /// In free field, where columns have no meaning.
+    pub free: bool,
 }
 
 impl Piece {
@@ -28,11 +30,26 @@ pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
     let piece = if text.contains(',') {
         let mut tokens = text.split(',').map(|token| token.trim().to_string());
         let head = tokens.next().unwrap_or_default();
+        let mut fields = tokens.collect::<Vec<_>>();
+        while fields.last().is_some_and(String::is_empty) {
+            fields.pop();
+        }
         let count = if head.contains('*') { 4 } else { 8 };
-        let mut fields = tokens.by_ref().take(count).collect::<Vec<_>>();
-        fields.resize(count, String::new());
-        let tail = tokens.next().unwrap_or_default();
-        if let Some(extra) = tokens.find(|token| !token.is_empty()) {
+        // data may go on beyond the eighth field; a name there calls the continuation, on a short line even before
+        let called = fields.last().is_some_and(|last| is_call(last));
+        let long = fields
+            .get(count)
+            .is_some_and(|next| number::real(next).is_some());
+        let mut tail = String::new();
+        if called || (fields.len() == count + 1 && !long) {
+            tail = fields.pop().unwrap_or_default();
+        }
+        if fields.len() > count
+            && !long
+            && let Some(extra) = fields
+                .get(count..)
+                .and_then(|rest| rest.iter().find(|f| !f.is_empty()))
+        {
             return Err(line.at.problem(
                 format!(
                     "\"{extra}\" is one field too many in \"{}\"",
@@ -44,7 +61,16 @@ pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
                 ),
             ));
         }
-        Piece { head, fields, tail }
+        fields.resize(
+            fields.len().next_multiple_of(count).max(count),
+            String::new(),
+        );
+        Piece {
+            head,
+            fields,
+            tail,
+            free: true,
+        }
     } else {
         let column = |from: usize, to: usize| {
             let to = to.min(text.len());
@@ -58,6 +84,7 @@ pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
                 .collect(),
             tail: column(72, 80),
             head,
+            free: false,
         }
     };
     if piece.head.starts_with('=') || piece.fields.iter().any(|field| field.starts_with('=')) {
@@ -67,6 +94,11 @@ pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
         ));
     }
     Ok(piece)
+}
+
+/// Whether a field can be nothing but the name of a continuation.
+fn is_call(field: &str) -> bool {
+    field.starts_with(['+', '*']) && number::real(field).is_none()
 }
 
 /// Tabs go on to the next column that is a multiple of eight.
@@ -96,6 +128,8 @@ pub(super) struct Card {
     pub at: At,
     /// Its number in the deck as a whole.
     pub order: u64,
+    /// The continuation it calls and doesn't have.
+    pub lost: Option<String>,
     fields: Vec<String>,
 }
 
@@ -103,20 +137,25 @@ impl Card {
     /// Begins a card.
     pub fn new(line: &Line, piece: Piece) -> Self {
         Card {
-            name: piece.head.trim_end_matches('*').trim_end().to_string(),
+            name: piece
+                .head
+                .split([' ', '*'])
+                .next()
+                .unwrap_or("")
+                .to_string(),
             first_line: line.text.trim().to_string(),
             at: line.at.clone(),
             order: line.order,
+            lost: None,
             fields: piece.fields,
         }
     }
 
     /// Adds the fields of a continuation. A large-field line alone is half a line: what follows begins a new one.
     pub fn append(&mut self, fields: Vec<String>) {
-        let whole = fields.len().max(1);
-        while !self.fields.len().is_multiple_of(whole) {
-            self.fields.push(String::new());
-        }
+        let whole = if fields.len().is_multiple_of(8) { 8 } else { 4 };
+        self.fields
+            .resize(self.fields.len().next_multiple_of(whole), String::new());
         self.fields.extend(fields);
     }
 
@@ -146,6 +185,16 @@ impl Card {
             format!("{}: {problem}, in \"{}\"", self.name, self.first_line),
             advice,
         )
+    }
+
+    /// The problem of a lost continuation, where it has one.
+    pub fn lost_problem(&self) -> Option<FileProblem> {
+        let name = self.lost.as_ref()?;
+        Some(self.problem(
+            &format!("its continuation \"{name}\" is missing"),
+            "the line may have been lost, or its first field may differ from the last field of \
+             the line it continues",
+        ))
     }
 
     fn missing(&self, i: usize, field: &str) -> FileProblem {
@@ -281,12 +330,7 @@ impl Card {
                     if excepting {
                         ids.except.push(id);
                     } else {
-                        ids.ranges.push(IdRange {
-                            from: id,
-                            to: id,
-                            step: 1,
-                            listed: true,
-                        });
+                        ids.ranges.extend(Ids::one(id).ranges);
                     }
                 }
             }
@@ -316,4 +360,19 @@ pub(super) struct Ids {
     pub ranges: Vec<IdRange>,
     /// Numbers left out.
     pub except: Vec<u64>,
+}
+
+impl Ids {
+    /// A list of one number.
+    pub fn one(id: u64) -> Self {
+        Ids {
+            ranges: vec![IdRange {
+                from: id,
+                to: id,
+                step: 1,
+                listed: true,
+            }],
+            except: Vec::new(),
+        }
+    }
 }

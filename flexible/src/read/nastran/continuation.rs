@@ -6,18 +6,34 @@ use super::card::{Card, Piece, cut};
 use super::lines::{At, Line};
 use crate::error::FileProblem;
 
-const LOST: &str = "the line may have been lost, or its first field may differ from the last field of the line it continues";
-
 struct Open {
     card: Card,
     /// Last field of the last line so far.
     tail: String,
+    /// The last line so far is in free field.
+    free: bool,
+}
+
+impl Open {
+    /// Whether its last field surely calls a continuation. In columns 73 to 80 there may be a number that means nothing.
+    fn surely_calls(&self) -> bool {
+        self.tail.starts_with(['+', '*']) || self.free && !self.tail.is_empty()
+    }
+
+    /// The card, with the name of a continuation that it still calls.
+    fn done(mut self) -> Card {
+        if self.surely_calls() {
+            self.card.lost = Some(self.tail);
+        }
+        self.card
+    }
 }
 
 struct Orphan {
     name: String,
     lines: Vec<Vec<String>>,
     tail: String,
+    free: bool,
     at: At,
     text: String,
     /// Which of the waiting cards stands before it.
@@ -45,11 +61,12 @@ impl Assembler {
             self.continuation(line, piece);
             return Ok(None);
         }
-        let done = self.close()?;
-        let tail = piece.tail.clone();
+        let done = self.close();
+        let (tail, free) = (piece.tail.clone(), piece.free);
         self.open = Some(Open {
             card: Card::new(line, piece),
             tail,
+            free,
         });
         Ok(done)
     }
@@ -62,6 +79,7 @@ impl Assembler {
             if name.is_empty() || calls(&orphan.tail, &name) {
                 orphan.lines.push(piece.fields);
                 orphan.tail = piece.tail;
+                orphan.free = piece.free;
                 return;
             }
         } else if let Some(open) = &mut self.open
@@ -69,6 +87,7 @@ impl Assembler {
         {
             open.card.append(piece.fields);
             open.tail = piece.tail;
+            open.free = piece.free;
             return;
         }
         self.in_orphan = true;
@@ -77,6 +96,7 @@ impl Assembler {
             name,
             lines: vec![piece.fields],
             tail: piece.tail,
+            free: piece.free,
             at: line.at.clone(),
             text: line.text.trim().to_string(),
             after: self.open.as_ref().map(|_| self.waiting.len()),
@@ -85,25 +105,20 @@ impl Assembler {
     }
 
     /// Ends the open card: complete, waiting for its continuation, or without it.
-    fn close(&mut self) -> Result<Option<Card>, FileProblem> {
+    fn close(&mut self) -> Option<Card> {
         let followed = std::mem::take(&mut self.followed);
         self.in_orphan = false;
-        let Some(open) = self.open.take() else {
-            return Ok(None);
-        };
-        if !followed && matches!(open.tail.as_str(), "+" | "*") {
-            return Err(lost(&open));
-        }
+        let open = self.open.take()?;
         if followed || !key(&open.tail).is_empty() {
             self.waiting.push(open);
-            return Ok(None);
+            return None;
         }
-        Ok(Some(open.card))
+        Some(open.done())
     }
 
     /// Ends the deck: the last card, and those that waited, with the continuations found by name.
     pub fn finish(mut self) -> Result<Vec<Card>, FileProblem> {
-        let last = self.close()?;
+        let last = self.close();
         let mut named: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         for (index, orphan) in self.orphans.iter().enumerate().rev() {
             named.entry(orphan.name.clone()).or_default().push(index);
@@ -122,23 +137,17 @@ impl Assembler {
             match orphan.after.and_then(|index| self.waiting.get_mut(index)) {
                 Some(open) if key(&open.tail).is_empty() => adopt(open, orphan),
                 _ => {
-                    return Err(orphan
-                        .at
-                        .problem(format!("\"{}\" continues no card", orphan.text), LOST));
+                    return Err(orphan.at.problem(
+                        format!("\"{}\" continues no card", orphan.text),
+                        "the card it continues may have been lost, or calls another name",
+                    ));
                 }
             }
-        }
-        if let Some(open) = self
-            .waiting
-            .iter()
-            .find(|open| open.tail.starts_with(['+', '*']))
-        {
-            return Err(lost(open));
         }
         Ok(self
             .waiting
             .into_iter()
-            .map(|open| open.card)
+            .map(Open::done)
             .chain(last)
             .collect())
     }
@@ -150,17 +159,10 @@ fn adopt(open: &mut Open, orphan: &mut Orphan) {
         open.card.append(fields);
     }
     open.tail = std::mem::take(&mut orphan.tail);
+    open.free = orphan.free;
 }
 
-fn lost(open: &Open) -> FileProblem {
-    open.card.problem(
-        &format!("its continuation \"{}\" is missing", open.tail),
-        LOST,
-    )
-}
-
-/// The name that a last field calls. Its first column doesn't count: `+ABC` and `XABC` both call `+ABC`. Where there's no plus, this
-/// may as well be a number in columns 73 to 80 that means nothing.
+/// The name that a last field calls. Its first column doesn't count: `+ABC` and `XABC` both call `+ABC`.
 fn key(tail: &str) -> &str {
     tail.get(1..).unwrap_or("").trim()
 }

@@ -100,6 +100,13 @@ impl<'f> Lines<'f> {
         Ok(None)
     }
 
+    /// Ends the innermost file at an `ENDDATA`; `false` where that is the deck itself. (Nastran ends everything at an included
+    /// `ENDDATA`; what follows would be lost without a word.)
+    pub fn end_file(&mut self) -> bool {
+        self.stack.pop();
+        !self.stack.is_empty()
+    }
+
     /// A line of the innermost file as it stands; `None` at its end.
     fn raw(&mut self) -> Result<Option<(String, At)>, FileProblem> {
         let Some(file) = self.stack.last_mut() else {
@@ -167,7 +174,7 @@ impl<'f> Lines<'f> {
         ))
     }
 
-    /// Opens an included file: beside the including file, or beside the model.
+    /// Opens an included file: beside the including file, beside the deck, or beside the model.
     fn include(&mut self, name: &str, at: &At) -> Result<(), FileProblem> {
         self.includes += 1;
         if self.stack.len() >= DEEPEST || self.includes > MOST_INCLUDES {
@@ -177,7 +184,8 @@ impl<'f> Lines<'f> {
             ));
         }
         let including = self.stack.last().map_or("", |file| &*file.name).to_string();
-        let candidates = candidates(&including, name);
+        let deck = self.stack.first().map_or("", |file| &*file.name);
+        let candidates = candidates(&[&including, deck], name);
         let mut last = None;
         for candidate in &candidates {
             if self.stack.iter().any(|file| file.normal == *candidate) {
@@ -210,7 +218,7 @@ impl<'f> Lines<'f> {
         let why = last.map_or_else(String::new, |problem| problem.problem);
         Err(at.problem(
             format!("INCLUDE '{name}': {why} (tried {})", candidates.join(", ")),
-            "paths count from the including file or from the folder of the model",
+            "paths count from the including file, the deck or the folder of the model",
         ))
     }
 }
@@ -248,7 +256,7 @@ fn include_operand(text: &str) -> Option<String> {
 }
 
 /// Names under which an included file may be found, best first. A logical prefix (`VAR:file`) can't be known here and is left out.
-fn candidates(including: &str, name: &str) -> Vec<String> {
+fn candidates(beside: &[&str], name: &str) -> Vec<String> {
     let plain = name.replace('\\', "/");
     let mut forms = vec![plain.clone()];
     if let Some((prefix, rest)) = plain.split_once(':')
@@ -256,16 +264,20 @@ fn candidates(including: &str, name: &str) -> Vec<String> {
     {
         forms.push(rest.trim_start_matches('/').to_string());
     }
-    let folder = match normal(including).rsplit_once('/') {
-        Some((folder, _)) => format!("{folder}/"),
-        None => String::new(),
-    };
+    let folders = beside
+        .iter()
+        .map(|file| match normal(file).rsplit_once('/') {
+            Some((folder, _)) => format!("{folder}/"),
+            None => String::new(),
+        });
+    let folders = folders.chain([String::new()]).collect::<Vec<_>>();
     let mut names: Vec<String> = Vec::new();
     for form in forms {
         let ways = if form.starts_with('/') {
             vec![normal(&form)]
         } else {
-            vec![normal(&format!("{folder}{form}")), normal(&form)]
+            let within = |folder: &String| normal(&format!("{folder}{form}"));
+            folders.iter().map(within).collect()
         };
         for way in ways {
             if !names.contains(&way) {
@@ -305,10 +317,13 @@ mod tests {
     fn names_of_included_files() {
         assert_eq!(normal("./a/../b//c.bdf"), "b/c.bdf");
         assert_eq!(normal("../a"), "../a");
-        assert_eq!(candidates("sub/main.bdf", "x.bdf"), ["sub/x.bdf", "x.bdf"]);
-        assert_eq!(candidates("main.bdf", "..\\x.bdf"), ["../x.bdf"]);
-        assert_eq!(candidates("m", "DIR:x.bdf"), ["DIR:x.bdf", "x.bdf"]);
-        assert_eq!(candidates("m", "/x/./y"), ["/x/y"]);
+        assert_eq!(
+            candidates(&["sub/main.bdf", "m"], "x.bdf"),
+            ["sub/x.bdf", "x.bdf"]
+        );
+        assert_eq!(candidates(&["main.bdf"], "..\\x.bdf"), ["../x.bdf"]);
+        assert_eq!(candidates(&["m"], "DIR:x.bdf"), ["DIR:x.bdf", "x.bdf"]);
+        assert_eq!(candidates(&["a/m", "b/c/m"], "/x/./y"), ["/x/y"]);
     }
 
     #[test]

@@ -277,7 +277,7 @@ impl Masses {
             let mut ends = Vec::with_capacity(2);
             let mut scalar = false;
             for (grid, freedom) in card.ends.into_iter().flatten() {
-                if lookup.is_scalar(grid) && lookup.find(grid).is_none() {
+                if lookup.find(grid).is_none() && (freedom.is_none() || lookup.is_scalar(grid)) {
                     scalar = true;
                     continue;
                 }

@@ -21,6 +21,7 @@ mod lines;
 mod masses;
 mod number;
 mod properties;
+mod rigid;
 mod sections;
 mod sets;
 mod shapes;
@@ -82,13 +83,28 @@ struct Deck {
 }
 
 impl Deck {
+    /// Keeps a card, or counts it. A card that lacks a continuation is refused, unless it isn't read at all.
     fn take(&mut self, card: &Card) -> Result<(), FileProblem> {
+        let read = self.read(card);
+        if let (Some(problem), Err(_) | Ok(true)) = (card.lost_problem(), &read) {
+            return Err(problem);
+        }
+        if !read? {
+            self.unread.card(&card.name, &card.at);
+        }
+        Ok(())
+    }
+
+    /// Keeps a card; `false` where it isn't one that is read.
+    fn read(&mut self, card: &Card) -> Result<bool, FileProblem> {
         let name = card.name.as_str();
         if let Some(kinds) = elements::solid(name) {
-            return self.elements.solid(card, kinds);
+            self.elements.solid(card, kinds)?;
+            return Ok(true);
         }
         if let Some(kinds) = elements::shell(name) {
-            return self.elements.shell(card, kinds, &mut self.unread);
+            self.elements.shell(card, kinds, &mut self.unread)?;
+            return Ok(true);
         }
         match name {
             "GRID" => self.grids.push(GridCard::read(card)?),
@@ -108,17 +124,14 @@ impl Deck {
             "CONROD" => self.beams.conrod(card, &mut self.elements)?,
             "PARAM" => self.parameter(card)?,
             _ => {
-                let read = self.properties.read(card, &mut self.unread)?
+                return Ok(self.properties.read(card, &mut self.unread)?
                     || self.masses.read(card, &mut self.unread)?
                     || self.supports.read(card, &mut self.unread)?
                     || self.ties.read(card)?
-                    || self.sets.read(card)?;
-                if !read {
-                    self.unread.card(name, &card.at);
-                }
+                    || self.sets.read(card)?);
             }
         }
-        Ok(())
+        Ok(true)
     }
 
     fn by_points(&mut self, card: &Card, shape: Shape) -> Result<(), FileProblem> {
@@ -197,7 +210,12 @@ impl Deck {
         mesh.springs = self.masses.springs(&lookup, &mut self.unread)?;
         let equations = self.supports.equations(case.mpc.as_ref())?;
         let selected = |set: u64| equations.as_ref().is_none_or(|sets| sets.contains(&set));
-        mesh.ties = self.ties.ties(&lookup, &selected, &mut self.unread)?;
+        mesh.ties = self.ties.ties(
+            &lookup,
+            (&mesh.nodes, &mesh.frames),
+            &selected,
+            &mut self.unread,
+        )?;
         mesh.supports =
             self.supports
                 .supports(&grids, &lookup, case.spc.as_ref(), &mut self.unread)?;

@@ -198,7 +198,11 @@ impl Properties {
     /// `PSHELL PID MID1 T MID2 12I/T³ MID3 TS/T NSM / Z1 Z2 MID4`. Without any material it is a facet.
     fn shell(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
         let membrane = card.optional_id(1, "MID1")?.filter(|id| *id > 0);
-        let bending = card.optional_id(3, "MID2")?.filter(|id| *id > 0);
+        // plane strain
+        let bending = match card.text(3) {
+            "-1" => None,
+            _ => card.optional_id(3, "MID2")?.filter(|id| *id > 0),
+        };
         let shear = card.optional_id(5, "MID3")?.filter(|id| *id > 0);
         let factor = card.optional_real(4, "12I/T**3")?.unwrap_or(1.0);
         let material = membrane.or(bending);
@@ -384,12 +388,6 @@ impl Properties {
                 return Err(card.problem("two of E, G and NU are needed", "give E and NU"));
             }
         };
-        if !(young >= 0.0 && poisson > -1.0 && poisson < 0.5 && density >= 0.0) {
-            return Err(card.problem(
-                &format!("E = {young}, NU = {poisson}, RHO = {density} is no elastic material"),
-                "E and RHO can't be negative, NU lies between -1 and 0.5; without NU it is E/(2 G) - 1",
-            ));
-        }
         self.material(card, Some([young, poisson, density]))
     }
 
@@ -530,7 +528,7 @@ impl<'d> Made<'d> {
             }
         };
         let material = match card.material {
-            Some(id) => Some(self.material(id, card)?),
+            Some(id) => Some(self.material(id, card, section)?),
             None => None,
         };
         self.properties.push(Property {
@@ -541,10 +539,13 @@ impl<'d> Made<'d> {
         Ok((self.properties.len() - 1) as u32) // never more than elements
     }
 
-    fn material(&mut self, id: u64, user: &PropertyCard) -> Result<u32, FileProblem> {
-        if let Some(&index) = self.material_indices.get(&id) {
-            return Ok(index);
-        }
+    /// Index of the material of a property. A beam knows E and G apart, so that any NU serves it.
+    fn material(
+        &mut self,
+        id: u64,
+        user: &PropertyCard,
+        section: Section,
+    ) -> Result<u32, FileProblem> {
         let Some(card) = self.cards.materials.get(&id) else {
             return Err(user.at.problem(
                 format!("{} uses material {id}, which is missing", user.name),
@@ -557,6 +558,20 @@ impl<'d> Made<'d> {
                 "only MAT1 can be read; read the matrices of the other code instead",
             ));
         };
+        let beam = matches!(section, Section::Beam { .. });
+        let elastic = young >= 0.0 && poisson > -1.0 && (poisson < 0.5 || beam);
+        if !(elastic && density >= 0.0) {
+            return Err(card.at.problem(
+                format!(
+                    "{}, used by {}: E = {young}, NU = {poisson}, RHO = {density} is no elastic material",
+                    card.name, user.name
+                ),
+                "E and RHO can't be negative, NU lies between -1 and 0.5; without NU it is E/(2 G) - 1",
+            ));
+        }
+        if let Some(&index) = self.material_indices.get(&id) {
+            return Ok(index);
+        }
         let index = self.materials.len() as u32; // never more than properties
         self.materials.push(Material {
             name: id.to_string(),

@@ -32,13 +32,16 @@ pub(super) fn read_cards(
     while let Some(line) = lines.next_line()? {
         let word = first_word(&line.text);
         if word == "ENDDATA" {
+            if lines.end_file() {
+                continue;
+            }
             break;
         }
         let Some(before) = &mut head else {
             if word == "BEGIN" {
                 return Err(line.at.problem(
                     format!("\"{}\" begins a second part", line.text.trim()),
-                    "superelement parts can't be read together; give each as a deck of its own",
+                    "give each superelement as a deck of its own; a whole deck can be included before other cards",
                 ));
             }
             if let Some(card) = cards.take(&line)? {

@@ -13,8 +13,8 @@ use crate::mesh::{Carries, Support};
 struct Entry {
     /// Set, where the card has one.
     set: u64,
-    ids: Ids,
-    components: u8,
+    /// Points and their freedoms.
+    parts: Vec<(Ids, u8)>,
     name: String,
     at: At,
 }
@@ -36,41 +36,36 @@ impl Supports {
     pub fn read(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<bool, FileProblem> {
         match card.name.as_str() {
             "SPC" => {
-                let set = card.id(0, "SID")?;
+                let mut parts = Vec::new();
                 for i in [1, 4] {
                     if i > 1 && card.is_blank(i) {
                         continue;
                     }
                     card.id(i, "G")?;
-                    let entry = entry(card, set, card.ids(i, i + 1, "G")?, i + 1)?;
-                    self.held.push(entry);
+                    parts.push((card.ids(i, i + 1, "G")?, components(card, i + 1)?));
                     if card.real_or_zero(i + 2, "D")? != 0.0 {
                         unread.note("SPC displacement", &card.at, Carries::Nothing);
                     }
                 }
+                self.held.push(entry(card, card.id(0, "SID")?, parts));
             }
             "SPC1" => {
-                let ids = card.ids(2, card.len(), "G")?;
-                if ids.ranges.is_empty() {
-                    card.id(2, "G1")?;
-                }
-                self.held.push(entry(card, card.id(0, "SID")?, ids, 1)?);
+                let parts = vec![(list_of(card, 2)?, components(card, 1)?)];
+                self.held.push(entry(card, card.id(0, "SID")?, parts));
             }
             "ASET" | "BSET" | "CSET" => {
+                let mut parts = Vec::new();
                 for i in [0, 2, 4, 6] {
                     if i == 0 || !card.is_blank(i) {
                         card.id(i, "ID")?;
-                        let entry = entry(card, 0, card.ids(i, i + 1, "ID")?, i + 1)?;
-                        self.interface.push(entry);
+                        parts.push((card.ids(i, i + 1, "ID")?, components(card, i + 1)?));
                     }
                 }
+                self.interface.push(entry(card, 0, parts));
             }
             "ASET1" | "BSET1" | "CSET1" => {
-                let ids = card.ids(1, card.len(), "ID")?;
-                if ids.ranges.is_empty() {
-                    card.id(1, "ID1")?;
-                }
-                self.interface.push(entry(card, 0, ids, 0)?);
+                let parts = vec![(list_of(card, 1)?, components(card, 0)?)];
+                self.interface.push(entry(card, 0, parts));
             }
             "SPCADD" => add_sum(&mut self.support_sums, card)?,
             "MPCADD" => add_sum(&mut self.equation_sums, card)?,
@@ -131,14 +126,27 @@ impl Supports {
     }
 }
 
-fn entry(card: &Card, set: u64, ids: Ids, components: usize) -> Result<Entry, FileProblem> {
-    Ok(Entry {
+fn entry(card: &Card, set: u64, parts: Vec<(Ids, u8)>) -> Entry {
+    Entry {
         set,
-        ids,
-        components: card.optional_components(components, "C")?.unwrap_or(0),
+        parts,
         name: card.name.clone(),
         at: card.at.clone(),
-    })
+    }
+}
+
+/// Freedoms in a field; none where it is blank, as scalar points have it.
+fn components(card: &Card, field: usize) -> Result<u8, FileProblem> {
+    Ok(card.optional_components(field, "C")?.unwrap_or(0))
+}
+
+/// The list of points from a field to the end, which can't be empty.
+fn list_of(card: &Card, from: usize) -> Result<Ids, FileProblem> {
+    let ids = card.ids(from, card.len(), "G")?;
+    if ids.ranges.is_empty() {
+        card.id(from, "G1")?;
+    }
+    Ok(ids)
 }
 
 fn add_sum(sums: &mut BTreeMap<u64, Vec<u64>>, card: &Card) -> Result<(), FileProblem> {
@@ -167,7 +175,8 @@ fn chosen(
             open.extend(sums.get(&set).into_iter().flatten());
         }
     }
-    if found.is_disjoint(sets) {
+    // equations may be selected where there are none
+    if found.is_disjoint(sets) && (name == "SPC" || !sets.is_empty()) {
         return Err(at.problem(
             format!("{name} = {selected} selects a set that is missing"),
             format!("add its {name} cards, or remove the selection to take all sets"),
@@ -182,14 +191,20 @@ fn collect(
     bits: &mut BTreeMap<u32, u8>,
 ) -> Result<(), FileProblem> {
     let user = || format!("{} card", entry.name);
-    for node in lookup.all(&entry.ids, &user, &entry.at)? {
-        if entry.components == 0 {
+    for (ids, components) in &entry.parts {
+        if *components == 0 {
+            // scalar points, which no card needs to define; a grid point can't be meant
+            if lookup.existing(ids).0.is_empty() {
+                continue;
+            }
             return Err(entry.at.problem(
                 format!("{}: no freedoms are named at a grid point", entry.name),
                 "give the freedoms 1 to 6 it concerns",
             ));
         }
-        *bits.entry(node).or_default() |= entry.components;
+        for node in lookup.all(ids, &user, &entry.at)? {
+            *bits.entry(node).or_default() |= components;
+        }
     }
     Ok(())
 }

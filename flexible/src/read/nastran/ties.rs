@@ -5,9 +5,10 @@ use super::grids::Lookup;
 use super::lines::At;
 use super::masses::distinct;
 use super::number;
+use super::rigid::{Freedom, dependence};
 use super::unread::UnreadCards;
 use crate::error::FileProblem;
-use crate::mesh::{Carries, Tie};
+use crate::mesh::{Carries, Frame, Node, Tie};
 
 const ALL: u8 = 0b11_1111;
 
@@ -21,6 +22,11 @@ enum Kind {
         reference: u64,
         components: u8,
         groups: Vec<(Ids, f64, u8)>,
+    },
+    /// Six independent freedoms at several grid points, and those that follow.
+    Shared {
+        independent: Vec<(u64, u8)>,
+        dependent: Vec<(u64, u8)>,
     },
     /// Grid point, freedom, coefficient.
     Equation(Vec<(u64, Option<u8>, f64)>),
@@ -74,6 +80,7 @@ impl Ties {
     pub fn ties(
         &mut self,
         lookup: &Lookup,
+        places: (&[Node], &[Frame]),
         selected: &dyn Fn(u64) -> bool,
         unread: &mut UnreadCards,
     ) -> Result<Vec<Tie>, FileProblem> {
@@ -94,7 +101,7 @@ impl Ties {
                 unread.note("MPC of sets not selected", &card.at, Carries::Nothing);
                 continue;
             }
-            ties.extend(tie(card, lookup, unread)?);
+            tie(card, lookup, places, unread, &mut ties)?;
         }
         Ok(ties)
     }
@@ -103,11 +110,13 @@ impl Ties {
 fn tie(
     card: &TieCard,
     lookup: &Lookup,
+    (nodes, frames): (&[Node], &[Frame]),
     unread: &mut UnreadCards,
-) -> Result<Option<Tie>, FileProblem> {
+    ties: &mut Vec<Tie>,
+) -> Result<(), FileProblem> {
     let id = card.id;
     let user = || format!("{} {id}", card.name);
-    Ok(match &card.kind {
+    ties.push(match &card.kind {
         Kind::Rigid {
             independent,
             dependent,
@@ -117,11 +126,11 @@ fn tie(
                 let found = lookup.all(ids, &user, &card.at)?;
                 nodes.extend(found.into_iter().map(|node| (node, *components)));
             }
-            Some(Tie::Rigid {
+            Tie::Rigid {
                 id,
                 independent: lookup.require(*independent, &user, &card.at)?,
                 dependent: nodes,
-            })
+            }
         }
         Kind::Averaging {
             reference,
@@ -133,19 +142,19 @@ fn tie(
                 let found = lookup.all(ids, &user, &card.at)?;
                 nodes.extend(found.into_iter().map(|node| (node, *weight, *components)));
             }
-            Some(Tie::Averaging {
+            Tie::Averaging {
                 id,
                 reference: lookup.require(*reference, &user, &card.at)?,
                 reference_components: *components,
                 independent: nodes,
-            })
+            }
         }
         Kind::Equation(given) => {
             let mut terms = Vec::with_capacity(given.len());
             for &(grid, freedom, coefficient) in given {
-                if lookup.find(grid).is_none() && lookup.is_scalar(grid) {
+                if lookup.find(grid).is_none() && (freedom.is_none() || lookup.is_scalar(grid)) {
                     unread.note("MPC with scalar points", &card.at, Carries::Structure);
-                    return Ok(None);
+                    return Ok(());
                 }
                 let node = lookup.require(grid, &user, &card.at)?;
                 let freedom = freedom.ok_or_else(|| {
@@ -156,9 +165,50 @@ fn tie(
                 })?;
                 terms.push((node, freedom, coefficient));
             }
-            Some(Tie::Equation { id, terms })
+            Tie::Equation { id, terms }
         }
-    })
+        Kind::Shared {
+            independent,
+            dependent,
+        } => {
+            let freedoms = |list: &[(u64, u8)]| {
+                let mut freedoms: Vec<Freedom> = Vec::new();
+                for (grid, components) in list {
+                    let node = lookup.require(*grid, &user, &card.at)?;
+                    let named = (0..6).filter(|bit| components >> bit & 1 == 1);
+                    freedoms.extend(named.map(|freedom| (node, freedom)));
+                }
+                Ok::<_, FileProblem>(freedoms)
+            };
+            let given = freedoms(independent)?;
+            let mut following = freedoms(dependent)?;
+            following.retain(|freedom| !given.contains(freedom));
+            let rows = <&[Freedom; 6]>::try_from(given.as_slice())
+                .ok()
+                .and_then(|given| dependence(given, &following, nodes, frames));
+            let Some(rows) = rows else {
+                return Err(card.at.problem(
+                    format!(
+                        "{} {id}: its independent freedoms leave a rigid motion free",
+                        card.name
+                    ),
+                    "give six freedoms that hold a rigid body, or 123456 at one grid point",
+                ));
+            };
+            for (freedom, row) in following.iter().zip(rows) {
+                let others = given.iter().zip(row).filter(|(_, value)| *value != 0.0);
+                ties.push(Tie::Equation {
+                    id,
+                    terms: [(freedom.0, freedom.1, 1.0)]
+                        .into_iter()
+                        .chain(others.map(|((node, freedom), value)| (*node, *freedom, -value)))
+                        .collect(),
+                });
+            }
+            return Ok(());
+        }
+    });
+    Ok(())
 }
 
 /// `RBE2 EID GN CM GM1 GM2 … [ALPHA [TREF]]`: reals at the end are no grid points.
@@ -222,61 +272,78 @@ fn averaging(card: &Card) -> Result<Kind, FileProblem> {
     })
 }
 
-/// `RBAR EID GA GB CNA CNB CMA CMB`: all six independent freedoms at one end.
+/// `RBAR EID GA GB CNA CNB CMA CMB`: six independent freedoms (CN), the others or those named (CM) depend on them.
 fn bar(card: &Card) -> Result<Kind, FileProblem> {
-    let grids = [card.ids(1, 2, "GA")?, card.ids(2, 3, "GB")?];
-    let [ga, gb] = [card.id(1, "GA")?, card.id(2, "GB")?];
+    let grids = [card.id(1, "GA")?, card.id(2, "GB")?];
     let part = |i: usize, name: &str| {
         Ok::<u8, FileProblem>(card.optional_components(i, name)?.unwrap_or(0))
     };
-    let (cna, cnb) = (part(3, "CNA")?, part(4, "CNB")?);
-    let (cma, cmb) = (part(5, "CMA")?, part(6, "CMB")?);
-    let or_all = |components: u8| if components == 0 { ALL } else { components };
-    let [a, b] = grids;
-    match (cna, cnb) {
-        (ALL, 0) => Ok(Kind::Rigid {
-            independent: ga,
-            dependent: vec![(b, or_all(cmb))],
-        }),
-        (0, ALL) => Ok(Kind::Rigid {
-            independent: gb,
-            dependent: vec![(a, or_all(cma))],
-        }),
-        _ => Err(card.problem(
-            "its six independent freedoms are not all at one end",
-            "give 123456 in CNA or CNB and leave the other blank",
-        )),
+    let given = [part(3, "CNA")?, part(4, "CNB")?];
+    let mut following = [part(5, "CMA")?, part(6, "CMB")?];
+    if following == [0, 0] {
+        following = given.map(|components| ALL & !components);
     }
+    shared(
+        card,
+        grids.into_iter().zip(given).collect(),
+        grids.into_iter().zip(following).collect(),
+    )
 }
 
-/// `RBE1 EID GN1 CN1 GN2 CN2 GN3 CN3 / … / UM GM1 CM1 …`: read where one grid point has all six independent freedoms.
+/// `RBE1 EID GN1 CN1 GN2 CN2 GN3 CN3 / … / UM GM1 CM1 …`: six independent freedoms before `UM`, dependent ones behind it.
 fn general(card: &Card) -> Result<Kind, FileProblem> {
-    let marker = (1..card.len()).find(|i| card.text(*i) == "UM");
-    let Some(marker) = marker else {
-        return Err(card.problem("\"UM\" is missing", "dependent freedoms follow the word UM"));
-    };
-    let others = (3..marker).any(|i| !card.is_blank(i));
-    if others || card.components(2, "CN1")? != ALL {
-        return Err(card.problem(
-            "its six independent freedoms are not all at one grid point",
-            "give 123456 at one grid point, or use RBE2",
-        ));
-    }
-    let mut dependent = Vec::new();
-    let mut i = marker + 1;
-    while i < card.len() {
+    let (mut given, mut following) = (Vec::new(), Vec::new());
+    let mut behind = false;
+    let mut i = 1;
+    while i < card.len() && !number::is_real(card.text(i)) && card.text(i) != "ALPHA" {
         if card.is_blank(i) {
             i += 1;
-        } else if card.text(i).contains('.') {
-            break;
+        } else if card.text(i) == "UM" {
+            behind = true;
+            i += 1;
         } else {
-            dependent.push((card.ids(i, i + 1, "GM")?, card.components(i + 1, "CM")?));
+            let list = if behind { &mut following } else { &mut given };
+            list.push((card.id(i, "G")?, card.components(i + 1, "C")?));
             i += 2;
         }
     }
-    Ok(Kind::Rigid {
-        independent: card.id(1, "GN1")?,
-        dependent,
+    if !behind {
+        return Err(card.problem("\"UM\" is missing", "dependent freedoms follow the word UM"));
+    }
+    shared(card, given, following)
+}
+
+/// A rigid element of the given independent and dependent freedoms: a spider where all independent ones are at one grid point.
+fn shared(
+    card: &Card,
+    mut given: Vec<(u64, u8)>,
+    mut following: Vec<(u64, u8)>,
+) -> Result<Kind, FileProblem> {
+    given.retain(|(_, components)| *components != 0);
+    following.retain(|(_, components)| *components != 0);
+    if let [(independent, ALL)] = *given.as_slice() {
+        following.retain(|(grid, _)| *grid != independent);
+        return Ok(Kind::Rigid {
+            independent,
+            dependent: following
+                .into_iter()
+                .map(|(grid, components)| (Ids::one(grid), components))
+                .collect(),
+        });
+    }
+    let count: u32 = given
+        .iter()
+        .map(|(_, components)| components.count_ones())
+        .sum();
+    if count != 6 {
+        return Err(card.problem(
+            &format!("{count} independent freedoms instead of six"),
+            "give 123456 at one grid point, or six freedoms that hold a rigid body",
+        ));
+    }
+    Ok(Kind::Shared {
+        independent: given,
+        dependent: following,
     })
 }
 

@@ -66,7 +66,8 @@ const NOTHING: &[&str] = &[
     "TABRND1", "TEMP", "TEMPD", "TEMPP.", "TEMPRB", "TEMPBC", "TF", "TIC", "TLOAD.", "TRIM",
     "TSTEP", "TSTEPNL", "USET", "USET1", "MATS1", "MAT2", "MAT3", "MAT8", "MAT9", "MAT10", "MAT11",
     "VIEW", "VIEW3D", "RADM", "RADSET", "PSET", "PVAL", "BNDFIX", "BNDFIX1", "BNDFREE", "BNDFREE1",
-    "OUTPUT", "PARAM", "DCONSTR", "TOPVAR", "DDVAL", "DSC", "SPCSET",
+    "OUTPUT", "PARAM", "DCONSTR", "TOPVAR", "NLSTEP", "TABRNDG", "BCPARA", "BCTPARA", "BCRPARA",
+    "DDVAL", "DSC", "SPCSET",
 ];
 
 /// What a card carries, by its name.
