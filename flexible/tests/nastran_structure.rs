@@ -111,12 +111,10 @@ fn the_triangle_of_a_full_mass_matrix() {
         third.join(",")
     ));
     let matrix = mesh.point_masses[0].matrix;
-    let mut next = 1.0;
-    for i in 0..6 {
-        for j in 0..=i {
-            assert_eq!((matrix[i][j], matrix[j][i]), (next, next));
-            next += 1.0;
-        }
+    let lower = (0..6_usize).flat_map(|i| (0..=i).map(move |j| (i, j)));
+    for (number, (i, j)) in (1..=21).zip(lower) {
+        let value = f64::from(number);
+        assert_eq!((matrix[i][j], matrix[j][i]), (value, value));
     }
 }
 

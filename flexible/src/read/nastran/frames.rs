@@ -16,9 +16,9 @@ use crate::error::FileProblem;
 pub(super) enum Shape {
     /// x, y, z.
     Rectangular,
-    /// r, θ [deg], z.
+    /// r, θ in degrees, z.
     Cylindrical,
-    /// r, θ [deg] from +z, φ [deg].
+    /// r, θ from +z, φ in degrees.
     Spherical,
 }
 

@@ -89,8 +89,8 @@ impl GridDefaults {
 pub(super) struct Lookup {
     /// Number and index, sorted.
     ids: Vec<(u64, u32)>,
-    /// Scalar points.
-    scalar: Vec<IdRange>,
+    /// First and last of runs of scalar points, sorted.
+    scalar: Vec<(u64, u64)>,
 }
 
 impl Lookup {
@@ -139,7 +139,10 @@ impl Lookup {
             ids.push((grid.id, index));
         }
         ids.sort_unstable();
-        Ok(Lookup { ids, scalar })
+        Ok(Lookup {
+            ids,
+            scalar: runs(&scalar),
+        })
     }
 
     /// Index of a grid point.
@@ -150,9 +153,10 @@ impl Lookup {
 
     /// Whether a number is a scalar point's.
     pub fn is_scalar(&self, id: u64) -> bool {
-        self.scalar
-            .iter()
-            .any(|range| range.from <= id && id <= range.to)
+        let next = self.scalar.partition_point(|(from, _)| *from <= id);
+        next.checked_sub(1)
+            .and_then(|run| self.scalar.get(run))
+            .is_some_and(|(_, to)| id <= *to)
     }
 
     /// Index of a grid point that `user` needs.
@@ -200,6 +204,23 @@ impl Lookup {
     pub fn existing(&self, ids: &Ids) -> (Vec<u32>, usize) {
         existing(&self.ids, ids)
     }
+}
+
+/// Ranges as runs that don't overlap.
+fn runs(ranges: &[IdRange]) -> Vec<(u64, u64)> {
+    let mut sorted = ranges
+        .iter()
+        .map(|range| (range.from, range.to))
+        .collect::<Vec<_>>();
+    sorted.sort_unstable();
+    let mut runs: Vec<(u64, u64)> = Vec::new();
+    for (from, to) in sorted {
+        match runs.last_mut() {
+            Some((_, end)) if from <= *end => *end = to.max(*end),
+            _ => runs.push((from, to)),
+        }
+    }
+    runs
 }
 
 /// Indices of those of a list that a sorted table of numbers holds, and how many named ones it doesn't.

@@ -73,15 +73,16 @@ fn solve(mut matrix: [[f64; 6]; 6], mut right: [f64; 6]) -> Option<[f64; 6]> {
         }
         matrix.swap(k, pivot);
         right.swap(k, pivot);
-        for i in 0..6 {
+        let (pivot_row, pivot_right) = (matrix[k], right[k]);
+        for (i, (row, value)) in matrix.iter_mut().zip(&mut right).enumerate() {
             if i == k {
                 continue;
             }
-            let factor = matrix[i][k] / matrix[k][k];
-            for j in k..6 {
-                matrix[i][j] -= factor * matrix[k][j];
+            let factor = row[k] / pivot_row[k];
+            for (entry, above) in row.iter_mut().zip(pivot_row) {
+                *entry -= factor * above;
             }
-            right[i] -= factor * right[k];
+            *value -= factor * pivot_right;
         }
     }
     for k in 0..6 {
