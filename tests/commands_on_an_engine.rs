@@ -332,5 +332,8 @@ fn unknown_names_and_refused_files_exit_with_2() {
 fn a_clean_check_says_so() {
     let (code, output, errors) = run(&mut Known::default(), &["check", "known.eng"]);
     assert_eq!((code, errors.as_str()), (0, ""));
-    assert_eq!(output, "Known: 1 journal\nfired: 5 freedoms\nno errors, no warnings\n");
+    assert_eq!(
+        output,
+        "Known: 1 journal\nfired: 5 freedoms\nno errors, no warnings\n"
+    );
 }

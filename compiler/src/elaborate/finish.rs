@@ -236,7 +236,6 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                     .map(|n| self.bench.bind.slot(*n))
                     .collect(),
                 signals: draft.signals,
-                frames: Vec::new(),
             });
         }
         let bind = std::mem::take(&mut self.bench.bind);
