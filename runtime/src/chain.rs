@@ -141,6 +141,14 @@ pub fn ground(marker: &MarkerModel) -> MarkerKinematics {
 /// Pose and twist of a marker on a body with the velocities `v` of that body.
 pub fn kinematics(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> MarkerKinematics {
     let omega = omega_of(v);
+    if marker.shape.is_none() {
+        return MarkerKinematics {
+            position: frame.position + frame.rotation * marker.position,
+            rotation: frame.rotation * marker.orientation,
+            velocity: V3::new(v[0], v[1], v[2]) + frame.rotation * omega.cross(&marker.position),
+            angular_velocity: marker.orientation.transpose() * omega,
+        };
+    }
     let placed = Placed::new(frame, marker);
     let (rate, turning) = placed.rates(v);
     MarkerKinematics {
@@ -155,6 +163,18 @@ pub fn kinematics(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> MarkerK
 /// J, row-major 6 × width.
 pub fn jacobian(body: &BodyModel, frame: &BodyFrame, marker: &MarkerModel, out: &mut [f64]) {
     let width = body.width();
+    if marker.shape.is_none() {
+        let arm = -(frame.rotation * skew(&marker.position));
+        for i in 0..3 {
+            for j in 0..3 {
+                out[i * width + j] = if i == j { 1.0 } else { 0.0 };
+                out[i * width + 3 + j] = arm[(i, j)];
+                out[(3 + i) * width + j] = 0.0;
+                out[(3 + i) * width + 3 + j] = marker.orientation[(j, i)];
+            }
+        }
+        return;
+    }
     let placed = Placed::new(frame, marker);
     out[..6 * width].fill(0.0);
     let back = placed.orientation.transpose();

@@ -10,6 +10,7 @@ use crate::chain::{self, MarkerKinematics};
 use crate::elements::{self, Batch, Inputs, Scratch};
 use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
+use crate::rotation::{M3, V3};
 use eng_system::code::Function;
 
 /// Everything evaluated at one state, and room for it.
@@ -17,6 +18,8 @@ use eng_system::code::Function;
 pub struct Dynamics {
     /// Pose numbers of the bodies.
     pose: Vec<f64>,
+    /// Their frames' origins and orientations.
+    frames: Vec<(V3, M3)>,
     /// Poses and twists of the markers.
     pub markers: Vec<MarkerKinematics>,
     /// Dynamic elements.
@@ -44,6 +47,22 @@ pub struct Dynamics {
     block: Vec<f64>,
     columns: Vec<f64>,
     time: f64,
+}
+
+/// A body's frame from the cached origins and orientations.
+fn frame_of<'a>(
+    pose: &'a [f64],
+    frames: &[(V3, M3)],
+    body: &BodyModel,
+    index: usize,
+) -> BodyFrame<'a> {
+    let (position, rotation) = frames[index];
+    let first = body.pose + 7;
+    BodyFrame {
+        position,
+        rotation,
+        amplitudes: &pose[first..first + body.modes()],
+    }
 }
 
 fn matrix_size(model: &Model) -> usize {
@@ -74,6 +93,7 @@ impl Dynamics {
         let size = matrix_size(model);
         Dynamics {
             pose: vec![0.0; model.poses],
+            frames: vec![(V3::zeros(), M3::identity()); model.bodies.len()],
             markers: model.markers.iter().map(chain::ground).collect(),
             batches: elements::batches(model, &dynamic, false),
             scratch: Scratch::new(model),
@@ -94,20 +114,24 @@ impl Dynamics {
     }
 
     /// Frame and shape of a body where the dynamics stand.
-    pub fn frame(&self, body: &BodyModel) -> BodyFrame<'_> {
-        body.frame(&self.pose)
+    pub fn frame(&self, model: &Model, body: usize) -> BodyFrame<'_> {
+        frame_of(&self.pose, &self.frames, &model.bodies[body], body)
     }
 
     /// Sets frames, markers and marker Jacobians.
     pub fn place(&mut self, model: &Model, time: f64, pose: &[f64], velocity: &[f64]) {
         self.time = time;
         self.pose.copy_from_slice(pose);
+        for (cached, body) in self.frames.iter_mut().zip(&model.bodies) {
+            let frame = body.frame(pose);
+            *cached = (frame.position, frame.rotation);
+        }
         for (index, marker) in model.markers.iter().enumerate() {
             match marker.body {
                 None => self.markers[index] = chain::ground(marker),
                 Some(b) => {
                     let body = &model.bodies[b];
-                    let frame = body.frame(pose);
+                    let frame = frame_of(&self.pose, &self.frames, body, b);
                     self.markers[index] =
                         chain::kinematics(&frame, marker, &velocity[body.velocity..]);
                     let at = self.jacobian_at[index];
@@ -212,10 +236,10 @@ impl Dynamics {
         acceleration: &[f64],
         out: &mut [f64],
     ) {
-        for body in &model.bodies {
+        for (index, body) in model.bodies.iter().enumerate() {
             let range = body.velocity..body.velocity + body.width();
             body.add_inertia(
-                &self.frame(body),
+                &self.frame(model, index),
                 &velocity[range.clone()],
                 &acceleration[range.clone()],
                 &model.gravity,
@@ -259,7 +283,7 @@ impl Dynamics {
                         };
                         let body = &model.bodies[b];
                         let bias = chain::acceleration_bias(
-                            &body.frame(&self.pose),
+                            &frame_of(&self.pose, &self.frames, body, b),
                             &model.markers[*marker],
                             &velocity[body.velocity..],
                         );
@@ -359,9 +383,9 @@ impl Dynamics {
     /// Kinetic energy, gravity's potential, strain energy (J), power lost in the bodies' own damping (W).
     pub fn energy(&self, model: &Model, velocity: &[f64]) -> [f64; 4] {
         let mut total = [0.0; 4];
-        for body in &model.bodies {
+        for (index, body) in model.bodies.iter().enumerate() {
             let own = body.energy(
-                &self.frame(body),
+                &self.frame(model, index),
                 &velocity[body.velocity..],
                 &model.gravity,
             );

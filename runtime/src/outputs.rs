@@ -116,7 +116,7 @@ impl Outputs {
             let body = &model.bodies[b];
             let width = body.width();
             let mut x = chain::acceleration_bias(
-                &dynamics.frame(body),
+                &dynamics.frame(model, b),
                 marker,
                 &state.velocity[body.velocity..],
             );

@@ -1,6 +1,6 @@
 //! The exact matrix of a step: where its blocks lie, and how they are filled.
 
-use super::{Dynamics, not_finite};
+use super::{Dynamics, frame_of, not_finite};
 use crate::body::Weights;
 use crate::chain;
 use crate::elements;
@@ -157,7 +157,7 @@ impl MatrixPlan {
             let block = &mut dynamics.block[..width * width];
             block.fill(0.0);
             body.add_inertia_matrix(
-                &body.frame(&dynamics.pose),
+                &frame_of(&dynamics.pose, &dynamics.frames, body, index),
                 &velocity[range.clone()],
                 &acceleration[range],
                 &model.gravity,
@@ -180,7 +180,7 @@ impl MatrixPlan {
             let twist = &mut dynamics.twist_columns[range.clone()];
             chain::twist_by_pose(
                 body,
-                &body.frame(&dynamics.pose),
+                &frame_of(&dynamics.pose, &dynamics.frames, body, b),
                 marker,
                 &velocity[body.velocity..],
                 twist,
@@ -196,6 +196,7 @@ impl MatrixPlan {
             block,
             columns,
             pose,
+            frames,
             jacobians,
             jacobian_at,
             pose_columns,
@@ -316,7 +317,7 @@ impl MatrixPlan {
                             let block = &mut block[..width * width];
                             chain::force_by_pose(
                                 &model.bodies[b],
-                                &model.bodies[b].frame(pose),
+                                &frame_of(pose, frames, &model.bodies[b], b),
                                 &model.markers[*marker],
                                 &wrenches[element.wrench + 6 * j..element.wrench + 6 * j + 6],
                                 block,

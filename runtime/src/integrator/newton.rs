@@ -277,11 +277,11 @@ impl Integrator {
         }
         self.correction.fill(0.0);
         let weight = c.weights(h).acceleration;
-        for body in &model.bodies {
+        for (index, body) in model.bodies.iter().enumerate() {
             let width = body.width();
             let mass = &mut self.mass_block[..width * width];
             mass.fill(0.0);
-            body.add_mass(&dynamics.frame(body), mass);
+            body.add_mass(&dynamics.frame(model, index), mass);
             for i in 0..width {
                 let product: f64 = (0..width)
                     .map(|j| mass[i * width + j] * self.estimate[body.velocity + j])
