@@ -43,6 +43,8 @@ pub struct Instance {
     pub interpreter: Arc<dyn ElementCode>,
     pub constants: Vec<f64>,
     pub places: Vec<Place>,
+    /// The constraint equations as written.
+    pub rows: Vec<String>,
     pub outputs: Vec<OutputInfo>,
     pub tables: Vec<Table>,
 }
@@ -111,6 +113,7 @@ impl Instance {
             functions,
             constants: element.constants.iter().map(slot).collect(),
             places,
+            rows: class.rows.iter().map(|r| r.text.clone()).collect(),
             outputs: class.outputs.clone(),
             tables: made.system.tables.clone(),
         }

@@ -7,6 +7,17 @@ use eng_system::table::Table;
 /// Values of every output with the sum of magnitudes that went into it. Where a sum cancels, its magnitude exceeds its value; the
 /// excess goes on through the slopes of what follows.
 pub fn with_magnitudes(function: &Function, inputs: &[f64], tables: &[Table]) -> Vec<(f64, f64)> {
+    let sizes: Vec<f64> = inputs.iter().map(|x| x.abs()).collect();
+    with_magnitudes_from(function, inputs, &sizes, tables)
+}
+
+/// The same where the inputs come from sums of such magnitudes.
+pub fn with_magnitudes_from(
+    function: &Function,
+    inputs: &[f64],
+    input_sizes: &[f64],
+    tables: &[Table],
+) -> Vec<(f64, f64)> {
     let values = all_values(function, inputs, tables);
     let mut sizes: Vec<f64> = Vec::new();
     for (op, value) in function.graph.nodes().iter().zip(&values) {
@@ -18,6 +29,7 @@ pub fn with_magnitudes(function: &Function, inputs: &[f64], tables: &[Table]) ->
         };
         let value = value.abs();
         let size = match *op {
+            Op::Input(i) => input_sizes[i as usize],
             Op::Add(a, b) | Op::Subtract(a, b) => m(a) + m(b),
             Op::Multiply(a, b) => v(a).abs() * m(b) + m(a) * v(b).abs() - value,
             Op::Divide(a, b) => (m(a) + value * (m(b) - v(b).abs())) / v(b).abs(),
