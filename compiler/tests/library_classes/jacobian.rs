@@ -116,7 +116,11 @@ fn jacobian_agrees_with_differences() {
     for instance in Instance::all() {
         let mut random = Random(41);
         let mut largest = 0.0_f64;
-        let count = if instance.case.kind == "journal" { 60 } else { 12 };
+        let count = if instance.case.kind == "journal" {
+            60
+        } else {
+            12
+        };
         for _ in 0..count {
             let state = instance.state(&mut random);
             let exact = columns(&instance, &state);
