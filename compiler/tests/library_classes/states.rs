@@ -74,7 +74,7 @@ impl Motion {
     /// A pin in this shell: eccentricity ratio up to 0.95, tilted by up to a milliradian, with its own small velocity.
     fn pin_within(&self, clearance: f64, random: &mut Random) -> Motion {
         let ratio = 0.95 * random.unit().abs().sqrt();
-        let angle = 3.14 * random.unit();
+        let angle = std::f64::consts::PI * random.unit();
         let place = [
             ratio * clearance * libm::cos(angle),
             ratio * clearance * libm::sin(angle),
