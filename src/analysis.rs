@@ -95,6 +95,15 @@ impl Analysis {
             .map_err(|e| run_error(&self.model, e.into()))
     }
 
+    /// Assembles the model as the analysis begins, and counts its freedoms.
+    pub fn topology(&self) -> Result<eng_runtime::TopologyReport, Error> {
+        let (compiled, overrides) = (self.model.compiled(), &self.overrides);
+        // the start has conditions of its own: clearances, velocities that fit each other
+        eng_runtime::Simulation::new(compiled, overrides, eng_runtime::Options::default())
+            .and_then(|_| eng_runtime::topology(compiled, overrides))
+            .map_err(|cause| run_error(&self.model, cause))
+    }
+
     /// Runs. `progress` is called after every step.
     pub fn run(&self, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, Failed> {
         let system = &self.model.compiled().system;

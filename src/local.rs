@@ -2,7 +2,8 @@
 
 use crate::analysis::{Failed, Outcome};
 use crate::cli::{
-    CheckOutcome, Engine, EngineError, JournalGeometry, Progress, RunOutcome, Setting,
+    AssemblyOutcome, CheckOutcome, Engine, EngineError, JournalGeometry, Progress, RunOutcome,
+    Setting,
 };
 use crate::plot::Upright;
 use crate::{Analysis, Error, Program, Quantity, Sources};
@@ -58,6 +59,34 @@ impl Engine for Local {
                 .unwrap_or_default(),
             facts,
         })
+    }
+
+    fn assemble(&mut self) -> Result<AssemblyOutcome, EngineError> {
+        let Some(program) = &self.program else {
+            return Err(EngineError::System("no model was checked".into()));
+        };
+        let mut found = AssemblyOutcome::default();
+        let mut told = Vec::new();
+        for name in program.analyses() {
+            let analysis = program.analysis(name).map_err(engine_error)?;
+            match analysis.topology() {
+                Ok(report) => found.facts.push(format!(
+                    "{name}: assembles; {} velocities, {} constraint equations, {} freedoms",
+                    report.velocities, report.equations, report.freedom
+                )),
+                Err(Error::Run { report, .. } | Error::Report(report)) => {
+                    // analyses of one model fail alike: each mistake once
+                    for diagnostic in report.diagnostics().iter() {
+                        if !told.contains(diagnostic) {
+                            told.push(diagnostic.clone());
+                            found.diagnostics.push(diagnostic.clone());
+                        }
+                    }
+                }
+                Err(other) => return Err(engine_error(other)),
+            }
+        }
+        Ok(found)
     }
 
     fn run(

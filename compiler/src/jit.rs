@@ -80,11 +80,6 @@ impl JitClass {
         class.module = Mutex::new(Some(generator.module));
         outcome.map(|()| class)
     }
-
-    /// Bytes of machine code of one function, its constants included.
-    pub fn function_bytes(&self, function: Which) -> usize {
-        self.bytes[function as usize]
-    }
 }
 
 /// Stands in an entry until the code is there.
@@ -152,8 +147,8 @@ impl ElementCode for JitClass {
         true
     }
 
-    fn code_bytes(&self) -> usize {
-        self.bytes.iter().sum()
+    fn function_bytes(&self, function: Which) -> usize {
+        self.bytes[function as usize]
     }
 }
 
@@ -255,7 +250,8 @@ impl Generator {
         let machine = |e: &dyn std::fmt::Display| CodegenError::Machine(e.to_string());
         let mut flags = settings::builder();
         for (name, value) in [
-            ("opt_level", "speed"),
+            // our own optimiser has done what there is to do, and its order of operations is the better one
+            ("opt_level", "none"),
             ("is_pic", "false"),
             ("use_colocated_libcalls", "false"),
             (
@@ -350,6 +346,9 @@ impl Generator {
             inputs,
             tables,
             values: Vec::with_capacity(function.graph.nodes().len()),
+            homes: vec![None; function.graph.nodes().len()],
+            used: vec![0; function.graph.nodes().len()],
+            emitted: 0,
         };
         let stores = stores(function);
         let needed = crate::ir::optimise::dependencies(&function.graph, &function.outputs);
@@ -360,15 +359,25 @@ impl Generator {
                 Op::Input(i) if i >= function.inputs => {
                     return Err(refuse(format!("input {i} of {}", function.inputs)));
                 }
+                // loaded where it is used
+                Op::Input(i) => {
+                    body.homes[index] = Some((inputs, offset(i).map_err(refuse)?));
+                    Lanes::Float(inputs)
+                }
                 op => body.operation(op).map_err(refuse)?,
             };
             body.values.push(value);
+            body.emitted += 1;
+            body.used[index] = body.emitted;
             for output in stores.get(&index).into_iter().flatten() {
                 let value = body.float(Node(index as u32));
-                let offset = offset(*output).map_err(refuse)?;
+                let offset = offset(*output as u32).map_err(refuse)?;
                 body.builder
                     .ins()
                     .store(MemFlagsData::new().with_notrap(), value, outputs, offset);
+                if body.homes[index].is_none() {
+                    body.homes[index] = Some((outputs, offset));
+                }
             }
         }
         let mut builder = body.builder;
@@ -399,8 +408,8 @@ fn stores(function: &Function) -> BTreeMap<usize, Vec<usize>> {
 }
 
 /// Bytes from the start of inputs or outputs to a pair.
-fn offset(index: usize) -> Result<Offset32, String> {
-    i32::try_from(index * size_of::<Pair>())
+fn offset(index: u32) -> Result<Offset32, String> {
+    i32::try_from(u64::from(index) * size_of::<Pair>() as u64)
         .map(Offset32::new)
         .map_err(|_| format!("input or output {index} is too far away"))
 }
@@ -414,6 +423,12 @@ enum Lanes {
     Flag(Value),
 }
 
+impl Lanes {
+    fn is(self, other: Value) -> bool {
+        matches!(self, Lanes::Float(value) if value == other)
+    }
+}
+
 /// A function's body while it is generated.
 struct Body<'a, 'b> {
     module: &'a mut JITModule,
@@ -425,11 +440,30 @@ struct Body<'a, 'b> {
     inputs: Value,
     tables: Value,
     values: Vec<Lanes>,
+    /// Where in memory a node stands: an input, or an output that is written already.
+    homes: Vec<Option<(Value, Offset32)>>,
+    /// When a node was last in a register, counted in operations.
+    used: Vec<usize>,
+    emitted: usize,
 }
+
+/// A value with a home that was not used for so many operations is loaded again: cheaper than to keep it in a register, which
+/// others then leave for the stack.
+const KEPT_FOR: usize = 24;
 
 impl Body<'_, '_> {
     fn float(&mut self, node: Node) -> Value {
-        match self.values[node.0 as usize] {
+        let index = node.0 as usize;
+        if let Some((base, offset)) = self.homes[index] {
+            let fresh = base == self.inputs && self.values[index].is(base);
+            if fresh || self.emitted - self.used[index] > KEPT_FOR {
+                let flags = MemFlagsData::new().with_notrap();
+                let value = self.builder.ins().load(types::F64X2, flags, base, offset);
+                self.values[index] = Lanes::Float(value);
+            }
+            self.used[index] = self.emitted;
+        }
+        match self.values[index] {
             Lanes::Float(value) => value,
             Lanes::Flag(mask) => {
                 let one = self.constant(1.0);
@@ -482,16 +516,7 @@ impl Body<'_, '_> {
 
     fn operation(&mut self, op: Op) -> Result<Lanes, String> {
         let value = match op {
-            Op::Input(i) => {
-                let flags = MemFlagsData::new()
-                    .with_notrap()
-                    .with_readonly()
-                    .with_can_move();
-                let offset = offset(i as usize)?;
-                self.builder
-                    .ins()
-                    .load(types::F64X2, flags, self.inputs, offset)
-            }
+            Op::Input(i) => return Err(format!("input {i} has no home")),
             Op::Constant(bits) => self.constant(f64::from_bits(bits)),
             Op::Add(a, b) => {
                 let (a, b) = (self.float(a), self.float(b));

@@ -9,10 +9,23 @@ pub(super) fn check(
     engine: &mut dyn Engine,
     console: &mut Console<'_>,
 ) -> Result<(), Stop> {
-    let outcome = match engine.check(&arguments.model) {
+    let refused =
+        |error, console: &mut Console<'_>| Err(explain_error(&error, &Default::default(), console));
+    let mut outcome = match engine.check(&arguments.model) {
         Ok(outcome) => outcome,
-        Err(error) => return Err(explain_error(&error, &Default::default(), console)),
+        Err(error) => return refused(error, console),
     };
+    if !outcome.diagnostics.has_errors() {
+        match engine.assemble() {
+            Ok(assembled) => {
+                outcome.facts.extend(assembled.facts);
+                for diagnostic in assembled.diagnostics.iter() {
+                    outcome.diagnostics.push(diagnostic.clone());
+                }
+            }
+            Err(error) => return refused(error, console),
+        }
+    }
     match arguments.format {
         Format::Json => write!(
             console.output,

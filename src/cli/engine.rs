@@ -10,6 +10,9 @@ pub trait Engine {
     /// Reads a model and everything it uses, and checks it. An `Err` means that its file could not be read.
     fn check(&mut self, model: &Path) -> Result<CheckOutcome, EngineError>;
 
+    /// Assembles the models that were checked last and had no errors, and counts their freedoms: what no text shows.
+    fn assemble(&mut self) -> Result<AssemblyOutcome, EngineError>;
+
     /// Runs an analysis of the model that was checked last and had no errors. `progress` is called at accepted steps.
     fn run(
         &mut self,
@@ -29,6 +32,15 @@ pub struct CheckOutcome {
     /// Names of the analyses, in the order of the text: `unfired`, `sweep[3]`.
     pub analyses: Vec<String>,
     /// Facts worth a line each: `Inline4: 11 bodies, 5 journals, 54 unknowns, 31 constraints`.
+    pub facts: Vec<String>,
+}
+
+/// What assembling the models found.
+#[derive(Clone, Debug, Default)]
+pub struct AssemblyOutcome {
+    /// Loops that stay open, equations that repeat each other; their places are of the checked model's sources.
+    pub diagnostics: Diagnostics,
+    /// A line a model: its freedoms.
     pub facts: Vec<String>,
 }
 

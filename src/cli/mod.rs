@@ -12,7 +12,8 @@ mod summary;
 mod table;
 
 pub use engine::{
-    CheckOutcome, Engine, EngineError, JournalGeometry, Progress, RunOutcome, Setting,
+    AssemblyOutcome, CheckOutcome, Engine, EngineError, JournalGeometry, Progress, RunOutcome,
+    Setting,
 };
 pub use summary::{JournalSummary, journal_table};
 

@@ -62,8 +62,13 @@ pub trait ElementCode: Send + Sync + std::fmt::Debug {
         tables: &[Table],
     ) -> bool;
 
-    /// Bytes of machine code of all functions; 0 where interpreted.
-    fn code_bytes(&self) -> usize;
+    /// Bytes of machine code of a function, its constants included; 0 where interpreted.
+    fn function_bytes(&self, function: Function) -> usize;
+
+    /// Bytes of machine code of all functions.
+    fn code_bytes(&self) -> usize {
+        Function::ALL.iter().map(|f| self.function_bytes(*f)).sum()
+    }
 }
 
 /// The graph of expressions of parameters alone.
@@ -130,4 +135,6 @@ pub struct Compiled {
     pub code: Vec<std::sync::Arc<dyn ElementCode>>,
     /// The bind graph.
     pub bind: std::sync::Arc<dyn BindCode>,
+    /// Reductions of the flexible bodies.
+    pub reduced: Vec<std::sync::Arc<crate::reduced::ReducedBody>>,
 }

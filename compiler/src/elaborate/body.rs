@@ -7,7 +7,7 @@ use crate::ir::{Node, Op};
 use eng_grammar::ast::{self, ExprKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
-use eng_system::system::{Body, BodyRef, Marker, Origin, Role, Slot};
+use eng_system::system::{Body, BodyInertia, BodyRef, Marker, Origin, Role, Slot};
 
 /// A 3×3 matrix of bind nodes, row-major.
 type Matrix = [Node; 9];
@@ -72,6 +72,7 @@ impl<'a> Elaborator<'a, '_> {
             body,
             position,
             orientation,
+            shape: None,
             placed_at: None,
         });
         // those without a place in the text are not the user's to use
@@ -351,9 +352,11 @@ impl<'a> Elaborator<'a, '_> {
                 used_at: Some(location(declaration.name.span)),
                 defined_at: None,
             },
-            mass,
-            center_of_mass,
-            inertia,
+            inertia: BodyInertia::Rigid {
+                mass,
+                center_of_mass,
+                inertia,
+            },
             position: None,
             orientation: None,
         });

@@ -240,7 +240,6 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                     .map(|n| self.bench.bind.slot(*n))
                     .collect(),
                 signals: draft.signals,
-                frames: Vec::new(),
             });
         }
         let bind = std::mem::take(&mut self.bench.bind);

@@ -179,7 +179,7 @@ impl ElementCode for InterpretedClass {
         done
     }
 
-    fn code_bytes(&self) -> usize {
+    fn function_bytes(&self, _: eng_system::code::Function) -> usize {
         0
     }
 }
