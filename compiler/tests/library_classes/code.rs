@@ -1,7 +1,11 @@
 //! Generated code against the interpreter: the same bits, also where the number of instances is odd.
 
+use crate::double::Double;
+use crate::evaluate::evaluate;
 use crate::instance::Instance;
+use crate::states::doubles;
 use crate::support::Random;
+use crate::support::magnitudes::with_magnitudes;
 use eng_system::code::{Function, Pair};
 
 /// Of one instance, by the interpreter, both lanes alike.
@@ -115,5 +119,44 @@ fn lanes_do_not_see_each_other() {
                 }
             }
         }
+    }
+}
+
+/// What both compute is what the graph says: its values in numbers of twice the precision.
+#[test]
+fn values_are_those_of_higher_precision() {
+    for instance in Instance::all() {
+        let mut random = Random(89);
+        let mut largest = 0.0_f64;
+        for _ in 0..20 {
+            let state = instance.state(&mut random);
+            for which in [
+                Function::Residual,
+                Function::Linearize,
+                Function::Velocity,
+                Function::Outputs,
+                Function::Conditions,
+                Function::Rotations,
+            ] {
+                let function = instance.functions.get(which);
+                let found =
+                    crate::support::call(&*instance.machine, which, &state, &instance.tables);
+                let sizes = with_magnitudes(function, &state, &instance.tables);
+                let exact = evaluate(function, &doubles(&state), &instance.tables);
+                for (row, ((found, exact), (_, size))) in
+                    found.iter().zip(&exact).zip(sizes).enumerate()
+                {
+                    let error = (Double::from(*found) - *exact).high.abs();
+                    assert!(
+                        error <= 1e-12 * size,
+                        "{} {which:?} {row}: {found:e} {:e} of {size:e}",
+                        instance.case.class,
+                        exact.high
+                    );
+                    largest = largest.max(if error == 0.0 { 0.0 } else { error / size });
+                }
+            }
+        }
+        println!("{}: {largest:.1e}", instance.case.class);
     }
 }

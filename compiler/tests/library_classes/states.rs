@@ -295,7 +295,7 @@ fn turn_marker(marker: &mut [Double], v: [Double; 3]) {
     }
 }
 
-/// The derivative of f at 0 and an estimate of its error: central differences with h and h/2, Richardson's extrapolation.
+/// The derivative of f at 0: central differences with h and h/2, Richardson's extrapolation.
 pub fn slope(h: f64, f: impl Fn(Double) -> Vec<Double>) -> Vec<f64> {
     let central = |h: f64| -> Vec<Double> {
         f(h.into())
