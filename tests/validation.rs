@@ -407,69 +407,6 @@ fn a_resumed_engine_has_the_same_bits() {
     );
 }
 
-/// The step's exact matrix against Richardson differences of its residual, near states on the way.
-#[test]
-fn jacobians_of_the_examples_are_exact() {
-    for (example, name, step) in [
-        ("slider_crank", "inertia", 2e-4),
-        ("inline4", "fired", 1e-3),
-    ] {
-        let mut simulation = analysis(example, name)
-            .model()
-            .simulation()
-            .fixed_step(2e-5)
-            .start()
-            .unwrap_or_else(|error| panic!("{error}"));
-        for _ in 0..30 {
-            simulation.step().unwrap_or_else(|error| panic!("{error}"));
-        }
-        let runtime = simulation.runtime();
-        let n = runtime.unknowns();
-        let mut at = vec![0.0; n];
-        // a short move from here, seen as one of a longer step: velocities then change little against the squeeze of the films
-        runtime.predicted(2e-5, &mut at).expect("a prediction");
-        let mut dense = vec![0.0; n * n];
-        let view = runtime.jacobian(step, &at).expect("a matrix");
-        for column in 0..n {
-            for k in view.columns[column]..view.columns[column + 1] {
-                dense[view.rows[k] * n + column] = view.values[k];
-            }
-        }
-        let mut numeric = vec![0.0; n * n];
-        let (mut high, mut low) = (vec![0.0; n], vec![0.0; n]);
-        for j in 0..n {
-            // scaled unknowns: the clearance is 1e-4 of the length
-            let mut difference = |h: f64| -> Vec<f64> {
-                let mut x = at.clone();
-                x[j] = at[j] + h;
-                runtime.residual(step, &x, &mut high).expect("finite");
-                x[j] = at[j] - h;
-                runtime.residual(step, &x, &mut low).expect("finite");
-                high.iter()
-                    .zip(&low)
-                    .map(|(a, b)| (a - b) / (2.0 * h))
-                    .collect()
-            };
-            let h = 4e-7;
-            let (d1, d2, d4) = (difference(h), difference(h / 2.0), difference(h / 4.0));
-            for i in 0..n {
-                let (r1, r2) = ((4.0 * d2[i] - d1[i]) / 3.0, (4.0 * d4[i] - d2[i]) / 3.0);
-                numeric[i * n + j] = (16.0 * r2 - r1) / 15.0;
-            }
-        }
-        let mut worst = 0.0_f64;
-        for i in 0..n {
-            let row = &dense[i * n..(i + 1) * n];
-            let norm = row.iter().map(|x| x * x).sum::<f64>().sqrt();
-            for (a, b) in row.iter().zip(&numeric[i * n..]) {
-                worst = worst.max((a - b).abs() / norm);
-            }
-        }
-        println!("{example}: {worst:.1e} of the row norm");
-        assert!(worst < 1e-8, "{example}: {worst:.1e} of the row norm");
-    }
-}
-
 /// A slider-crank that turns freely after its start: no drive, no friction.
 const FREE: &str = "
 use std.joints.{Revolute, PointOnLine, Translational}

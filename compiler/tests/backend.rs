@@ -4,10 +4,11 @@
 mod support;
 
 use eng_compiler::generate::{CodeCache, compile_class};
-use eng_compiler::ir::{ClassFunctions, InterpretedClass, Interpreter, Op};
+use eng_compiler::ir::{ClassFunctions, InterpretedClass, Op};
 use eng_system::code::{ElementCode, Function, Pair};
 use eng_system::layout::InputLayout;
 use eng_system::table::Table;
+use support::magnitudes::with_magnitudes;
 use support::{Random, call, cases, product, rotation, tables};
 
 fn functions(build: fn(bool) -> eng_compiler::ir::ClassBody) -> ClassFunctions {
@@ -298,74 +299,6 @@ fn velocity_and_gamma_follow_the_motion() {
             }
         }
     }
-}
-
-/// Values of every output with the sum of magnitudes that went into it, over the unoptimised graph.
-fn with_magnitudes(
-    function: &eng_compiler::ir::Function,
-    inputs: &[f64],
-    tables: &[Table],
-) -> Vec<(f64, f64)> {
-    let values = {
-        let mut all = function.clone();
-        all.outputs = (0..function.graph.nodes().len() as u32)
-            .map(eng_compiler::ir::Node)
-            .collect();
-        let pairs: Vec<Pair> = inputs.iter().map(|x| [*x, *x]).collect();
-        let mut outputs = vec![[0.0; 2]; all.outputs.len()];
-        assert!(Interpreter::new(&all).evaluate(&pairs, &mut outputs, tables, &mut Vec::new()));
-        outputs.iter().map(|p| p[0]).collect::<Vec<f64>>()
-    };
-    let mut sizes: Vec<f64> = Vec::new();
-    for (op, value) in function.graph.nodes().iter().zip(&values) {
-        let m = |n: eng_compiler::ir::Node| sizes[n.0 as usize];
-        let v = |n: eng_compiler::ir::Node| values[n.0 as usize];
-        let of = |f: fn(f64) -> f64, a: eng_compiler::ir::Node| {
-            let h = 1e-7 * (1.0 + v(a).abs());
-            f(v(a)).abs() + ((f(v(a) + h) - f(v(a) - h)) / (2.0 * h)).abs() * m(a)
-        };
-        let size = match *op {
-            Op::Add(a, b) | Op::Subtract(a, b) => m(a) + m(b),
-            Op::Multiply(a, b) => m(a) * m(b),
-            Op::Divide(a, b) => m(a) * m(b) / (v(b) * v(b)),
-            Op::Negate(a) | Op::Abs(a) => m(a),
-            Op::Sqrt(a) => m(a) / value.abs(),
-            Op::Minimum(a, b) | Op::Maximum(a, b) => m(a).max(m(b)),
-            Op::Select(f, a, b) => {
-                if v(f) != 0.0 {
-                    m(a)
-                } else {
-                    m(b)
-                }
-            }
-            Op::Sin(a) => of(libm::sin, a),
-            Op::Cos(a) => of(libm::cos, a),
-            Op::Tan(a) => of(libm::tan, a),
-            Op::Asin(a) => of(libm::asin, a),
-            Op::Acos(a) => of(libm::acos, a),
-            Op::Atan(a) => of(libm::atan, a),
-            Op::Tanh(a) => of(libm::tanh, a),
-            Op::Exp(a) => of(libm::exp, a),
-            Op::Log(a) => of(libm::log, a),
-            Op::Atan2(y, x) => {
-                value.abs() + (m(y) * v(x).abs() + m(x) * v(y).abs()) / (v(x) * v(x) + v(y) * v(y))
-            }
-            Op::Power(b, e) => {
-                let slope = (v(e) * value / v(b)).abs() * m(b);
-                value.abs()
-                    + if slope.is_finite() { slope } else { 0.0 }
-                    + (value * libm::log(v(b).abs())).abs() * m(e)
-            }
-            Op::Table(_, a, _) => value.abs() + m(a),
-            _ => value.abs(),
-        };
-        sizes.push(if size.is_nan() { value.abs() } else { size });
-    }
-    function
-        .outputs
-        .iter()
-        .map(|n| (values[n.0 as usize], sizes[n.0 as usize]))
-        .collect()
 }
 
 #[test]

@@ -2,7 +2,7 @@
 #![allow(clippy::expect_used)]
 
 use eng_compiler::elaborate::{analyses, elaborate};
-use eng_compiler::ir::interpret::InterpretedClass;
+use eng_compiler::generate::compile_class;
 use eng_compiler::library::LIBRARY;
 use eng_compiler::resolve::resolve;
 use eng_grammar::{Diagnostics, SourceMap};
@@ -11,6 +11,7 @@ use eng_system::host::{Host, HostError};
 use eng_system::layout::InputLayout;
 use serde_json::Value;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 struct Text(String);
 
@@ -28,7 +29,8 @@ const VISCOSITY: f64 = 0.0105;
 
 /// A journal with its numbers bound.
 struct Law {
-    code: InterpretedClass,
+    machine: Arc<dyn ElementCode>,
+    interpreter: Arc<dyn ElementCode>,
     layout: InputLayout,
     constants: Vec<f64>,
     names: Vec<String>,
@@ -97,7 +99,8 @@ analysis start = assemble(Pair())"
             .expect("the journal");
         let class = element.class as usize;
         Law {
-            code: InterpretedClass::new(&made.classes[class]),
+            machine: compile_class(made.classes[class].clone(), true).expect("compiles"),
+            interpreter: compile_class(made.classes[class].clone(), false).expect("is ready"),
             layout: made.system.classes[class].layout,
             constants: element
                 .constants
@@ -131,14 +134,25 @@ analysis start = assemble(Pair())"
         inputs
     }
 
+    /// Of the generated code; the interpreter has the same bits.
+    fn call(&self, function: Function, pin: Motion, shell: Motion) -> Vec<f64> {
+        let inputs = self.inputs(pin, shell);
+        let of = |code: &dyn ElementCode| {
+            let mut out = vec![[f64::NAN; 2]; code.shape(function).1];
+            assert!(code.call(function, &inputs, &mut out, &[]));
+            out
+        };
+        let (generated, interpreted) = (of(&*self.machine), of(&*self.interpreter));
+        for (a, b) in generated.iter().zip(&interpreted) {
+            assert_eq!(a.map(f64::to_bits), b.map(f64::to_bits));
+        }
+        generated.iter().map(|p| p[0]).collect()
+    }
+
     fn film(&self, pin: Motion, shell: Motion) -> Film {
-        let mut out = vec![[0.0; 2]; self.layout.residual_len() as usize];
-        assert!(
-            self.code
-                .call(Function::Residual, &self.inputs(pin, shell), &mut out, &[])
-        );
-        assert!(out.iter().all(|p| p[0].is_finite()));
-        let at = |i: usize| out[i][0];
+        let out = self.call(Function::Residual, pin, shell);
+        assert!(out.iter().all(|x| x.is_finite()));
+        let at = |i: usize| out[i];
         Film {
             force: [at(0), at(1), at(2)],
             torque: [at(5), at(11)],
@@ -147,17 +161,13 @@ analysis start = assemble(Pair())"
     }
 
     fn output(&self, name: &str, pin: Motion, shell: Motion) -> f64 {
-        let mut out = vec![[0.0; 2]; self.names.len()];
-        assert!(
-            self.code
-                .call(Function::Outputs, &self.inputs(pin, shell), &mut out, &[])
-        );
+        let out = self.call(Function::Outputs, pin, shell);
         let index = self
             .names
             .iter()
             .position(|n| n == name)
             .expect("an output of that name");
-        out[index][0]
+        out[index]
     }
 
     /// Force on a pin at a ratio with a squeeze velocity; nothing turns.

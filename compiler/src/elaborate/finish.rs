@@ -3,7 +3,7 @@
 use super::scalar::Workbench;
 use super::value::{ScopeId, Value};
 use super::{BindProgram, Elaborator, Entry, Eval, Reported};
-use crate::ir::{ClassFunctions, Function};
+use crate::ir::{ClassBody, ClassFunctions, Function};
 use crate::program::{DefinitionId, Program};
 use eng_grammar::ast::{Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
@@ -19,6 +19,8 @@ pub struct Elaborated {
     pub system: System,
     /// Functions of each class, by the same index.
     pub classes: Vec<ClassFunctions>,
+    /// What the functions were derived from, by the same index.
+    pub bodies: Vec<ClassBody>,
     /// The bind graph.
     pub bind: BindProgram,
 }
@@ -171,6 +173,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         let mut class_of: BTreeMap<String, u32> = BTreeMap::new();
         let mut classes: Vec<ElementClass> = Vec::new();
         let mut functions: Vec<ClassFunctions> = Vec::new();
+        let mut bodies: Vec<ClassBody> = Vec::new();
         let mut elements = Vec::new();
         for draft in drafts {
             let body = &draft.body;
@@ -216,6 +219,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                         tape: made.tape(),
                     });
                     functions.push(made);
+                    bodies.push(body.clone());
                     class_of.insert(key, index);
                     index
                 }
@@ -270,6 +274,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         Ok(Elaborated {
             system,
             classes: functions,
+            bodies,
             bind: program,
         })
     }

@@ -1,6 +1,8 @@
 //! Element classes built by hand and states to evaluate them at, shared by the tests and the benchmark.
 #![allow(dead_code, missing_docs, clippy::expect_used)]
 
+pub mod magnitudes;
+
 use eng_compiler::ir::{ClassBody, Graph, Node, Op};
 use eng_system::code::{ElementCode, Function, Pair};
 use eng_system::layout::InputLayout;

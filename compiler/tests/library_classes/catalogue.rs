@@ -1,0 +1,276 @@
+//! One small model for every class of the library, found by reading it: a class that has none here fails the test.
+
+use eng_compiler::library::LIBRARY;
+use eng_grammar::ast::{Form, ItemKind, Kind};
+use eng_grammar::{Diagnostics, SourceMap};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Where the states of a class are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Poses {
+    /// Any two poses.
+    Any,
+    /// A pin in a shell: radial clearance (m).
+    Film(f64),
+}
+
+/// A class and how a model uses it.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    /// `std.joints`; empty for a class that stands in `definitions`.
+    pub module: &'static str,
+    pub kind: &'static str,
+    pub class: &'static str,
+    /// Besides the two markers.
+    pub arguments: &'static str,
+    pub definitions: &'static str,
+    /// What else the model needs.
+    pub parts: &'static str,
+    pub poses: Poses,
+    /// Whether the load has a reaction; else it is external.
+    pub closed: bool,
+}
+
+/// Of the journals below (m).
+const CLEARANCE: f64 = 27e-6;
+
+const PLAIN: Case = Case {
+    module: "std.joints",
+    kind: "joint",
+    class: "",
+    arguments: "a.m, b.m",
+    definitions: "",
+    parts: "",
+    poses: Poses::Any,
+    closed: true,
+};
+
+const fn joint(class: &'static str) -> Case {
+    Case { class, ..PLAIN }
+}
+
+const fn drive(class: &'static str, arguments: &'static str, definitions: &'static str) -> Case {
+    Case {
+        module: "std.drives",
+        kind: "drive",
+        class,
+        arguments,
+        definitions,
+        ..PLAIN
+    }
+}
+
+const fn force(class: &'static str, arguments: &'static str, definitions: &'static str) -> Case {
+    Case {
+        module: "std.forces",
+        kind: "force",
+        class,
+        arguments,
+        definitions,
+        ..PLAIN
+    }
+}
+
+const fn external(class: &'static str, arguments: &'static str) -> Case {
+    Case {
+        closed: false,
+        ..force(class, arguments, "")
+    }
+}
+
+const fn journal(class: &'static str, arguments: &'static str) -> Case {
+    Case {
+        module: "std.journals",
+        kind: "journal",
+        class,
+        arguments,
+        poses: Poses::Film(CLEARANCE),
+        ..PLAIN
+    }
+}
+
+/// Every class of the library, some twice, and one of a model's own with a state, which no class of the library has.
+pub const CASES: &[Case] = &[
+    joint("Fixed"),
+    joint("Revolute"),
+    joint("Spherical"),
+    joint("Cylindrical"),
+    joint("Translational"),
+    joint("PointOnLine"),
+    joint("PointOnPlane"),
+    joint("Universal"),
+    joint("ParallelAxes"),
+    Case {
+        arguments: "a.m, b.m, length: 140 mm",
+        ..joint("Distance")
+    },
+    drive(
+        "PrescribedRotation",
+        "a.m, b.m, speed: 3000 rpm, initial: 20 deg",
+        "",
+    ),
+    drive(
+        "PrescribedAngle",
+        "a.m, b.m, angle_at: sweep",
+        "fn sweep(t: Time) -> Angle = 40 rad/s * t + 0.3 rad*sin(90 rad/s * t)",
+    ),
+    drive(
+        "PrescribedAngle",
+        "a.m, b.m, angle_at: measured",
+        "table measured(t: Time) -> Angle = points([-1, -0.4, 0.3, 1.1, 2] s, [0, 70, 40, 190, 260] deg, extrapolation: linear)",
+    ),
+    drive(
+        "ConstantSpeed",
+        "a.m, b.m, speed: 3000 rpm, initial: -40 deg",
+        "",
+    ),
+    force(
+        "TorsionSpring",
+        "a.m, b.m, stiffness: 700 N*m/rad, damping: 3 N*m*s/rad, free_angle: 25 deg",
+        "",
+    ),
+    force(
+        "LinearSpring",
+        "a.m, b.m, stiffness: 90 N/mm, damping: 400 N*s/m, free_length: 80 mm",
+        "",
+    ),
+    force(
+        "Bushing",
+        "a.m, b.m, stiffness: [60, 90, 140] N/mm, damping: [300, 200, 700] N*s/m,
+        torsional_stiffness: [800, 800, 800] N*m/rad, torsional_damping: [3, 5, 2] N*m*s/rad",
+        "",
+    ),
+    force(
+        "Bushing",
+        "a.m, b.m, stiffness: [60, 90, 140] N/mm, damping: [300, 200, 700] N*s/m,
+        torsional_stiffness: [400, 800, 900] N*m/rad, torsional_damping: [3, 5, 2] N*m*s/rad",
+        "",
+    ),
+    Case {
+        parts: "body crank { mass = 1 kg; inertia = [1, 1, 1] kg*m^2; marker flange = at([3, 9, -5] mm, z: [1, -1, 3]) }
+    cycle angle = rotation(crank.flange, ground) { period = 720 deg }",
+        ..force(
+            "GasPressure",
+            "a.m, b.m, bore: 86 mm, pressure: p, firing: 180 deg, scale: 0.9",
+            "table p(theta: CrankAngle) -> AbsolutePressure = points([0, 90, 200, 360, 540, 720] deg, [50, 20, 5, 1, 3, 50] bar, periodic: 720 deg)",
+        )
+    },
+    external("ExternalForce", "a.m, load: [300, -200, 90] N"),
+    external("ExternalTorque", "a.m, load: [30, -20, 9] N*m"),
+    force(
+        "Actuator",
+        "a.m, b.m, thrust: pull",
+        "fn pull(t: Time) -> Force = 300 N*sin(70 rad/s * t)",
+    ),
+    force(
+        "Motor",
+        "a.m, b.m, torque_at: twist",
+        "fn twist(t: Time) -> Torque = 30 N*m*cos(70 rad/s * t)",
+    ),
+    journal(
+        "Short",
+        "pin: a.m, shell: b.m, diameter: 54 mm, width: 13 mm, radial_clearance: 27 um, viscosity: 10.5 mPa*s",
+    ),
+    journal(
+        "Impedance",
+        "pin: a.m, shell: b.m, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 10.5 mPa*s",
+    ),
+    Case {
+        module: "",
+        ..force(
+            "Maxwell",
+            "a.m, b.m, stiffness: 90 N/mm, damping: 400 N*s/m",
+            "force Maxwell(a: Marker, b: Marker, stiffness: Stiffness, damping: Damping) {
+    let e = a.origin - b.origin
+    let distance = norm(e, floor: 1 um)
+    state creep: Length = 1 mm
+    let pull = stiffness*(distance - creep)
+    der(creep) = pull/damping
+    apply force -pull/distance*e on a against b
+    output power_loss: Power = pull*pull/damping as W
+}",
+        )
+    },
+];
+
+impl Case {
+    /// The model. Markers stand oblique and off the origins of their bodies.
+    pub fn text(&self) -> String {
+        let Case {
+            module,
+            kind,
+            class,
+            arguments,
+            definitions,
+            parts,
+            ..
+        } = self;
+        let import = if module.is_empty() {
+            String::new()
+        } else {
+            format!("use {module}.{class}")
+        };
+        format!(
+            "{import}
+{definitions}
+model Pair {{
+    gravity = [0, 0, 0] m/s^2
+    body a {{ mass = 1 kg; inertia = [1, 1, 1] kg*m^2; marker m = at([31, -17, 44] mm, x: [2, 1, -1], z: [1, 2, 2]) }}
+    body b {{ mass = 1 kg; inertia = [1, 1, 1] kg*m^2; marker m = at([-12, 25, 8] mm, x: [1, 0, 3], z: [-2, 1, 1]) }}
+    {parts}
+    {kind} it = {class}({arguments})
+}}
+analysis start = assemble(Pair())
+"
+        )
+    }
+}
+
+/// Names of the library's classes that elements can be made of: module, name.
+fn classes() -> BTreeSet<(String, String)> {
+    let (mut sources, mut diagnostics) = (SourceMap::new(), Diagnostics::new());
+    let mut found = BTreeSet::new();
+    for (module, text) in LIBRARY {
+        let source = sources.add(*module, *text);
+        for item in eng_grammar::parse(text, source, &mut diagnostics).items {
+            let ItemKind::Declaration(declaration) = item.kind else {
+                continue;
+            };
+            let element = matches!(
+                declaration.kind,
+                Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive
+            );
+            if element && matches!(declaration.form, Form::Class { .. }) {
+                found.insert(((*module).to_owned(), declaration.name.text));
+            }
+        }
+    }
+    assert!(!diagnostics.has_errors());
+    found
+}
+
+#[test]
+fn every_class_of_the_library_is_here() {
+    let listed: BTreeSet<_> = CASES
+        .iter()
+        .filter(|c| !c.module.is_empty())
+        .map(|c| (c.module.to_owned(), c.class.to_owned()))
+        .collect();
+    assert_eq!(classes(), listed);
+    // and every file of the library is part of it
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../stdlib");
+    let files: BTreeSet<_> = std::fs::read_dir(folder)
+        .expect("the library's folder")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|e| e == "eng"))
+        .map(|path| {
+            format!(
+                "std.{}",
+                path.file_stem().expect("a name").to_string_lossy()
+            )
+        })
+        .collect();
+    let modules: BTreeSet<_> = LIBRARY.iter().map(|(m, _)| (*m).to_owned()).collect();
+    assert_eq!(files, modules);
+}
