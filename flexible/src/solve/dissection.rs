@@ -7,7 +7,7 @@ use super::separator::{SEPARATOR, Side, separate, separator_weight};
 use crate::error::FlexibleError;
 
 /// Parts of at most this many vertices are ordered by minimum degree.
-const LEAF: usize = 160;
+const LEAF: usize = 220;
 /// Parts of at least this many vertices are worth a second try.
 const LARGE: usize = 2000;
 

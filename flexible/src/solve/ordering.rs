@@ -28,19 +28,20 @@ pub struct Ordering {
     method: Method,
 }
 
-/// Below this many vertices minimum degree is as good, and quicker.
-const SMALL: usize = 400;
+/// Nested dissection is tried when a factorisation in the order of minimum degree takes more multiplications a vertex than this:
+/// below, finding a better order takes longer than two factorisations gain.
+const WORTH_DISSECTION: f64 = 5e5;
 
 impl Ordering {
-    /// The order with the fewest operations of those this module finds: nested dissection or minimum degree. Rows with the same
-    /// pattern (the freedoms of one node) are ordered as one.
+    /// The order to use: minimum degree, or for large problems nested dissection where that takes fewer operations. Rows with
+    /// the same pattern (the freedoms of one node) are ordered as one.
     ///
     /// # Errors
     /// When memory runs out.
     pub fn fill_reducing(matrix: &SymmetricMatrix) -> Result<Ordering, FlexibleError> {
         let compressed = Compressed::new(matrix);
         let degree = Ordering::by(&compressed, Method::MinimumDegree)?;
-        if compressed.graph.vertices() <= SMALL {
+        if degree.operations <= WORTH_DISSECTION * compressed.graph.vertices() as f64 {
             return Ok(degree);
         }
         let nested = Ordering::by(&compressed, Method::NestedDissection)?;

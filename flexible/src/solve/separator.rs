@@ -14,12 +14,14 @@ pub(crate) const SEPARATOR: Side = 2;
 const HEAVIEST_PART: f64 = 0.6;
 /// Graphs are coarsened to about this many vertices before the first cut.
 const COARSEST: usize = 120;
-/// First cuts tried on the coarsest graph.
-const FIRST_CUTS: usize = 8;
+/// First cuts tried on the coarsest graph of a large graph, and of a small one, whose separator matters less.
+const FIRST_CUTS: [usize; 2] = [8, 4];
+/// From so many vertices on a graph counts as large.
+const LARGE: usize = 1000;
 /// Passes of refinement on each level, at most.
 const PASSES: usize = 8;
 /// Moves without gain after which a pass ends.
-const PATIENCE: usize = 120;
+const PATIENCE: usize = 80;
 
 /// The sides of all vertices: multilevel, with a greedily grown first cut and refinement on each level
 /// (Hendrickson, Rothberg: Improving the run time and quality of nested dissection ordering, SIAM J. Sci. Comput. 20, 1998).
@@ -40,7 +42,7 @@ pub(crate) fn separate(graph: &Graph, random: &mut Random) -> Vec<Side> {
     }
     let coarsest = levels.last().map_or(graph, |level| &level.0);
     let mut best: Option<Cut> = None;
-    for _ in 0..FIRST_CUTS {
+    for _ in 0..FIRST_CUTS[usize::from(graph.vertices() < LARGE)] {
         let mut cut = Cut::grow(coarsest, random);
         cut.refine(coarsest);
         if best.as_ref().is_none_or(|best| cut.score() < best.score()) {
@@ -78,6 +80,8 @@ struct Cut {
     limit: i64,
     /// For a vertex of the separator: the weights of its neighbours in either part.
     pull: Vec<[i64; 2]>,
+    /// Its gains as last queued.
+    queued: Vec<[i64; 2]>,
 }
 
 impl Cut {
@@ -89,6 +93,7 @@ impl Cut {
         Cut {
             limit: (HEAVIEST_PART * graph.total_weight() as f64) as i64,
             pull: vec![[0; 2]; side.len()],
+            queued: vec![[i64::MIN; 2]; side.len()],
             side,
             weight,
         }
@@ -173,6 +178,7 @@ impl Cut {
         // vertex that left, for which part, where its followers end in `followers`
         let mut moves: Vec<(u32, usize, usize)> = Vec::new();
         let mut followers: Vec<u32> = Vec::new();
+        let mut touched: Vec<u32> = Vec::new();
         while let Some((to, vertex)) = self.choose(graph, locked, &mut queues) {
             let other = 1 - to;
             locked[vertex] = true;
@@ -184,9 +190,7 @@ impl Cut {
                 let near = near as usize;
                 if self.side[near] == SEPARATOR {
                     self.pull[near][to] += own;
-                    if !locked[near] {
-                        queues[other].push((self.gain(graph, near, other), near as u32));
-                    }
+                    touched.push(near as u32);
                 } else if usize::from(self.side[near]) == other {
                     let weight = i64::from(graph.weight[near]);
                     self.side[near] = SEPARATOR;
@@ -197,12 +201,15 @@ impl Cut {
                         let beyond = beyond as usize;
                         if self.side[beyond] == SEPARATOR {
                             self.pull[beyond][other] -= weight;
-                            if !locked[beyond] {
-                                queues[to].push((self.gain(graph, beyond, to), beyond as u32));
-                            }
+                            touched.push(beyond as u32);
                         }
                     }
                     self.enter(graph, near, locked, &mut queues);
+                }
+            }
+            for near in touched.drain(..) {
+                if !locked[near as usize] {
+                    self.queue(graph, near as usize, &mut queues);
                 }
             }
             moves.push((vertex as u32, to, followers.len()));
@@ -255,8 +262,23 @@ impl Cut {
         }
         self.pull[vertex] = pull;
         if !locked[vertex] {
-            for (to, queue) in queues.iter_mut().enumerate() {
-                queue.push((self.gain(graph, vertex, to), vertex as u32));
+            self.queued[vertex] = [i64::MIN; 2];
+            self.queue(graph, vertex, queues);
+        }
+    }
+
+    /// Queues a vertex whose gains may have changed; what was queued before is passed over when it comes up.
+    fn queue(
+        &mut self,
+        graph: &Graph,
+        vertex: usize,
+        queues: &mut [BinaryHeap<(i64, u32)>; 2],
+    ) {
+        for (to, queue) in queues.iter_mut().enumerate() {
+            let gain = self.gain(graph, vertex, to);
+            if self.queued[vertex][to] != gain {
+                self.queued[vertex][to] = gain;
+                queue.push((gain, vertex as u32));
             }
         }
     }
