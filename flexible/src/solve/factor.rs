@@ -521,7 +521,7 @@ fn pivot_scale(matrix: &SymmetricMatrix) -> Vec<f64> {
     scale
 }
 
-fn singular(row: usize, ratio: Option<f64>) -> FlexibleError {
+pub(crate) fn singular(row: usize, ratio: Option<f64>) -> FlexibleError {
     let found = match ratio {
         Some(ratio) => format!("is {ratio:.1e} of its diagonal entry"),
         None => "is not positive".into(),

@@ -8,20 +8,20 @@
 //! Everything here runs on one thread in a fixed order: the same matrices give the same bits.
 
 mod coarsening;
-// mod dense;
+mod dense;
 mod dissection;
-// pub mod eigen;
+pub mod eigen;
 mod elimination;
 pub mod factor;
 mod graph;
-// mod lanczos;
+mod lanczos;
 pub mod ordering;
 pub mod pencil;
 mod product;
 mod random;
 mod separator;
 
-// pub use eigen::{EigenOptions, EigenSolution, Modes, SturmCount, lowest_modes};
+pub use eigen::{EigenOptions, EigenSolution, Modes, SturmCount, lowest_modes};
 pub use factor::{Analysis, Definiteness, Factorization};
 pub use ordering::{Method, Ordering};
 pub use pencil::shifted;
