@@ -5,11 +5,13 @@ use crate::error::FlexibleError;
 use faer::diag::DiagMut;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::linalg::evd::{
+    ComputeEigenvectors, SelfAdjointEvdParams, self_adjoint_evd, self_adjoint_evd_scratch,
+};
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{MatMut, MatRef, Par};
+use faer::{Auto, MatMut, MatRef, Par, Spec};
 
 /// Eigenvalues in ascending order, and the orthonormal eigenvectors, of a symmetric matrix of which the lower triangle is read.
 ///
@@ -17,19 +19,31 @@ use faer::{MatMut, MatRef, Par};
 /// When the iteration does not end (entries that are not finite), or memory runs out.
 pub(crate) fn symmetric_eigen(
     size: usize,
-    matrix: &[f64],
+    mut matrix: Vec<f64>,
 ) -> Result<(Vec<f64>, Vec<f64>), FlexibleError> {
+    // the divide-and-conquer method, which would be taken from 128 rows on, loses half the digits of matrices whose norm is
+    // far from one: entries are scaled to about one (by a power of two, exactly), and QR iteration is always taken
+    let largest = matrix.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    let scale = if largest.is_normal() {
+        libm::ldexp(1.0, libm::ilogb(largest))
+    } else {
+        1.0
+    };
+    matrix.iter_mut().for_each(|entry| *entry /= scale);
+    let mut method = <SelfAdjointEvdParams as Auto<f64>>::auto();
+    method.recursion_threshold = usize::MAX;
+    let method: Spec<SelfAdjointEvdParams, f64> = method.into();
     let mut values = vec![0.0; size];
     let mut vectors = vec![0.0; size * size];
     let mut memory = MemBuffer::try_new(self_adjoint_evd_scratch::<f64>(
         size,
         ComputeEigenvectors::Yes,
         Par::Seq,
-        Default::default(),
+        method,
     ))
     .map_err(|_| out_of_memory())?;
     self_adjoint_evd(
-        MatRef::from_column_major_slice(matrix, size, size),
+        MatRef::from_column_major_slice(&matrix, size, size),
         DiagMut::from_slice_mut(&mut values),
         Some(MatMut::from_column_major_slice_mut(
             &mut vectors,
@@ -38,12 +52,13 @@ pub(crate) fn symmetric_eigen(
         )),
         Par::Seq,
         MemStack::new(&mut memory),
-        Default::default(),
+        method,
     )
     .map_err(|_| FlexibleError::Numerical {
         problem: format!("the eigenvalues of a dense matrix of {size} rows don't converge"),
         advice: "are all entries finite?".into(),
     })?;
+    values.iter_mut().for_each(|value| *value *= scale);
     Ok((values, vectors))
 }
 
@@ -77,7 +92,7 @@ pub(crate) fn inverse_eigen(
     let mut both = MatMut::from_column_major_slice_mut(&mut mass, size, size);
     solve_lower_triangular_in_place(lower, both.as_mut(), Par::Seq);
     solve_lower_triangular_in_place(lower, both.transpose_mut(), Par::Seq);
-    let (mut values, mut vectors) = symmetric_eigen(size, &mass)?;
+    let (mut values, mut vectors) = symmetric_eigen(size, mass)?;
     solve_upper_triangular_in_place(
         lower.transpose(),
         MatMut::from_column_major_slice_mut(&mut vectors, size, size),

@@ -30,7 +30,12 @@ pub(crate) fn dissect(graph: &Graph) -> Result<Vec<u32>, FlexibleError> {
         for (index, &vertex) in sparse.iter().enumerate() {
             place[vertex as usize] = index as u32;
         }
-        part(&graph.induced(&sparse, &place), &sparse, &mut random, &mut order)?;
+        part(
+            &graph.induced(&sparse, &place),
+            &sparse,
+            &mut random,
+            &mut order,
+        )?;
     }
     order.extend(last);
     Ok(order)
@@ -54,7 +59,10 @@ fn part(
                     chosen.push(vertex as u32);
                 }
             }
-            let inner: Vec<u32> = chosen.iter().map(|&vertex| names[vertex as usize]).collect();
+            let inner: Vec<u32> = chosen
+                .iter()
+                .map(|&vertex| names[vertex as usize])
+                .collect();
             part(&graph.induced(&chosen, &place), &inner, random, order)?;
         }
         order.extend(

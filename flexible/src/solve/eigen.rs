@@ -47,7 +47,7 @@ impl Default for EigenOptions {
         EigenOptions {
             analysis: None,
             shift: None,
-            block: 6,
+            block: 8,
             basis: None,
             tolerance: 1e-9,
             solves: None,
@@ -303,10 +303,7 @@ impl<'a> Search<'a> {
         spare: Option<Factorization>,
     ) -> Result<EigenSolution, FlexibleError> {
         let size = self.mass.size();
-        let shift = self
-            .options
-            .shift
-            .unwrap_or(-DENSE_SHIFT * self.typical);
+        let shift = self.options.shift.unwrap_or(-DENSE_SHIFT * self.typical);
         let matrix = shifted(self.stiffness, self.mass, shift)?;
         let (theta, mut vectors) = inverse_eigen(size, dense(&matrix), dense(self.mass))?;
         let pairs = Pairs::new(&theta, &vec![0.0; size], 0.0, shift, true);
@@ -336,7 +333,11 @@ impl<'a> Search<'a> {
     ) -> Result<EigenSolution, FlexibleError> {
         let (mut shift, mut factor) = self.positive(spare)?;
         let mut lanczos = self.start(&factor, count)?;
-        let mut moves = if self.options.shift.is_some() { 0 } else { MOVES };
+        let mut moves = if self.options.shift.is_some() {
+            0
+        } else {
+            MOVES
+        };
         let mut wanted = count;
         let mut limit = limit;
         for _ in 0..=RESUMPTIONS {
@@ -389,7 +390,9 @@ impl<'a> Search<'a> {
         }
         Err(FlexibleError::Numerical {
             problem: format!("of {wanted} modes that a count shows, some can't be found"),
-            advice: "ask for a few modes more or fewer, so that the last is not one of many close ones".into(),
+            advice:
+                "ask for a few modes more or fewer, so that the last is not one of many close ones"
+                    .into(),
         })
     }
 
@@ -487,11 +490,7 @@ impl<'a> Search<'a> {
         Ok(left <= TRUSTED * TRUSTED * parts)
     }
 
-    fn start(
-        &self,
-        factor: &Factorization,
-        count: usize,
-    ) -> Result<Lanczos<'a>, FlexibleError> {
+    fn start(&self, factor: &Factorization, count: usize) -> Result<Lanczos<'a>, FlexibleError> {
         let block = self.options.block.clamp(1, self.mass.size());
         let basis = self.options.basis.unwrap_or(2 * count + 10 * block);
         Lanczos::new(self.mass, factor, block, basis.max(count + 4 * block))
@@ -508,10 +507,7 @@ impl<'a> Search<'a> {
     ) -> Result<Progress, FlexibleError> {
         let block = self.options.block.clamp(1, self.mass.size());
         lanczos.widen(wanted + 4 * block);
-        let most = self
-            .options
-            .solves
-            .unwrap_or(200 + 20 * wanted / block);
+        let most = self.options.solves.unwrap_or(200 + 20 * wanted / block);
         let mut check = if may_move {
             wanted.min(3 * block)
         } else {
@@ -548,7 +544,9 @@ impl<'a> Search<'a> {
             }
             if lanczos.solves >= most {
                 return Err(FlexibleError::Numerical {
-                    problem: format!("{wanted} modes don't converge within {most} blocks of vectors"),
+                    problem: format!(
+                        "{wanted} modes don't converge within {most} blocks of vectors"
+                    ),
                     advice: "ask for fewer modes, or allow a larger basis".into(),
                 });
             }

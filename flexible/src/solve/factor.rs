@@ -9,11 +9,11 @@ use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
+use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
     SymmetricOrdering, factorize_symbolic_cholesky,
 };
-use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 use std::sync::Arc;
@@ -21,8 +21,8 @@ use std::sync::Arc;
 /// A pivot this much smaller than what was there before the elimination is rounding, not stiffness. Foreign matrices come with
 /// 13 or 14 digits, so their rigid motions leave pivots of about 1e-13.
 const LOST: f64 = 1e-12;
-/// The same for the pivots of an indefinite matrix, which may come near zero at a shift near an eigenvalue.
-const LOST_INDEFINITE: f64 = 1e-15;
+/// The same for the pivots of an indefinite matrix, which may come nearer zero at a shift near an eigenvalue.
+const LOST_INDEFINITE: f64 = 1e-14;
 /// Right-hand sides solved together.
 const TOGETHER: usize = 32;
 
@@ -229,10 +229,7 @@ impl Factorization {
             let row = self.row_of(index);
             let pivot = self.values[place];
             let ratio = pivot * pivot / before[row];
-            // not the plain comparison: what is not a number must be found too
-            if !(ratio >= weakest.1) {
-                weakest = (row, ratio);
-            }
+            weakest = weaker(weakest, (row, ratio));
         });
         self.settle(weakest, LOST)
     }
@@ -266,9 +263,7 @@ impl Factorization {
         };
         let (mut weakest, mut negative) = ((0, f64::INFINITY), 0);
         let mut judge = |row: usize, ratio: f64| {
-            if !(ratio >= weakest.1) {
-                weakest = (row, ratio);
-            }
+            weakest = weaker(weakest, (row, ratio));
         };
         // the first half of a pair of rows that make one pivot
         let mut half: Option<(f64, f64, usize)> = None;
@@ -342,25 +337,23 @@ impl Factorization {
     /// When the length is not a multiple of the matrix's size, or memory runs out.
     pub fn solve_in_place(&self, right_hand_sides: &mut [f64]) -> Result<(), FlexibleError> {
         let size = self.analysis.size();
+        if right_hand_sides.is_empty() {
+            return Ok(());
+        }
         if size == 0 || !right_hand_sides.len().is_multiple_of(size) {
-            return if right_hand_sides.is_empty() {
-                Ok(())
-            } else {
-                Err(FlexibleError::Matrix {
-                    problem: format!(
-                        "right-hand sides of {} numbers for a matrix of {size} rows",
-                        right_hand_sides.len()
-                    ),
-                    advice: String::new(),
-                })
-            };
+            return Err(FlexibleError::Matrix {
+                problem: format!(
+                    "right-hand sides of {} numbers for a matrix of {size} rows",
+                    right_hand_sides.len()
+                ),
+                advice: String::new(),
+            });
         }
         let together = (right_hand_sides.len() / size).min(TOGETHER);
         let symbolic = &self.analysis.symbolic;
-        let mut memory = MemBuffer::try_new(
-            symbolic.solve_in_place_scratch::<f64>(together, Par::Seq),
-        )
-        .map_err(|_| out_of_memory())?;
+        let mut memory =
+            MemBuffer::try_new(symbolic.solve_in_place_scratch::<f64>(together, Par::Seq))
+                .map_err(|_| out_of_memory())?;
         for block in right_hand_sides.chunks_mut(size * together) {
             let columns = block.len() / size;
             let block = MatMut::from_column_major_slice_mut(block, size, columns);
@@ -435,6 +428,12 @@ impl Factorization {
     }
 }
 
+/// The pivot with the smaller ratio; what is not a number counts as zero.
+fn weaker(one: (usize, f64), two: (usize, f64)) -> (usize, f64) {
+    let ratio = if two.1.is_nan() { 0.0 } else { two.1 };
+    if ratio < one.1 { (two.0, ratio) } else { one }
+}
+
 /// Euclidean length.
 pub(crate) fn norm(vector: &[f64]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
@@ -474,7 +473,11 @@ fn check(analysis: &Analysis, matrix: &SymmetricMatrix) -> Result<(), FlexibleEr
     }
     for column in 0..matrix.size() {
         let (rows, values) = matrix.column(column);
-        if let Some((row, value)) = rows.iter().zip(values).find(|(_, value)| !value.is_finite()) {
+        if let Some((row, value)) = rows
+            .iter()
+            .zip(values)
+            .find(|(_, value)| !value.is_finite())
+        {
             return Err(FlexibleError::Matrix {
                 problem: format!("entry ({}, {}) of a matrix is {value}", row + 1, column + 1),
                 advice: String::new(),
@@ -505,7 +508,11 @@ fn pivot_scale(matrix: &SymmetricMatrix) -> Vec<f64> {
     let mut raise = |row: usize, value: f64, other: usize| {
         let added = value * value / diagonal[other].abs();
         // over a zero diagonal the entry itself is the pivot of a pair
-        let added = if added.is_finite() { added } else { value.abs() };
+        let added = if added.is_finite() {
+            added
+        } else {
+            value.abs()
+        };
         scale[row] = scale[row].max(added);
     };
     for column in 0..matrix.size() {

@@ -19,6 +19,8 @@ use faer::{Accum, MatMut, MatRef, Par};
 const DEPENDENT: f64 = 1e-11;
 /// The same for columns of unit length: these should not shrink again.
 const UNIT_LOST: f64 = 1e-2;
+/// A column of which less than this share of its square is left has its Gram matrix worked out anew.
+const SHRUNK: f64 = 1e-4;
 /// What may be left to project out when a block counts as orthonormal.
 const ORTHOGONAL: f64 = 1e-12;
 
@@ -232,23 +234,25 @@ impl<'a> Lanczos<'a> {
                 1.0,
                 Par::Seq,
             );
-            if pass == 0 {
-                multiply(self.mass, &block, &mut mass_block);
-            }
-            let mut gram = vec![0.0; width * width];
-            matmul(
-                MatMut::from_column_major_slice_mut(&mut gram, width, width),
-                Accum::Replace,
-                MatRef::from_column_major_slice(&block, size, width).transpose(),
-                MatRef::from_column_major_slice(&mass_block, size, width),
-                1.0,
-                Par::Seq,
-            );
-            let unit = gram.iter().enumerate().fold(0.0f64, |worst, (index, &entry)| {
-                let one = if index % (width + 1) == 0 { 1.0 } else { 0.0 };
-                worst.max((entry - one).abs())
+            // (W − V h)ᵀ M W is the Gram matrix of what is left, but for rounding of the size of what was taken away
+            let mut gram = self.gram(&block, &mass_block);
+            let shrunk = floors.iter().enumerate().any(|(index, floor)| {
+                gram[index * (width + 1)] < SHRUNK * (floor / DEPENDENT).powi(2)
             });
-            let moved = part.iter().fold(0.0f64, |worst, part| worst.max(part.abs()));
+            if pass == 0 && shrunk {
+                multiply(self.mass, &block, &mut mass_block);
+                gram = self.gram(&block, &mass_block);
+            }
+            let unit = gram
+                .iter()
+                .enumerate()
+                .fold(0.0f64, |worst, (index, &entry)| {
+                    let one = if index % (width + 1) == 0 { 1.0 } else { 0.0 };
+                    worst.max((entry - one).abs())
+                });
+            let moved = part
+                .iter()
+                .fold(0.0f64, |worst, part| worst.max(part.abs()));
             let (factor, inverse, rank) = pivoted_cholesky(&gram, width, &floors);
             let apply = |old: &[f64]| {
                 let mut new = vec![0.0; size * rank];
@@ -292,6 +296,21 @@ impl<'a> Lanczos<'a> {
         (along, upper)
     }
 
+    /// `Xᵀ Y` of two blocks of the same width.
+    fn gram(&self, x: &[f64], y: &[f64]) -> Vec<f64> {
+        let width = x.len() / self.size.max(1);
+        let mut gram = vec![0.0; width * width];
+        matmul(
+            MatMut::from_column_major_slice_mut(&mut gram, width, width),
+            Accum::Replace,
+            MatRef::from_column_major_slice(x, self.size, width).transpose(),
+            MatRef::from_column_major_slice(y, self.size, width),
+            1.0,
+            Par::Seq,
+        );
+        gram
+    }
+
     /// The eigenpairs of `T`.
     ///
     /// # Errors
@@ -305,13 +324,9 @@ impl<'a> Lanczos<'a> {
                 dense[row * count + column] = self.projected[column * self.limit + row];
             }
         }
-        let (mut values, ascending) = symmetric_eigen(count, &dense)?;
+        let (mut values, ascending) = symmetric_eigen(count, dense)?;
         values.reverse();
-        let vectors: Vec<f64> = ascending
-            .rchunks(count.max(1))
-            .flatten()
-            .copied()
-            .collect();
+        let vectors: Vec<f64> = ascending.rchunks(count.max(1)).flatten().copied().collect();
         let mut leak = vec![0.0; self.next * count];
         let tail = MatRef::from_column_major_slice(&vectors, count, count)
             .subrows(self.coupled, count - self.coupled);
@@ -386,7 +401,11 @@ impl<'a> Lanczos<'a> {
         matmul(
             MatMut::from_column_major_slice_mut(&mut vectors, size, count),
             Accum::Replace,
-            MatRef::from_column_major_slice(&self.basis[..size * self.processed], size, self.processed),
+            MatRef::from_column_major_slice(
+                &self.basis[..size * self.processed],
+                size,
+                self.processed,
+            ),
             MatRef::from_column_major_slice(
                 &ritz.vectors[..self.processed * count],
                 self.processed,

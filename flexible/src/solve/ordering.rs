@@ -56,7 +56,10 @@ impl Ordering {
     ///
     /// # Errors
     /// When memory runs out.
-    pub fn with_method(matrix: &SymmetricMatrix, method: Method) -> Result<Ordering, FlexibleError> {
+    pub fn with_method(
+        matrix: &SymmetricMatrix,
+        method: Method,
+    ) -> Result<Ordering, FlexibleError> {
         Ordering::by(&Compressed::new(matrix), method)
     }
 
@@ -126,9 +129,8 @@ pub(crate) fn minimum_degree_of(graph: &Graph) -> Result<Vec<u32>, FlexibleError
     }
     let pattern =
         SymbolicSparseColMatRef::<'_, u32>::new_unsorted_checked(count, count, &start, None, &row);
-    let mut memory =
-        MemBuffer::try_new(amd::order_maybe_unsorted_scratch::<u32>(count, row.len()))
-            .map_err(|_| out_of_memory())?;
+    let mut memory = MemBuffer::try_new(amd::order_maybe_unsorted_scratch::<u32>(count, row.len()))
+        .map_err(|_| out_of_memory())?;
     let (mut order, mut inverse) = (vec![0u32; count], vec![0u32; count]);
     amd::order_maybe_unsorted(
         &mut order,

@@ -14,10 +14,7 @@ pub(crate) fn multiply(matrix: &SymmetricMatrix, x: &[f64], y: &mut [f64]) {
     }
     let mut packed = vec![[0.0f64; TOGETHER]; size];
     let mut product = vec![[0.0f64; TOGETHER]; size];
-    for (x, y) in x
-        .chunks(size * TOGETHER)
-        .zip(y.chunks_mut(size * TOGETHER))
-    {
+    for (x, y) in x.chunks(size * TOGETHER).zip(y.chunks_mut(size * TOGETHER)) {
         for (lane, x) in x.chunks_exact(size).enumerate() {
             for (packed, &x) in packed.iter_mut().zip(x) {
                 packed[lane] = x;

@@ -268,12 +268,7 @@ impl Cut {
     }
 
     /// Queues a vertex whose gains may have changed; what was queued before is passed over when it comes up.
-    fn queue(
-        &mut self,
-        graph: &Graph,
-        vertex: usize,
-        queues: &mut [BinaryHeap<(i64, u32)>; 2],
-    ) {
+    fn queue(&mut self, graph: &Graph, vertex: usize, queues: &mut [BinaryHeap<(i64, u32)>; 2]) {
         for (to, queue) in queues.iter_mut().enumerate() {
             let gain = self.gain(graph, vertex, to);
             if self.queued[vertex][to] != gain {
