@@ -318,6 +318,10 @@ fn what_has_no_modes_is_refused() {
     assert!(negative.to_string().contains("row 9"), "{negative}");
     assert!(find(&stiffness, &diagonal(&[1.0; 299]), Modes::Count(3)).is_err());
     assert!(find(&matrix(0, &[]), &matrix(0, &[]), Modes::Count(1)).is_err());
+    for many in [301, usize::MAX] {
+        let error = find(&stiffness, &unit_mass(300), Modes::Count(many)).unwrap_err();
+        assert!(error.to_string().contains("there are 300"), "{error}");
+    }
     // a freedom with neither stiffness nor mass
     for masses in [30, 300] {
         let mut lumped = vec![1.0; masses + 1];

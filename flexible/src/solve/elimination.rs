@@ -83,10 +83,11 @@ fn postorder(parent: &[u32]) -> Vec<u32> {
     }
     let mut order = Vec::with_capacity(parent.len());
     let mut stack = Vec::new();
-    for root in 0..parent.len() {
-        if parent[root] != NONE {
-            continue;
-        }
+    for (root, _) in parent
+        .iter()
+        .enumerate()
+        .filter(|(_, above)| **above == NONE)
+    {
         stack.push(root as u32);
         while let Some(&top) = stack.last() {
             let child = first_child[top as usize];

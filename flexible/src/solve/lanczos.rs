@@ -84,7 +84,7 @@ impl<'a> Lanczos<'a> {
             processed: 0,
             next: 0,
             mass_next: Vec::new(),
-            projected: vec![0.0; limit * limit],
+            projected: zeros(limit)?,
             coupling: Vec::new(),
             coupled: 0,
             random: Random::new(size as u64),
@@ -105,11 +105,14 @@ impl<'a> Lanczos<'a> {
     }
 
     /// Makes room for more processed columns.
-    pub(crate) fn widen(&mut self, limit: usize) {
+    ///
+    /// # Errors
+    /// When memory runs out.
+    pub(crate) fn widen(&mut self, limit: usize) -> Result<(), FlexibleError> {
         if limit <= self.limit {
-            return;
+            return Ok(());
         }
-        let mut projected = vec![0.0; limit * limit];
+        let mut projected = zeros(limit)?;
         for (wide, narrow) in projected
             .chunks_exact_mut(limit)
             .zip(self.projected.chunks_exact(self.limit))
@@ -118,6 +121,7 @@ impl<'a> Lanczos<'a> {
         }
         self.projected = projected;
         self.limit = limit;
+        Ok(())
     }
 
     /// True when the next block is empty: the basis holds an invariant subspace.
@@ -438,6 +442,16 @@ impl<'a> Lanczos<'a> {
 
 pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
+}
+
+/// A square matrix of zeros.
+fn zeros(size: usize) -> Result<Vec<f64>, FlexibleError> {
+    let mut matrix = Vec::new();
+    matrix
+        .try_reserve_exact(size.saturating_mul(size))
+        .map_err(|_| super::ordering::out_of_memory())?;
+    matrix.resize(size * size, 0.0);
+    Ok(matrix)
 }
 
 fn identity(size: usize) -> Vec<f64> {

@@ -19,7 +19,9 @@ pub mod ordering;
 pub mod pencil;
 mod product;
 mod random;
+mod search;
 mod separator;
+mod sturm;
 
 pub use eigen::{EigenOptions, EigenSolution, Modes, SturmCount, lowest_modes};
 pub use factor::{Analysis, Definiteness, Factorization};
