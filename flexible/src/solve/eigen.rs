@@ -23,7 +23,7 @@ pub enum Modes {
 /// How to look for them.
 #[derive(Clone, Debug)]
 pub struct EigenOptions {
-    /// Order and structure of the factor, if the caller has them for the pattern of [`shifted`].
+    /// Order and structure of the factor, if the caller has them for the pattern of [`shifted`](super::shifted).
     pub analysis: Option<Arc<Analysis>>,
     /// Shift σ, below all eigenvalues, rad²/s²; else one is found.
     pub shift: Option<f64>,
