@@ -81,6 +81,16 @@ pub enum FlexibleError {
         /// What to do.
         advice: String,
     },
+    /// A matrix that must be regular is singular, or so nearly that its factor means nothing.
+    #[error("{problem}")]
+    Singular {
+        /// Row of the matrix, from 0, whose pivot vanished: one of the freedoms that can move without resistance.
+        row: usize,
+        /// What is wrong, by the row's number; the caller knows which node it is.
+        problem: String,
+        /// What to do.
+        advice: String,
+    },
     /// An iteration did not come to its end.
     #[error("{problem}")]
     Numerical {
@@ -98,6 +108,7 @@ impl FlexibleError {
             FlexibleError::File(problem) => &problem.advice,
             FlexibleError::Structure { advice, .. }
             | FlexibleError::Matrix { advice, .. }
+            | FlexibleError::Singular { advice, .. }
             | FlexibleError::Numerical { advice, .. } => advice,
         }
     }

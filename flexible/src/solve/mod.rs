@@ -1,1 +1,29 @@
 //! Linear solutions and eigenvalues of large sparse symmetric matrices.
+//!
+//! ```text
+//! pattern ──ordering──▶ Ordering ──Analysis──▶ Factorization ──▶ solutions, number of negative pivots
+//!                                                   └──eigen──▶ lowest modes, proven complete
+//! ```
+//!
+//! Everything here runs on one thread in a fixed order: the same matrices give the same bits.
+
+mod coarsening;
+mod dense;
+mod dissection;
+pub mod eigen;
+mod elimination;
+pub mod factor;
+mod graph;
+mod lanczos;
+pub mod ordering;
+pub mod pencil;
+mod product;
+mod random;
+mod search;
+mod separator;
+mod sturm;
+
+pub use eigen::{EigenOptions, EigenSolution, Modes, SturmCount, lowest_modes};
+pub use factor::{Analysis, Definiteness, Factorization};
+pub use ordering::{Method, Ordering};
+pub use pencil::shifted;

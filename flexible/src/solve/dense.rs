@@ -1,0 +1,104 @@
+//! Small dense symmetric problems. Matrices are stored by columns.
+
+use super::ordering::out_of_memory;
+use crate::error::FlexibleError;
+use faer::diag::DiagMut;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::evd::{
+    ComputeEigenvectors, SelfAdjointEvdParams, self_adjoint_evd, self_adjoint_evd_scratch,
+};
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::{Auto, MatMut, MatRef, Par, Spec};
+
+/// Eigenvalues in ascending order, and the orthonormal eigenvectors, of a symmetric matrix of which the lower triangle is read.
+///
+/// # Errors
+/// When the iteration does not end (entries that are not finite), or memory runs out.
+pub(crate) fn symmetric_eigen(
+    size: usize,
+    mut matrix: Vec<f64>,
+) -> Result<(Vec<f64>, Vec<f64>), FlexibleError> {
+    // the divide-and-conquer method, which would be taken from 128 rows on, loses half the digits of matrices whose norm is
+    // far from one: entries are scaled to about one (by a power of two, exactly), and QR iteration is always taken
+    let largest = matrix.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    let scale = if largest.is_normal() {
+        libm::ldexp(1.0, libm::ilogb(largest))
+    } else {
+        1.0
+    };
+    matrix.iter_mut().for_each(|entry| *entry /= scale);
+    let mut method = <SelfAdjointEvdParams as Auto<f64>>::auto();
+    method.recursion_threshold = usize::MAX;
+    let method: Spec<SelfAdjointEvdParams, f64> = method.into();
+    let mut values = vec![0.0; size];
+    let mut vectors = vec![0.0; size * size];
+    let mut memory = MemBuffer::try_new(self_adjoint_evd_scratch::<f64>(
+        size,
+        ComputeEigenvectors::Yes,
+        Par::Seq,
+        method,
+    ))
+    .map_err(|_| out_of_memory())?;
+    self_adjoint_evd(
+        MatRef::from_column_major_slice(&matrix, size, size),
+        DiagMut::from_slice_mut(&mut values),
+        Some(MatMut::from_column_major_slice_mut(
+            &mut vectors,
+            size,
+            size,
+        )),
+        Par::Seq,
+        MemStack::new(&mut memory),
+        method,
+    )
+    .map_err(|_| FlexibleError::Numerical {
+        problem: format!("the eigenvalues of a dense matrix of {size} rows don't converge"),
+        advice: "are all entries finite?".into(),
+    })?;
+    values.iter_mut().for_each(|value| *value *= scale);
+    Ok((values, vectors))
+}
+
+/// The pairs θ, x of `M x = θ A x` with positive definite `A` (its lower triangle is read) and `M`, θ descending, `xᵀ A x = 1`.
+/// With `A = K − σ M`, λ = σ + 1/θ are the eigenvalues of `K x = λ M x`; θ = 0 stands for massless motions.
+///
+/// # Errors
+/// [`FlexibleError::Singular`] when `A` is not positive definite; when memory runs out.
+pub(crate) fn inverse_eigen(
+    size: usize,
+    mut shifted: Vec<f64>,
+    mut mass: Vec<f64>,
+) -> Result<(Vec<f64>, Vec<f64>), FlexibleError> {
+    let mut memory = MemBuffer::try_new(cholesky_in_place_scratch::<f64>(
+        size,
+        Par::Seq,
+        Default::default(),
+    ))
+    .map_err(|_| out_of_memory())?;
+    if let Err(LltError::NonPositivePivot { index }) = cholesky_in_place(
+        MatMut::from_column_major_slice_mut(&mut shifted, size, size),
+        Default::default(),
+        Par::Seq,
+        MemStack::new(&mut memory),
+        Default::default(),
+    ) {
+        return Err(super::factor::singular(index, None));
+    }
+    let lower = MatRef::from_column_major_slice(&shifted, size, size);
+    // L⁻¹ M L⁻ᵀ: columns first, then rows
+    let mut both = MatMut::from_column_major_slice_mut(&mut mass, size, size);
+    solve_lower_triangular_in_place(lower, both.as_mut(), Par::Seq);
+    solve_lower_triangular_in_place(lower, both.transpose_mut(), Par::Seq);
+    let (mut values, mut vectors) = symmetric_eigen(size, mass)?;
+    solve_upper_triangular_in_place(
+        lower.transpose(),
+        MatMut::from_column_major_slice_mut(&mut vectors, size, size),
+        Par::Seq,
+    );
+    values.reverse();
+    let vectors = vectors.rchunks(size.max(1)).flatten().copied().collect();
+    Ok((values, vectors))
+}

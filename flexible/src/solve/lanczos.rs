@@ -1,0 +1,519 @@
+//! Block Lanczos iteration for `A⁻¹ M x = θ x` in the inner product of `M`, with full reorthogonalisation and thick restarts
+//! (Grimes, Lewis, Simon: A shifted block Lanczos algorithm, SIAM J. Matrix Anal. Appl. 15, 1994; Wu, Simon: Thick-restart
+//! Lanczos method, ibid. 22, 2000).
+//!
+//! The basis is a set of processed columns `V`, followed by the next block `W`:
+//! `A⁻¹ M V = V T + W C`, `[V W]ᵀ M [V W] = 1`, with `C` zero but for the columns from `coupled` on.
+//! `T` is not taken as banded: every new column is projected on all others, which also makes restarts simple.
+
+use super::dense::symmetric_eigen;
+use super::factor::Factorization;
+use super::product::multiply;
+use super::random::Random;
+use crate::error::FlexibleError;
+use crate::sparse::SymmetricMatrix;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
+
+/// A column that keeps less than this of its length when the others are projected out depends on them.
+const DEPENDENT: f64 = 1e-11;
+/// The same for columns of unit length: these should not shrink again.
+const UNIT_LOST: f64 = 1e-2;
+/// A column of which less than this share of its square is left has its Gram matrix worked out anew.
+const SHRUNK: f64 = 1e-4;
+/// What may be left to project out when a block counts as orthonormal.
+const ORTHOGONAL: f64 = 1e-12;
+
+/// The state of an iteration.
+pub(crate) struct Lanczos<'a> {
+    mass: &'a SymmetricMatrix,
+    size: usize,
+    block: usize,
+    /// Processed columns, most at once.
+    limit: usize,
+    /// Processed columns, then the next block.
+    basis: Vec<f64>,
+    processed: usize,
+    next: usize,
+    /// `M` times the next block.
+    mass_next: Vec<f64>,
+    /// `T`, upper triangle, by columns of `limit` entries.
+    projected: Vec<f64>,
+    /// `C`: `next` rows, columns from `coupled` to `processed`.
+    coupling: Vec<f64>,
+    coupled: usize,
+    random: Random,
+    /// Blocks solved for.
+    pub(crate) solves: usize,
+}
+
+/// Approximate eigenpairs: θ descending.
+pub(crate) struct Ritz {
+    pub(crate) values: Vec<f64>,
+    /// By columns, in the basis of the processed columns.
+    vectors: Vec<f64>,
+    /// `C s`: what of each pair's residual lies in the next block; `next` rows.
+    leak: Vec<f64>,
+    /// Length of that residual, over θ.
+    pub(crate) residuals: Vec<f64>,
+}
+
+impl<'a> Lanczos<'a> {
+    /// Starts from `block` random vectors. The factor is handed to each step that solves, so that its memory can serve other
+    /// factorisations in between; it is always of the same matrix.
+    ///
+    /// # Errors
+    /// When memory runs out.
+    pub(crate) fn new(
+        mass: &'a SymmetricMatrix,
+        factor: &Factorization,
+        block: usize,
+        limit: usize,
+    ) -> Result<Self, FlexibleError> {
+        let size = mass.size();
+        let mut basis = Vec::new();
+        basis
+            .try_reserve_exact(size * (limit + block))
+            .map_err(|_| super::ordering::out_of_memory())?;
+        let mut lanczos = Lanczos {
+            mass,
+            size,
+            block,
+            limit,
+            basis,
+            processed: 0,
+            next: 0,
+            mass_next: Vec::new(),
+            projected: zeros(limit)?,
+            coupling: Vec::new(),
+            coupled: 0,
+            random: Random::new(size as u64),
+            solves: 0,
+        };
+        lanczos.inject(factor)?;
+        Ok(lanczos)
+    }
+
+    /// Processed columns.
+    pub(crate) fn processed(&self) -> usize {
+        self.processed
+    }
+
+    /// Processed columns, most at once.
+    pub(crate) fn limit(&self) -> usize {
+        self.limit
+    }
+
+    /// Makes room for more processed columns.
+    ///
+    /// # Errors
+    /// When memory runs out.
+    pub(crate) fn widen(&mut self, limit: usize) -> Result<(), FlexibleError> {
+        if limit <= self.limit {
+            return Ok(());
+        }
+        let mut projected = zeros(limit)?;
+        for (wide, narrow) in projected
+            .chunks_exact_mut(limit)
+            .zip(self.projected.chunks_exact(self.limit))
+        {
+            wide[..self.limit].copy_from_slice(narrow);
+        }
+        self.projected = projected;
+        self.limit = limit;
+        Ok(())
+    }
+
+    /// True when the next block is empty: the basis holds an invariant subspace.
+    pub(crate) fn exhausted(&self) -> bool {
+        self.next == 0
+    }
+
+    /// True when the next block does not fit.
+    pub(crate) fn full(&self) -> bool {
+        self.processed + self.next > self.limit
+    }
+
+    /// Replaces the next block by a random one, for what the iteration can't see from where it is: further vectors of a
+    /// multiple eigenvalue. The block stays empty when the basis spans everything with mass.
+    ///
+    /// # Errors
+    /// When memory runs out.
+    pub(crate) fn inject(&mut self, factor: &Factorization) -> Result<(), FlexibleError> {
+        self.basis.truncate(self.processed * self.size);
+        self.next = 0;
+        self.coupled = self.processed;
+        self.coupling.clear();
+        let start: Vec<f64> = (0..self.size * self.block)
+            .map(|_| self.random.symmetric())
+            .collect();
+        let mut image = vec![0.0; start.len()];
+        multiply(self.mass, &start, &mut image);
+        // one application removes what has no mass
+        factor.solve_in_place(&mut image)?;
+        self.solves += 1;
+        self.append(image);
+        Ok(())
+    }
+
+    /// Processes the next block.
+    ///
+    /// # Errors
+    /// When memory runs out.
+    pub(crate) fn step(&mut self, factor: &Factorization) -> Result<(), FlexibleError> {
+        let mut image = std::mem::take(&mut self.mass_next);
+        factor.solve_in_place(&mut image)?;
+        self.solves += 1;
+        let (first, columns) = (self.processed, self.next);
+        self.processed += columns;
+        self.next = 0;
+        self.coupled = first;
+        let (along, coupling) = self.append(image);
+        let rows = self.processed;
+        for column in first..rows {
+            let own = &along[(column - first) * rows..][..rows];
+            for row in 0..=column {
+                // T is symmetric: of the block with itself the mean is taken
+                let mirror = if row < first {
+                    own[row]
+                } else {
+                    along[(row - first) * rows + column]
+                };
+                self.projected[column * self.limit + row] = 0.5 * (own[row] + mirror);
+            }
+        }
+        self.coupling = coupling;
+        Ok(())
+    }
+
+    /// Orthonormalises a block against the basis and in itself, and appends it as the next block. Gives the components of the
+    /// block along the basis (by columns) and along the new columns: `block = V H + W R`.
+    fn append(&mut self, mut block: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+        let (size, known) = (self.size, self.processed);
+        let columns = block.len() / size.max(1);
+        let mut along = vec![0.0; known * columns];
+        // rows: the block's columns now; columns: as they came in
+        let mut upper = identity(columns);
+        let mut mass_block = vec![0.0; block.len()];
+        let mut done = false;
+        for pass in 0..5 {
+            let width = block.len() / size.max(1);
+            mass_block.truncate(block.len());
+            multiply(self.mass, &block, &mut mass_block);
+            // columns are of unit length after the first pass; one that still shrinks was rounding
+            let floors: Vec<f64> = block
+                .chunks_exact(size)
+                .zip(mass_block.chunks_exact(size))
+                .map(|(x, y)| {
+                    if pass == 0 {
+                        DEPENDENT * dot(x, y).max(0.0).sqrt()
+                    } else {
+                        UNIT_LOST
+                    }
+                })
+                .collect();
+            let basis = MatRef::from_column_major_slice(&self.basis, size, known);
+            let mut part = vec![0.0; known * width];
+            matmul(
+                MatMut::from_column_major_slice_mut(&mut part, known, width),
+                Accum::Replace,
+                basis.transpose(),
+                MatRef::from_column_major_slice(&mass_block, size, width),
+                1.0,
+                Par::Seq,
+            );
+            matmul(
+                MatMut::from_column_major_slice_mut(&mut block, size, width),
+                Accum::Add,
+                basis,
+                MatRef::from_column_major_slice(&part, known, width),
+                -1.0,
+                Par::Seq,
+            );
+            matmul(
+                MatMut::from_column_major_slice_mut(&mut along, known, columns),
+                Accum::Add,
+                MatRef::from_column_major_slice(&part, known, width),
+                MatRef::from_column_major_slice(&upper, width, columns),
+                1.0,
+                Par::Seq,
+            );
+            // (W − V h)ᵀ M W is the Gram matrix of what is left, but for rounding of the size of what was taken away
+            let mut gram = self.gram(&block, &mass_block);
+            let shrunk = floors.iter().enumerate().any(|(index, floor)| {
+                gram[index * (width + 1)] < SHRUNK * (floor / DEPENDENT).powi(2)
+            });
+            if pass == 0 && shrunk {
+                multiply(self.mass, &block, &mut mass_block);
+                gram = self.gram(&block, &mass_block);
+            }
+            let unit = gram
+                .iter()
+                .enumerate()
+                .fold(0.0f64, |worst, (index, &entry)| {
+                    let one = if index % (width + 1) == 0 { 1.0 } else { 0.0 };
+                    worst.max((entry - one).abs())
+                });
+            let moved = part
+                .iter()
+                .fold(0.0f64, |worst, part| worst.max(part.abs()));
+            let (factor, inverse, rank) = pivoted_cholesky(&gram, width, &floors);
+            let apply = |old: &[f64]| {
+                let mut new = vec![0.0; size * rank];
+                matmul(
+                    MatMut::from_column_major_slice_mut(&mut new, size, rank),
+                    Accum::Replace,
+                    MatRef::from_column_major_slice(old, size, width),
+                    MatRef::from_column_major_slice(&inverse, width, rank),
+                    1.0,
+                    Par::Seq,
+                );
+                new
+            };
+            block = apply(&block);
+            let mut product = vec![0.0; rank * columns];
+            matmul(
+                MatMut::from_column_major_slice_mut(&mut product, rank, columns),
+                Accum::Replace,
+                MatRef::from_column_major_slice(&factor, rank, width),
+                MatRef::from_column_major_slice(&upper, width, columns),
+                1.0,
+                Par::Seq,
+            );
+            upper = product;
+            if pass > 0 && moved <= ORTHOGONAL && unit <= ORTHOGONAL && rank == width {
+                mass_block = apply(&mass_block);
+                done = true;
+            }
+            if done || rank == 0 {
+                break;
+            }
+        }
+        if !done {
+            mass_block.truncate(block.len());
+            multiply(self.mass, &block, &mut mass_block);
+        }
+        self.next = block.len() / size.max(1);
+        self.basis.truncate(known * size);
+        self.basis.extend_from_slice(&block);
+        self.mass_next = mass_block;
+        (along, upper)
+    }
+
+    /// `Xᵀ Y` of two blocks of the same width.
+    fn gram(&self, x: &[f64], y: &[f64]) -> Vec<f64> {
+        let width = x.len() / self.size.max(1);
+        let mut gram = vec![0.0; width * width];
+        matmul(
+            MatMut::from_column_major_slice_mut(&mut gram, width, width),
+            Accum::Replace,
+            MatRef::from_column_major_slice(x, self.size, width).transpose(),
+            MatRef::from_column_major_slice(y, self.size, width),
+            1.0,
+            Par::Seq,
+        );
+        gram
+    }
+
+    /// The eigenpairs of `T`.
+    ///
+    /// # Errors
+    /// When `T` is not finite.
+    pub(crate) fn ritz(&self) -> Result<Ritz, FlexibleError> {
+        let count = self.processed;
+        let mut dense = vec![0.0; count * count];
+        for column in 0..count {
+            for row in 0..=column {
+                // the lower triangle is read
+                dense[row * count + column] = self.projected[column * self.limit + row];
+            }
+        }
+        let (mut values, ascending) = symmetric_eigen(count, dense)?;
+        values.reverse();
+        let vectors: Vec<f64> = ascending.rchunks(count.max(1)).flatten().copied().collect();
+        let mut leak = vec![0.0; self.next * count];
+        let tail = MatRef::from_column_major_slice(&vectors, count, count)
+            .subrows(self.coupled, count - self.coupled);
+        matmul(
+            MatMut::from_column_major_slice_mut(&mut leak, self.next, count),
+            Accum::Replace,
+            MatRef::from_column_major_slice(&self.coupling, self.next, count - self.coupled),
+            tail,
+            1.0,
+            Par::Seq,
+        );
+        let residuals = if self.next == 0 {
+            vec![0.0; count]
+        } else {
+            leak.chunks_exact(self.next)
+                .zip(&values)
+                .map(|(leak, value)| super::factor::norm(leak) / value.abs())
+                .collect()
+        };
+        Ok(Ritz {
+            values,
+            vectors,
+            leak,
+            residuals,
+        })
+    }
+
+    /// Keeps the first `keep` approximate eigenvectors as the processed columns.
+    pub(crate) fn restart(&mut self, ritz: &Ritz, keep: usize) {
+        let keep = keep.min(self.processed);
+        self.combine(&ritz.vectors, keep);
+        let next = self.basis.split_off(self.processed * self.size);
+        self.basis.truncate(keep * self.size);
+        self.basis.extend_from_slice(&next);
+        self.projected.fill(0.0);
+        for (index, &value) in ritz.values.iter().take(keep).enumerate() {
+            self.projected[index * (self.limit + 1)] = value;
+        }
+        self.processed = keep;
+        self.coupled = 0;
+        self.coupling = ritz.leak[..self.next * keep].to_vec();
+    }
+
+    /// Replaces the first columns of the basis by combinations of the processed ones, some rows at a time.
+    fn combine(&mut self, vectors: &[f64], keep: usize) {
+        const ROWS: usize = 512;
+        let (size, count) = (self.size, self.processed);
+        let mut panel = vec![0.0; ROWS * keep];
+        for first in (0..size).step_by(ROWS) {
+            let rows = ROWS.min(size - first);
+            matmul(
+                MatMut::from_column_major_slice_mut(&mut panel[..rows * keep], rows, keep),
+                Accum::Replace,
+                MatRef::from_column_major_slice(&self.basis[..size * count], size, count)
+                    .subrows(first, rows),
+                MatRef::from_column_major_slice(&vectors[..count * keep], count, keep),
+                1.0,
+                Par::Seq,
+            );
+            for (column, values) in panel[..rows * keep].chunks_exact(rows).enumerate() {
+                self.basis[column * size + first..][..rows].copy_from_slice(values);
+            }
+        }
+    }
+
+    /// The first `count` approximate eigenvectors in the given freedoms, with one step of the iteration applied,
+    /// `x = V s + W C s / θ`, which removes what has crept in of motions without mass (Nour-Omid, Parlett, Ericsson, Jensen:
+    /// How to implement the spectral transformation, Math. Comp. 48, 1987). Not normalised.
+    pub(crate) fn vectors(&self, ritz: &Ritz, count: usize) -> Vec<f64> {
+        let size = self.size;
+        let mut vectors = vec![0.0; size * count];
+        matmul(
+            MatMut::from_column_major_slice_mut(&mut vectors, size, count),
+            Accum::Replace,
+            MatRef::from_column_major_slice(
+                &self.basis[..size * self.processed],
+                size,
+                self.processed,
+            ),
+            MatRef::from_column_major_slice(
+                &ritz.vectors[..self.processed * count],
+                self.processed,
+                count,
+            ),
+            1.0,
+            Par::Seq,
+        );
+        if self.next > 0 {
+            let mut leak = ritz.leak[..self.next * count].to_vec();
+            for (leak, value) in leak.chunks_exact_mut(self.next).zip(&ritz.values) {
+                leak.iter_mut().for_each(|entry| *entry /= value);
+            }
+            matmul(
+                MatMut::from_column_major_slice_mut(&mut vectors, size, count),
+                Accum::Add,
+                MatRef::from_column_major_slice(
+                    &self.basis[size * self.processed..],
+                    size,
+                    self.next,
+                ),
+                MatRef::from_column_major_slice(&leak, self.next, count),
+                1.0,
+                Par::Seq,
+            );
+        }
+        vectors
+    }
+}
+
+pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
+}
+
+/// A square matrix of zeros.
+fn zeros(size: usize) -> Result<Vec<f64>, FlexibleError> {
+    let mut matrix = Vec::new();
+    matrix
+        .try_reserve_exact(size.saturating_mul(size))
+        .map_err(|_| super::ordering::out_of_memory())?;
+    matrix.resize(size * size, 0.0);
+    Ok(matrix)
+}
+
+fn identity(size: usize) -> Vec<f64> {
+    let mut matrix = vec![0.0; size * size];
+    for index in 0..size {
+        matrix[index * (size + 1)] = 1.0;
+    }
+    matrix
+}
+
+/// `G ≈ Rᵀ R` with as many rows of `R` as there are independent columns: those of which more than their floor is left when
+/// the columns before them are projected out. Gives `R` (rank × width), `B` (width × rank) with `R B = 1`, the rank.
+fn pivoted_cholesky(gram: &[f64], width: usize, floors: &[f64]) -> (Vec<f64>, Vec<f64>, usize) {
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    let mut pivots: Vec<usize> = Vec::new();
+    let mut left: Vec<f64> = (0..width).map(|index| gram[index * (width + 1)]).collect();
+    loop {
+        let mut best: Option<(f64, usize)> = None;
+        for (index, (&left, &floor)) in left.iter().zip(floors).enumerate() {
+            if !pivots.contains(&index)
+                && left > floor * floor
+                && best.is_none_or(|(most, _)| left > most)
+            {
+                best = Some((left, index));
+            }
+        }
+        let Some((most, pivot)) = best else {
+            break;
+        };
+        let root = most.sqrt();
+        let row: Vec<f64> = (0..width)
+            .map(|column| {
+                if pivots.contains(&column) {
+                    return 0.0;
+                }
+                let inner: f64 = rows.iter().map(|row| row[pivot] * row[column]).sum();
+                (gram[column * width + pivot] - inner) / root
+            })
+            .collect();
+        for (left, entry) in left.iter_mut().zip(&row) {
+            *left -= entry * entry;
+        }
+        rows.push(row);
+        pivots.push(pivot);
+    }
+    let rank = rows.len();
+    let mut factor = vec![0.0; rank * width];
+    for (index, row) in rows.iter().enumerate() {
+        for (column, &entry) in row.iter().enumerate() {
+            factor[column * rank + index] = entry;
+        }
+    }
+    // R restricted to the pivots is upper triangular
+    let mut inverse = vec![0.0; width * rank];
+    for column in 0..rank {
+        for index in (0..=column).rev() {
+            let mut sum = if index == column { 1.0 } else { 0.0 };
+            for later in index + 1..=column {
+                sum -= rows[index][pivots[later]] * inverse[column * width + pivots[later]];
+            }
+            inverse[column * width + pivots[index]] = sum / rows[index][pivots[index]];
+        }
+    }
+    (factor, inverse, rank)
+}

@@ -1,0 +1,435 @@
+//! The search for the lowest modes: choice of the shift, iteration, proof, and taking it up again.
+
+use super::dense::inverse_eigen;
+use super::eigen::{EigenOptions, EigenSolution, SturmCount};
+use super::factor::{Analysis, Definiteness, Factorization, diagonal, norm};
+use super::lanczos::{Lanczos, Ritz, dot};
+use super::pencil::shifted;
+use super::product::multiply;
+use super::sturm::{BORDER, Pairs, Place, agree, miscounted};
+use crate::error::FlexibleError;
+use crate::sparse::SymmetricMatrix;
+use std::sync::Arc;
+
+/// First guess of |σ| over the typical ratio of the diagonals, itself about the largest eigenvalue.
+pub(super) const FIRST_SHIFT: f64 = 1e-9;
+/// The same where all eigenvalues are found densely: rounding is even over all of them.
+const DENSE_SHIFT: f64 = 1e-3;
+/// Up to this size the eigenvalues are found densely.
+const DENSE: usize = 200;
+/// Up to this size they are when more than a third is wanted.
+const DENSE_MANY: usize = 2500;
+/// An eigenvalue below this share of |σ| is a rigid motion, as far as the choice of σ goes.
+const RIGID: f64 = 1e-4;
+/// |σ| over the first elastic eigenvalue: outside of these σ is moved…
+const SHIFT_RANGE: std::ops::Range<f64> = 1e-6..20.0;
+/// …so often at most.
+const MOVES: usize = 3;
+/// Times the search is taken up again when the count shows that modes are missing.
+const RESUMPTIONS: usize = 8;
+
+/// What a search needs throughout.
+pub(super) struct Search<'a> {
+    pub(super) stiffness: &'a SymmetricMatrix,
+    pub(super) mass: &'a SymmetricMatrix,
+    options: &'a EigenOptions,
+    analysis: Arc<Analysis>,
+    /// Median of the ratios of stiffness's and mass's diagonals.
+    pub(super) typical: f64,
+    factorizations: usize,
+    solves: usize,
+}
+
+/// How an iteration went.
+enum Progress {
+    /// The wanted pairs are there.
+    Found(Pairs, Ritz),
+    /// This shift is better.
+    Move(f64),
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(
+        stiffness: &'a SymmetricMatrix,
+        mass: &'a SymmetricMatrix,
+        options: &'a EigenOptions,
+    ) -> Result<Self, FlexibleError> {
+        let both = shifted(stiffness, mass, 0.0)?;
+        if both.size() == 0 {
+            return Err(FlexibleError::Matrix {
+                problem: "modes of matrices without rows".into(),
+                advice: "does the mesh have free nodes?".into(),
+            });
+        }
+        let masses = diagonal(mass);
+        if let Some(row) = masses.iter().position(|mass| mass.is_nan() || *mass < 0.0) {
+            return Err(FlexibleError::Matrix {
+                problem: format!("the mass of row {} is negative or not a number", row + 1),
+                advice: "a mass matrix is positive semidefinite".into(),
+            });
+        }
+        let mut ratios: Vec<f64> = diagonal(stiffness)
+            .iter()
+            .zip(&masses)
+            .map(|(stiffness, mass)| stiffness / mass)
+            .filter(|ratio| ratio.is_finite() && *ratio > 0.0)
+            .collect();
+        ratios.sort_unstable_by(f64::total_cmp);
+        let Some(&typical) = ratios.get(ratios.len() / 2) else {
+            return Err(FlexibleError::Matrix {
+                problem: "no row has both mass and stiffness: there are no modes".into(),
+                advice: "do the materials have densities?".into(),
+            });
+        };
+        let analysis = match &options.analysis {
+            Some(analysis) => analysis.clone(),
+            None => Arc::new(Analysis::fill_reducing(&both)?),
+        };
+        Ok(Search {
+            stiffness,
+            mass,
+            options,
+            analysis,
+            typical,
+            factorizations: 0,
+            solves: 0,
+        })
+    }
+
+    pub(super) fn nothing(&self, below: f64) -> EigenSolution {
+        EigenSolution {
+            eigenvalues: Vec::new(),
+            vectors: Vec::new(),
+            residuals: Vec::new(),
+            sturm: SturmCount { count: 0, below },
+            shift: 0.0,
+            factorizations: self.factorizations,
+            solves: 0,
+        }
+    }
+
+    /// Finds `count` modes and proves them complete: below `limit` where the count was made there.
+    pub(super) fn run(
+        &mut self,
+        count: usize,
+        limit: Option<f64>,
+        spare: Option<Factorization>,
+    ) -> Result<EigenSolution, FlexibleError> {
+        let size = self.mass.size();
+        if count > size {
+            return Err(too_few(size, count));
+        }
+        if size <= DENSE || (size <= DENSE_MANY && count >= size / 3) {
+            self.run_dense(count, limit, spare)
+        } else {
+            self.run_lanczos(count, limit, spare)
+        }
+    }
+
+    fn run_dense(
+        &mut self,
+        count: usize,
+        limit: Option<f64>,
+        spare: Option<Factorization>,
+    ) -> Result<EigenSolution, FlexibleError> {
+        let size = self.mass.size();
+        let shift = self.options.shift.unwrap_or(-DENSE_SHIFT * self.typical);
+        let matrix = shifted(self.stiffness, self.mass, shift)?;
+        let (theta, mut vectors) = inverse_eigen(size, dense(&matrix), dense(self.mass))?;
+        let pairs = Pairs::new(&theta, &vec![0.0; size], 0.0, shift, true);
+        let sturm = match limit {
+            Some(limit) => agree(&pairs, count, limit)?,
+            None => match self.place(&pairs, count) {
+                Place::At {
+                    expected,
+                    below,
+                    gap,
+                } => self
+                    .prove(spare, expected, below, gap)?
+                    .0
+                    .map_err(|(counted, at)| miscounted(expected, counted, at))?,
+                Place::After(more) => return Err(too_few(pairs.eigenvalues.len(), more)),
+            },
+        };
+        vectors.truncate(size * count);
+        self.solution(&pairs, vectors, sturm, shift)
+    }
+
+    fn run_lanczos(
+        &mut self,
+        count: usize,
+        limit: Option<f64>,
+        spare: Option<Factorization>,
+    ) -> Result<EigenSolution, FlexibleError> {
+        let (mut shift, mut factor) = self.positive(spare)?;
+        let mut lanczos = self.start(&factor, count)?;
+        let mut moves = if self.options.shift.is_some() {
+            0
+        } else {
+            MOVES
+        };
+        let mut wanted = count;
+        let mut limit = limit;
+        for _ in 0..=RESUMPTIONS {
+            let (pairs, ritz) = loop {
+                match self.converge(&mut lanczos, &factor, shift, wanted, moves > 0)? {
+                    Progress::Found(pairs, ritz) => break (pairs, ritz),
+                    Progress::Move(better) => {
+                        moves -= 1;
+                        self.solves += lanczos.solves;
+                        shift = better;
+                        factor = self.factor_positive(Some(factor), shift)?;
+                        lanczos = self.start(&factor, wanted)?;
+                    }
+                }
+            };
+            // what is found below a place where the number is known
+            if let Some(below) = limit {
+                let found = pairs.below(below * (1.0 + BORDER));
+                if found >= wanted {
+                    let sturm = agree(&pairs, wanted, below)?;
+                    return self.finish(&lanczos, &ritz, &pairs, count, sturm, shift);
+                }
+                lanczos.restart(&ritz, found);
+                lanczos.inject(&factor)?;
+                continue;
+            }
+            match self.place(&pairs, wanted) {
+                Place::After(more) => wanted = more,
+                Place::At {
+                    expected,
+                    below,
+                    gap,
+                } => {
+                    let (proof, used) = self.prove(Some(factor), expected, below, gap)?;
+                    match proof {
+                        Ok(sturm) => {
+                            return self.finish(&lanczos, &ritz, &pairs, count, sturm, shift);
+                        }
+                        Err((counted, at)) if counted > expected => {
+                            wanted = counted;
+                            limit = Some(at);
+                            factor = self.factor_positive(Some(used), shift)?;
+                            lanczos.restart(&ritz, expected);
+                            lanczos.inject(&factor)?;
+                        }
+                        Err((counted, at)) => return Err(miscounted(expected, counted, at)),
+                    }
+                }
+            }
+        }
+        Err(FlexibleError::Numerical {
+            problem: format!("of {wanted} modes that a count shows, some can't be found"),
+            advice:
+                "ask for a few modes more or fewer, so that the last is not one of many close ones"
+                    .into(),
+        })
+    }
+
+    /// A factor of `K − σ M`, with a σ low enough.
+    fn positive(
+        &mut self,
+        mut spare: Option<Factorization>,
+    ) -> Result<(f64, Factorization), FlexibleError> {
+        if let Some(shift) = self.options.shift {
+            return Ok((shift, self.factor_positive(spare, shift)?));
+        }
+        let mut shift = -FIRST_SHIFT * self.typical;
+        loop {
+            match self.factor_positive(spare.take(), shift) {
+                Err(FlexibleError::Singular { .. }) if shift > -1e-3 * self.typical => {
+                    shift *= 1e3;
+                }
+                result => return Ok((shift, result?)),
+            }
+        }
+    }
+
+    fn factor_positive(
+        &mut self,
+        spare: Option<Factorization>,
+        shift: f64,
+    ) -> Result<Factorization, FlexibleError> {
+        self.factor(spare, shift, Definiteness::Positive)
+    }
+
+    pub(super) fn factor(
+        &mut self,
+        spare: Option<Factorization>,
+        shift: f64,
+        kind: Definiteness,
+    ) -> Result<Factorization, FlexibleError> {
+        let matrix = shifted(self.stiffness, self.mass, shift)?;
+        self.factorizations += 1;
+        match spare {
+            Some(spare) => spare.replace(&matrix, kind),
+            None => Factorization::new(&self.analysis, &matrix, kind),
+        }
+    }
+
+    fn start(&self, factor: &Factorization, count: usize) -> Result<Lanczos<'a>, FlexibleError> {
+        let block = self.options.block.clamp(1, self.mass.size());
+        let basis = self.options.basis.unwrap_or(2 * count + 10 * block);
+        let most = basis.min(self.mass.size()).max(count + 4 * block);
+        Lanczos::new(self.mass, factor, block, most)
+    }
+
+    /// Iterates until the wanted pairs are found.
+    fn converge(
+        &mut self,
+        lanczos: &mut Lanczos<'_>,
+        factor: &Factorization,
+        shift: f64,
+        wanted: usize,
+        may_move: bool,
+    ) -> Result<Progress, FlexibleError> {
+        let block = self.options.block.clamp(1, self.mass.size());
+        lanczos.widen(wanted + 4 * block)?;
+        let most = self.options.solves.unwrap_or(200 + 20 * wanted / block);
+        let mut check = if may_move {
+            wanted.min(3 * block)
+        } else {
+            wanted
+        };
+        loop {
+            let mut complete = false;
+            if lanczos.exhausted() {
+                lanczos.inject(factor)?;
+                complete = lanczos.exhausted();
+            }
+            if lanczos.processed() >= check.max(1) || lanczos.full() || complete {
+                let ritz = lanczos.ritz()?;
+                let pairs = Pairs::new(
+                    &ritz.values,
+                    &ritz.residuals,
+                    self.options.tolerance,
+                    shift,
+                    complete,
+                );
+                if may_move && let Some(better) = better_shift(&pairs, &ritz, shift) {
+                    return Ok(Progress::Move(better));
+                }
+                if pairs.sure >= wanted {
+                    return Ok(Progress::Found(pairs, ritz));
+                }
+                if complete {
+                    return Err(too_few(pairs.eigenvalues.len(), wanted));
+                }
+                if lanczos.full() {
+                    lanczos.restart(&ritz, (wanted + 2 * block).min(lanczos.limit() - 2 * block));
+                }
+                check = lanczos.processed() + block.max(lanczos.processed() / 12);
+            }
+            if lanczos.solves >= most {
+                return Err(FlexibleError::Numerical {
+                    problem: format!(
+                        "{wanted} modes don't converge within {most} blocks of vectors"
+                    ),
+                    advice: "ask for fewer modes, or allow a larger basis".into(),
+                });
+            }
+            lanczos.step(factor)?;
+        }
+    }
+
+    fn finish(
+        &mut self,
+        lanczos: &Lanczos<'_>,
+        ritz: &Ritz,
+        pairs: &Pairs,
+        count: usize,
+        sturm: SturmCount,
+        shift: f64,
+    ) -> Result<EigenSolution, FlexibleError> {
+        self.solves += lanczos.solves;
+        self.solution(pairs, lanczos.vectors(ritz, count), sturm, shift)
+    }
+
+    /// Normalises the vectors and works out what they leave.
+    fn solution(
+        &self,
+        pairs: &Pairs,
+        mut vectors: Vec<f64>,
+        sturm: SturmCount,
+        shift: f64,
+    ) -> Result<EigenSolution, FlexibleError> {
+        let size = self.mass.size();
+        let count = vectors.len() / size.max(1);
+        if pairs.eigenvalues.len() < count {
+            return Err(too_few(pairs.eigenvalues.len(), count));
+        }
+        let mut residuals = Vec::with_capacity(count);
+        let width = size * self.options.block.max(1);
+        let (mut heavy, mut stiff) = (vec![0.0; width], vec![0.0; width]);
+        for (first, vectors) in vectors.chunks_mut(width).enumerate() {
+            let (heavy, stiff) = (&mut heavy[..vectors.len()], &mut stiff[..vectors.len()]);
+            multiply(self.mass, vectors, heavy);
+            multiply(self.stiffness, vectors, stiff);
+            let values = pairs.eigenvalues.iter().skip(first * (width / size));
+            for (((vector, heavy), stiff), value) in vectors
+                .chunks_exact_mut(size)
+                .zip(heavy.chunks_exact(size))
+                .zip(stiff.chunks_exact(size))
+                .zip(values)
+            {
+                // neither scale nor sign matter to the residual
+                let rest: Vec<f64> = stiff
+                    .iter()
+                    .zip(heavy)
+                    .map(|(stiff, heavy)| stiff - value * heavy)
+                    .collect();
+                residuals.push(norm(&rest) / ((value - shift).abs() * norm(heavy)));
+                let largest = vector.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+                let leading = vector
+                    .iter()
+                    .find(|x| x.abs() >= largest * (1.0 - 1e-6))
+                    .copied()
+                    .unwrap_or(1.0);
+                let scale = 1.0f64.copysign(leading) / dot(vector, heavy).sqrt();
+                vector.iter_mut().for_each(|x| *x *= scale);
+            }
+        }
+        Ok(EigenSolution {
+            eigenvalues: pairs.eigenvalues[..count].to_vec(),
+            vectors,
+            residuals,
+            sturm,
+            shift,
+            factorizations: self.factorizations,
+            solves: self.solves,
+        })
+    }
+}
+
+/// A shift in proportion to the first elastic eigenvalue, if that is known and the shift is out of proportion.
+fn better_shift(pairs: &Pairs, ritz: &Ritz, shift: f64) -> Option<f64> {
+    let elastic = pairs
+        .eigenvalues
+        .iter()
+        .zip(&ritz.residuals)
+        .find(|(value, residual)| **value > RIGID * shift.abs() && **residual < 1e-3)
+        .map(|(value, _)| *value)?;
+    let share = shift.abs() / elastic;
+    (!SHIFT_RANGE.contains(&share)).then_some(-0.25 * elastic)
+}
+
+fn too_few(there: usize, wanted: usize) -> FlexibleError {
+    FlexibleError::Numerical {
+        problem: format!("{wanted} modes asked for, there are {there}"),
+        advice: "only freedoms with mass have modes; ask for fewer".into(),
+    }
+}
+
+/// Both triangles, by columns.
+fn dense(matrix: &SymmetricMatrix) -> Vec<f64> {
+    let size = matrix.size();
+    let mut entries = vec![0.0; size * size];
+    for column in 0..size {
+        let (rows, values) = matrix.column(column);
+        for (&row, &value) in rows.iter().zip(values) {
+            entries[column * size + row as usize] = value;
+            entries[row as usize * size + column] = value;
+        }
+    }
+    entries
+}

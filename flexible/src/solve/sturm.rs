@@ -1,0 +1,208 @@
+//! Proof by Sturm count that no mode is missing.
+
+use super::eigen::SturmCount;
+use super::factor::{Definiteness, Factorization};
+use super::product::multiply;
+use super::random::Random;
+use super::search::{FIRST_SHIFT, Search};
+use crate::error::FlexibleError;
+
+/// Neighbours closer than this share of the eigenvalue are one cluster…
+const CLUSTER: f64 = 1e-6;
+/// …and so are those closer than this share of the typical ratio of the diagonals: rounding of zeros.
+const ROUNDING: f64 = 1e-13;
+/// Pairs with θ below this share of the largest are massless motions.
+const MASSLESS: f64 = 1e-12;
+/// An eigenvalue this near (relative) a place of counting may count on either side.
+pub(super) const BORDER: f64 = 1e-9;
+/// How far a place of counting is moved (relative) when its factor is no good.
+const NUDGES: f64 = 1e-8;
+/// What a solution with an indefinite factor may leave of the right-hand side: more means that its pivots can't be trusted.
+const TRUSTED: f64 = 1e-6;
+
+/// The pairs found so far.
+pub(super) struct Pairs {
+    /// σ + 1/θ, ascending; those after the first `sure` are estimates from above.
+    pub(super) eigenvalues: Vec<f64>,
+    pub(super) sure: usize,
+    /// True when there are no others.
+    pub(super) complete: bool,
+}
+
+impl Pairs {
+    pub(super) fn new(
+        theta: &[f64],
+        residuals: &[f64],
+        tolerance: f64,
+        shift: f64,
+        complete: bool,
+    ) -> Pairs {
+        let least = MASSLESS * theta.first().copied().unwrap_or(0.0);
+        let eigenvalues: Vec<f64> = theta
+            .iter()
+            .take_while(|theta| **theta > least)
+            .map(|theta| shift + 1.0 / theta)
+            .collect();
+        let sure = residuals
+            .iter()
+            .take(eigenvalues.len())
+            .take_while(|residual| **residual <= tolerance)
+            .count();
+        Pairs {
+            eigenvalues,
+            sure,
+            complete,
+        }
+    }
+
+    /// How many of the sure ones are below a value.
+    pub(super) fn below(&self, value: f64) -> usize {
+        self.eigenvalues
+            .iter()
+            .take(self.sure)
+            .filter(|eigenvalue| **eigenvalue < value)
+            .count()
+    }
+}
+
+/// A count at a place, or how many were counted and where if that is not what was found.
+pub(super) type Proof = Result<SturmCount, (usize, f64)>;
+
+/// Where a count is to be made.
+pub(super) enum Place {
+    /// Above so many of the found eigenvalues, at this value; the next one is supposed so far above them.
+    At {
+        expected: usize,
+        below: f64,
+        gap: f64,
+    },
+    /// Not before this many are found: the last ones are a cluster.
+    After(usize),
+}
+
+impl Search<'_> {
+    /// The number of eigenvalues below a place or right above it, where exactly, and the factor. The place is moved a little
+    /// when it hits an eigenvalue, or the factor turns out inexact.
+    pub(super) fn inertia(
+        &mut self,
+        mut spare: Option<Factorization>,
+        place: f64,
+    ) -> Result<(usize, f64, Factorization), FlexibleError> {
+        let mut offset = 0.0;
+        loop {
+            let place = place + offset * place.abs();
+            let result = self.factor(spare.take(), place, Definiteness::Indefinite);
+            let factor = match result {
+                Err(FlexibleError::Singular { .. }) if offset < NUDGES => None,
+                result => Some(result?),
+            };
+            if let Some(factor) = factor {
+                if self.trusted(&factor, place)? {
+                    return Ok((factor.negative_pivots(), place, factor));
+                }
+                spare = Some(factor);
+            }
+            if offset >= NUDGES {
+                return Err(FlexibleError::Numerical {
+                    problem: format!(
+                        "the eigenvalues below {place:.6e} rad²/s² can't be counted: the factor there is inexact"
+                    ),
+                    advice: "ask for a few modes more or fewer".into(),
+                });
+            }
+            offset = if offset > 0.0 { 10.0 * offset } else { 1e-10 };
+        }
+    }
+
+    /// Where to count so as to prove the first `count` pairs complete.
+    pub(super) fn place(&self, pairs: &Pairs, count: usize) -> Place {
+        for expected in count..=pairs.sure {
+            let Some(&last) = expected
+                .checked_sub(1)
+                .and_then(|index| pairs.eigenvalues.get(index))
+            else {
+                continue;
+            };
+            let room = 0.01 * last.abs() + FIRST_SHIFT * self.typical;
+            let gap = match pairs.eigenvalues.get(expected) {
+                Some(next) => next - last,
+                None if pairs.complete => 2.0 * room,
+                None => continue,
+            };
+            if gap > CLUSTER * last.abs() + ROUNDING * self.typical {
+                return Place::At {
+                    expected,
+                    below: last + room.min(0.5 * gap),
+                    gap,
+                };
+            }
+        }
+        Place::After(pairs.sure.max(count) + 1)
+    }
+
+    /// Counts, a second time further away when fewer are counted than were found.
+    pub(super) fn prove(
+        &mut self,
+        spare: Option<Factorization>,
+        expected: usize,
+        below: f64,
+        gap: f64,
+    ) -> Result<(Proof, Factorization), FlexibleError> {
+        let (mut count, mut below, mut factor) = self.inertia(spare, below)?;
+        if count < expected {
+            (count, below, factor) = self.inertia(Some(factor), below + 0.25 * gap)?;
+        }
+        let proof = if count == expected {
+            Ok(SturmCount { count, below })
+        } else {
+            Err((count, below))
+        };
+        Ok((proof, factor))
+    }
+
+    /// Whether a factor solves its equations.
+    fn trusted(&self, factor: &Factorization, shift: f64) -> Result<bool, FlexibleError> {
+        let size = self.mass.size();
+        let mut random = Random::new(1);
+        let right: Vec<f64> = (0..size).map(|_| random.symmetric()).collect();
+        let mut solution = right.clone();
+        factor.solve_in_place(&mut solution)?;
+        let (mut stiff, mut heavy) = (vec![0.0; size], vec![0.0; size]);
+        multiply(self.stiffness, &solution, &mut stiff);
+        multiply(self.mass, &solution, &mut heavy);
+        // what the solution leaves, over the rounding that its parts alone make
+        let (mut left, mut parts) = (0.0, 0.0);
+        for ((stiff, heavy), right) in stiff.iter().zip(&heavy).zip(&right) {
+            let rest = stiff - shift * heavy - right;
+            left += rest * rest;
+            parts += stiff * stiff + shift * shift * heavy * heavy + right * right;
+        }
+        Ok(left <= TRUSTED * TRUSTED * parts)
+    }
+}
+
+/// The count made at a limit, when it agrees with what was found.
+pub(super) fn agree(pairs: &Pairs, count: usize, limit: f64) -> Result<SturmCount, FlexibleError> {
+    let (least, most) = (
+        pairs.below(limit * (1.0 - BORDER)),
+        pairs.below(limit * (1.0 + BORDER)),
+    );
+    if (least..=most).contains(&count) {
+        Ok(SturmCount {
+            count,
+            below: limit,
+        })
+    } else {
+        Err(miscounted(most, count, limit))
+    }
+}
+
+pub(super) fn miscounted(found: usize, counted: usize, below: f64) -> FlexibleError {
+    FlexibleError::Numerical {
+        problem: format!(
+            "{found} modes are found below the eigenvalue {below:.6e} rad²/s², but {counted} counted"
+        ),
+        advice: "stiffness or mass may not be positive semidefinite; or ask for a few modes more or fewer"
+            .into(),
+    }
+}
