@@ -16,6 +16,7 @@
 pub mod error;
 pub mod fe;
 pub mod mesh;
+pub mod modes;
 pub mod read;
 pub mod solve;
 pub mod sparse;

@@ -134,6 +134,37 @@ impl SymmetricMatrix {
         let range = self.column_start[column]..self.column_start[column + 1];
         (&self.row[range.clone()], &self.value[range])
     }
+
+    /// The matrix without the rows and columns that `held` names; a row's place in it is its place among those that stay.
+    ///
+    /// # Errors
+    /// When `held` has another length than the matrix has rows.
+    pub fn without(&self, held: &[bool]) -> Result<Self, FlexibleError> {
+        if held.len() != self.size {
+            return Err(FlexibleError::Matrix {
+                problem: format!("{} freedoms are held or not, of {}", held.len(), self.size),
+                advice: String::new(),
+            });
+        }
+        let mut place = vec![0u32; self.size];
+        let mut size = 0u32;
+        for (place, held) in place.iter_mut().zip(held) {
+            *place = size;
+            size += u32::from(!held);
+        }
+        let (mut column_start, mut row, mut value) = (vec![0], Vec::new(), Vec::new());
+        for column in (0..self.size).filter(|column| !held[*column]) {
+            let (rows, values) = self.column(column);
+            for (&i, &x) in rows.iter().zip(values) {
+                if !held[i as usize] {
+                    row.push(place[i as usize]);
+                    value.push(x);
+                }
+            }
+            column_start.push(row.len());
+        }
+        SymmetricMatrix::from_parts(size as usize, column_start, row, value)
+    }
 }
 
 /// A symmetric linear operator on vectors of a fixed length.

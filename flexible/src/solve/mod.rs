@@ -8,7 +8,7 @@
 //! Everything here runs on one thread in a fixed order: the same matrices give the same bits.
 
 mod coarsening;
-mod dense;
+pub(crate) mod dense;
 mod dissection;
 pub mod eigen;
 mod elimination;

@@ -1,0 +1,150 @@
+//! Mode sets: static and normal modes of a structure, and their sum as an orthonormal set.
+//!
+//! ```text
+//! Structure (K, M over free freedoms) ──statics──▶ attachment, constraint modes ┐
+//!                                     ──normal───▶ free, fixed, supported modes ┴─set─▶ ModeSet
+//! ```
+//!
+//! Vectors are over the structure's free freedoms, one after the other.
+
+pub mod normal;
+pub mod rigid;
+pub mod set;
+pub mod statics;
+
+pub use normal::{Boundary, NormalModes};
+pub use rigid::Rigid;
+pub use set::{Candidate, Dropped, ModeSet};
+
+use crate::error::FlexibleError;
+use crate::sparse::{SymmetricMatrix, SymmetricOperator};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
+
+/// Stiffness and mass over free freedoms, and the rigid motions that nothing holds.
+#[derive(Debug)]
+pub struct Structure<'a> {
+    /// K (N/m, N/rad, …).
+    pub stiffness: &'a SymmetricMatrix,
+    /// M (kg, …).
+    pub mass: &'a SymmetricMatrix,
+    /// The six rigid motions of a body that nothing holds; `None` for a supported one.
+    pub rigid: Option<Rigid>,
+}
+
+impl<'a> Structure<'a> {
+    /// A body held by its supports: K is not singular.
+    pub fn supported(stiffness: &'a SymmetricMatrix, mass: &'a SymmetricMatrix) -> Self {
+        Structure {
+            stiffness,
+            mass,
+            rigid: None,
+        }
+    }
+
+    /// A body that nothing holds, with its six rigid motions as vectors one after the other.
+    ///
+    /// # Errors
+    /// When the rigid motions have no mass, or stretch the structure: their strain energy is above 1e-6 of what their motions
+    /// would cost freedom by freedom.
+    pub fn free(
+        stiffness: &'a SymmetricMatrix,
+        mass: &'a SymmetricMatrix,
+        motions: Vec<f64>,
+    ) -> Result<Self, FlexibleError> {
+        let rigid = Rigid::new(stiffness, mass, motions)?;
+        Ok(Structure {
+            stiffness,
+            mass,
+            rigid: Some(rigid),
+        })
+    }
+
+    /// Number of free freedoms.
+    pub fn size(&self) -> usize {
+        self.stiffness.size()
+    }
+}
+
+/// A unit load on the structure, and the displacement it works on: a row of a marker over the free freedoms.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Load {
+    /// `main[2].x`.
+    pub label: String,
+    /// Freedom and factor.
+    pub entries: Vec<(u32, f64)>,
+}
+
+impl Load {
+    /// What the load works on at a displacement.
+    pub fn displacement(&self, vector: &[f64]) -> f64 {
+        self.entries
+            .iter()
+            .map(|(freedom, factor)| factor * vector.get(*freedom as usize).copied().unwrap_or(0.0))
+            .sum()
+    }
+
+    fn add_to(&self, vector: &mut [f64]) -> Result<(), FlexibleError> {
+        for (freedom, factor) in &self.entries {
+            match vector.get_mut(*freedom as usize) {
+                Some(x) => *x += factor,
+                None => {
+                    return Err(FlexibleError::Matrix {
+                        problem: format!(
+                            "the load {} acts on freedom {}, of {}",
+                            self.label,
+                            freedom,
+                            vector.len()
+                        ),
+                        advice: String::new(),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `XᵀY` of vectors of a length, by columns: rows are those of X.
+pub(crate) fn products(length: usize, x: &[f64], y: &[f64]) -> Vec<f64> {
+    let count = |v: &[f64]| if length == 0 { 0 } else { v.len() / length };
+    let (rows, columns) = (count(x), count(y));
+    let mut out = vec![0.0; rows * columns];
+    if !out.is_empty() {
+        matmul(
+            MatMut::from_column_major_slice_mut(&mut out, rows, columns),
+            Accum::Replace,
+            MatRef::from_column_major_slice(&x[..length * rows], length, rows).transpose(),
+            MatRef::from_column_major_slice(&y[..length * columns], length, columns),
+            1.0,
+            Par::Seq,
+        );
+    }
+    out
+}
+
+/// `Y −= X C`, C by columns.
+pub(crate) fn subtract(length: usize, x: &[f64], coefficients: &[f64], y: &mut [f64]) {
+    let inner = if length == 0 { 0 } else { x.len() / length };
+    let columns = if length == 0 { 0 } else { y.len() / length };
+    if inner * columns > 0 {
+        matmul(
+            MatMut::from_column_major_slice_mut(y, length, columns),
+            Accum::Add,
+            MatRef::from_column_major_slice(x, length, inner),
+            MatRef::from_column_major_slice(coefficients, inner, columns),
+            -1.0,
+            Par::Seq,
+        );
+    }
+}
+
+/// The operator on several vectors.
+pub(crate) fn applied(operator: &dyn SymmetricOperator, x: &[f64]) -> Vec<f64> {
+    let mut y = vec![0.0; x.len()];
+    let size = operator.size();
+    if size > 0 {
+        operator.apply(x.len() / size, x, &mut y);
+    }
+    y
+}

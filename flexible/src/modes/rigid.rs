@@ -1,0 +1,152 @@
+//! Rigid motions of a free structure: taking them out of vectors and loads, and freedoms that just hold them.
+
+use super::{applied, products, subtract};
+use crate::error::FlexibleError;
+use crate::sparse::{SymmetricMatrix, SymmetricOperator};
+
+/// Rigid motions R, orthonormal in the mass.
+#[derive(Clone, Debug)]
+pub struct Rigid {
+    size: usize,
+    /// R with `RᵀMR = I`.
+    motions: Vec<f64>,
+    /// `M R`.
+    inertial: Vec<f64>,
+}
+
+impl Rigid {
+    pub(super) fn new(
+        stiffness: &SymmetricMatrix,
+        mass: &SymmetricMatrix,
+        mut motions: Vec<f64>,
+    ) -> Result<Rigid, FlexibleError> {
+        let size = mass.size();
+        if size == 0 || motions.len() % size != 0 {
+            return Err(FlexibleError::Matrix {
+                problem: format!(
+                    "rigid motions of {} numbers for {size} freedoms",
+                    motions.len()
+                ),
+                advice: String::new(),
+            });
+        }
+        check_stretch(stiffness, &motions)?;
+        let count = motions.len() / size;
+        // Gram–Schmidt in the mass, twice for the digits
+        let mut inertial = applied(mass, &motions);
+        for column in 0..count {
+            for _ in 0..2 {
+                let (before, rest) = motions.split_at_mut(column * size);
+                let own = &mut rest[..size];
+                let coefficients = products(size, &inertial[..column * size], own);
+                subtract(size, before, &coefficients, own);
+                let mut turned = vec![0.0; size];
+                mass.apply(1, own, &mut turned);
+                inertial[column * size..(column + 1) * size].copy_from_slice(&turned);
+            }
+            let own = column * size..(column + 1) * size;
+            let square: f64 = motions[own.clone()]
+                .iter()
+                .zip(&inertial[own.clone()])
+                .map(|(x, y)| x * y)
+                .sum();
+            if !(square > 0.0 && square.is_finite()) {
+                return Err(FlexibleError::Structure {
+                    problem: "a rigid motion of the structure has no mass".into(),
+                    advice: "give the materials their density".into(),
+                });
+            }
+            let scale = 1.0 / libm::sqrt(square);
+            for x in motions[own.clone()].iter_mut().chain(&mut inertial[own]) {
+                *x *= scale;
+            }
+        }
+        Ok(Rigid {
+            size,
+            motions,
+            inertial,
+        })
+    }
+
+    /// Takes rigid motion out of vectors: `u −= R RᵀM u`.
+    pub fn remove(&self, vectors: &mut [f64]) {
+        // twice: what the first leaves is rounding of what it took
+        for _ in 0..2 {
+            let coefficients = products(self.size, &self.inertial, vectors);
+            subtract(self.size, &self.motions, &coefficients, vectors);
+        }
+    }
+
+    /// Balances loads by the inertia of the rigid motion that they cause: `f −= M R Rᵀf`.
+    pub fn balance(&self, loads: &mut [f64]) {
+        for _ in 0..2 {
+            let coefficients = products(self.size, &self.motions, loads);
+            subtract(self.size, &self.inertial, &coefficients, loads);
+        }
+    }
+
+    /// Number of rigid motions.
+    pub fn count(&self) -> usize {
+        self.motions.len() / self.size
+    }
+
+    /// As many freedoms as there are rigid motions that hold these without more: the ones on which what is left of the motions is
+    /// largest, one after the other (elimination with complete pivoting).
+    pub fn holding_freedoms(&self) -> Vec<usize> {
+        let count = self.count();
+        let mut left = self.motions.clone();
+        let mut open: Vec<usize> = (0..count).collect();
+        let mut found = Vec::with_capacity(count);
+        while !open.is_empty() {
+            let mut best = (0.0, 0, 0);
+            for (place, motion) in open.iter().enumerate() {
+                for (freedom, x) in left[motion * self.size..(motion + 1) * self.size]
+                    .iter()
+                    .enumerate()
+                {
+                    if x.abs() > best.0 {
+                        best = (x.abs(), place, freedom);
+                    }
+                }
+            }
+            let (_, place, freedom) = best;
+            let pivot = open.remove(place);
+            found.push(freedom);
+            let value = left[pivot * self.size + freedom];
+            for motion in &open {
+                let factor = left[motion * self.size + freedom] / value;
+                for i in 0..self.size {
+                    let x = left[pivot * self.size + i];
+                    left[motion * self.size + i] -= factor * x;
+                }
+                left[motion * self.size + freedom] = 0.0;
+            }
+        }
+        found
+    }
+}
+
+/// Refuses motions that the stiffness resists: `|K r|` against `|K| |r|`, row by row in the sum.
+fn check_stretch(stiffness: &SymmetricMatrix, motions: &[f64]) -> Result<(), FlexibleError> {
+    let size = stiffness.size();
+    let mut sizes = stiffness.clone();
+    sizes.values_mut().iter_mut().for_each(|x| *x = x.abs());
+    let (mut force, mut bound) = (vec![0.0; size], vec![0.0; size]);
+    for (number, motion) in motions.chunks_exact(size).enumerate() {
+        let positive: Vec<f64> = motion.iter().map(|x| x.abs()).collect();
+        stiffness.apply(1, motion, &mut force);
+        sizes.apply(1, &positive, &mut bound);
+        let norm = |x: &[f64]| libm::sqrt(x.iter().map(|x| x * x).sum());
+        let share = norm(&force) / norm(&bound);
+        if share.is_nan() || share > 1e-6 {
+            return Err(FlexibleError::Structure {
+                problem: format!(
+                    "rigid motion {} of the structure is resisted by its stiffness: {share:.1e} of the forces remain",
+                    number + 1
+                ),
+                advice: "a free body must not be supported or tied to the ground; matrices of another code need all their digits".into(),
+            });
+        }
+    }
+    Ok(())
+}
