@@ -64,6 +64,9 @@ pub enum Error {
         /// The cause with its places in the text.
         report: Report,
     },
+    /// The system has no memory for machine code, or the machine is not one that code can be made for.
+    #[error(transparent)]
+    Code(#[from] eng_compiler::generate::CodegenError),
     /// Files.
     #[error(transparent)]
     Results(#[from] crate::results::ResultsError),

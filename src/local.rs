@@ -44,9 +44,7 @@ impl Engine for Local {
         let mut facts = Vec::new();
         if let Some(program) = &self.program {
             for name in program.models() {
-                if let Ok(model) = program.model(name) {
-                    facts.push(model.summary());
-                }
+                facts.push(program.model(name).map_err(engine_error)?.summary());
             }
         }
         Ok(CheckOutcome {
@@ -138,6 +136,7 @@ fn engine_error(error: Error) -> EngineError {
             partial: None,
         },
         Error::Results(e) => EngineError::System(e.to_string()),
+        Error::Code(e) => EngineError::System(e.to_string()),
         other => EngineError::Usage(other.to_string()),
     }
 }
@@ -152,7 +151,10 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         diagnostics.push(crate::failure::advice(warning));
     }
     for advice in &bound.advice {
-        diagnostics.push(Diagnostic::warning("W0720", advice.clone()));
+        diagnostics.push(Diagnostic::warning(
+            crate::codes::PARAMETER_ADVISED,
+            advice.clone(),
+        ));
     }
     let gravity = system.gravity.map(at);
     let mut facts = Vec::new();

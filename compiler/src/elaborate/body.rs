@@ -3,6 +3,7 @@
 use super::scalar::{Scalar, Stage};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Entry, Eval, location};
+use crate::codes;
 use crate::ir::{Node, Op};
 use eng_grammar::ast::{self, ExprKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
@@ -61,8 +62,10 @@ impl<'a> Elaborator<'a, '_> {
         position: [Node; 3],
         orientation: Matrix,
     ) -> u32 {
+        let owner = std::mem::replace(&mut self.bench.bind.owner, path.clone());
         let position = self.slots(position);
         let orientation = self.slots(orientation);
+        self.bench.bind.owner = owner;
         self.markers.push(Marker {
             origin: Origin {
                 path,
@@ -74,9 +77,16 @@ impl<'a> Elaborator<'a, '_> {
             orientation,
             placed_at: None,
         });
-        // those without a place in the text are not the user's to use
-        self.used_markers.push(span.is_none());
+        // those without a place in the text are not the user's to use, and a component offers more than each use takes
+        self.used_markers.push(span.is_none() || self.in_part);
         self.markers.len() as u32 - 1
+    }
+
+    /// Something refers to a marker.
+    pub fn used_marker(&mut self, marker: u32) {
+        if let Some(used) = self.used_markers.get_mut(marker as usize) {
+            *used = true;
+        }
     }
 
     /// Instances of `marker name[index] = …` on a body or the ground.
@@ -88,10 +98,7 @@ impl<'a> Elaborator<'a, '_> {
         owner: ScopeId,
     ) -> Eval<()> {
         let Form::Instance { value, .. } = &declaration.form else {
-            return Err(self.report(
-                Diagnostic::error("E0508", "a marker needs a place")
-                    .at(declaration.name.span, "write `marker name = [x, y, z] mm`"),
-            ));
+            return Err(self.internal(declaration.name.span, "a marker without a place"));
         };
         let name = &declaration.name.text;
         let base = self.path(owner, name);
@@ -125,11 +132,8 @@ impl<'a> Elaborator<'a, '_> {
                         None => place = Some(self.place(&a.value, scope)?),
                         Some("z") => z = Some(self.direction(&a.value, scope)?),
                         Some("x") => x = Some(self.direction(&a.value, scope)?),
-                        Some(other) => {
-                            return Err(self.report(
-                                Diagnostic::error("E0508", format!("`at` has no argument {other}"))
-                                    .at(a.value.span, "it takes a place, `x:` and `z:`"),
-                            ));
+                        Some(_) => {
+                            return Err(self.internal(a.value.span, "no argument of `at`"));
                         }
                     }
                 }
@@ -155,7 +159,11 @@ impl<'a> Elaborator<'a, '_> {
         let known: Vec<f64> = v.iter().filter_map(|s| self.bench.known(*s)).collect();
         if known.len() == 3 && known.iter().all(|x| *x == 0.0) {
             return Err(self.report(
-                Diagnostic::error("E0508", "a direction of length zero").at(expr.span, "here"),
+                Diagnostic::error(codes::DIRECTION, "a direction has the length zero")
+                    .at(expr.span, "this points nowhere")
+                    .with_help(
+                        "for instance `z: [0, 0, 1]`; only the direction counts, not the length",
+                    ),
             ));
         }
         Ok(self.normalise(&v))
@@ -240,16 +248,10 @@ impl<'a> Elaborator<'a, '_> {
     /// Instances of `body name[index] { … }`.
     pub fn bodies_of(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) -> Eval<()> {
         if declaration.kind == Kind::Flexible {
-            return Err(self.report(
-                Diagnostic::error("E0390", "flexible bodies are not built yet")
-                    .at(declaration.kind_span, "use a rigid `body`"),
-            ));
+            return Err(self.internal(declaration.kind_span, "a flexible body"));
         }
         let Form::Plain { block } = &declaration.form else {
-            return Err(self.report(
-                Diagnostic::error("E0508", "a body is written as a block")
-                    .at(declaration.name.span, "write `body name { … }`"),
-            ));
+            return Err(self.internal(declaration.name.span, "a body without a block"));
         };
         let name = &declaration.name.text;
         let base = self.path(scope, name);
@@ -281,6 +283,7 @@ impl<'a> Elaborator<'a, '_> {
         self.count_instance(declaration.name.span)?;
         let module = self.scope(scope).module;
         let own = self.new_scope(Some(scope), module, path.clone());
+        self.bench.bind.owner.clone_from(&path);
         let index = self.bodies.len() as u32;
         let zero = self.zero();
         let mut mass = None;
@@ -316,24 +319,12 @@ impl<'a> Elaborator<'a, '_> {
                     }
                     "products_of_inertia" => products = self.bind_vector(&a.value, own)?,
                     "center_of_mass" => center = self.bind_vector(&a.value, own)?,
-                    other => {
-                        return Err(self.report(
-                            Diagnostic::error("E0508", format!("a body has no attribute {other}"))
-                                .at(
-                                    a.name.span,
-                                    "mass, inertia, products_of_inertia, center_of_mass",
-                                ),
-                        ));
-                    }
+                    _ => return Err(self.internal(a.name.span, "no attribute of a body")),
                 }
             }
         }
         let (Some(mass), Some(inertia)) = (mass, inertia) else {
-            let missing = if mass.is_none() { "mass" } else { "inertia" };
-            return Err(self.report(
-                Diagnostic::error("E0508", format!("body {path} has no {missing}"))
-                    .at(declaration.name.span, format!("add `{missing} = …`")),
-            ));
+            return Err(self.internal(declaration.name.span, "a body without mass or inertia"));
         };
         let mass = self.slot(mass);
         let center_of_mass = self.slots(center);
@@ -484,12 +475,7 @@ impl<'a> Elaborator<'a, '_> {
                 scope,
             ),
             _ => {
-                return Err(self.report(
-                    Diagnostic::error("E0508", "a body has no such start value").at(
-                        target.span,
-                        "position, rotation, velocity, angular_velocity",
-                    ),
-                ));
+                return Err(self.internal(target.span, "no start value of a body"));
             }
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval};
+use crate::codes;
 use eng_grammar::ast::{self, ExprKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
@@ -47,56 +48,31 @@ impl<'a> Elaborator<'a, '_> {
                     interpolation = match &a.value.kind {
                         ExprKind::Name(n) if n == "cubic" => Interpolation::Cubic,
                         ExprKind::Name(n) if n == "monotone" => Interpolation::Monotone,
-                        _ => {
-                            return Err(self.report(
-                                Diagnostic::error("E0506", "unknown interpolation")
-                                    .at(a.value.span, "`cubic` or `monotone`"),
-                            ));
-                        }
+                        _ => return Err(self.internal(a.value.span, "no interpolation")),
                     }
                 }
                 Some("extrapolation") => {
                     extrapolation = match &a.value.kind {
                         ExprKind::Name(n) if n == "hold" => Some(Extrapolation::Hold),
                         ExprKind::Name(n) if n == "linear" => Some(Extrapolation::Linear),
-                        _ => {
-                            return Err(self.report(
-                                Diagnostic::error("E0506", "unknown extrapolation")
-                                    .at(a.value.span, "`hold` or `linear`"),
-                            ));
-                        }
+                        _ => return Err(self.internal(a.value.span, "no extrapolation")),
                     }
                 }
-                Some(other) => {
-                    let name_span = a.name.as_ref().map_or(a.value.span, |n| n.span);
-                    return Err(self.report(
-                        Diagnostic::error("E0506", format!("a table has no argument {other}"))
-                            .at(name_span, "columns, periodic, interpolation, extrapolation"),
-                    ));
-                }
+                Some(_) => return Err(self.internal(a.value.span, "no argument of a table")),
             }
         }
         let (x, y) = match (kind.as_str(), plain.as_slice()) {
             ("points", [xs, ys]) => (self.numbers(xs, scope)?, self.numbers(ys, scope)?),
             ("csv", [file]) => {
                 let Some(columns) = columns else {
-                    return Err(self.report(
-                        Diagnostic::error("E0506", "csv needs its columns")
-                            .at(source.span, "add `columns: [\"x [unit]\", \"y [unit]\"]`"),
-                    ));
+                    return Err(self.internal(source.span, "`csv` without its columns"));
                 };
                 self.read_csv(file, columns, module, (argument, result))?
             }
             _ => return Err(self.not_a_source(source.span)),
         };
-        if x.len() != y.len() {
-            return Err(self.report(
-                Diagnostic::error(
-                    "E0506",
-                    format!("{} arguments and {} values", x.len(), y.len()),
-                )
-                .at(source.span, "the lists differ in length"),
-            ));
+        if let ([xs, ys], true) = (plain.as_slice(), x.len() != y.len()) {
+            return Err(self.lengths(x.len(), xs.span, y.len(), ys.span));
         }
         match Table::new(
             table.name.text.clone(),
@@ -112,20 +88,17 @@ impl<'a> Elaborator<'a, '_> {
                 Ok(self.table_handle(index, result))
             }
             Err(error) => Err(self.report(
-                Diagnostic::error("E0506", "this table cannot be used")
-                    .at(source.span, error.to_string()),
+                Diagnostic::error(
+                    codes::TABLE_POINTS,
+                    format!("the points of table `{}` make no function", table.name.text),
+                )
+                .at(source.span, error.to_string()),
             )),
         }
     }
 
     fn not_a_source(&mut self, span: Span) -> super::Reported {
-        self.report(
-            Diagnostic::error(
-                "E0506",
-                "a table takes its numbers from `csv(…)` or `points(…)`",
-            )
-            .at(span, "this is neither"),
-        )
+        self.internal(span, "neither `csv(…)` nor `points(…)`")
     }
 
     fn numbers(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<Vec<f64>> {
@@ -158,10 +131,7 @@ impl<'a> Elaborator<'a, '_> {
             _ => Vec::new(),
         };
         let [x_name, y_name] = names.as_slice() else {
-            return Err(self.report(
-                Diagnostic::error("E0506", "csv needs two columns")
-                    .at(columns.span, "`[\"x [unit]\", \"y [unit]\"]`"),
-            ));
+            return Err(self.internal(columns.span, "`columns` is no list of two texts"));
         };
         // a module in a folder reads beside itself
         let module_path = &self.program.modules[module as usize].path;
@@ -175,8 +145,9 @@ impl<'a> Elaborator<'a, '_> {
             Ok(text) => text,
             Err(error) => {
                 return Err(self.report(
-                    Diagnostic::error("E0505", "the file cannot be read")
-                        .at(file.span, error.to_string()),
+                    Diagnostic::error(codes::FILE, format!("the file {path} cannot be read"))
+                        .at(file.span, error.to_string())
+                        .with_help("data files lie in the folder of the model, or below it"),
                 ));
             }
         };
@@ -187,8 +158,8 @@ impl<'a> Elaborator<'a, '_> {
             .filter(|(_, l)| !l.trim().is_empty() && !l.trim_start().starts_with('#'));
         let Some((_, header)) = lines.next() else {
             return Err(self.report(
-                Diagnostic::error("E0506", format!("{path} is empty"))
-                    .at(file.span, "no header row"),
+                Diagnostic::error(codes::FILE_CONTENT, format!("{path} is empty"))
+                    .at(file.span, "a file begins with the names of its columns"),
             ));
         };
         let separator = if header.contains(';') {
@@ -211,9 +182,12 @@ impl<'a> Elaborator<'a, '_> {
                 Some(i) => i,
                 None => {
                     return Err(self.report(
-                        Diagnostic::error("E0506", format!("{path} has no column {wanted:?}"))
-                            .at(*span, "not in the header")
-                            .with_note(format!("its header is: {}", header.join(" | "))),
+                        Diagnostic::error(
+                            codes::FILE_CONTENT,
+                            format!("{path} has no column {wanted:?}"),
+                        )
+                        .at(*span, "not in its first row")
+                        .with_note(format!("its first row is: {}", header.join(" | "))),
                     ));
                 }
             };
@@ -230,6 +204,7 @@ impl<'a> Elaborator<'a, '_> {
             for k in 0..2 {
                 let cell = row.get(index[k]).map_or("", String::as_str);
                 // a decimal comma is read where the comma does not separate cells
+                let wanted = if k == 0 { &x_name.0 } else { &y_name.0 };
                 let plain = if separator == ',' {
                     cell.to_owned()
                 } else {
@@ -243,12 +218,16 @@ impl<'a> Elaborator<'a, '_> {
                     _ => {
                         return Err(self.report(
                             Diagnostic::error(
-                                "E0506",
-                                format!("{path}:{} is not a number", number + 1),
+                                codes::FILE_CONTENT,
+                                format!("line {} of {path} does not hold a number", number + 1),
                             )
                             .at(
                                 file.span,
-                                format!("column {:?} holds {cell:?}", header[index[k]]),
+                                if cell.is_empty() {
+                                    format!("nothing stands in its column {wanted:?}")
+                                } else {
+                                    format!("its column {wanted:?} holds {cell:?}")
+                                },
                             ),
                         ));
                     }
@@ -265,6 +244,16 @@ impl<'a> Elaborator<'a, '_> {
             .and_then(|(_, rest)| rest.split_once(']'))
             .map_or("1", |(unit, _)| unit.trim());
         if unit == "1" || unit.is_empty() {
+            if !expected.without_angle().is_one() {
+                return Err(self.report(
+                    Diagnostic::error(
+                        codes::COLUMN_UNIT,
+                        format!("the column states no unit, the table is in {expected}"),
+                    )
+                    .at(span, "no unit in brackets")
+                    .with_help("name the unit in the first row of the file and here: `p [bar]`"),
+                ));
+            }
             return Ok((1.0, 0.0));
         }
         let mut scratch = eng_grammar::Diagnostics::new();
@@ -282,29 +271,29 @@ impl<'a> Elaborator<'a, '_> {
         }) = parsed
         else {
             return Err(self.report(
-                Diagnostic::error("E0506", format!("{unit:?} is not a unit"))
-                    .at(span, "in this header"),
+                Diagnostic::error(codes::COLUMN_UNIT, format!("{unit:?} is not a unit"))
+                    .at(span, "between the brackets of this column's name"),
             ));
         };
         let unit = match self.program.unit(&unit_expr) {
             Ok(u) => u,
             Err((_, name)) => {
                 return Err(self.report(
-                    Diagnostic::error("E0310", format!("there is no unit {name}"))
-                        .at(span, "in this header"),
+                    Diagnostic::error(codes::COLUMN_UNIT, format!("there is no unit `{name}`"))
+                        .at(span, "between the brackets of this column's name"),
                 ));
             }
         };
         if unit.dimension.without_angle() != expected.without_angle() {
             return Err(self.report(
                 Diagnostic::error(
-                    "E0301",
+                    codes::COLUMN_UNIT,
                     format!(
-                        "the column is in {}, the table says {expected}",
+                        "the column is in {}, the table is in {expected}",
                         unit.dimension
                     ),
                 )
-                .at(span, "the dimension differs"),
+                .at(span, "the unit of this column does not fit"),
             ));
         }
         Ok((unit.scale, unit.offset))
