@@ -46,7 +46,7 @@ eng_grammar::codes! {
         "The class asks for a condition at every step, and here it fails: a pin touches its shell, a spring is blocked. The text is its author's. What was computed before is kept.",
         "", "";
     PROJECTION = "E0712", "a position does not come back to the constraints",
-        "Between steps the positions are put back on the constraints, which fails where the mechanism locks or reaches its end.",
+        "Between steps the positions are put back on the constraints. That fails where a step is too long for the motion, or where the mechanism locks or reaches its end.",
         "", "";
     CYCLE_STANDS = "E0714", "the cycle angle does not advance",
         "The duration is an angle, but the crank stands or swings. Give a time, or start the crank turning.",

@@ -42,18 +42,14 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help("a force that jumps, or a mechanism at the end of its reach, has no solution: look at the outputs just before"),
         R::StepTooSmall { origin, .. } => {
             place(d(codes::STEP_TOO_SMALL), origin, "the largest error is here")
-                .with_help("make forces that jump continuous, or give a fixed `step`")
+                .with_help("make forces that jump continuous; give a table that ends here an `extrapolation`")
         }
         R::Require { origin, value, .. } => {
-            let mut message = d(codes::REQUIRED);
-            if let Some(at) = origin.used_at {
-                message = message.at(span(at), format!("{}: fails here", origin.path));
-            }
-            related(message, origin, "this must hold at every step")
+            condition(d(codes::REQUIRED), origin, "this must hold at every step")
                 .with_note(format!("it is missed by {:.4e} in SI units", -value))
         }
         R::Projection { row, .. } => place(d(codes::PROJECTION), &row.origin, "stays open here")
-            .with_help("does the mechanism lock or reach its end at this moment?"),
+            .with_help("take a smaller step, or a tolerance; if that does not help, the mechanism locks or reaches its end here"),
         R::CycleStands { .. } => {
             let message = d(codes::CYCLE_STANDS);
             let message = match &system.cycle {
@@ -129,18 +125,13 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
             path,
             ..
         } => {
+            let origin = Origin {
+                path: path.clone(),
+                used_at: *used_at,
+                defined_at: *defined_at,
+            };
             let message = Diagnostic::error(codes::PARAMETER_REQUIRED, error.to_string());
-            match (used_at, defined_at) {
-                (Some(at), _) => {
-                    let message = message.at(span(*at), format!("{path}: fails here"));
-                    match defined_at {
-                        Some(at) => message.also(span(*at), "this must hold"),
-                        None => message,
-                    }
-                }
-                (None, Some(at)) => message.at(span(*at), "this must hold"),
-                (None, None) => message,
-            }
+            condition(message, &origin, "this must hold")
         }
         BindError::NotFinite { path } => {
             let message = Diagnostic::error(
@@ -202,7 +193,7 @@ fn span(at: Location) -> Span {
     }
 }
 
-/// An `advise` that did not hold.
+/// An `advise` that did not hold during a run.
 pub(crate) fn advice(warning: &eng_runtime::Warning) -> Diagnostic {
     let message = Diagnostic::warning(
         codes::ADVISED,
@@ -211,5 +202,25 @@ pub(crate) fn advice(warning: &eng_runtime::Warning) -> Diagnostic {
             warning.origin.path, warning.message, warning.moment
         ),
     );
-    place(message, &warning.origin, "said by this element")
+    condition(message, &warning.origin, "this should hold")
+}
+
+/// An `advise` on parameters that does not hold.
+pub(crate) fn parameter_advice(advice: &eng_system::code::Advice) -> Diagnostic {
+    let title = format!("{}: {}", advice.origin.path, advice.message);
+    let message = Diagnostic::warning(codes::PARAMETER_ADVISED, title);
+    condition(message, &advice.origin, "this should hold")
+}
+
+/// The user's line, if the condition is of a class, and the condition.
+fn condition(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
+    match (origin.used_at, origin.defined_at) {
+        (Some(at), _) => related(
+            message.at(span(at), format!("{}: does not hold for this", origin.path)),
+            origin,
+            label,
+        ),
+        (None, Some(at)) => message.at(span(at), label),
+        (None, None) => message,
+    }
 }

@@ -7,7 +7,7 @@ use crate::cli::{
 };
 use crate::plot::Upright;
 use crate::{Analysis, Error, Program, Quantity, Sources};
-use eng_grammar::{Diagnostic, Diagnostics};
+use eng_grammar::Diagnostics;
 use std::path::Path;
 
 /// Compiles and runs models of this machine's folders.
@@ -147,14 +147,17 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     let at =
         |slot: eng_system::system::Slot| bound.slots.get(slot.0 as usize).copied().unwrap_or(0.0);
     let mut diagnostics = Diagnostics::new();
-    for warning in &outcome.warnings {
-        diagnostics.push(crate::failure::advice(warning));
-    }
     for advice in &bound.advice {
-        diagnostics.push(Diagnostic::warning(
-            crate::codes::PARAMETER_ADVISED,
-            advice.clone(),
-        ));
+        diagnostics.push(crate::failure::parameter_advice(advice));
+    }
+    for warning in &outcome.warnings {
+        // a run repeats what its parameters are advised at its start
+        let repeated = |advice: &eng_system::code::Advice| {
+            advice.origin == warning.origin && advice.message == warning.message
+        };
+        if !bound.advice.iter().any(repeated) {
+            diagnostics.push(crate::failure::advice(warning));
+        }
     }
     let gravity = system.gravity.map(at);
     let mut facts = Vec::new();

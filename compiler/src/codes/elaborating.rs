@@ -27,8 +27,8 @@ eng_grammar::codes! {
         "Accelerations, reactions and states of other elements are found by solving; their rates are not. Positions, angles and velocities have a `der`.",
         "output jerk = der(pin.acceleration) in ground",
         "output acceleration = pin.acceleration in ground";
-    LATE_ACCELERATION = "E0507", "an acceleration reaches a force or constraint through a function",
-        "Accelerations follow from the forces. A function that is passed as an argument and takes `der` of a velocity can only be used in outputs.",
+    LATE_ACCELERATION = "E0507", "an acceleration is used outside outputs, through a function or in a message",
+        "Accelerations follow from the forces. A function that is passed as an argument and takes `der` of a velocity can be used in outputs only, and a message cannot show one.",
         "fn rate(v: Velocity) -> Acceleration = der(v)\nforce drag = Drag(ball.origin, ground, law: rate)",
         "fn damp(v: Velocity) -> Acceleration = v/1 s\nforce drag = Drag(ball.origin, ground, law: damp)";
     DIRECTION = "E0508", "a direction has the length zero",
@@ -54,7 +54,7 @@ eng_grammar::codes! {
         "The class or model asks for a condition that the constants of this model do not fulfil. The text is its author's.",
         "require cylinders > 4 else \"this crank is for more than four cylinders\"",
         "const cylinders = 6\nrequire cylinders > 4 else \"this crank is for more than four cylinders\"";
-    MESSAGE_FORM = "E0514", "a message shows more than a sum or product of names",
+    MESSAGE_FORM = "E0514", "a message shows something else than numbers and texts, or more than a sum or product of names",
         "Between the braces of a message stand names, their fields, numbers, and `+ - * /` of these. Give anything else a name with `let`.",
         "require gap > 1 mm else \"the gap is {abs(gap) as um}\"",
         "let size = abs(gap)\nrequire gap > 1 mm else \"the gap is {size as um}\"";
@@ -89,10 +89,14 @@ eng_grammar::codes! {
         "Masses, places of markers, gravity and arguments of components are fixed during a run; positions and time are not. Use them in classes and outputs.",
         "gravity = [0, -1, 0]*1 m/s^2*(1 + time/1 s)",
         "gravity = [0, -9.81, 0] m/s^2";
-    OUTPUTS_ONLY = "E0523", "a reaction or state of another element is used outside outputs",
+    OUTPUTS_ONLY = "E0523", "a reaction, or a state of another element, is used outside outputs",
         "Elements see markers and parameters. What other elements exert is known in the outputs of the model.",
         "force brake = Brake(crank.main, ground, load: pin.force.x)",
         "output braked = 0.3*pin.force.x as kN";
+    NOT_COUNTABLE = "E0524", "a whole number is too large to count with",
+        "Counts, indices and the ends of ranges of whole numbers are below 9e15.",
+        "const count = 9000000000000000*9000000000000000\nlet all = sum(i for i in 1..count)",
+        "const count = 9000\nlet all = sum(i for i in 1..count)";
     INTERNAL = "E0599", "the compiler or the runtime contradicts itself",
         "No model should bring this about: an earlier check should have told what is wrong. Please report it with the model. Changing what stands at the place named may help until it is mended.",
         "", "";

@@ -159,9 +159,16 @@ impl<'a> Elaborator<'a, '_> {
         if fits {
             return Ok(value);
         }
+        let found = if value == 0.0 {
+            "zero"
+        } else if value < 0.0 {
+            "negative"
+        } else {
+            "too large"
+        };
         Err(self.report(
             Diagnostic::error(codes::ANALYSIS_VALUE, format!("`{name}` must be {due}"))
-                .at(span, format!("this is {}", number_text(value))),
+                .at(span, format!("this is {found}")),
         ))
     }
 
@@ -273,14 +280,5 @@ impl<'a> Elaborator<'a, '_> {
             ),
             other => return Err(self.unfit(span, "a structural value", &other)),
         })
-    }
-}
-
-/// A number as a message shows it: a power of ten only where digits would fill the line.
-fn number_text(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
-        format!("{value}")
-    } else {
-        format!("{value:e}")
     }
 }

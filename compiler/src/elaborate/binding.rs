@@ -7,8 +7,8 @@ use crate::codes;
 use crate::ir::{Function, Node, Op};
 use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
-use eng_system::code::{BindCode, BindError, Bound, Pair};
-use eng_system::system::{Location, Parameter};
+use eng_system::code::{Advice, BindCode, BindError, Bound, Pair};
+use eng_system::system::{Location, Origin, Parameter};
 use eng_system::table::Table;
 use eng_system::{Dimension, DisplayUnit};
 
@@ -118,7 +118,14 @@ impl BindCode for BindProgram {
                 })
                 .collect();
             if check.advise {
-                advice.push(format!("{}: {message}", check.path));
+                advice.push(Advice {
+                    origin: Origin {
+                        path: check.path.clone(),
+                        used_at: check.used_at,
+                        defined_at: check.defined_at,
+                    },
+                    message,
+                });
             } else {
                 return Err(BindError::Require {
                     path: check.path.clone(),
@@ -392,7 +399,15 @@ impl<'a> Elaborator<'a, '_> {
                 eng_grammar::MessagePart::Value { value, unit, .. } => {
                     let span = value.span;
                     found.text.push_str(self.sources.text(span));
-                    let value = self.evaluate_owned(&value, scope)?;
+                    let value = match self.evaluate_owned(&value, scope)? {
+                        Value::Scalar(value) => value,
+                        Value::Int(i) => self.bench.constant(i as f64, Dimension::ONE),
+                        Value::Text(text) => {
+                            found.parts.push(Part::Text(text));
+                            continue;
+                        }
+                        other => return Err(self.not_shown(span, &other)),
+                    };
                     let display = match &unit {
                         Some(u) => {
                             let u = self.unit(u)?;
@@ -415,39 +430,50 @@ impl<'a> Elaborator<'a, '_> {
         Ok(found)
     }
 
-    /// A number of an expression that does not live as long as the program: only names, fields and arithmetic with numbers.
-    fn evaluate_owned(&mut self, expr: &ast::Expr, scope: ScopeId) -> Eval<Scalar> {
+    /// The value of an expression that does not live as long as the program: only names, fields and arithmetic with numbers.
+    fn evaluate_owned(&mut self, expr: &ast::Expr, scope: ScopeId) -> Eval<Value<'a>> {
         use ast::ExprKind as K;
         match &expr.kind {
-            K::Name(name) => {
-                let value = self.lookup(name, scope, expr.span)?;
-                self.as_scalar(value, expr.span)
-            }
+            K::Name(name) => self.lookup(name, scope, expr.span),
             K::Field { base, name } => match &base.kind {
                 K::Name(n) => {
                     let base_value = self.lookup(n, scope, base.span)?;
-                    let value = self.field(base_value, name, base.span)?;
-                    self.as_scalar(value, expr.span)
+                    self.field(base_value, name, base.span)
                 }
                 _ => Err(self.too_long(expr.span)),
             },
             K::Paren { inner, unit: None } => self.evaluate_owned(inner, scope),
-            K::Number { value, unit, .. } => self.number(*value, unit.as_ref()),
+            K::Number { value, unit, .. } => self.number(*value, unit.as_ref()).map(Value::Scalar),
             K::Binary {
                 op, left, right, ..
             } => {
-                let a = self.evaluate_owned(left, scope)?;
-                let b = self.evaluate_owned(right, scope)?;
+                let a = self.owned_scalar(left, scope)?;
+                let b = self.owned_scalar(right, scope)?;
                 match op {
-                    ast::BinaryOp::Add => Ok(self.bench.add(a, b)),
-                    ast::BinaryOp::Subtract => Ok(self.bench.subtract(a, b)),
-                    ast::BinaryOp::Multiply => Ok(self.bench.multiply(a, b)),
-                    ast::BinaryOp::Divide => Ok(self.bench.divide(a, b)),
+                    ast::BinaryOp::Add => Ok(Value::Scalar(self.bench.add(a, b))),
+                    ast::BinaryOp::Subtract => Ok(Value::Scalar(self.bench.subtract(a, b))),
+                    ast::BinaryOp::Multiply => Ok(Value::Scalar(self.bench.multiply(a, b))),
+                    ast::BinaryOp::Divide => Ok(Value::Scalar(self.bench.divide(a, b))),
                     _ => Err(self.too_long(expr.span)),
                 }
             }
             _ => Err(self.too_long(expr.span)),
         }
+    }
+
+    fn owned_scalar(&mut self, expr: &ast::Expr, scope: ScopeId) -> Eval<Scalar> {
+        match self.evaluate_owned(expr, scope)? {
+            Value::Scalar(value) => Ok(value),
+            Value::Int(i) => Ok(self.bench.constant(i as f64, Dimension::ONE)),
+            other => Err(self.not_shown(expr.span, &other)),
+        }
+    }
+
+    fn not_shown(&mut self, span: Span, found: &Value<'_>) -> super::Reported {
+        self.report(
+            Diagnostic::error(codes::MESSAGE_FORM, "a message shows numbers and texts")
+                .at(span, format!("this is {}", found.kind())),
+        )
     }
 
     fn too_long(&mut self, span: Span) -> super::Reported {

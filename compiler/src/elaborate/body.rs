@@ -96,7 +96,7 @@ impl<'a> Elaborator<'a, '_> {
         body: BodyRef,
         scope: ScopeId,
         owner: ScopeId,
-    ) -> Eval<()> {
+    ) -> Eval<Value<'a>> {
         let Form::Instance { value, .. } = &declaration.form else {
             return Err(self.internal(declaration.name.span, "a marker without a place"));
         };
@@ -110,13 +110,11 @@ impl<'a> Elaborator<'a, '_> {
             made.push((position.to_vec(), Value::Marker(marker)));
             Ok(())
         })?;
-        let value = if declaration.index.is_empty() {
-            made.pop().ok_or(super::Reported)?.1
+        if declaration.index.is_empty() {
+            made.pop().map(|m| m.1).ok_or(super::Reported)
         } else {
-            Value::Family(made)
-        };
-        self.define(owner, name, Entry::Value(value));
-        Ok(())
+            Ok(Value::Family(made))
+        }
     }
 
     fn placement(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<([Node; 3], Matrix)> {
@@ -246,7 +244,11 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Instances of `body name[index] { … }`.
-    pub fn bodies_of(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) -> Eval<()> {
+    pub fn bodies_of(
+        &mut self,
+        declaration: &'a ast::Declaration,
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
         if declaration.kind == Kind::Flexible {
             return Err(self.internal(declaration.kind_span, "a flexible body"));
         }
@@ -264,13 +266,11 @@ impl<'a> Elaborator<'a, '_> {
             ));
             Ok(())
         })?;
-        let value = if declaration.index.is_empty() {
-            made.pop().ok_or(super::Reported)?.1
+        if declaration.index.is_empty() {
+            made.pop().map(|m| m.1).ok_or(super::Reported)
         } else {
-            Value::Family(made)
-        };
-        self.define(scope, name, Entry::Value(value));
-        Ok(())
+            Ok(Value::Family(made))
+        }
     }
 
     fn body(
@@ -363,7 +363,11 @@ impl<'a> Elaborator<'a, '_> {
             match &item.kind {
                 ItemKind::Declaration(d) if d.kind == Kind::Marker => {
                     // a marker's own message does not hide those of its neighbours
-                    let _ = self.markers_of(d, reference, own, own);
+                    let entry = match self.markers_of(d, reference, own, own) {
+                        Ok(marker) => Entry::Value(marker),
+                        Err(_) => Entry::Failed,
+                    };
+                    self.define(own, &d.name.text, entry);
                 }
                 ItemKind::Statement(Statement::Start { target, value }) => {
                     let _ = self.body_start(index, origin, target, value, own, true);

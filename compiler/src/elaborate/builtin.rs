@@ -407,13 +407,10 @@ impl<'a> Elaborator<'a, '_> {
             return Err(self.report(
                 Diagnostic::error(
                     codes::LATE_ACCELERATION,
-                    "an acceleration reaches a force or constraint",
+                    "accelerations are known in outputs only",
                 )
-                .at(
-                    span,
-                    "this is the rate of a velocity where the function is used",
-                )
-                .with_help("use the function in outputs only"),
+                .at(span, "this is the rate of a velocity where it is used")
+                .with_help("use it in outputs; a force that needs a rate takes it of a position"),
             ));
         }
         let scalars: Vec<Scalar> = derivative

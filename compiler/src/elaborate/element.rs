@@ -55,7 +55,11 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// `kind name[index] = Class(arguments) { additions }`.
-    pub fn elements_of(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) -> Eval<()> {
+    pub fn elements_of(
+        &mut self,
+        declaration: &'a ast::Declaration,
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
         let Form::Instance { value, block } = &declaration.form else {
             return Err(self.internal(declaration.name.span, "an element without a class"));
         };
@@ -69,13 +73,11 @@ impl<'a> Elaborator<'a, '_> {
             made.push((position.to_vec(), Value::Element(element?)));
             Ok(())
         })?;
-        let value = if declaration.index.is_empty() {
-            made.pop().ok_or(Reported)?.1
+        if declaration.index.is_empty() {
+            made.pop().map(|m| m.1).ok_or(Reported)
         } else {
-            Value::Family(made)
-        };
-        self.define(scope, name, Entry::Value(value));
-        Ok(())
+            Ok(Value::Family(made))
+        }
     }
 
     fn element(

@@ -158,6 +158,9 @@ impl<'a> Elaborator<'a, '_> {
         let step = match step {
             Some(v) => self.as_scalar(v, by_span)?,
             None => {
+                if a.dimension.is_one() && b.dimension.is_one() {
+                    return Err(self.not_countable(from.span.to(to.span)));
+                }
                 return Err(self.internal(to.span, "a range of quantities without a step"));
             }
         };
@@ -190,6 +193,17 @@ impl<'a> Elaborator<'a, '_> {
         ))
     }
 
+    /// The checker has found a whole number, but its value is beyond those.
+    fn not_countable(&mut self, span: Span) -> super::Reported {
+        self.report(
+            Diagnostic::error(
+                codes::NOT_COUNTABLE,
+                "a whole number is too large to count with",
+            )
+            .at(span, "beyond what a count or an index can be"),
+        )
+    }
+
     fn long_range(&mut self, span: Span, why: &str) -> super::Reported {
         self.report(
             Diagnostic::error(codes::LONG_RANGE, "this range is endless or too long").at(span, why),
@@ -213,7 +227,7 @@ impl<'a> Elaborator<'a, '_> {
             Value::Int(i) => Ok(i),
             Value::Scalar(s) => {
                 self.structural(s, expr.span)?;
-                Err(self.internal(expr.span, "a whole number is due"))
+                Err(self.not_countable(expr.span))
             }
             other => Err(self.unfit(expr.span, "a whole number", &other)),
         }

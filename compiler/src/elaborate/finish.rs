@@ -138,7 +138,10 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         let cycle = self.lower_cycle();
         self.bench.element = None;
         let cycle = cycle?;
-        self.connections(span);
+        // what failed would seem to tie nothing
+        if !self.diagnostics.has_errors() {
+            self.connections(span);
+        }
         self.flatten(name, cycle)
     }
 

@@ -69,6 +69,12 @@ pub(crate) enum Lazy<'a> {
     Table(&'a ast::Table),
     /// `part x = Component(…)`.
     Part(&'a ast::Declaration),
+    /// `body x { … }`.
+    Body(&'a ast::Declaration),
+    /// `marker x = …` in a model or component.
+    Marker(&'a ast::Declaration),
+    /// `joint x = Class(…)` and its like.
+    Element(&'a ast::Declaration),
 }
 
 /// Names of a block, a call or a module.

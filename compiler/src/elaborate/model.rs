@@ -8,7 +8,7 @@ use crate::ir::{Node, Op};
 use crate::program::DefinitionId;
 use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::system::{BodyRef, Role};
+use eng_system::system::Role;
 use eng_system::{Dimension, DisplayUnit};
 
 /// What is set at the start.
@@ -80,9 +80,18 @@ impl<'a> Elaborator<'a, '_> {
             _ => None,
         });
         for d in declarations.clone() {
-            if d.kind == Kind::Part {
-                self.define(scope, &d.name.text, Entry::Lazy(Lazy::Part(d)));
+            let lazy = match d.kind {
+                Kind::Part => Some(Lazy::Part(d)),
+                Kind::Body | Kind::Flexible => Some(Lazy::Body(d)),
+                Kind::Marker => Some(Lazy::Marker(d)),
+                Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive => Some(Lazy::Element(d)),
+                _ => None,
+            };
+            if let Some(lazy) = lazy {
+                self.define(scope, &d.name.text, Entry::Lazy(lazy));
             }
+        }
+        for d in declarations.clone() {
             if d.kind == Kind::Cycle {
                 self.cycle_of(d, scope);
             }
@@ -98,32 +107,18 @@ impl<'a> Elaborator<'a, '_> {
                 let _ = self.model_attribute(a, scope);
             }
         }
-        for d in declarations.clone() {
-            let failed = match d.kind {
-                Kind::Body | Kind::Flexible => self.bodies_of(d, scope).is_err(),
-                Kind::Marker => self.markers_of(d, BodyRef::Ground, scope, scope).is_err(),
-                _ => false,
-            };
-            if failed {
-                self.define(scope, &d.name.text, Entry::Failed);
-            }
-        }
-        for d in declarations.clone() {
-            if d.kind == Kind::Part {
-                let _ = self.entry(scope, &d.name.text, d.name.span);
-            }
-        }
-        for d in declarations {
-            if matches!(
-                d.kind,
-                Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive
-            ) && self.elements_of(d, scope).is_err()
-            {
-                self.bench.element = None;
-                self.in_output = false;
-                self.in_rate = false;
-                self.rates = None;
-                self.define(scope, &d.name.text, Entry::Failed);
+        // bodies before parts before elements, unless one needs another
+        let rank = |kind| match kind {
+            Kind::Body | Kind::Flexible | Kind::Marker => Some(0),
+            Kind::Part => Some(1),
+            Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive => Some(2),
+            _ => None,
+        };
+        for turn in 0..3 {
+            for d in declarations.clone() {
+                if rank(d.kind) == Some(turn) {
+                    let _ = self.entry(scope, &d.name.text, d.name.span);
+                }
             }
         }
         let path = self.scope(scope).path.clone();

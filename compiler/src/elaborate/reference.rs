@@ -9,12 +9,21 @@ use eng_grammar::ast::{self, BindingKind, ItemKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 use eng_system::layout::InputLayout;
+use eng_system::system::BodyRef;
 
 impl<'a> Elaborator<'a, '_> {
     /// The value of a name; a message if there is none.
     pub fn lookup(&mut self, name: &str, scope: ScopeId, span: Span) -> Eval<Value<'a>> {
         match self.try_lookup(name, scope, span)? {
             Some(value) => Ok(value),
+            // the checker lets the reactions of a joint pass, which only its outputs know
+            None if matches!(name, "force" | "torque") => Err(self.report(
+                Diagnostic::error(
+                    codes::OUTPUTS_ONLY,
+                    format!("the reaction `{name}` is known in outputs only"),
+                )
+                .at(span, "used where it is not known yet"),
+            )),
             None => Err(self.internal(span, &format!("`{name}` is not defined"))),
         }
     }
@@ -117,6 +126,23 @@ impl<'a> Elaborator<'a, '_> {
                 self.table_value(table, scope, module)
             }
             Lazy::Part(declaration) => self.part(declaration, scope),
+            Lazy::Body(declaration) => self.bodies_of(declaration, scope),
+            Lazy::Marker(declaration) => {
+                self.markers_of(declaration, BodyRef::Ground, scope, scope)
+            }
+            Lazy::Element(declaration) => {
+                // it may be asked for while another is being lowered
+                let element = self.bench.element.take();
+                let rates = self.rates.take();
+                let in_output = std::mem::replace(&mut self.in_output, false);
+                let in_rate = std::mem::replace(&mut self.in_rate, false);
+                let made = self.elements_of(declaration, scope);
+                self.bench.element = element;
+                self.rates = rates;
+                self.in_output = in_output;
+                self.in_rate = in_rate;
+                made
+            }
         }
     }
 
@@ -242,19 +268,22 @@ impl<'a> Elaborator<'a, '_> {
     /// The local index of a marker in the element being lowered.
     pub fn local_marker(&mut self, marker: u32, span: Option<Span>) -> Eval<u32> {
         self.used_marker(marker);
-        let local = match self.bench.element.as_mut() {
-            Some(element) => element.marker(marker),
-            None => {
-                let mut message = Diagnostic::error(
-                    codes::MOTION,
-                    "a marker moves: it is known in classes and outputs only",
-                );
-                if let Some(span) = span {
-                    message = message.at(span, "stands where only parameters can");
+        let local =
+            match self.bench.element.as_mut() {
+                Some(element) => element.marker(marker),
+                None => {
+                    let mut message = Diagnostic::error(
+                        codes::MOTION,
+                        "a marker moves: it is known in classes and outputs only",
+                    );
+                    if let Some(span) = span {
+                        message = message.at(span, "stands where only parameters can");
+                    }
+                    return Err(self.report(message.with_help(
+                        "measure it in a class, which sees its markers, or in an output",
+                    )));
                 }
-                return Err(self.report(message));
-            }
-        };
+            };
         match local {
             Some(local) => Ok(local),
             None => {
