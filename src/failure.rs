@@ -46,7 +46,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         }
         R::Require { origin, value, .. } => {
             condition(d(codes::REQUIRED), origin, "this must hold at every step")
-                .with_note(format!("it is missed by {:.4e} in SI units", -value))
+                .with_note(format!("it is missed by {:.3e} in SI units", -value))
         }
         R::Projection { row, .. } => place(d(codes::PROJECTION), &row.origin, "stays open here")
             .with_help("take a smaller step, or a tolerance; if that does not help, the mechanism locks or reaches its end here"),

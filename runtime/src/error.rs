@@ -218,7 +218,7 @@ pub enum RuntimeError {
     #[error("the analysis counts in cycle angle, but the model has no cycle")]
     NoCycle,
     /// The cycle does not advance.
-    #[error("the cycle angle stays at {:.3}° while time passes {moment}", angle.to_degrees())]
+    #[error("the cycle angle has not gone beyond {:.3}° until {moment}", angle.to_degrees())]
     CycleStands {
         /// When.
         moment: Moment,

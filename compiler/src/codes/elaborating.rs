@@ -55,7 +55,7 @@ eng_grammar::codes! {
         "require cylinders > 4 else \"this crank is for more than four cylinders\"",
         "const cylinders = 6\nrequire cylinders > 4 else \"this crank is for more than four cylinders\"";
     MESSAGE_FORM = "E0514", "a message shows something else than numbers and texts, or more than a sum or product of names",
-        "Between the braces of a message stand names, their fields, numbers, and `+ - * /` of these. Give anything else a name with `let`.",
+        "Between the braces of a message stand names, their fields, numbers, and `+ - * /` of these; their values are numbers or texts. Give anything else a name with `let`.",
         "require gap > 1 mm else \"the gap is {abs(gap) as um}\"",
         "let size = abs(gap)\nrequire gap > 1 mm else \"the gap is {size as um}\"";
     TWO_CYCLES = "E0515", "a model has several cycles",
@@ -82,7 +82,7 @@ eng_grammar::codes! {
         "table gas(theta: CrankAngle) -> AbsolutePressure = csv(\"gas.csv\", columns: [\"theta [deg]\", \"p [mm]\"])",
         "table gas(theta: CrankAngle) -> AbsolutePressure = csv(\"gas.csv\", columns: [\"theta [deg]\", \"p [bar]\"])";
     TABLE_POINTS = "E0521", "the points of a table make no function",
-        "Arguments increase, there are enough points, and a periodic table covers one period and closes.",
+        "Arguments rise, there are at least two points, and those of a periodic table span no more than a period; where they span a whole one, the last value is the first.",
         "table lift(theta: CrankAngle) -> Length = points([0, 30, 30] deg, [0, 4, 5] mm)",
         "table lift(theta: CrankAngle) -> Length = points([0, 30, 60] deg, [0, 4, 5] mm)";
     MOTION = "E0522", "a value of the motion stands where only parameters can",

@@ -253,9 +253,10 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// The unit that a literal is written in.
-    fn literal_unit(&self, expr: &ast::Expr) -> Option<DisplayUnit> {
+    pub fn literal_unit(&self, expr: &ast::Expr) -> Option<DisplayUnit> {
         let unit = match &expr.kind {
             ast::ExprKind::Number { unit: Some(u), .. }
+            | ast::ExprKind::List { unit: Some(u), .. }
             | ast::ExprKind::Paren { unit: Some(u), .. } => u,
             ast::ExprKind::Paren { inner, unit: None } => return self.literal_unit(inner),
             ast::ExprKind::Unary { operand, .. } => return self.literal_unit(operand),
@@ -444,6 +445,13 @@ impl<'a> Elaborator<'a, '_> {
             },
             K::Paren { inner, unit: None } => self.evaluate_owned(inner, scope),
             K::Number { value, unit, .. } => self.number(*value, unit.as_ref()).map(Value::Scalar),
+            K::Unary {
+                op: ast::UnaryOp::Negate,
+                operand,
+            } => {
+                let number = self.owned_scalar(operand, scope)?;
+                Ok(Value::Scalar(self.bench.negate(number)))
+            }
             K::Binary {
                 op, left, right, ..
             } => {

@@ -7,8 +7,8 @@ use crate::codes;
 use crate::ir::{Node, Op};
 use eng_grammar::ast::{self, ExprKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::Dimension;
 use eng_system::system::{Body, BodyRef, Marker, Origin, Role, Slot};
+use eng_system::{Dimension, DisplayUnit};
 
 /// A 3×3 matrix of bind nodes, row-major.
 type Matrix = [Node; 9];
@@ -307,7 +307,8 @@ impl<'a> Elaborator<'a, '_> {
                         let s = self.as_scalar(value, a.value.span)?;
                         self.define(own, "mass", Entry::Value(Value::Scalar(s)));
                         let node = self.bind_node(s, a.value.span)?;
-                        self.positive(node, "the mass must be positive", &path, a.value.span);
+                        let display = self.natural_unit(s.dimension);
+                        self.positive_mass(node, display, &path, a.value.span);
                         mass = Some(node);
                     }
                     "inertia" => {
@@ -381,10 +382,14 @@ impl<'a> Elaborator<'a, '_> {
         Ok(index)
     }
 
-    fn positive(&mut self, node: Node, message: &str, path: &str, span: Span) {
+    fn positive_mass(&mut self, node: Node, display: DisplayUnit, path: &str, span: Span) {
         let graph = &mut self.bench.bind.graph;
         let zero = graph.constant(0.0);
         let flag = graph.less(zero, node);
+        let message = vec![
+            super::MessagePart::Text("the mass must be positive, not ".into()),
+            super::MessagePart::Value(node, display),
+        ];
         self.bind_check(flag, message, path, span);
     }
 
@@ -401,13 +406,15 @@ impl<'a> Elaborator<'a, '_> {
         let axis = ["x", "y", "z"][i];
         self.bind_check(
             flag,
-            &format!("no body has this inertia: the moment about {axis} is negative or more than the sum of the other two"),
+            vec![super::MessagePart::Text(format!(
+                "no body has this inertia: the moment about {axis} is negative or more than the sum of the other two"
+            ))],
             path,
             span,
         );
     }
 
-    fn bind_check(&mut self, flag: Node, message: &str, path: &str, span: Span) {
+    fn bind_check(&mut self, flag: Node, message: Vec<super::MessagePart>, path: &str, span: Span) {
         let holds = self.bench.flag_number(super::scalar::Flag {
             stage: Stage::Bind,
             node: flag,
@@ -415,7 +422,7 @@ impl<'a> Elaborator<'a, '_> {
         self.checks.push(super::Check {
             holds,
             advise: false,
-            message: vec![super::MessagePart::Text(message.to_owned())],
+            message,
             path: path.to_owned(),
             used_at: Some(location(span)),
             defined_at: None,

@@ -5,8 +5,8 @@ use super::{Elaborator, Eval};
 use crate::codes;
 use eng_grammar::ast::{self, ExprKind};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::Dimension;
-use eng_system::table::{Extrapolation, Interpolation, Table};
+use eng_system::table::{Extrapolation, Interpolation, Table, TableError};
+use eng_system::{Dimension, DisplayUnit};
 
 impl<'a> Elaborator<'a, '_> {
     pub fn table_value(
@@ -67,10 +67,24 @@ impl<'a> Elaborator<'a, '_> {
                 let Some(columns) = columns else {
                     return Err(self.internal(source.span, "`csv` without its columns"));
                 };
-                self.read_csv(file, columns, module, (argument, result))?
+                let text = |ty: Option<&ast::TypeExpr>| {
+                    ty.map_or("a number", |t| self.sources.text(t.span))
+                        .to_owned()
+                };
+                let due = [
+                    (argument, text(table.parameters.first().map(|p| &p.ty))),
+                    (result, text(table.result.as_ref())),
+                ];
+                self.read_csv(file, columns, module, &due)?
             }
             _ => return Err(self.not_a_source(source.span)),
         };
+        // as the text writes them, so that a message can tell them
+        let written = plain.first().and_then(|xs| self.literal_unit(xs));
+        let units = (
+            written.unwrap_or_else(|| self.natural_unit(argument)),
+            self.natural_unit(result),
+        );
         if let ([xs, ys], true) = (plain.as_slice(), x.len() != y.len()) {
             return Err(self.lengths(x.len(), xs.span, y.len(), ys.span));
         }
@@ -92,8 +106,38 @@ impl<'a> Elaborator<'a, '_> {
                     codes::TABLE_POINTS,
                     format!("the points of table `{}` make no function", table.name.text),
                 )
-                .at(source.span, error.to_string()),
+                .at(source.span, self.points_text(&error, units)),
             )),
+        }
+    }
+
+    /// What is wrong with the points, in the units of their table.
+    fn points_text(&self, error: &TableError, (x, y): (DisplayUnit, DisplayUnit)) -> String {
+        match error {
+            TableError::NotRising {
+                row, before, after, ..
+            } => format!(
+                "the argument does not rise at point {row}: {} is followed by {}",
+                x.text(*before),
+                x.text(*after)
+            ),
+            TableError::NotPeriodic {
+                row, first, last, ..
+            } => format!(
+                "the period closes at point {row}, but the values differ: {} and {}",
+                y.text(*first),
+                y.text(*last)
+            ),
+            TableError::PeriodTooShort { span, period, .. } => format!(
+                "the points span {}, more than the period of {}",
+                x.text(*span),
+                x.text(*period)
+            ),
+            TableError::TooFew { count, .. } => {
+                format!("at least 2 points are needed, there is {count}")
+            }
+            TableError::NotFinite { row, .. } => format!("point {row} is not a finite number"),
+            other => other.to_string(),
         }
     }
 
@@ -115,7 +159,7 @@ impl<'a> Elaborator<'a, '_> {
         file: &'a ast::Expr,
         columns: &'a ast::Expr,
         module: u32,
-        dimensions: (Dimension, Dimension),
+        due: &[(Dimension, String); 2],
     ) -> Eval<(Vec<f64>, Vec<f64>)> {
         let ExprKind::Text(name) = &file.kind else {
             return Err(self.not_a_source(file.span));
@@ -191,11 +235,7 @@ impl<'a> Elaborator<'a, '_> {
                     ));
                 }
             };
-            scale[k] = self.column_unit(
-                wanted,
-                *span,
-                if k == 0 { dimensions.0 } else { dimensions.1 },
-            )?;
+            scale[k] = self.column_unit(wanted, *span, &due[k])?;
         }
         let mut x = Vec::new();
         let mut y = Vec::new();
@@ -238,7 +278,12 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Scale and offset of `theta [deg]`.
-    fn column_unit(&mut self, header: &str, span: Span, expected: Dimension) -> Eval<(f64, f64)> {
+    fn column_unit(
+        &mut self,
+        header: &str,
+        span: Span,
+        (expected, type_text): &(Dimension, String),
+    ) -> Eval<(f64, f64)> {
         let unit = header
             .split_once('[')
             .and_then(|(_, rest)| rest.split_once(']'))
@@ -248,7 +293,7 @@ impl<'a> Elaborator<'a, '_> {
                 return Err(self.report(
                     Diagnostic::error(
                         codes::COLUMN_UNIT,
-                        format!("the column states no unit, the table is in {expected}"),
+                        format!("the column states no unit, but {type_text} has one"),
                     )
                     .at(span, "no unit in brackets")
                     .with_help("name the unit in the first row of the file and here: `p [bar]`"),
@@ -288,10 +333,7 @@ impl<'a> Elaborator<'a, '_> {
             return Err(self.report(
                 Diagnostic::error(
                     codes::COLUMN_UNIT,
-                    format!(
-                        "the column is in {}, the table is in {expected}",
-                        unit.dimension
-                    ),
+                    format!("a column in {} does not give {type_text}", unit.symbol),
                 )
                 .at(span, "the unit of this column does not fit"),
             ));

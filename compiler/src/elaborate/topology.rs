@@ -9,11 +9,13 @@ use eng_system::system::{BodyRef, Location, Origin};
 impl Elaborator<'_, '_> {
     fn unused_markers(&self) -> Vec<(Location, Vec<&str>)> {
         let markers = self.markers.iter().zip(&self.used_markers);
-        by_place(
+        let mut unused = by_place(
             markers
                 .filter(|(_, used)| !**used)
                 .map(|(marker, _)| &marker.origin),
-        )
+        );
+        unused.sort_by_key(|(place, _)| (place.source, place.start));
+        unused
     }
 
     /// Lints on bodies that nothing holds and markers that nothing uses.
