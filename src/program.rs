@@ -262,6 +262,7 @@ impl Program {
                 system: Arc::new(elaborated.system),
                 code,
                 bind: Arc::new(elaborated.bind),
+                reduced: Vec::new(),
             },
             Arc::clone(&self.inner.texts),
         ))

@@ -1,8 +1,8 @@
 //! The command's behaviour with an engine whose answers are known.
 
 use eng::cli::{
-    CheckOutcome, Console, Engine, EngineError, JournalGeometry, Progress, RunOutcome, Setting,
-    run_on,
+    AssemblyOutcome, CheckOutcome, Console, Engine, EngineError, JournalGeometry, Progress,
+    RunOutcome, Setting, run_on,
 };
 use eng::plot::Upright;
 use eng::results::{Column, Results};
@@ -332,5 +332,8 @@ fn unknown_names_and_refused_files_exit_with_2() {
 fn a_clean_check_says_so() {
     let (code, output, errors) = run(&mut Known::default(), &["check", "known.eng"]);
     assert_eq!((code, errors.as_str()), (0, ""));
-    assert_eq!(output, "Known: 1 journal\nno errors, no warnings\n");
+    assert_eq!(
+        output,
+        "Known: 1 journal\nfired: 5 freedoms\nno errors, no warnings\n"
+    );
 }

@@ -106,10 +106,10 @@ impl AccelerationSystem {
         self.stale = true;
         dynamics.constraint_gradients(model)?;
         self.values.fill(0.0);
-        for ((body, frame), block) in model.bodies.iter().zip(&dynamics.frames).zip(&self.bodies) {
+        for (body, block) in model.bodies.iter().zip(&self.bodies) {
             let mass = &mut self.mass[..body.width() * body.width()];
             mass.fill(0.0);
-            body.add_mass(frame, mass);
+            body.add_mass(&dynamics.frame(body), mass);
             block.add(
                 &mut self.values,
                 mass,

@@ -3,16 +3,19 @@
 //! Velocity of a body: `v = [ṙ (inertial, m/s); ω (body axes, rad/s); ȧ (modal)]`. Everything that depends on the
 //! kind of a body is a match here or in [`crate::chain`].
 
+use crate::flexible::Flexible;
 use crate::rotation::{M3, V3, matrix, skew};
 use eng_system::system::Origin;
 
-/// Position and orientation of a body's reference frame.
+/// Position and orientation of a body's reference frame, and its shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BodyFrame {
+pub struct BodyFrame<'a> {
     /// Origin (m, inertial).
     pub position: V3,
     /// Body → inertial.
     pub rotation: M3,
+    /// Modal amplitudes.
+    pub amplitudes: &'a [f64],
 }
 
 /// Inertia of a rigid body.
@@ -31,6 +34,8 @@ pub struct Rigid {
 pub enum BodyKind {
     /// Rigid.
     Rigid(Rigid),
+    /// Flexible, with a floating frame.
+    Flexible(Flexible),
 }
 
 /// A body with its places in the state.
@@ -72,6 +77,7 @@ impl BodyModel {
     pub fn modes(&self) -> usize {
         match &self.kind {
             BodyKind::Rigid(_) => 0,
+            BodyKind::Flexible(b) => b.modes(),
         }
     }
 
@@ -84,19 +90,37 @@ impl BodyModel {
     pub fn mass(&self) -> f64 {
         match &self.kind {
             BodyKind::Rigid(b) => b.mass,
+            BodyKind::Flexible(b) => b.constants.mass,
+        }
+    }
+
+    /// Centre of mass in the body frame (m), undeformed.
+    pub fn center(&self) -> V3 {
+        match &self.kind {
+            BodyKind::Rigid(b) => b.center,
+            BodyKind::Flexible(b) => b.center(),
+        }
+    }
+
+    /// Inertia about the frame's origin, body axes (kg m²), undeformed.
+    pub fn inertia(&self) -> &M3 {
+        match &self.kind {
+            BodyKind::Rigid(b) => &b.inertia,
+            BodyKind::Flexible(b) => b.undeformed_inertia(),
         }
     }
 
     /// Reference frame from the state's pose numbers.
-    pub fn frame(&self, pose: &[f64]) -> BodyFrame {
+    pub fn frame<'a>(&self, pose: &'a [f64]) -> BodyFrame<'a> {
         let p = &pose[self.pose..];
         BodyFrame {
             position: vector(p),
             rotation: matrix(&[p[3], p[4], p[5], p[6]]),
+            amplitudes: &p[7..7 + self.modes()],
         }
     }
 
-    /// Adds `M v̇ − Q_v − Q_g` (N, N m in body axes), from the virtual power of `m ẍ` over the body:
+    /// Adds `M v̇ − Q_v − Q_g` (N, N m in body axes), and a flexible body's elastic and damping forces. For a rigid body from the virtual power of `m ẍ` over the body:
     /// force `m (r̈ + A(ω̇×c + ω×(ω×c)) − g)`, torque about the origin `J ω̇ + ω×Jω + m c×Aᵀ(r̈ − g)`.
     pub fn add_inertia(
         &self,
@@ -123,6 +147,7 @@ impl BodyModel {
                     out[3 + i] += torque[i];
                 }
             }
+            BodyKind::Flexible(b) => b.add_inertia(frame, v, rate, gravity, out),
         }
     }
 
@@ -137,6 +162,7 @@ impl BodyModel {
                 put(out, width, 3, 0, &(-coupling.transpose()));
                 put(out, width, 3, 3, &b.inertia);
             }
+            BodyKind::Flexible(b) => b.add_mass(frame, 1.0, out),
         }
     }
 
@@ -198,11 +224,15 @@ impl BodyModel {
                     &(b.inertia * weights.acceleration + gyroscopic * weights.velocity + by_turn),
                 );
             }
+            BodyKind::Flexible(b) => {
+                b.add_inertia_matrix(frame, v, rate, gravity, weights, turn, out);
+            }
         }
     }
 
-    /// Kinetic energy and potential of gravity, zero at the inertial origin (J).
-    pub fn energy(&self, frame: &BodyFrame, v: &[f64], gravity: &V3) -> (f64, f64) {
+    /// Kinetic energy, potential of gravity (zero at the inertial origin), strain energy (J), power lost in the body's own damping
+    /// (W).
+    pub fn energy(&self, frame: &BodyFrame, v: &[f64], gravity: &V3) -> [f64; 4] {
         match &self.kind {
             BodyKind::Rigid(b) => {
                 let velocity = vector(v);
@@ -212,8 +242,9 @@ impl BodyModel {
                     + b.mass * velocity.dot(&arm)
                     + 0.5 * omega.dot(&(b.inertia * omega));
                 let center = frame.position + frame.rotation * b.center;
-                (kinetic, -b.mass * gravity.dot(&center))
+                [kinetic, -b.mass * gravity.dot(&center), 0.0, 0.0]
             }
+            BodyKind::Flexible(b) => b.energy(frame, v, gravity),
         }
     }
 }

@@ -5,19 +5,18 @@
 
 pub mod matrix;
 
-use crate::body::BodyFrame;
+use crate::body::{BodyFrame, BodyModel};
 use crate::chain::{self, MarkerKinematics};
 use crate::elements::{self, Batch, Inputs, Scratch};
 use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
-use crate::rotation::{M3, V3};
 use eng_system::code::Function;
 
 /// Everything evaluated at one state, and room for it.
 #[derive(Clone, Debug)]
 pub struct Dynamics {
-    /// Frames of the bodies.
-    pub frames: Vec<BodyFrame>,
+    /// Pose numbers of the bodies.
+    pose: Vec<f64>,
     /// Poses and twists of the markers.
     pub markers: Vec<MarkerKinematics>,
     /// Dynamic elements.
@@ -74,13 +73,7 @@ impl Dynamics {
         }
         let size = matrix_size(model);
         Dynamics {
-            frames: vec![
-                BodyFrame {
-                    position: V3::zeros(),
-                    rotation: M3::identity()
-                };
-                model.bodies.len()
-            ],
+            pose: vec![0.0; model.poses],
             markers: model.markers.iter().map(chain::ground).collect(),
             batches: elements::batches(model, &dynamic, false),
             scratch: Scratch::new(model),
@@ -100,27 +93,27 @@ impl Dynamics {
         }
     }
 
+    /// Frame and shape of a body where the dynamics stand.
+    pub fn frame(&self, body: &BodyModel) -> BodyFrame<'_> {
+        body.frame(&self.pose)
+    }
+
     /// Sets frames, markers and marker Jacobians.
     pub fn place(&mut self, model: &Model, time: f64, pose: &[f64], velocity: &[f64]) {
         self.time = time;
-        for (frame, body) in self.frames.iter_mut().zip(&model.bodies) {
-            *frame = body.frame(pose);
-        }
+        self.pose.copy_from_slice(pose);
         for (index, marker) in model.markers.iter().enumerate() {
             match marker.body {
                 None => self.markers[index] = chain::ground(marker),
                 Some(b) => {
                     let body = &model.bodies[b];
-                    self.markers[index] = chain::kinematics(
-                        body,
-                        &self.frames[b],
-                        marker,
-                        &velocity[body.velocity..],
-                    );
+                    let frame = body.frame(pose);
+                    self.markers[index] =
+                        chain::kinematics(&frame, marker, &velocity[body.velocity..]);
                     let at = self.jacobian_at[index];
                     chain::jacobian(
                         body,
-                        &self.frames[b],
+                        &frame,
                         marker,
                         &mut self.jacobians[at..at + 6 * body.width()],
                     );
@@ -219,10 +212,10 @@ impl Dynamics {
         acceleration: &[f64],
         out: &mut [f64],
     ) {
-        for (body, frame) in model.bodies.iter().zip(&self.frames) {
+        for body in &model.bodies {
             let range = body.velocity..body.velocity + body.width();
             body.add_inertia(
-                frame,
+                &self.frame(body),
                 &velocity[range.clone()],
                 &acceleration[range.clone()],
                 &model.gravity,
@@ -266,8 +259,7 @@ impl Dynamics {
                         };
                         let body = &model.bodies[b];
                         let bias = chain::acceleration_bias(
-                            body,
-                            &self.frames[b],
+                            &body.frame(&self.pose),
                             &model.markers[*marker],
                             &velocity[body.velocity..],
                         );
@@ -364,14 +356,18 @@ impl Dynamics {
         }
     }
 
-    /// Kinetic energy and gravity's potential (J).
-    pub fn energy(&self, model: &Model, velocity: &[f64]) -> (f64, f64) {
-        let mut total = (0.0, 0.0);
-        for (body, frame) in model.bodies.iter().zip(&self.frames) {
-            let (kinetic, potential) =
-                body.energy(frame, &velocity[body.velocity..], &model.gravity);
-            total.0 += kinetic;
-            total.1 += potential;
+    /// Kinetic energy, gravity's potential, strain energy (J), power lost in the bodies' own damping (W).
+    pub fn energy(&self, model: &Model, velocity: &[f64]) -> [f64; 4] {
+        let mut total = [0.0; 4];
+        for body in &model.bodies {
+            let own = body.energy(
+                &self.frame(body),
+                &velocity[body.velocity..],
+                &model.gravity,
+            );
+            for (t, x) in total.iter_mut().zip(own) {
+                *t += x;
+            }
         }
         total
     }

@@ -28,6 +28,7 @@ pub mod control;
 pub mod dynamics;
 pub mod elements;
 pub mod error;
+pub mod flexible;
 pub mod integrator;
 pub mod linear;
 pub mod model;

@@ -2,10 +2,13 @@
 
 use crate::body::{BodyKind, BodyModel, Rigid};
 use crate::error::{NamedRow, RuntimeError};
+use crate::flexible::Flexible;
 use crate::rotation::{M3, V3, skew};
 use eng_system::code::{Compiled, Function};
 use eng_system::dimension::Dimension;
-use eng_system::system::{BodyRef, ElementClass, Role, Slot};
+use eng_system::reduced::ReducedBody;
+use eng_system::system::{Body, BodyInertia, BodyRef, ElementClass, Role, Slot};
+use std::sync::Arc;
 
 /// A marker with its numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,8 +19,19 @@ pub struct MarkerModel {
     pub position: V3,
     /// Marker → body.
     pub orientation: M3,
+    /// On a flexible body: how it follows the modes.
+    pub shape: Option<MarkerShape>,
     /// The marker it lies on at the start, until assembly has placed it.
     pub placed_at: Option<usize>,
+}
+
+/// Rows of the mode shapes at a marker, 3 × modes each, row-major.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkerShape {
+    /// Displacement (m a unit of amplitude).
+    pub translation: Vec<f64>,
+    /// Rotation (rad a unit of amplitude).
+    pub rotation: Vec<f64>,
 }
 
 /// An element with its numbers and its places in the model's vectors.
@@ -152,39 +166,7 @@ impl Model {
         let mut bodies = Vec::with_capacity(system.bodies.len());
         let (mut poses, mut velocities) = (0, 0);
         for body in &system.bodies {
-            let mass = slots.get(body.mass)?;
-            let center = slots.vector(&body.center_of_mass)?;
-            let mut j = [0.0; 6];
-            for (value, slot) in j.iter_mut().zip(body.inertia) {
-                *value = slots.get(slot)?;
-            }
-            let about_center = M3::new(j[0], j[3], j[5], j[3], j[1], j[4], j[5], j[4], j[2]);
-            let refuse = |message: &str| RuntimeError::Body {
-                origin: Box::new(body.origin.clone()),
-                message: message.to_string(),
-            };
-            if !(mass > 0.0 && mass.is_finite()) {
-                return Err(refuse(&format!(
-                    "the mass is {mass} kg; it must be positive"
-                )));
-            }
-            let moments = about_center.symmetric_eigenvalues();
-            let largest = moments.amax();
-            let trace: f64 = moments.iter().sum();
-            if !largest.is_finite() || moments.iter().any(|m| *m < -1e-9 * largest) {
-                return Err(refuse("the inertia tensor has a negative principal moment"));
-            }
-            if moments.iter().any(|m| 2.0 * m > trace * (1.0 + 1e-6)) {
-                return Err(refuse(
-                    "a principal moment of inertia exceeds the sum of the other two, which no body can have",
-                ));
-            }
-            let c = skew(&center);
-            let kind = BodyKind::Rigid(Rigid {
-                mass,
-                center,
-                inertia: about_center - c * c * mass,
-            });
+            let kind = body_kind(body, &slots, &compiled.reduced)?;
             let model = BodyModel {
                 origin: body.origin.clone(),
                 kind,
@@ -219,8 +201,23 @@ impl Model {
                     marker.origin.path
                 )));
             }
+            let flexible = body.and_then(|b| match &system.bodies[b].inertia {
+                BodyInertia::Flexible(reduced) => Some(*reduced as usize),
+                BodyInertia::Rigid { .. } => None,
+            });
+            let shape = match flexible {
+                Some(reduced) => Some(marker_shape(
+                    &compiled.reduced[reduced],
+                    marker.shape,
+                    &marker.origin.path,
+                )?),
+                None => None,
+            };
             let (position, orientation) = if placed_at.is_some() {
                 (V3::zeros(), M3::identity())
+            } else if let (Some(reduced), Some(index)) = (flexible, marker.shape) {
+                let place = compiled.reduced[reduced].markers[index as usize].position;
+                (V3::from(place), slots.matrix(&marker.orientation)?)
             } else {
                 (
                     slots.vector(&marker.position)?,
@@ -231,6 +228,7 @@ impl Model {
                 body,
                 position,
                 orientation,
+                shape,
                 placed_at,
             });
         }
@@ -308,24 +306,17 @@ impl Model {
         let mut mass: f64 = 0.0;
         for (index, body) in bodies.iter().enumerate() {
             mass = mass.max(body.mass());
-            match &body.kind {
-                BodyKind::Rigid(b) => {
-                    length = length.max(b.center.norm());
-                    for m in markers.iter().filter(|m| m.body == Some(index)) {
-                        length = length
-                            .max((m.position - b.center).norm())
-                            .max(m.position.norm());
-                    }
-                }
+            let center = body.center();
+            length = length.max(center.norm());
+            for m in markers.iter().filter(|m| m.body == Some(index)) {
+                length = length
+                    .max((m.position - center).norm())
+                    .max(m.position.norm());
             }
         }
         if length == 0.0 {
             for body in &bodies {
-                match &body.kind {
-                    BodyKind::Rigid(b) => {
-                        length = length.max(libm::sqrt(b.inertia.amax() / b.mass))
-                    }
-                }
+                length = length.max(libm::sqrt(body.inertia().amax() / body.mass()));
             }
         }
         if length == 0.0 {
@@ -405,11 +396,30 @@ impl Model {
         }
     }
 
-    /// Scale of each velocity: the length for a translation, one for a rotation.
+    /// Scale of each velocity: the length for a translation, one for a rotation; for a modal rate what moves a marker by the length.
     pub fn velocity_scales(&self) -> Vec<f64> {
         let mut scales = vec![1.0; self.velocities];
         for body in &self.bodies {
             scales[body.velocity..body.velocity + 3].fill(self.length);
+        }
+        // an amplitude by what it moves the markers
+        for marker in &self.markers {
+            let (Some(b), Some(shape)) = (marker.body, &marker.shape) else {
+                continue;
+            };
+            let (first, n) = (self.bodies[b].velocity + 6, self.bodies[b].modes());
+            for (i, x) in shape.translation.iter().enumerate() {
+                let reach = self.length / x.abs();
+                let scale = &mut scales[first + i % n];
+                if *scale == 1.0 || reach < *scale {
+                    *scale = reach;
+                }
+            }
+        }
+        for scale in &mut scales {
+            if !scale.is_finite() {
+                *scale = 1.0;
+            }
         }
         scales
     }
@@ -470,4 +480,86 @@ fn check_shapes(
         }
     }
     Ok(())
+}
+
+/// Mass properties of a body, checked.
+fn body_kind(
+    body: &Body,
+    slots: &Slots,
+    reduced: &[Arc<ReducedBody>],
+) -> Result<BodyKind, RuntimeError> {
+    let refuse = |message: &str| RuntimeError::Body {
+        origin: Box::new(body.origin.clone()),
+        message: message.to_string(),
+    };
+    let (mass, center_of_mass, inertia) = match &body.inertia {
+        BodyInertia::Flexible(index) => {
+            let reduced = reduced
+                .get(*index as usize)
+                .ok_or_else(|| malformed(format!("{}: not reduced", body.origin.path)))?;
+            if let Some(defect) = reduced.invariants.defect() {
+                return Err(refuse(&defect));
+            }
+            let constants = Arc::new(reduced.invariants.clone());
+            return Ok(BodyKind::Flexible(Flexible::new(constants)));
+        }
+        BodyInertia::Rigid {
+            mass,
+            center_of_mass,
+            inertia,
+        } => (mass, center_of_mass, inertia),
+    };
+    let mass = slots.get(*mass)?;
+    let center = slots.vector(center_of_mass)?;
+    let mut j = [0.0; 6];
+    for (value, slot) in j.iter_mut().zip(inertia) {
+        *value = slots.get(*slot)?;
+    }
+    let about_center = M3::new(j[0], j[3], j[5], j[3], j[1], j[4], j[5], j[4], j[2]);
+    if !(mass > 0.0 && mass.is_finite()) {
+        return Err(refuse(&format!(
+            "the mass is {mass} kg; it must be positive"
+        )));
+    }
+    let moments = about_center.symmetric_eigenvalues();
+    let largest = moments.amax();
+    let trace: f64 = moments.iter().sum();
+    if !largest.is_finite() || moments.iter().any(|m| *m < -1e-9 * largest) {
+        return Err(refuse("the inertia tensor has a negative principal moment"));
+    }
+    if moments.iter().any(|m| 2.0 * m > trace * (1.0 + 1e-6)) {
+        return Err(refuse(
+            "a principal moment of inertia exceeds the sum of the other two, which no body can have",
+        ));
+    }
+    let c = skew(&center);
+    Ok(BodyKind::Rigid(Rigid {
+        mass,
+        center,
+        inertia: about_center - c * c * mass,
+    }))
+}
+
+/// How a marker of a flexible body follows the modes; one without a place on the mesh moves with the frame.
+fn marker_shape(
+    reduced: &ReducedBody,
+    shape: Option<u32>,
+    path: &str,
+) -> Result<MarkerShape, RuntimeError> {
+    let length = 3 * reduced.invariants.modes;
+    let Some(index) = shape else {
+        return Ok(MarkerShape {
+            translation: vec![0.0; length],
+            rotation: vec![0.0; length],
+        });
+    };
+    let marker = reduced
+        .markers
+        .get(index as usize)
+        .filter(|m| m.translation.len() == length && m.rotation.len() == length)
+        .ok_or_else(|| malformed(format!("{path}: not among the reduced markers")))?;
+    Ok(MarkerShape {
+        translation: marker.translation.clone(),
+        rotation: marker.rotation.clone(),
+    })
 }

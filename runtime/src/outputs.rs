@@ -116,8 +116,7 @@ impl Outputs {
             let body = &model.bodies[b];
             let width = body.width();
             let mut x = chain::acceleration_bias(
-                body,
-                &dynamics.frames[b],
+                &dynamics.frame(body),
                 marker,
                 &state.velocity[body.velocity..],
             );

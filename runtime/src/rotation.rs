@@ -127,6 +127,37 @@ pub fn tangent(theta: &V3) -> M3 {
     M3::identity() - t * c1 + t * t * c2
 }
 
+/// `∂(T(θ) w)/∂θ` for frozen w, of the other trivialisation `T(θ) = tangent(−θ) = I + b θ~ + c θ~θ~`, `d exp(θ~) = (T dθ)~ exp(θ~)`:
+/// with `b = (1 − cos φ)/φ²`, `c = (φ − sin φ)/φ³`, `s = φ² = θ·θ` it is
+/// `−b w~ + 2 b_s (θ×w) θᵀ − c ((θ×w)~ + θ~w~) + 2 c_s (θ×(θ×w)) θᵀ`.
+pub fn tangent_along(theta: &V3, w: &V3) -> M3 {
+    let s = theta.norm_squared();
+    let (b, c, b_s, c_s) = if s < 1e-2 {
+        (
+            0.5 - s * (1.0 / 24.0 - s * (1.0 / 720.0 - s * (1.0 / 40320.0 - s / 3_628_800.0))),
+            1.0 / 6.0 - s * (1.0 / 120.0 - s * (1.0 / 5040.0 - s / 362_880.0)),
+            -1.0 / 24.0 + s * (2.0 / 720.0 - s * (3.0 / 40320.0 - s * 4.0 / 3_628_800.0)),
+            -1.0 / 120.0 + s * (2.0 / 5040.0 - s * (3.0 / 362_880.0 - s * 4.0 / 39_916_800.0)),
+        )
+    } else {
+        let angle = libm::sqrt(s);
+        let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+        let sinc = sin / angle;
+        let (b, c) = ((1.0 - cos) / s, (1.0 - sinc) / s);
+        (
+            b,
+            c,
+            (0.5 * sinc - b) / s,
+            -((cos - sinc) / (2.0 * s) + c) / s,
+        )
+    };
+    let once = theta.cross(w);
+    let twice = theta.cross(&once);
+    skew(w) * -b + once * theta.transpose() * (2.0 * b_s)
+        - (skew(&once) + skew(theta) * skew(w)) * c
+        + twice * theta.transpose() * (2.0 * c_s)
+}
+
 /// Inverse of [`tangent`]: `I + ½θ~ + (1 − θ/2 cot θ/2)/θ² θ~θ~`, for |θ| < 2π.
 pub fn inverse_tangent(theta: &V3) -> M3 {
     let s = theta.norm_squared();

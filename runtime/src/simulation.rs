@@ -65,18 +65,24 @@ pub struct Energy {
     pub kinetic: f64,
     /// Potential of gravity.
     pub gravity: f64,
+    /// Strain energy of flexible bodies.
+    pub strain: f64,
+    /// Energy lost in the damping of flexible bodies.
+    pub damping: f64,
     /// Work of the elements' loads on the bodies.
     pub loads: f64,
     /// Work of the constraints on the bodies: that of drives.
     pub constraints: f64,
-    /// Kinetic energy plus gravity's potential at the start.
+    /// Kinetic and strain energy plus gravity's potential at the start.
     pub start: f64,
 }
 
 impl Energy {
     /// Energy that appeared from nowhere: zero up to the integrator's error.
     pub fn imbalance(&self) -> f64 {
-        self.kinetic + self.gravity - self.start - self.loads - self.constraints
+        self.kinetic + self.gravity + self.strain - self.start + self.damping
+            - self.loads
+            - self.constraints
     }
 }
 
@@ -123,9 +129,9 @@ pub struct Simulation {
     size: StepSize,
     grid: FixedGrid,
     energy: Energy,
-    /// Powers of loads and of constraints at the last accepted state and at the one before.
-    powers: (f64, f64),
-    earlier_powers: (f64, f64),
+    /// Powers of loads, of constraints and lost in flexible bodies at the last accepted state and at the one before.
+    powers: [f64; 3],
+    earlier_powers: [f64; 3],
     /// Length of the last step (s), zero before the first.
     earlier_step: f64,
     cycle_now: Option<[f64; 2]>,
@@ -203,8 +209,8 @@ impl Simulation {
             size: StepSize::default(),
             grid: FixedGrid::default(),
             energy: Energy::default(),
-            powers: (0.0, 0.0),
-            earlier_powers: (0.0, 0.0),
+            powers: [0.0; 3],
+            earlier_powers: [0.0; 3],
             earlier_step: 0.0,
             cycle_now: None,
             cycle_start: 0.0,

@@ -144,4 +144,6 @@ pub struct Compiled {
     pub code: Vec<std::sync::Arc<dyn ElementCode>>,
     /// The bind graph.
     pub bind: std::sync::Arc<dyn BindCode>,
+    /// Reductions of the flexible bodies.
+    pub reduced: Vec<std::sync::Arc<crate::reduced::ReducedBody>>,
 }

@@ -8,6 +8,7 @@ pub mod code;
 pub mod dimension;
 pub mod host;
 pub mod layout;
+pub mod reduced;
 pub mod system;
 pub mod table;
 

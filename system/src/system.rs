@@ -42,18 +42,30 @@ pub enum BodyRef {
     Body(u32),
 }
 
-/// A body. Its reference frame's origin is where `center_of_mass` counts from.
+/// Mass and its distribution.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BodyInertia {
+    /// A rigid body.
+    Rigid {
+        /// Mass (kg).
+        mass: Slot,
+        /// Centre of mass in the body frame (m).
+        center_of_mass: [Slot; 3],
+        /// Ixx, Iyy, Izz, Ixy, Iyz, Izx about the centre of mass, body axes (kg m²). The off-diagonal values are the
+        /// tensor's entries (minus the integrals of products).
+        inertia: [Slot; 6],
+    },
+    /// A flexible body: index of its reduction in the compiled model.
+    Flexible(u32),
+}
+
+/// A body. Its reference frame's origin is where places on it count from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     /// Path and places.
     pub origin: Origin,
-    /// Mass (kg).
-    pub mass: Slot,
-    /// Centre of mass in the body frame (m).
-    pub center_of_mass: [Slot; 3],
-    /// Ixx, Iyy, Izz, Ixy, Iyz, Izx about the centre of mass, body axes (kg m²). The off-diagonal values are the
-    /// tensor's entries (minus the integrals of products).
-    pub inertia: [Slot; 6],
+    /// Mass and its distribution.
+    pub inertia: BodyInertia,
     /// Stated or guessed position of the origin at the start (m, inertial).
     pub position: Option<[Slot; 3]>,
     /// Stated or guessed orientation at the start: rotation matrix body → inertial, row-major.
@@ -71,6 +83,8 @@ pub struct Marker {
     pub position: [Slot; 3],
     /// Rotation matrix marker → body, row-major.
     pub orientation: [Slot; 9],
+    /// On a flexible body: index among the markers of its reduction, which gives the place; `position` is then ignored.
+    pub shape: Option<u32>,
     /// For `ground` used as an argument: the marker on ground that lies where this other marker is at the start;
     /// `position` and `orientation` are then ignored.
     pub placed_at: Option<u32>,
@@ -237,8 +251,6 @@ pub struct Element {
     pub state_start: Vec<Slot>,
     /// Channels its outputs read, as many as the layout says; each is computed before this element's.
     pub signals: Vec<u32>,
-    /// For class parameters that are markers or frames: name → index into [`Element::markers`], for frame names of channels.
-    pub frames: Vec<(String, u32)>,
 }
 
 /// A column of the results: one output of one element.

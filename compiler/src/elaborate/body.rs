@@ -7,7 +7,7 @@ use crate::codes;
 use crate::ir::{Node, Op};
 use eng_grammar::ast::{self, ExprKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::system::{Body, BodyRef, Marker, Origin, Role, Slot};
+use eng_system::system::{Body, BodyInertia, BodyRef, Marker, Origin, Role, Slot};
 use eng_system::{Dimension, DisplayUnit};
 
 /// A 3×3 matrix of bind nodes, row-major.
@@ -75,6 +75,7 @@ impl<'a> Elaborator<'a, '_> {
             body,
             position,
             orientation,
+            shape: None,
             placed_at: None,
         });
         // those without a place in the text are not the user's to use, and a component offers more than each use takes
@@ -343,9 +344,11 @@ impl<'a> Elaborator<'a, '_> {
                 used_at: Some(location(declaration.name.span)),
                 defined_at: None,
             },
-            mass,
-            center_of_mass,
-            inertia,
+            inertia: BodyInertia::Rigid {
+                mass,
+                center_of_mass,
+                inertia,
+            },
             position: None,
             orientation: None,
         });

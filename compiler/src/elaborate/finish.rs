@@ -234,7 +234,6 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                     .map(|n| self.bench.bind.slot(*n))
                     .collect(),
                 signals: draft.signals,
-                frames: Vec::new(),
             });
         }
         for check in &mut self.checks {

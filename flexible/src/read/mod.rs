@@ -1,5 +1,7 @@
 //! Readers of finite-element files. One module a family of formats; what they give is a [`crate::Mesh`] or matrices.
 
+pub mod nastran;
+
 use std::io::{self, BufRead, BufReader, Read};
 
 use crate::error::{FileProblem, Place};

@@ -2,6 +2,7 @@
 
 use super::rows::{Along, Rows, smallest_solution};
 use super::{at, choose_turns, is_closed, violated_branches};
+use crate::body::BodyModel;
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{exponential, normalized, product};
@@ -11,6 +12,8 @@ use std::collections::BTreeSet;
 
 /// Weight of moving a body whose place is stated against one whose place is not.
 const STATED: f64 = 1e-3;
+/// Weight of bending a body against moving it.
+const BENDING: f64 = 1e-2;
 
 /// Deterministic numbers in −1…1 (a multiplicative congruential generator of Knuth's MMIX constants).
 #[derive(Clone, Debug)]
@@ -98,15 +101,20 @@ pub fn close(
     })
 }
 
-/// Mobility of all bodies: stated ones move little.
+/// Mobility of all bodies: stated ones move little, and bodies bend only where loops do not close otherwise.
 fn mobility(model: &Model, stated: &[bool]) -> Vec<f64> {
-    let mut m = vec![1.0; model.velocities];
+    let mut m = vec![0.0; model.velocities];
     for (body, stated) in model.bodies.iter().zip(stated) {
-        if *stated {
-            m[body.velocity..body.velocity + body.width()].fill(STATED);
-        }
+        set_mobility(body, if *stated { STATED } else { 1.0 }, &mut m);
     }
     m
+}
+
+/// Sets the mobility of a body; that of its modes is far smaller.
+pub fn set_mobility(body: &BodyModel, mobility: f64, all: &mut [f64]) {
+    let first = body.velocity;
+    all[first..first + 6].fill(mobility);
+    all[first + 6..first + body.width()].fill(BENDING * mobility.min(STATED));
 }
 
 /// The bodies an element touches.
@@ -277,7 +285,7 @@ fn shake(
         let mut mobility = vec![0.0; model.velocities];
         for b in &mobile {
             let body = &model.bodies[*b];
-            mobility[body.velocity..body.velocity + body.width()].fill(1.0);
+            set_mobility(body, 1.0, &mut mobility);
         }
         let touches = |e: &usize| bodies_of(model, *e).iter().any(|b| mobile.contains(b));
         let near: Vec<usize> = exact.iter().copied().filter(touches).collect();

@@ -188,7 +188,7 @@ fn search(
     let mut mobility = vec![0.0; model.velocities];
     for b in moving {
         let moved = &model.bodies[*b];
-        mobility[moved.velocity..moved.velocity + moved.width()].fill(1.0);
+        super::closing::set_mobility(moved, 1.0, &mut mobility);
     }
     let consider = |mut trial: State| -> Result<Trial, RuntimeError> {
         let size = close(model, &rows, &mobility, &mut trial, 40)?;

@@ -190,7 +190,7 @@ pub fn marker(model: &Model, index: usize, pose: &[f64], velocity: &[f64]) -> Ma
         None => chain::ground(marker),
         Some(b) => {
             let body = &model.bodies[b];
-            chain::kinematics(body, &body.frame(pose), marker, &velocity[body.velocity..])
+            chain::kinematics(&body.frame(pose), marker, &velocity[body.velocity..])
         }
     }
 }

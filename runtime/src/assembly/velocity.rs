@@ -120,6 +120,9 @@ fn stack(parts: &[(&DVector<f64>, &DMatrix<f64>)]) -> (DVector<f64>, DMatrix<f64
     (values, matrix)
 }
 
+/// How much dearer modal rates are than motion as a whole.
+const VIBRATION: f64 = 1e8;
+
 /// `L⁻ᵀ` of `M = L Lᵀ`, block by block. A body whose mass matrix is not positive definite (a point mass) gets a small
 /// inertia for this purpose alone.
 fn inverse_roots(model: &Model, state: &State) -> DMatrix<f64> {
@@ -130,8 +133,18 @@ fn inverse_roots(model: &Model, state: &State) -> DMatrix<f64> {
         body.add_mass(&body.frame(&state.pose), &mut mass);
         let mut matrix = DMatrix::from_row_slice(width, width, &mass);
         let floor = 1e-9 * model.mass * model.length * model.length;
-        for i in 3..width {
+        for i in 3..6 {
             matrix[(i, i)] += floor;
+        }
+        // A body starts without vibration where the constraints let it.
+        for i in 6..width {
+            for j in 0..6 {
+                matrix[(i, j)] = 0.0;
+                matrix[(j, i)] = 0.0;
+            }
+            for j in 6..width {
+                matrix[(i, j)] *= VIBRATION;
+            }
         }
         let inverse = matrix
             .clone()

@@ -157,7 +157,7 @@ impl MatrixPlan {
             let block = &mut dynamics.block[..width * width];
             block.fill(0.0);
             body.add_inertia_matrix(
-                &dynamics.frames[index],
+                &body.frame(&dynamics.pose),
                 &velocity[range.clone()],
                 &acceleration[range],
                 &model.gravity,
@@ -180,7 +180,7 @@ impl MatrixPlan {
             let twist = &mut dynamics.twist_columns[range.clone()];
             chain::twist_by_pose(
                 body,
-                &dynamics.frames[b],
+                &body.frame(&dynamics.pose),
                 marker,
                 &velocity[body.velocity..],
                 twist,
@@ -195,7 +195,7 @@ impl MatrixPlan {
             scratch,
             block,
             columns,
-            frames,
+            pose,
             jacobians,
             jacobian_at,
             pose_columns,
@@ -316,7 +316,7 @@ impl MatrixPlan {
                             let block = &mut block[..width * width];
                             chain::force_by_pose(
                                 &model.bodies[b],
-                                &frames[b],
+                                &model.bodies[b].frame(pose),
                                 &model.markers[*marker],
                                 &wrenches[element.wrench + 6 * j..element.wrench + 6 * j + 6],
                                 block,

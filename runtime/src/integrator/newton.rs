@@ -277,11 +277,11 @@ impl Integrator {
         }
         self.correction.fill(0.0);
         let weight = c.weights(h).acceleration;
-        for (body, frame) in model.bodies.iter().zip(&dynamics.frames) {
+        for body in &model.bodies {
             let width = body.width();
             let mass = &mut self.mass_block[..width * width];
             mass.fill(0.0);
-            body.add_mass(frame, mass);
+            body.add_mass(&dynamics.frame(body), mass);
             for i in 0..width {
                 let product: f64 = (0..width)
                     .map(|j| mass[i * width + j] * self.estimate[body.velocity + j])

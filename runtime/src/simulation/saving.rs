@@ -65,10 +65,18 @@ impl Simulation {
         w.number(origin);
         counts.iter().for_each(|c| w.integer(*c));
         let e = self.energy;
-        w.numbers(&[e.kinetic, e.gravity, e.loads, e.constraints, e.start]);
-        w.numbers(&[self.powers.0, self.powers.1, self.cycle_start]);
-        let earlier = self.earlier_powers;
-        w.numbers(&[earlier.0, earlier.1, self.earlier_step]);
+        w.numbers(&[
+            e.kinetic,
+            e.gravity,
+            e.strain,
+            e.damping,
+            e.loads,
+            e.constraints,
+            e.start,
+        ]);
+        w.numbers(&self.powers);
+        w.numbers(&self.earlier_powers);
+        w.numbers(&[self.earlier_step, self.cycle_start]);
         w.integer(u64::from(self.cycle_now.is_some()));
         w.numbers(&self.cycle_now.unwrap_or_default());
         let advised: Vec<f64> = self
@@ -149,23 +157,23 @@ impl Simulation {
         let origin = r.number()?;
         let counts = [r.integer()?, r.integer()?, r.integer()?];
         simulation.grid = FixedGrid::from_parts(origin, counts);
-        let mut energy = [0.0; 5];
+        let mut energy = [0.0; 7];
         r.numbers(&mut energy)?;
-        let [kinetic, gravity, loads, constraints, start] = energy;
+        let [kinetic, gravity, strain, damping, loads, constraints, start] = energy;
         simulation.energy = Energy {
             kinetic,
             gravity,
+            strain,
+            damping,
             loads,
             constraints,
             start,
         };
-        let mut rest = [0.0; 3];
+        r.numbers(&mut simulation.powers)?;
+        r.numbers(&mut simulation.earlier_powers)?;
+        let mut rest = [0.0; 2];
         r.numbers(&mut rest)?;
-        simulation.powers = (rest[0], rest[1]);
-        simulation.cycle_start = rest[2];
-        r.numbers(&mut rest)?;
-        simulation.earlier_powers = (rest[0], rest[1]);
-        simulation.earlier_step = rest[2];
+        [simulation.earlier_step, simulation.cycle_start] = rest;
         let has_cycle = r.integer()? == 1;
         let mut cycle = [0.0; 2];
         r.numbers(&mut cycle)?;

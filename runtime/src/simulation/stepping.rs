@@ -102,12 +102,9 @@ impl Simulation {
         self.grid = FixedGrid::new(self.integrator.current.time);
         self.stand()?;
         self.observe_state()?;
-        let (kinetic, gravity) = self
-            .dynamics
-            .energy(&self.model, &self.integrator.current.velocity);
-        self.energy.kinetic = kinetic;
-        self.energy.gravity = gravity;
-        self.energy.start = kinetic + gravity;
+        self.take_energy();
+        let e = &mut self.energy;
+        e.start = e.kinetic + e.gravity + e.strain;
         self.cycle_start = self.cycle_now.map_or(0.0, |c| c[0]);
         Ok(())
     }
@@ -198,11 +195,24 @@ impl Simulation {
             return Err(error);
         }
         if self.options.energy {
-            self.powers = self
+            let (loads, constraints) = self
                 .dynamics
                 .powers(&self.model, &self.integrator.current.multipliers)?;
+            self.powers[0] = loads;
+            self.powers[1] = constraints;
         }
         Ok(())
+    }
+
+    /// Energies where the dynamics stand.
+    fn take_energy(&mut self) {
+        let [kinetic, gravity, strain, lost] = self
+            .dynamics
+            .energy(&self.model, &self.integrator.current.velocity);
+        self.energy.kinetic = kinetic;
+        self.energy.gravity = gravity;
+        self.energy.strain = strain;
+        self.powers[2] = lost;
     }
 
     /// One step.
@@ -227,14 +237,15 @@ impl Simulation {
         let old = self.powers;
         self.observe_state()
             .map_err(|error| self.at_moment(error))?;
-        let (kinetic, gravity) = self
-            .dynamics
-            .energy(&self.model, &self.integrator.current.velocity);
-        self.energy.kinetic = kinetic;
-        self.energy.gravity = gravity;
-        let earlier = (self.earlier_step, self.earlier_powers);
-        self.energy.loads += work_of_step(h, [earlier.1.0, old.0, self.powers.0], earlier.0);
-        self.energy.constraints += work_of_step(h, [earlier.1.1, old.1, self.powers.1], earlier.0);
+        self.take_energy();
+        let work = |i: usize| {
+            let powers = [self.earlier_powers[i], old[i], self.powers[i]];
+            work_of_step(h, powers, self.earlier_step)
+        };
+        let (loads, constraints, damping) = (work(0), work(1), work(2));
+        self.energy.loads += loads;
+        self.energy.constraints += constraints;
+        self.energy.damping += damping;
         self.earlier_step = h;
         self.earlier_powers = old;
         Ok(StepReport { time, step: h })

@@ -6,7 +6,8 @@ use eng_runtime::{Options, Simulation};
 use eng_system::code::Compiled;
 use eng_system::system::StepControl;
 
-fn check(compiled: &Compiled, step: f64, reach: f64) {
+/// At a state a few steps of 1 ms on, moved a little, the matrix of a step against differences.
+pub fn check(compiled: &Compiled, step: f64, reach: f64) {
     let options = Options {
         step: StepControl::Fixed(1e-3),
         ..Options::default()

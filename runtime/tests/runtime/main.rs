@@ -3,6 +3,7 @@
 #![allow(clippy::needless_range_loop)]
 
 mod assembly;
+mod flexible;
 mod jacobian;
 mod mechanisms;
 mod motion;

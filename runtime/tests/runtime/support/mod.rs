@@ -9,6 +9,7 @@ use dual::{Dual, Scalar};
 use eng_system::code::{BindCode, BindError, Bound, Compiled, ElementCode, Function, Pair};
 use eng_system::dimension::{Dimension, DisplayUnit};
 use eng_system::layout::InputLayout;
+use eng_system::reduced::ReducedBody;
 use eng_system::system::*;
 use eng_system::table::Table;
 use std::fmt::Debug;
@@ -323,6 +324,7 @@ pub const Z_ALONG_X: [f64; 9] = [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
 pub struct Builder {
     pub system: System,
+    pub reduced: Vec<Arc<ReducedBody>>,
     code: Vec<Arc<dyn ElementCode>>,
     slots: Vec<f64>,
 }
@@ -351,6 +353,7 @@ impl Builder {
                 cycle: None,
                 journals: vec![],
             },
+            reduced: vec![],
             code: vec![],
             slots: vec![],
         };
@@ -375,13 +378,40 @@ impl Builder {
         };
         self.system.bodies.push(Body {
             origin: origin(path),
-            mass,
-            center_of_mass,
-            inertia,
+            inertia: BodyInertia::Rigid {
+                mass,
+                center_of_mass,
+                inertia,
+            },
             position,
             orientation,
         });
         self.system.bodies.len() as u32 - 1
+    }
+    /// A flexible body with its markers, in the order of the reduction.
+    pub fn flexible(
+        &mut self,
+        path: &str,
+        reduced: ReducedBody,
+        place: ([f64; 3], [f64; 9]),
+        axes: &[[f64; 9]],
+    ) -> (u32, Vec<u32>) {
+        let (position, orientation) = (self.three(place.0), place.1.map(|v| self.slot(v)));
+        self.reduced.push(Arc::new(reduced));
+        self.system.bodies.push(Body {
+            origin: origin(path),
+            inertia: BodyInertia::Flexible(self.reduced.len() as u32 - 1),
+            position: Some(position),
+            orientation: Some(orientation),
+        });
+        let body = self.system.bodies.len() as u32 - 1;
+        let mut markers = Vec::new();
+        for (index, axes) in axes.iter().enumerate() {
+            let marker = self.marker(&format!("{path}.{index}"), Some(body), [0.0; 3], *axes);
+            self.system.markers[marker as usize].shape = Some(index as u32);
+            markers.push(marker);
+        }
+        (body, markers)
     }
     pub fn marker(
         &mut self,
@@ -397,6 +427,7 @@ impl Builder {
             body: body.map_or(BodyRef::Ground, BodyRef::Body),
             position,
             orientation,
+            shape: None,
             placed_at: None,
         });
         self.system.markers.len() as u32 - 1
@@ -448,7 +479,6 @@ impl Builder {
             constants,
             state_start,
             signals: vec![],
-            frames: vec![],
         });
         self.system.elements.len() as u32 - 1
     }
@@ -486,6 +516,7 @@ impl Builder {
             system: Arc::new(self.system),
             code: self.code,
             bind: Arc::new(Literal(self.slots)),
+            reduced: self.reduced,
         }
     }
 }

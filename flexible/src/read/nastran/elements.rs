@@ -1,0 +1,239 @@
+//! Solids and shells: cards, and their nodes in the order of the mesh.
+
+use super::card::Card;
+use super::grids::Lookup;
+use super::lines::At;
+use super::unread::UnreadCards;
+use crate::error::FileProblem;
+use crate::mesh::{ABSENT, Carries, ElementKind};
+
+/// What an element takes its property from. Properties of different families may share a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Family {
+    /// `PSOLID`.
+    Solid,
+    /// `PSHELL`.
+    Shell,
+    /// `PBAR`, `PBARL`, `PBEAM`, `PBEAML`.
+    Beam,
+    /// `PROD`, `PTUBE`.
+    Rod,
+}
+
+/// What an element has beside its nodes and property.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Extra {
+    /// Nothing.
+    None,
+    /// A shell with a thickness of its own.
+    Thickness(f64),
+    /// A beam or rod: index of its card.
+    Beam(u32),
+    /// A rod with its own section: index of its card and of its section.
+    Rod(u32, u32),
+}
+
+/// An element as the deck gives it.
+#[derive(Clone, Debug)]
+pub(super) struct ElementCard {
+    /// Number in the deck.
+    pub order: u64,
+    /// Identification number.
+    pub id: u64,
+    /// Shape.
+    pub kind: ElementKind,
+    /// Family of its property.
+    pub family: Family,
+    /// Number of its property.
+    pub property: u64,
+    /// Where its grid points start in the list of all.
+    pub first: usize,
+    /// Thickness, beam.
+    pub extra: Extra,
+    /// Place of the card.
+    pub at: At,
+}
+
+/// A solid by its name: shapes without and with mid-side nodes.
+pub(super) fn solid(name: &str) -> Option<(ElementKind, ElementKind)> {
+    Some(match name {
+        "CTETRA" => (ElementKind::Tetrahedron4, ElementKind::Tetrahedron10),
+        "CHEXA" => (ElementKind::Hexahedron8, ElementKind::Hexahedron20),
+        "CPENTA" => (ElementKind::Wedge6, ElementKind::Wedge15),
+        "CPYRAM" | "CPYRA" => (ElementKind::Pyramid5, ElementKind::Pyramid13),
+        _ => return None,
+    })
+}
+
+/// A shell by its name: shapes without and with mid-side nodes.
+pub(super) fn shell(name: &str) -> Option<(ElementKind, ElementKind)> {
+    Some(match name {
+        "CTRIA3" | "CTRIAR" => (ElementKind::Triangle3, ElementKind::Triangle3),
+        "CTRIA6" => (ElementKind::Triangle3, ElementKind::Triangle6),
+        "CQUAD4" | "CQUADR" => (ElementKind::Quadrilateral4, ElementKind::Quadrilateral4),
+        "CQUAD8" => (ElementKind::Quadrilateral4, ElementKind::Quadrilateral8),
+        _ => return None,
+    })
+}
+
+/// Solids and shells in the order of the deck.
+#[derive(Debug, Default)]
+pub(super) struct Elements {
+    /// The cards.
+    pub cards: Vec<ElementCard>,
+    /// Their grid points, zero where one is absent, in the order of the mesh.
+    pub grids: Vec<u64>,
+}
+
+impl Elements {
+    /// Reads a solid: `EID PID G1…`. Mid-side nodes may be blank, each or all.
+    pub fn solid(
+        &mut self,
+        card: &Card,
+        (linear, quadratic): (ElementKind, ElementKind),
+    ) -> Result<(), FileProblem> {
+        let (id, property) = (card.id(0, "EID")?, card.id(1, "PID")?);
+        let (kind, mut grids) = grid_fields(card, linear, quadratic)?;
+        // Nastran gives the vertical edges before those of the top
+        match kind {
+            ElementKind::Hexahedron20 => swap_groups(&mut grids, 12, 4),
+            ElementKind::Wedge15 => swap_groups(&mut grids, 9, 3),
+            _ => {}
+        }
+        self.push(card, id, kind, Family::Solid, property, &grids, Extra::None);
+        Ok(())
+    }
+
+    /// Reads a shell: `EID PID G1…`, then angle, offset and corner thicknesses, whose places depend on the card.
+    pub fn shell(
+        &mut self,
+        card: &Card,
+        (linear, quadratic): (ElementKind, ElementKind),
+        unread: &mut UnreadCards,
+    ) -> Result<(), FileProblem> {
+        let id = card.id(0, "EID")?;
+        let property = card
+            .optional_id(1, "PID")?
+            .filter(|id| *id > 0)
+            .unwrap_or(id);
+        let (kind, grids) = grid_fields(card, linear, quadratic)?;
+        let (offset, flag, thickness) = match card.name.as_str() {
+            "CTRIA6" => (9, 13, 10..13),
+            "CQUAD8" => (15, 16, 10..14),
+            "CQUAD4" | "CQUADR" => (7, 9, 10..14),
+            _ => (6, 9, 10..13),
+        };
+        if card.optional_real(offset, "ZOFFS")?.unwrap_or(0.0) != 0.0 {
+            unread.note(
+                &format!("{} offset", card.name),
+                &card.at,
+                Carries::Structure,
+            );
+        }
+        let count = thickness.len();
+        let mut own = Vec::new();
+        for i in thickness {
+            own.extend(card.optional_real(i, "T")?);
+        }
+        let extra = match own.as_slice() {
+            [] => Extra::None,
+            _ if card.text(flag) == "1" => {
+                // thicknesses relative to the property's
+                if own.iter().any(|t| *t != 1.0) {
+                    let name = format!("{} relative thickness", card.name);
+                    unread.note(&name, &card.at, Carries::Structure);
+                }
+                Extra::None
+            }
+            [first, others @ ..] => {
+                if own.len() < count || others.iter().any(|t| t != first) {
+                    let name = format!("{} varying thickness", card.name);
+                    unread.note(&name, &card.at, Carries::Structure);
+                }
+                Extra::Thickness(own.iter().sum::<f64>() / own.len() as f64)
+            }
+        };
+        self.push(card, id, kind, Family::Shell, property, &grids, extra);
+        Ok(())
+    }
+
+    /// Adds an element.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "the fields of an element, each once"
+    )]
+    pub fn push(
+        &mut self,
+        card: &Card,
+        id: u64,
+        kind: ElementKind,
+        family: Family,
+        property: u64,
+        grids: &[u64],
+        extra: Extra,
+    ) {
+        let first = self.grids.len();
+        self.grids.extend_from_slice(grids);
+        self.cards.push(ElementCard {
+            order: card.order,
+            id,
+            kind,
+            family,
+            property,
+            first,
+            extra,
+            at: card.at.clone(),
+        });
+    }
+
+    /// Node indices of an element; [`ABSENT`] where a mid-side node is blank.
+    pub fn nodes(
+        &self,
+        element: &ElementCard,
+        lookup: &Lookup,
+        into: &mut Vec<u32>,
+    ) -> Result<(), FileProblem> {
+        let grids = self
+            .grids
+            .get(element.first..element.first + element.kind.node_count())
+            .unwrap_or(&[]);
+        for &grid in grids {
+            into.push(if grid == 0 {
+                ABSENT
+            } else {
+                lookup.require(grid, &|| format!("element {}", element.id), &element.at)?
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Grid points from field 2: corners must be there, mid-side nodes may be blank or zero.
+fn grid_fields(
+    card: &Card,
+    linear: ElementKind,
+    quadratic: ElementKind,
+) -> Result<(ElementKind, Vec<u64>), FileProblem> {
+    let corners = linear.node_count();
+    let mut grids = Vec::with_capacity(quadratic.node_count());
+    for i in 0..quadratic.node_count() {
+        let name = format!("G{}", i + 1);
+        grids.push(if i < corners {
+            card.id(2 + i, &name)?
+        } else {
+            card.optional_id(2 + i, &name)?.unwrap_or(0)
+        });
+    }
+    if grids.iter().skip(corners).all(|grid| *grid == 0) {
+        grids.truncate(corners);
+        return Ok((linear, grids));
+    }
+    Ok((quadratic, grids))
+}
+
+/// Swaps two neighbouring groups of `count` from `first`.
+fn swap_groups(grids: &mut [u64], first: usize, count: usize) {
+    if let Some(groups) = grids.get_mut(first..first + 2 * count) {
+        groups.rotate_left(count);
+    }
+}

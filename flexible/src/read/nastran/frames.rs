@@ -1,0 +1,346 @@
+//! Coordinate systems: rectangular, cylindrical and spherical, by points in another system or by three grid points, chained in any
+//! order.
+
+use std::collections::BTreeMap;
+
+use super::card::Card;
+use super::grids::{GridCard, Lookup};
+use super::lines::At;
+use super::vector::{
+    IDENTITY, Rotation, cross, from_axes, minus, norm, plus, product, rotate, unit,
+};
+use crate::error::FileProblem;
+
+/// Kind of coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shape {
+    /// x, y, z.
+    Rectangular,
+    /// r, θ in degrees, z.
+    Cylindrical,
+    /// r, θ from +z, φ in degrees.
+    Spherical,
+}
+
+/// Origin, a point on the z axis, a point in the x–z plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Points {
+    /// In another system.
+    In(u64, [[f64; 3]; 3]),
+    /// Grid points.
+    Grids([u64; 3]),
+}
+
+/// A `CORDxx` card.
+#[derive(Clone, Debug)]
+pub(super) struct SystemCard {
+    id: u64,
+    shape: Shape,
+    points: Points,
+    at: At,
+}
+
+/// Reads `CORD2R`, `CORD2C`, `CORD2S`.
+pub(super) fn read_by_points(card: &Card, shape: Shape) -> Result<SystemCard, FileProblem> {
+    let reference = card.optional_id(1, "RID")?.unwrap_or(0);
+    let points = [
+        card.vector(2, "A")?,
+        card.vector(5, "B")?,
+        card.vector(8, "C")?,
+    ];
+    if card.len() < 9 {
+        // a blank C may stand for the origin, but far more often its line was lost
+        card.real(8, "C1")?;
+    }
+    Ok(SystemCard {
+        id: card.id(0, "CID")?,
+        shape,
+        points: Points::In(reference, points),
+        at: card.at.clone(),
+    })
+}
+
+/// Reads `CORD1R`, `CORD1C`, `CORD1S`: one or two systems a card.
+pub(super) fn read_by_grids(card: &Card, shape: Shape) -> Result<Vec<SystemCard>, FileProblem> {
+    let one = |i: usize| {
+        Ok(SystemCard {
+            id: card.id(i, "CID")?,
+            shape,
+            points: Points::Grids([
+                card.id(i + 1, "G1")?,
+                card.id(i + 2, "G2")?,
+                card.id(i + 3, "G3")?,
+            ]),
+            at: card.at.clone(),
+        })
+    };
+    let mut systems = vec![one(0)?];
+    if !card.is_blank(4) {
+        systems.push(one(4)?);
+    }
+    Ok(systems)
+}
+
+/// A coordinate system placed in the basic one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct System {
+    shape: Shape,
+    origin: [f64; 3],
+    rotation: Rotation,
+}
+
+const BASIC: System = System {
+    shape: Shape::Rectangular,
+    origin: [0.0; 3],
+    rotation: IDENTITY,
+};
+
+impl System {
+    /// The place in the basic frame of a point given in this system's coordinates (angles in degrees).
+    fn place(&self, x: [f64; 3]) -> [f64; 3] {
+        let radians = std::f64::consts::PI / 180.0;
+        let local = match self.shape {
+            Shape::Rectangular => x,
+            Shape::Cylindrical => {
+                let angle = x[1] * radians;
+                [x[0] * libm::cos(angle), x[0] * libm::sin(angle), x[2]]
+            }
+            Shape::Spherical => {
+                let (polar, azimuth) = (x[1] * radians, x[2] * radians);
+                let r = x[0] * libm::sin(polar);
+                [
+                    r * libm::cos(azimuth),
+                    r * libm::sin(azimuth),
+                    x[0] * libm::cos(polar),
+                ]
+            }
+        };
+        plus(self.origin, rotate(&self.rotation, local))
+    }
+
+    /// The axes at a place of the basic frame. On the axis of a curvilinear system the angle counts as zero.
+    fn axes_at(&self, position: [f64; 3]) -> Rotation {
+        if self.shape == Shape::Rectangular {
+            return self.rotation;
+        }
+        let d = minus(position, self.origin);
+        let [x, y, z] = [0, 1, 2].map(|j: usize| {
+            self.rotation
+                .iter()
+                .zip(d)
+                .map(|(row, d)| row.get(j).copied().unwrap_or(0.0) * d)
+                .sum::<f64>()
+        });
+        let across = libm::hypot(x, y);
+        // rounding of a place on the axis must not turn its frame
+        let (cos, sin) = if across > 1e-12 * norm(d).max(norm(self.origin)) {
+            (x / across, y / across)
+        } else {
+            (1.0, 0.0)
+        };
+        let local = match self.shape {
+            Shape::Spherical => {
+                let r = libm::hypot(across, z);
+                let (s, c) = if r > 0.0 {
+                    (across / r, z / r)
+                } else {
+                    (0.0, 1.0)
+                };
+                from_axes(
+                    [s * cos, s * sin, c],
+                    [c * cos, c * sin, -s],
+                    [-sin, cos, 0.0],
+                )
+            }
+            _ => from_axes([cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]),
+        };
+        product(&self.rotation, &local)
+    }
+}
+
+/// All coordinate systems of a deck.
+#[derive(Debug, Default)]
+pub(super) struct Systems {
+    placed: BTreeMap<u64, System>,
+}
+
+impl Systems {
+    /// Places all systems that grid points or cards may use. The grid points' own `CP` is what chains `CORD1x`.
+    pub fn place_all(
+        cards: &[SystemCard],
+        grids: &[GridCard],
+        lookup: &Lookup,
+    ) -> Result<Self, FileProblem> {
+        let mut by_id: BTreeMap<u64, &SystemCard> = BTreeMap::new();
+        for card in cards {
+            if let Some(first) = by_id.insert(card.id, card)
+                && (first.points != card.points || first.shape != card.shape)
+            {
+                return Err(card.at.problem(
+                    format!(
+                        "coordinate system {} is there twice; the first is in {}, line {}",
+                        card.id, first.at.file, first.at.line
+                    ),
+                    "remove one of them",
+                ));
+            }
+        }
+        let mut systems = Systems::default();
+        for card in cards {
+            systems.place_one(card, &by_id, grids, lookup)?;
+        }
+        Ok(systems)
+    }
+
+    /// Places a system and, before it, those on which it stands.
+    fn place_one(
+        &mut self,
+        card: &SystemCard,
+        by_id: &BTreeMap<u64, &SystemCard>,
+        grids: &[GridCard],
+        lookup: &Lookup,
+    ) -> Result<(), FileProblem> {
+        let mut stack = vec![card];
+        while let Some(&card) = stack.last() {
+            if self.placed.contains_key(&card.id) {
+                stack.pop();
+                continue;
+            }
+            let needed = match card.points {
+                Points::In(reference, _) => vec![reference],
+                Points::Grids(ids) => ids
+                    .iter()
+                    .map(|id| Ok(grid(*id, card, grids, lookup)?.placement.unwrap_or(0)))
+                    .collect::<Result<Vec<_>, FileProblem>>()?,
+            };
+            let missing = needed
+                .iter()
+                .find(|id| **id != 0 && !self.placed.contains_key(id));
+            if let Some(id) = missing {
+                let Some(next) = by_id.get(id) else {
+                    return Err(unknown_system(
+                        *id,
+                        &format!("coordinate system {}", card.id),
+                        &card.at,
+                    ));
+                };
+                if stack.iter().any(|open| open.id == *id) {
+                    let circle = stack
+                        .iter()
+                        .skip_while(|open| open.id != *id)
+                        .map(|open| open.id.to_string())
+                        .chain([id.to_string()])
+                        .collect::<Vec<_>>()
+                        .join(" → ");
+                    return Err(card.at.problem(
+                        format!("coordinate systems stand on each other in a circle: {circle}"),
+                        "give one of them in the basic system",
+                    ));
+                }
+                stack.push(next);
+                continue;
+            }
+            let [a, b, c] = match card.points {
+                Points::In(reference, points) => {
+                    let system = self.find(reference).unwrap_or(BASIC);
+                    points.map(|point| system.place(point))
+                }
+                Points::Grids(ids) => {
+                    let mut places = [[0.0; 3]; 3];
+                    for (place, id) in places.iter_mut().zip(ids) {
+                        let grid = grid(id, card, grids, lookup)?;
+                        let system = self.find(grid.placement.unwrap_or(0)).unwrap_or(BASIC);
+                        *place = system.place(grid.coordinates);
+                    }
+                    places
+                }
+            };
+            let axes = unit(minus(b, a)).and_then(|z| {
+                let in_plane = minus(c, a);
+                let y = cross(z, in_plane);
+                if norm(y) <= 1e-10 * norm(in_plane) {
+                    return None;
+                }
+                let y = unit(y)?;
+                Some(from_axes(cross(y, z), y, z))
+            });
+            let Some(rotation) = axes else {
+                return Err(card.at.problem(
+                    format!(
+                        "coordinate system {}: its three points coincide or stand in line",
+                        card.id
+                    ),
+                    "origin, point on the z axis and point in the x-z plane must make a triangle",
+                ));
+            };
+            self.placed.insert(
+                card.id,
+                System {
+                    shape: card.shape,
+                    origin: a,
+                    rotation,
+                },
+            );
+            stack.pop();
+        }
+        Ok(())
+    }
+
+    fn find(&self, id: u64) -> Option<System> {
+        if id == 0 {
+            return Some(BASIC);
+        }
+        self.placed.get(&id).copied()
+    }
+
+    /// The place in the basic frame of coordinates in a system.
+    pub fn place(
+        &self,
+        id: u64,
+        x: [f64; 3],
+        user: &dyn Fn() -> String,
+        at: &At,
+    ) -> Result<[f64; 3], FileProblem> {
+        self.find(id)
+            .map(|system| system.place(x))
+            .ok_or_else(|| unknown_system(id, &user(), at))
+    }
+
+    /// The axes of a system at a place of the basic frame.
+    pub fn axes_at(
+        &self,
+        id: u64,
+        position: [f64; 3],
+        user: &dyn Fn() -> String,
+        at: &At,
+    ) -> Result<Rotation, FileProblem> {
+        self.find(id)
+            .map(|system| system.axes_at(position))
+            .ok_or_else(|| unknown_system(id, &user(), at))
+    }
+
+    /// Whether a system has the same axes everywhere.
+    pub fn is_rectangular(&self, id: u64) -> bool {
+        self.find(id)
+            .is_none_or(|system| system.shape == Shape::Rectangular)
+    }
+}
+
+fn grid<'g>(
+    id: u64,
+    card: &SystemCard,
+    grids: &'g [GridCard],
+    lookup: &Lookup,
+) -> Result<&'g GridCard, FileProblem> {
+    lookup
+        .find(id)
+        .and_then(|index| grids.get(index as usize))
+        .ok_or_else(|| lookup.missing(id, &format!("coordinate system {}", card.id), &card.at))
+}
+
+fn unknown_system(id: u64, user: &str, at: &At) -> FileProblem {
+    at.problem(
+        format!("{user} uses coordinate system {id}, which is missing"),
+        "add its CORD card, or INCLUDE the file that holds it",
+    )
+}

@@ -1,0 +1,291 @@
+//! Nastran bulk data (`.bdf`, `.dat`, `.nas`): grid points, elements, properties, masses, ties, supports and sets become a [`Mesh`].
+//!
+//! Free, small and large field are read, mixed as they may be; continuations next to their card or anywhere by name; `INCLUDE`.
+//! Executive and case control are passed over but for `SPC =` and `MPC =`: without such a selection all sets hold. Sets of the mesh are
+//! called `set:3` (`SET1`, `SET3`) and `pid:3` (what has property 3). `PARAM,WTMASS` multiplies densities and masses here; the rule by
+//! which masses are lumped (`PARAM,COUPMASS`) is none of the mesh's business, and listed.
+//!
+//! ```text
+//! lines ─▶ sections ─▶ continuation ─▶ card ─▶ grids, elements, … (cards) ─▶ mesh
+//! ```
+//!
+//! Nothing can refer to anything before the whole deck is read, so that cards are kept in short form and made a mesh at its end.
+
+mod beams;
+mod card;
+mod continuation;
+mod elements;
+mod frames;
+mod grids;
+mod lines;
+mod masses;
+mod number;
+mod properties;
+mod rigid;
+mod sections;
+mod sets;
+mod shapes;
+mod supports;
+mod ties;
+mod unread;
+mod vector;
+
+use crate::error::{FileProblem, FlexibleError};
+use crate::mesh::{Carries, Element, Mesh};
+use crate::read::Files;
+use beams::{Around, BeamDefaults, Beams};
+use card::{Card, IdRange};
+use elements::{Elements, Extra};
+use frames::{Shape, SystemCard, Systems};
+use grids::{GridCard, GridDefaults, Lookup};
+use lines::whole;
+use masses::{Masses, distinct};
+use properties::{Made, Properties};
+use sections::{CaseControl, read_cards};
+use sets::Sets;
+use supports::Supports;
+use ties::Ties;
+use unread::UnreadCards;
+
+/// Reads a deck of bulk data with all it includes. Units stay those of the file.
+///
+/// # Errors
+/// With file, line and card: a file that can't be read or isn't a deck, a number that is none, a lost continuation, a missing or
+/// doubled grid point, element, property, material or coordinate system, a circle among them, a card that can't be expressed.
+pub fn read_bulk(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
+    let mut deck = Deck {
+        mass_scale: 1.0,
+        ..Deck::default()
+    };
+    let case = read_cards(files, name, |card| deck.take(&card))?;
+    Ok(deck.mesh(name, &case)?)
+}
+
+/// The cards of a deck in short form.
+#[derive(Default)]
+struct Deck {
+    grids: Vec<GridCard>,
+    grid_defaults: GridDefaults,
+    scalar: Vec<IdRange>,
+    systems: Vec<SystemCard>,
+    elements: Elements,
+    beams: Beams,
+    bar_defaults: Option<BeamDefaults>,
+    beam_defaults: Option<BeamDefaults>,
+    waiting_beams: Vec<Card>,
+    properties: Properties,
+    masses: Masses,
+    ties: Ties,
+    supports: Supports,
+    sets: Sets,
+    mass_scale: f64,
+    unread: UnreadCards,
+}
+
+impl Deck {
+    /// Keeps a card, or counts it. A card that lacks a continuation is refused, unless it isn't read at all.
+    fn take(&mut self, card: &Card) -> Result<(), FileProblem> {
+        let read = self.read(card);
+        if let (Some(problem), Err(_) | Ok(true)) = (card.lost_problem(), &read) {
+            return Err(problem);
+        }
+        if !read? {
+            self.unread.card(&card.name, &card.at);
+        }
+        Ok(())
+    }
+
+    /// Keeps a card; `false` where it isn't one that is read.
+    fn read(&mut self, card: &Card) -> Result<bool, FileProblem> {
+        let name = card.name.as_str();
+        if let Some(kinds) = elements::solid(name) {
+            self.elements.solid(card, kinds)?;
+            return Ok(true);
+        }
+        if let Some(kinds) = elements::shell(name) {
+            self.elements.shell(card, kinds, &mut self.unread)?;
+            return Ok(true);
+        }
+        match name {
+            "GRID" => self.grids.push(GridCard::read(card)?),
+            "GRDSET" => self.grid_defaults = GridDefaults::read(card)?,
+            "SPOINT" | "EPOINT" => self.scalar.extend(card.ids(0, card.len(), "ID")?.ranges),
+            "CORD2R" => self.by_points(card, Shape::Rectangular)?,
+            "CORD2C" => self.by_points(card, Shape::Cylindrical)?,
+            "CORD2S" => self.by_points(card, Shape::Spherical)?,
+            "CORD1R" => self.by_grids(card, Shape::Rectangular)?,
+            "CORD1C" => self.by_grids(card, Shape::Cylindrical)?,
+            "CORD1S" => self.by_grids(card, Shape::Spherical)?,
+            // their defaults may follow them
+            "CBAR" | "CBEAM" => self.waiting_beams.push(card.clone()),
+            "BAROR" => self.bar_defaults = Some(BeamDefaults::read(card)?),
+            "BEAMOR" => self.beam_defaults = Some(BeamDefaults::read(card)?),
+            "CROD" | "CTUBE" => self.beams.rod(card, &mut self.elements)?,
+            "CONROD" => self.beams.conrod(card, &mut self.elements)?,
+            "PARAM" => self.parameter(card)?,
+            _ => {
+                return Ok(self.properties.read(card, &mut self.unread)?
+                    || self.masses.read(card, &mut self.unread)?
+                    || self.supports.read(card, &mut self.unread)?
+                    || self.ties.read(card)?
+                    || self.sets.read(card)?);
+            }
+        }
+        Ok(true)
+    }
+
+    fn by_points(&mut self, card: &Card, shape: Shape) -> Result<(), FileProblem> {
+        self.systems.push(frames::read_by_points(card, shape)?);
+        Ok(())
+    }
+
+    fn by_grids(&mut self, card: &Card, shape: Shape) -> Result<(), FileProblem> {
+        self.systems.extend(frames::read_by_grids(card, shape)?);
+        Ok(())
+    }
+
+    fn parameter(&mut self, card: &Card) -> Result<(), FileProblem> {
+        match card.text(0) {
+            "WTMASS" => {
+                let scale = card.real(1, "value")?;
+                if scale <= 0.0 {
+                    return Err(card.problem(
+                        &format!("masses can't be multiplied by {scale}"),
+                        "WTMASS is 1/g in the units of the deck where densities are weights",
+                    ));
+                }
+                self.mass_scale = scale;
+            }
+            "COUPMASS" => self
+                .unread
+                .note("PARAM COUPMASS", &card.at, Carries::Nothing),
+            _ => self.unread.card("PARAM", &card.at),
+        }
+        Ok(())
+    }
+
+    fn mesh(mut self, name: &str, case: &CaseControl) -> Result<Mesh, FileProblem> {
+        for card in std::mem::take(&mut self.waiting_beams) {
+            let defaults = if card.name == "CBAR" {
+                self.bar_defaults.as_ref()
+            } else {
+                self.beam_defaults.as_ref()
+            };
+            self.beams
+                .beam(&card, defaults, &mut self.elements, &mut self.unread)?;
+        }
+        let mut grids = std::mem::take(&mut self.grids);
+        if grids.is_empty() {
+            return Err(whole(
+                name,
+                "the deck has no grid point",
+                "give a Nastran bulk data deck with GRID cards, or one that INCLUDEs them",
+            ));
+        }
+        for grid in &mut grids {
+            grid.complete(&self.grid_defaults);
+        }
+        grids.sort_by_key(|grid| grid.order);
+        let lookup = Lookup::new(&mut grids, std::mem::take(&mut self.scalar))?;
+        let systems = Systems::place_all(&self.systems, &grids, &lookup)?;
+        let (nodes, frames) = grids::nodes(&grids, &systems)?;
+        let mut mesh = Mesh {
+            nodes,
+            frames,
+            ..Mesh::default()
+        };
+        self.elements.cards.sort_by_key(|element| element.order);
+        let elements = self.elements(&mut mesh, &grids, &systems, &lookup)?;
+        mesh.sets = self
+            .sets
+            .sets(&lookup, &elements, &mesh.connectivity, &mut self.unread);
+        mesh.elements = elements.into_iter().map(|(_, element)| element).collect();
+        mesh.point_masses = self.masses.point_masses(
+            &mesh.nodes,
+            &mesh.frames,
+            &systems,
+            &lookup,
+            self.mass_scale,
+        )?;
+        mesh.springs = self.masses.springs(&lookup, &mut self.unread)?;
+        let equations = self.supports.equations(case.mpc.as_ref())?;
+        let selected = |set: u64| equations.as_ref().is_none_or(|sets| sets.contains(&set));
+        mesh.ties = self.ties.ties(
+            &lookup,
+            (&mesh.nodes, &mesh.frames),
+            &selected,
+            &mut self.unread,
+        )?;
+        mesh.supports =
+            self.supports
+                .supports(&grids, &lookup, case.spc.as_ref(), &mut self.unread)?;
+        mesh.interface = self.supports.interface(&lookup)?;
+        mesh.unread = self.unread.into_list();
+        Ok(mesh)
+    }
+
+    /// Elements with the number of their property.
+    fn elements(
+        &self,
+        mesh: &mut Mesh,
+        grids: &[GridCard],
+        systems: &Systems,
+        lookup: &Lookup,
+    ) -> Result<Vec<(u64, Element)>, FileProblem> {
+        let cards = &self.elements.cards;
+        distinct("element", cards.iter().map(|card| (card.id, &card.at)))?;
+        let mut made = Made::new(&self.properties, self.mass_scale);
+        let mut elements = Vec::with_capacity(cards.len());
+        mesh.connectivity.reserve(self.elements.grids.len());
+        for card in cards {
+            let first = mesh.connectivity.len();
+            self.elements.nodes(card, lookup, &mut mesh.connectivity)?;
+            let (thickness, beam) = match card.extra {
+                Extra::None => (None, None),
+                Extra::Thickness(thickness) => (Some(thickness), None),
+                Extra::Beam(beam) | Extra::Rod(beam, _) => (None, Some(beam)),
+            };
+            let property = match card.extra {
+                Extra::Rod(_, section) => match self.beams.sections.get(section as usize) {
+                    Some(section) => made.own(
+                        section,
+                        format!("conrod:{}", card.id),
+                        None,
+                        card.id,
+                        &card.at,
+                    )?,
+                    None => continue,
+                },
+                _ => made.property(card.family, card.property, thickness, card.id, &card.at)?,
+            };
+            let ends = mesh.connectivity.get(first..first + 2);
+            let beam = match (beam.and_then(|i| self.beams.cards.get(i as usize)), ends) {
+                (Some(beam), Some(&[a, b])) => {
+                    let around = Around {
+                        nodes: &mesh.nodes,
+                        grids,
+                        systems,
+                        lookup,
+                    };
+                    mesh.beam_axes
+                        .push(beams::axes(beam, card.id, [a, b], &around, &card.at)?);
+                    Some((mesh.beam_axes.len() - 1) as u32) // never more than elements
+                }
+                _ => None,
+            };
+            let first = u32::try_from(first)
+                .map_err(|_| card.at.problem("too many elements", "divide the model"))?;
+            let element = Element {
+                id: card.id,
+                kind: card.kind,
+                property,
+                first,
+                beam,
+            };
+            elements.push((card.property, element));
+        }
+        mesh.properties = made.properties;
+        mesh.materials = made.materials;
+        Ok(elements)
+    }
+}

@@ -1,0 +1,585 @@
+//! Properties and materials: `PSOLID`, `PSHELL`, `PBAR`, `PBARL`, `PBEAM`, `PBEAML`, `PROD`, `PTUBE`, `MAT1`.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+use super::card::Card;
+use super::elements::Family;
+use super::lines::At;
+use super::shapes;
+use super::unread::UnreadCards;
+use crate::error::FileProblem;
+use crate::mesh::{Carries, Material, Property, Section};
+
+/// Section of a beam or rod as its card gives it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct LineSection {
+    area: f64,
+    moment_z: f64,
+    moment_y: f64,
+    product: f64,
+    torsion: f64,
+    shear: [f64; 2],
+    mass_per_length: f64,
+}
+
+impl LineSection {
+    /// A rod: nothing but area, torsion constant and added mass a length.
+    pub fn rod(area: f64, torsion: f64, mass_per_length: f64) -> Self {
+        LineSection {
+            area,
+            torsion,
+            mass_per_length,
+            ..LineSection::default()
+        }
+    }
+
+    fn shaped(shape: shapes::ShapeSection, mass_per_length: f64) -> Self {
+        LineSection {
+            area: shape.area,
+            moment_z: shape.moment_z,
+            moment_y: shape.moment_y,
+            product: shape.product,
+            torsion: shape.torsion,
+            shear: shape.shear,
+            mass_per_length,
+        }
+    }
+
+    /// The mean of two sections.
+    fn mean(self, other: Self) -> Self {
+        let mean = |a: f64, b: f64| 0.5 * (a + b);
+        LineSection {
+            area: mean(self.area, other.area),
+            moment_z: mean(self.moment_z, other.moment_z),
+            moment_y: mean(self.moment_y, other.moment_y),
+            product: mean(self.product, other.product),
+            torsion: mean(self.torsion, other.torsion),
+            shear: self.shear,
+            mass_per_length: mean(self.mass_per_length, other.mass_per_length),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Solid,
+    Shell {
+        thickness: Option<f64>,
+        mass: f64,
+    },
+    Line(LineSection),
+    /// A property that can't be expressed.
+    Unreadable,
+}
+
+/// A property card.
+#[derive(Clone, Debug)]
+pub(super) struct PropertyCard {
+    /// `PSOLID 3`.
+    name: String,
+    material: Option<u64>,
+    kind: Kind,
+    at: At,
+}
+
+impl PropertyCard {
+    /// A property of a rod with its own section.
+    pub fn line(name: String, material: u64, section: LineSection, at: &At) -> Self {
+        PropertyCard {
+            name,
+            material: Some(material),
+            kind: Kind::Line(section),
+            at: at.clone(),
+        }
+    }
+}
+
+/// A `MAT1` card, or another material that can't be expressed.
+#[derive(Clone, Debug)]
+struct MaterialCard {
+    /// Young's modulus, Poisson's ratio, density.
+    constants: Option<[f64; 3]>,
+    name: String,
+    at: At,
+}
+
+/// Property and material cards of a deck.
+#[derive(Debug, Default)]
+pub(super) struct Properties {
+    properties: BTreeMap<(Family, u64), PropertyCard>,
+    materials: BTreeMap<u64, MaterialCard>,
+}
+
+impl Properties {
+    fn insert(
+        &mut self,
+        card: &Card,
+        family: Family,
+        material: Option<u64>,
+        kind: Kind,
+    ) -> Result<(), FileProblem> {
+        let id = card.id(0, "PID")?;
+        let property = PropertyCard {
+            name: format!("{} {id}", card.name),
+            material,
+            kind,
+            at: card.at.clone(),
+        };
+        match self.properties.insert((family, id), property) {
+            Some(first) => Err(card.at.problem(
+                format!(
+                    "{} {id}: this property is there twice; the first is {} in {}, line {}",
+                    card.name, first.name, first.at.file, first.at.line
+                ),
+                "renumber or remove one of them",
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// Reads a property or material card; `false` where it is none of those known.
+    pub fn read(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<bool, FileProblem> {
+        match card.name.as_str() {
+            "PSOLID" => self.solid(card)?,
+            "PSHELL" => self.shell(card, unread)?,
+            "PBAR" => self.bar(card)?,
+            "PBARL" => self.bar_shape(card)?,
+            "PBEAM" => self.beam(card, unread)?,
+            "PBEAML" => self.beam_shape(card, unread)?,
+            "PROD" => {
+                let section = LineSection::rod(
+                    card.real_or_zero(2, "A")?,
+                    card.real_or_zero(3, "J")?,
+                    card.real_or_zero(5, "NSM")?,
+                );
+                let material = card.id(1, "MID")?;
+                self.insert(card, Family::Rod, Some(material), Kind::Line(section))?;
+            }
+            "PTUBE" => self.tube(card)?,
+            "MAT1" => self.isotropic(card, unread)?,
+            // these are not lost as long as nothing uses them
+            "PLSOLID" | "PCOMPS" => {
+                self.insert(card, Family::Solid, None, Kind::Unreadable)?;
+            }
+            "PBRSECT" | "PBMSECT" | "PBCOMP" => {
+                self.insert(card, Family::Beam, None, Kind::Unreadable)?;
+            }
+            "PCOMP" | "PCOMPG" => {
+                unread.card(&card.name, &card.at);
+                self.insert(
+                    card,
+                    Family::Shell,
+                    None,
+                    Kind::Shell {
+                        thickness: Some(0.0),
+                        mass: 0.0,
+                    },
+                )?;
+            }
+            "MAT2" | "MAT3" | "MAT8" | "MAT9" | "MAT10" | "MAT11" | "MATHE" | "MATORT" => {
+                self.material(card, None)?;
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// `PSOLID PID MID CORDM IN STRESS ISOP FCTN`.
+    fn solid(&mut self, card: &Card) -> Result<(), FileProblem> {
+        let kind = match card.text(6) {
+            "PFLUID" | "FFLUID" => Kind::Unreadable,
+            _ => Kind::Solid,
+        };
+        let material = card.id(1, "MID")?;
+        self.insert(card, Family::Solid, Some(material), kind)
+    }
+
+    /// `PSHELL PID MID1 T MID2 12I/T³ MID3 TS/T NSM / Z1 Z2 MID4`. Without any material it is a facet.
+    fn shell(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
+        let membrane = card.optional_id(1, "MID1")?.filter(|id| *id > 0);
+        // plane strain
+        let bending = match card.text(3) {
+            "-1" => None,
+            _ => card.optional_id(3, "MID2")?.filter(|id| *id > 0),
+        };
+        let shear = card.optional_id(5, "MID3")?.filter(|id| *id > 0);
+        let factor = card.optional_real(4, "12I/T**3")?.unwrap_or(1.0);
+        let material = membrane.or(bending);
+        let plain = factor == 1.0
+            && card.is_blank(10)
+            && (shear.is_none() || shear == material)
+            && membrane == bending;
+        if !plain && material.is_some() {
+            unread.note(
+                "PSHELL of other than one material and section",
+                &card.at,
+                Carries::Structure,
+            );
+        }
+        let kind = Kind::Shell {
+            thickness: card.optional_real(2, "T")?,
+            mass: card.real_or_zero(7, "NSM")?,
+        };
+        self.insert(card, Family::Shell, material, kind)
+    }
+
+    /// `PBAR PID MID A I1 I2 J NSM / C1…F2 / K1 K2 I12`. Blank shear factors: no shear flexibility.
+    fn bar(&mut self, card: &Card) -> Result<(), FileProblem> {
+        let section = LineSection {
+            area: card.real_or_zero(2, "A")?,
+            moment_z: card.real_or_zero(3, "I1")?,
+            moment_y: card.real_or_zero(4, "I2")?,
+            torsion: card.real_or_zero(5, "J")?,
+            mass_per_length: card.real_or_zero(6, "NSM")?,
+            shear: [card.real_or_zero(16, "K1")?, card.real_or_zero(17, "K2")?],
+            product: card.real_or_zero(18, "I12")?,
+        };
+        let material = card.id(1, "MID")?;
+        self.insert(card, Family::Beam, Some(material), Kind::Line(section))
+    }
+
+    /// `PBARL PID MID GROUP TYPE / DIM1 … NSM`.
+    fn bar_shape(&mut self, card: &Card) -> Result<(), FileProblem> {
+        let material = card.id(1, "MID")?;
+        let kind = match shapes::dimension_count(card.text(3)) {
+            Some(count) => Kind::Line(shaped(card, 8, count)?),
+            None => Kind::Unreadable,
+        };
+        self.insert(card, Family::Beam, Some(material), kind)
+    }
+
+    /// `PBEAML PID MID GROUP TYPE / DIM1 … NSM [SO X/XB DIM1 … NSM]…`.
+    fn beam_shape(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
+        let material = card.id(1, "MID")?;
+        let kind = match shapes::dimension_count(card.text(3)) {
+            Some(count) => {
+                let mut section = shaped(card, 8, count)?;
+                let mut at = 8 + count + 1;
+                let mut end = None;
+                while card.text(at).starts_with(['Y', 'N']) {
+                    let station = at + 2;
+                    if (station..station + count).any(|i| !card.is_blank(i)) {
+                        let place = card.optional_real(at + 1, "X/XB")?.unwrap_or(1.0);
+                        end = Some((place, shaped(card, station, count)?));
+                    }
+                    at = station + count + 1;
+                }
+                if let Some((place, other)) = end
+                    && other != section
+                {
+                    unread.note("PBEAML taper", &card.at, Carries::Structure);
+                    if place == 1.0 {
+                        section = section.mean(other);
+                    }
+                }
+                Kind::Line(section)
+            }
+            None => Kind::Unreadable,
+        };
+        self.insert(card, Family::Beam, Some(material), kind)
+    }
+
+    /// `PBEAM PID MID A I1 I2 I12 J NSM / C1…F2 / [SO X/XB A I1 I2 I12 J NSM / C1…F2]… / K1 K2 S1 S2 NSI(A) NSI(B) CW(A) CW(B) / M1…N2`.
+    /// Blank shear factors are 1. The mean of a tapered section is taken, and listed.
+    fn beam(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
+        let material = card.id(1, "MID")?;
+        let mut section = LineSection {
+            area: card.real(2, "A")?,
+            moment_z: card.real_or_zero(3, "I1")?,
+            moment_y: card.real_or_zero(4, "I2")?,
+            product: card.real_or_zero(5, "I12")?,
+            torsion: card.real_or_zero(6, "J")?,
+            mass_per_length: card.real_or_zero(7, "NSM")?,
+            shear: [1.0, 1.0],
+        };
+        let station = |line: usize| matches!(card.text(line), "YES" | "YESA" | "NO");
+        let mut line = 8;
+        if !station(line) {
+            line += 8;
+        }
+        let mut other = None;
+        while station(line) {
+            let or = |i: usize, name: &str, blank: f64| {
+                Ok::<f64, FileProblem>(card.optional_real(line + i, name)?.unwrap_or(blank))
+            };
+            let here = LineSection {
+                area: or(2, "A", section.area)?,
+                moment_z: or(3, "I1", section.moment_z)?,
+                moment_y: or(4, "I2", section.moment_y)?,
+                product: or(5, "I12", section.product)?,
+                torsion: or(6, "J", section.torsion)?,
+                mass_per_length: or(7, "NSM", section.mass_per_length)?,
+                shear: section.shear,
+            };
+            let place = or(1, "X/XB", 1.0)?;
+            if here != section || other.is_some() {
+                other = Some((place, here));
+            }
+            line += if card.text(line) == "YES" { 16 } else { 8 };
+        }
+        if let Some((place, here)) = other {
+            unread.note("PBEAM taper", &card.at, Carries::Structure);
+            if place == 1.0 {
+                section = section.mean(here);
+            }
+        }
+        section.shear = [
+            card.optional_real(line, "K1")?.unwrap_or(1.0),
+            card.optional_real(line + 1, "K2")?.unwrap_or(1.0),
+        ];
+        for i in line + 2..line + 16 {
+            if card.optional_real(i, "S1…N2(B)")?.unwrap_or(0.0) != 0.0 {
+                unread.note("PBEAM axes and warping", &card.at, Carries::Structure);
+                break;
+            }
+        }
+        self.insert(card, Family::Beam, Some(material), Kind::Line(section))
+    }
+
+    /// `PTUBE PID MID OD T NSM OD2`: a blank or zero wall is a solid bar.
+    fn tube(&mut self, card: &Card) -> Result<(), FileProblem> {
+        let material = card.id(1, "MID")?;
+        let outer = 0.5 * card.real(2, "OD")?;
+        let wall = card.real_or_zero(3, "T")?;
+        let inner = if wall == 0.0 { 0.0 } else { outer - wall };
+        if !(0.0..outer).contains(&inner) {
+            return Err(card.problem(
+                "the wall is thicker than the tube",
+                "OD is the diameter, T the thickness of the wall",
+            ));
+        }
+        let (o, i) = (outer * outer, inner * inner);
+        let section = LineSection::rod(
+            PI * (o - i),
+            0.5 * PI * (o * o - i * i),
+            card.real_or_zero(4, "NSM")?,
+        );
+        self.insert(card, Family::Rod, Some(material), Kind::Line(section))
+    }
+
+    /// `MAT1 MID E G NU RHO`. Of E, G and ν one may be blank: E = 2 (1 + ν) G.
+    fn isotropic(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
+        let young = card.optional_real(1, "E")?;
+        let shear = card.optional_real(2, "G")?;
+        let poisson = card.optional_real(3, "NU")?;
+        let density = card.real_or_zero(4, "RHO")?;
+        let (young, poisson) = match (young, shear, poisson) {
+            (Some(young), Some(shear), Some(poisson)) => {
+                if (young - 2.0 * (1.0 + poisson) * shear).abs() > 0.01 * young.abs() {
+                    unread.note(
+                        "MAT1 with G other than E/(2 (1+NU))",
+                        &card.at,
+                        Carries::Structure,
+                    );
+                }
+                (young, poisson)
+            }
+            (Some(young), None, Some(poisson)) => (young, poisson),
+            (None, Some(shear), Some(poisson)) => (2.0 * (1.0 + poisson) * shear, poisson),
+            (Some(young), Some(shear), None) if shear != 0.0 => {
+                (young, young / (2.0 * shear) - 1.0)
+            }
+            (Some(young), _, None) => {
+                unread.note("MAT1 without G and NU", &card.at, Carries::Structure);
+                (young, 0.0)
+            }
+            _ => {
+                return Err(card.problem("two of E, G and NU are needed", "give E and NU"));
+            }
+        };
+        self.material(card, Some([young, poisson, density]))
+    }
+
+    fn material(&mut self, card: &Card, constants: Option<[f64; 3]>) -> Result<(), FileProblem> {
+        let id = card.id(0, "MID")?;
+        let material = MaterialCard {
+            constants,
+            name: format!("{} {id}", card.name),
+            at: card.at.clone(),
+        };
+        match self.materials.insert(id, material) {
+            Some(first) => Err(card.at.problem(
+                format!(
+                    "{} {id}: this material is there twice; the first is {} in {}, line {}",
+                    card.name, first.name, first.at.file, first.at.line
+                ),
+                "renumber or remove one of them",
+            )),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Dimensions and added mass from field `from`.
+fn shaped(card: &Card, from: usize, count: usize) -> Result<LineSection, FileProblem> {
+    let mut dimensions = Vec::with_capacity(count);
+    for i in 0..count {
+        dimensions.push(card.real(from + i, &format!("DIM{}", i + 1))?);
+    }
+    let mass = card.real_or_zero(from + count, "NSM")?;
+    let shape = card.text(3);
+    match shapes::section(shape, &dimensions) {
+        Some(section) => Ok(LineSection::shaped(section, mass)),
+        None => Err(card.problem(
+            &format!("the dimensions {dimensions:?} make no {shape}"),
+            "look at the drawing of this shape: a wall is thicker than the section, or a dimension is negative",
+        )),
+    }
+}
+
+/// Properties and materials of a mesh, each made when an element first uses it.
+pub(super) struct Made<'d> {
+    cards: &'d Properties,
+    mass_scale: f64,
+    indices: BTreeMap<(Family, u64, Option<u64>), u32>,
+    material_indices: BTreeMap<u64, u32>,
+    /// Properties in the order of their first use.
+    pub properties: Vec<Property>,
+    /// Materials in the order of their first use.
+    pub materials: Vec<Material>,
+}
+
+impl<'d> Made<'d> {
+    /// None yet. `mass_scale` multiplies every density and added mass (`PARAM,WTMASS`).
+    pub fn new(cards: &'d Properties, mass_scale: f64) -> Self {
+        Made {
+            cards,
+            mass_scale,
+            indices: BTreeMap::new(),
+            material_indices: BTreeMap::new(),
+            properties: Vec::new(),
+            materials: Vec::new(),
+        }
+    }
+
+    /// Index of the property that an element uses, with a shell's own thickness where it has one.
+    pub fn property(
+        &mut self,
+        family: Family,
+        id: u64,
+        thickness: Option<f64>,
+        element: u64,
+        at: &At,
+    ) -> Result<u32, FileProblem> {
+        let key = (family, id, thickness.map(f64::to_bits));
+        if let Some(&index) = self.indices.get(&key) {
+            return Ok(index);
+        }
+        let Some(card) = self.cards.properties.get(&(family, id)) else {
+            let kind = match family {
+                Family::Solid => "PSOLID",
+                Family::Shell => "PSHELL",
+                Family::Beam => "PBAR or PBEAM",
+                Family::Rod => "PROD",
+            };
+            return Err(at.problem(
+                format!("element {element} uses property {id}, which is missing"),
+                format!("add a {kind} card, or INCLUDE the file that holds it"),
+            ));
+        };
+        let index = self.own(card, id.to_string(), thickness, element, at)?;
+        self.indices.insert(key, index);
+        Ok(index)
+    }
+
+    /// Index of a new property.
+    pub fn own(
+        &mut self,
+        card: &PropertyCard,
+        name: String,
+        own_thickness: Option<f64>,
+        element: u64,
+        at: &At,
+    ) -> Result<u32, FileProblem> {
+        let scale = self.mass_scale;
+        let section = match card.kind {
+            Kind::Solid => Section::Solid,
+            Kind::Shell { thickness, mass } => Section::Shell {
+                thickness: match own_thickness.or(thickness) {
+                    Some(thickness) => thickness,
+                    None if card.material.is_none() => 0.0,
+                    None => {
+                        return Err(at.problem(
+                            format!("element {element} has no thickness"),
+                            format!("give T in {}, or T1 to T4 in the element", card.name),
+                        ));
+                    }
+                },
+                mass_per_area: mass * scale,
+            },
+            Kind::Line(line) => Section::Beam {
+                area: line.area,
+                moment_z: line.moment_z,
+                moment_y: line.moment_y,
+                product: line.product,
+                torsion: line.torsion,
+                shear: line.shear,
+                mass_per_length: line.mass_per_length * scale,
+            },
+            Kind::Unreadable => {
+                return Err(card.at.problem(
+                    format!(
+                        "{}, used by element {element}, is of a kind that can't be read",
+                        card.name
+                    ),
+                    "solids need PSOLID of a structure, beams PBAR, PBEAM or a known shape of PBARL, PBEAML",
+                ));
+            }
+        };
+        let material = match card.material {
+            Some(id) => Some(self.material(id, card, section)?),
+            None => None,
+        };
+        self.properties.push(Property {
+            name,
+            material,
+            section,
+        });
+        Ok((self.properties.len() - 1) as u32) // never more than elements
+    }
+
+    /// Index of the material of a property. A beam knows E and G apart, so that any NU serves it.
+    fn material(
+        &mut self,
+        id: u64,
+        user: &PropertyCard,
+        section: Section,
+    ) -> Result<u32, FileProblem> {
+        let Some(card) = self.cards.materials.get(&id) else {
+            return Err(user.at.problem(
+                format!("{} uses material {id}, which is missing", user.name),
+                "add its MAT1 card, or INCLUDE the file that holds it",
+            ));
+        };
+        let Some([young, poisson, density]) = card.constants else {
+            return Err(card.at.problem(
+                format!("{}, used by {}, is not isotropic", card.name, user.name),
+                "only MAT1 can be read; read the matrices of the other code instead",
+            ));
+        };
+        let beam = matches!(section, Section::Beam { .. });
+        let elastic = young >= 0.0 && poisson > -1.0 && (poisson < 0.5 || beam);
+        if !(elastic && density >= 0.0) {
+            return Err(card.at.problem(
+                format!(
+                    "{}, used by {}: E = {young}, NU = {poisson}, RHO = {density} is no elastic material",
+                    card.name, user.name
+                ),
+                "E and RHO can't be negative, NU lies between -1 and 0.5; without NU it is E/(2 G) - 1",
+            ));
+        }
+        if let Some(&index) = self.material_indices.get(&id) {
+            return Ok(index);
+        }
+        let index = self.materials.len() as u32; // never more than properties
+        self.materials.push(Material {
+            name: id.to_string(),
+            young,
+            poisson,
+            density: density * self.mass_scale,
+        });
+        self.material_indices.insert(id, index);
+        Ok(index)
+    }
+}

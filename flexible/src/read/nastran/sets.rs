@@ -1,0 +1,133 @@
+//! Named sets: `SET1` and `SET3` as `set:3`, and the nodes and elements of each property as `pid:3`.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::card::{Card, Ids};
+use super::grids::{Lookup, existing};
+use super::lines::At;
+use super::unread::UnreadCards;
+use crate::error::FileProblem;
+use crate::mesh::{ABSENT, Carries, Element, ElementKind, Set};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// `SET1`: grid points, or elements where none of its numbers is a grid point.
+    Either,
+    Grids,
+    Elements,
+    Properties,
+}
+
+/// Cards of sets.
+#[derive(Debug, Default)]
+pub(super) struct Sets {
+    cards: Vec<(u64, Kind, Ids, At)>,
+}
+
+impl Sets {
+    /// Reads a card; `false` where it is none of these.
+    pub fn read(&mut self, card: &Card) -> Result<bool, FileProblem> {
+        let (kind, from) = match (card.name.as_str(), card.text(1)) {
+            ("SET1", "SKIN") => (Kind::Either, 2),
+            ("SET1", _) => (Kind::Either, 1),
+            ("SET3", "GRID" | "POINT") => (Kind::Grids, 2),
+            ("SET3", "ELEM" | "ELEMENT") => (Kind::Elements, 2),
+            ("SET3", "PROP") => (Kind::Properties, 2),
+            _ => return Ok(false),
+        };
+        let ids = card.ids(from, card.len(), "ID")?;
+        self.cards
+            .push((card.id(0, "SID")?, kind, ids, card.at.clone()));
+        Ok(true)
+    }
+
+    /// The sets of a mesh. `elements` comes with the number of each element's property.
+    pub fn sets(
+        &self,
+        lookup: &Lookup,
+        elements: &[(u64, Element)],
+        connectivity: &[u32],
+        unread: &mut UnreadCards,
+    ) -> BTreeMap<String, Set> {
+        let mut sets: BTreeMap<String, Set> = BTreeMap::new();
+        let mut of_property: BTreeMap<u64, Vec<u32>> = BTreeMap::new();
+        let mut numbers = Vec::with_capacity(elements.len());
+        for (index, (property, element)) in elements.iter().enumerate() {
+            let index = index as u32; // counted when the elements were made
+            numbers.push((element.id, index));
+            if *property > 0 {
+                of_property.entry(*property).or_default().push(index);
+            }
+        }
+        numbers.sort_unstable();
+        for (property, members) in &of_property {
+            let mut set = Set::default();
+            set.elements.clone_from(members);
+            set.nodes = nodes_of(members, elements, connectivity);
+            sets.insert(format!("pid:{property}"), set);
+        }
+        for (id, kind, ids, at) in &self.cards {
+            let mut set = Set::default();
+            let (grids, no_grids) = lookup.existing(ids);
+            let (members, no_elements) = existing(&numbers, ids);
+            let lacking = match kind {
+                Kind::Either if grids.is_empty() => {
+                    set.elements = members;
+                    no_elements
+                }
+                Kind::Either | Kind::Grids => {
+                    set.nodes = grids;
+                    no_grids
+                }
+                Kind::Elements => {
+                    set.elements = members;
+                    no_elements
+                }
+                Kind::Properties => {
+                    let table = of_property
+                        .keys()
+                        .enumerate()
+                        .map(|(i, property)| (*property, i as u32)) // fewer than elements
+                        .collect::<Vec<_>>();
+                    let (found, lacking) = existing(&table, ids);
+                    let found = found.into_iter().collect::<BTreeSet<u32>>();
+                    for (i, members) in of_property.values().enumerate() {
+                        if found.contains(&(i as u32)) {
+                            set.elements.extend(members);
+                        }
+                    }
+                    lacking
+                }
+            };
+            if lacking > 0 {
+                unread.note("SET members that are missing", at, Carries::Nothing);
+            }
+            if !set.elements.is_empty() {
+                set.nodes = nodes_of(&set.elements, elements, connectivity);
+            }
+            let into = sets.entry(format!("set:{id}")).or_default();
+            into.nodes.extend(set.nodes);
+            into.elements.extend(set.elements);
+            for list in [&mut into.nodes, &mut into.elements] {
+                list.sort_unstable();
+                list.dedup();
+            }
+        }
+        sets
+    }
+}
+
+fn nodes_of(members: &[u32], elements: &[(u64, Element)], connectivity: &[u32]) -> Vec<u32> {
+    let mut nodes = Vec::new();
+    for member in members {
+        if let Some((_, element)) = elements.get(*member as usize) {
+            let first = element.first as usize;
+            let count = ElementKind::node_count(element.kind);
+            let own = connectivity.get(first..first + count).unwrap_or(&[]);
+            nodes.extend(own.iter().filter(|node| **node != ABSENT));
+        }
+    }
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}

@@ -1,0 +1,449 @@
+//! Sections given by shape and dimensions (`PBARL`, `PBEAML`).
+//!
+//! y is up and z to the right in the drawings of the Nastran manuals. A shape is a sum of rectangles (walls); area, centroid and second
+//! moments follow from them exactly. Torsion of an open section is Σ length · thickness³ / 3 over the mid-lines of its walls, of a closed
+//! one Bredt's 4 A²/∮ds/t with constant walls (S. Timoshenko, Strength of Materials II). A wall carries shear along its length only: the
+//! factor is the walls' share of the area; 9/10 for a round bar, 1/2 for a thin tube, 5/6 for a rectangle.
+
+use std::f64::consts::PI;
+
+/// Area, second moments about the centroid (y: up), torsion constant, shear factors along y and z.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct ShapeSection {
+    /// Area.
+    pub area: f64,
+    /// ∫ y² dA.
+    pub moment_z: f64,
+    /// ∫ z² dA.
+    pub moment_y: f64,
+    /// ∫ y z dA.
+    pub product: f64,
+    /// Torsion constant.
+    pub torsion: f64,
+    /// Shear factors for y and z.
+    pub shear: [f64; 2],
+}
+
+/// Number of dimensions of a shape; `None` for a shape that isn't known.
+pub(super) fn dimension_count(shape: &str) -> Option<usize> {
+    Some(match shape {
+        "ROD" => 1,
+        "TUBE" | "TUBE2" | "BAR" => 2,
+        "HEXA" => 3,
+        "BOX" | "T" | "T1" | "T2" | "I1" | "L" | "CHAN" | "CHAN1" | "CHAN2" | "H" | "CROSS"
+        | "Z" | "HAT" => 4,
+        "I" | "BOX1" => 6,
+        _ => return None,
+    })
+}
+
+/// A wall: centre, extent along y and z, thickness and length of its mid-line in torsion.
+struct Wall {
+    y: f64,
+    z: f64,
+    height: f64,
+    width: f64,
+    thickness: f64,
+    line: f64,
+    upright: bool,
+}
+
+/// A wall upright, whose shear is along y.
+fn upright(y: f64, z: f64, height: f64, thickness: f64, line: f64) -> Wall {
+    Wall {
+        y,
+        z,
+        height,
+        width: thickness,
+        thickness,
+        line,
+        upright: true,
+    }
+}
+
+/// A wall lying, whose shear is along z.
+fn lying(y: f64, z: f64, width: f64, thickness: f64, line: f64) -> Wall {
+    Wall {
+        y,
+        z,
+        height: thickness,
+        width,
+        thickness,
+        line,
+        upright: false,
+    }
+}
+
+/// The section of a shape; `None` where the dimensions don't make it.
+pub(super) fn section(shape: &str, dimensions: &[f64]) -> Option<ShapeSection> {
+    if dimensions.iter().any(|d| *d < 0.0 || !d.is_finite()) {
+        return None;
+    }
+    let section = match (shape, dimensions) {
+        ("ROD", &[r]) => tube(r, 0.0),
+        ("TUBE", &[outer, inner]) => tube(outer, inner),
+        ("TUBE2", &[outer, thickness]) => tube(outer, outer - thickness),
+        ("BAR", &[width, height]) => bar(width, height),
+        ("HEXA", &[tip, width, height]) => hexagon(tip, width, height),
+        ("BOX", &[width, height, lid, side]) => closed_box(width, height, [lid, lid], [side, side]),
+        ("BOX1", &[width, height, top, bottom, left, right]) => {
+            closed_box(width, height, [top, bottom], [left, right])
+        }
+        ("I", &[h, a, b, web, ta, tb]) => {
+            let clear = h - ta - tb;
+            open(&[
+                lying(0.5 * ta, 0.0, a, ta, a),
+                upright(ta + 0.5 * clear, 0.0, clear, web, h - 0.5 * (ta + tb)),
+                lying(h - 0.5 * tb, 0.0, b, tb, b),
+            ])
+        }
+        ("I1", &[overhang, web, clear, h]) => {
+            let t = 0.5 * (h - clear);
+            let width = overhang + web;
+            open(&[
+                lying(0.5 * t, 0.0, width, t, width),
+                upright(0.5 * h, 0.0, clear, web, h - t),
+                lying(h - 0.5 * t, 0.0, width, t, width),
+            ])
+        }
+        ("T", &[width, h, flange, web]) => open(&[
+            lying(h - 0.5 * flange, 0.0, width, flange, width),
+            upright(0.5 * (h - flange), 0.0, h - flange, web, h - 0.5 * flange),
+        ]),
+        ("T2", &[width, h, flange, web]) => open(&[
+            lying(0.5 * flange, 0.0, width, flange, width),
+            upright(0.5 * (h + flange), 0.0, h - flange, web, h - 0.5 * flange),
+        ]),
+        ("T1", &[height, length, flange, web]) => open(&[
+            upright(0.0, 0.5 * flange, height, flange, height),
+            lying(0.0, -0.5 * length, length, web, length + 0.5 * flange),
+        ]),
+        ("L", &[width, h, foot, leg]) => open(&[
+            lying(0.5 * foot, 0.5 * width, width, foot, width - 0.5 * leg),
+            upright(0.5 * (h + foot), 0.5 * leg, h - foot, leg, h - 0.5 * foot),
+        ]),
+        ("CHAN", &[width, h, web, flange]) => channel(width, h, web, flange),
+        ("CHAN1", &[overhang, web, clear, h]) => channel(overhang + web, h, web, 0.5 * (h - clear)),
+        ("CHAN2", &[leg, base, h, width]) => open(&[
+            lying(0.5 * base, 0.0, width - 2.0 * leg, base, width - leg),
+            upright(0.5 * h, 0.5 * (leg - width), h, leg, h - 0.5 * base),
+            upright(0.5 * h, 0.5 * (width - leg), h, leg, h - 0.5 * base),
+        ]),
+        ("H", &[bar, legs, h, t]) => {
+            let leg = 0.5 * legs;
+            let z = 0.5 * (bar + leg);
+            open(&[
+                lying(0.0, 0.0, bar, t, bar + leg),
+                upright(0.0, z, h, leg, h),
+                upright(0.0, -z, h, leg, h),
+            ])
+        }
+        ("CROSS", &[arms, web, h, t]) => {
+            let arm = 0.5 * arms;
+            let z = 0.5 * (arm + web);
+            open(&[
+                upright(0.0, 0.0, h, web, h),
+                lying(0.0, z, arm, t, arm),
+                lying(0.0, -z, arm, t, arm),
+            ])
+        }
+        ("Z", &[overhang, web, clear, h]) => {
+            let t = 0.5 * (h - clear);
+            let z = 0.5 * (overhang + web);
+            let line = overhang + 0.5 * web;
+            open(&[
+                upright(0.0, 0.0, h, web, h - t),
+                lying(0.5 * (h - t), -z, overhang, t, line),
+                lying(0.5 * (t - h), z, overhang, t, line),
+            ])
+        }
+        ("HAT", &[h, t, top, foot]) => {
+            let z = 0.5 * (top - t);
+            let side = 0.5 * (top + foot);
+            open(&[
+                lying(h - 0.5 * t, 0.0, top, t, top - t),
+                upright(0.5 * h, z, h - 2.0 * t, t, h - t),
+                upright(0.5 * h, -z, h - 2.0 * t, t, h - t),
+                lying(0.5 * t, side - 0.5 * t, foot + t, t, foot + 0.5 * t),
+                lying(0.5 * t, 0.5 * t - side, foot + t, t, foot + 0.5 * t),
+            ])
+        }
+        _ => None,
+    }?;
+    let sound = section.area > 0.0
+        && section.area.is_finite()
+        && section.moment_y > 0.0
+        && section.moment_z > 0.0
+        && section.torsion > 0.0;
+    sound.then_some(section)
+}
+
+/// A round bar or tube: A = π (R² − r²), I = π (R⁴ − r⁴)/4, J = 2 I. The shear factor is that of a solid bar or of a thin tube.
+fn tube(outer: f64, inner: f64) -> Option<ShapeSection> {
+    if !(0.0..outer).contains(&inner) {
+        return None;
+    }
+    let square = |x: f64| x * x;
+    let moment = 0.25 * PI * (square(square(outer)) - square(square(inner)));
+    let shear = if inner > 0.0 { 0.5 } else { 0.9 };
+    Some(ShapeSection {
+        area: PI * (square(outer) - square(inner)),
+        moment_z: moment,
+        moment_y: moment,
+        product: 0.0,
+        torsion: 2.0 * moment,
+        shear: [shear, shear],
+    })
+}
+
+/// A rectangle. J = a b³ (1/3 − 0.21 b/a (1 − b⁴/12 a⁴)) with a ≥ b, 0.5 % or better (W. Young, Roark's Formulas, table 10.1).
+fn bar(width: f64, height: f64) -> Option<ShapeSection> {
+    let (a, b) = (width.max(height), width.min(height));
+    if b <= 0.0 {
+        return None;
+    }
+    let ratio = b / a;
+    let fourth = ratio * ratio * ratio * ratio;
+    Some(ShapeSection {
+        area: width * height,
+        moment_z: width * height * height * height / 12.0,
+        moment_y: height * width * width * width / 12.0,
+        product: 0.0,
+        torsion: a * b * b * b * (1.0 / 3.0 - 0.21 * ratio * (1.0 - fourth / 12.0)),
+        shear: [5.0 / 6.0, 5.0 / 6.0],
+    })
+}
+
+/// A hexagon with tips left and right of the given width each. The torsion constant is de Saint-Venant's A⁴/(40 Iₚ), good to a few per
+/// cent for compact solids.
+fn hexagon(tip: f64, width: f64, height: f64) -> Option<ShapeSection> {
+    let core = width - 2.0 * tip;
+    if core < 0.0 {
+        return None;
+    }
+    let area = height * (core + tip);
+    // triangles of base `height` and altitude `tip`: their own moments, and Steiner's for z
+    let cube = height * height * height;
+    let moment_z = core * cube / 12.0 + tip * cube / 24.0;
+    let arm = 0.5 * core + tip / 3.0;
+    let moment_y = height * core * core * core / 12.0
+        + 2.0 * (height * tip * tip * tip / 36.0 + 0.5 * height * tip * arm * arm);
+    let fourth = area * area * area * area;
+    Some(ShapeSection {
+        area,
+        moment_z,
+        moment_y,
+        product: 0.0,
+        torsion: fourth / (40.0 * (moment_y + moment_z)),
+        shear: [5.0 / 6.0, 5.0 / 6.0],
+    })
+}
+
+/// A closed box with walls of thickness `[top, bottom]` and `[left, right]`.
+fn closed_box(
+    width: f64,
+    height: f64,
+    [top, bottom]: [f64; 2],
+    [left, right]: [f64; 2],
+) -> Option<ShapeSection> {
+    let clear = height - top - bottom;
+    let inner = width - left - right;
+    if clear <= 0.0 || inner <= 0.0 || [top, bottom, left, right].iter().any(|t| *t <= 0.0) {
+        return None;
+    }
+    let y = bottom + 0.5 * clear;
+    let mut section = open(&[
+        lying(height - 0.5 * top, 0.5 * width, width, top, width),
+        lying(0.5 * bottom, 0.5 * width, width, bottom, width),
+        upright(y, 0.5 * left, clear, left, clear),
+        upright(y, width - 0.5 * right, clear, right, clear),
+    ])?;
+    let (w, h) = (width - 0.5 * (left + right), height - 0.5 * (top + bottom));
+    let around = w / top + w / bottom + h / left + h / right;
+    section.torsion = 4.0 * (w * h) * (w * h) / around;
+    Some(section)
+}
+
+/// A channel open to the right.
+fn channel(width: f64, height: f64, web: f64, flange: f64) -> Option<ShapeSection> {
+    let overhang = width - web;
+    let line = width - 0.5 * web;
+    let z = web + 0.5 * overhang;
+    open(&[
+        upright(0.5 * height, 0.5 * web, height, web, height - flange),
+        lying(height - 0.5 * flange, z, overhang, flange, line),
+        lying(0.5 * flange, z, overhang, flange, line),
+    ])
+}
+
+/// A section of walls.
+fn open(walls: &[Wall]) -> Option<ShapeSection> {
+    let (mut area, mut y, mut z) = (0.0, 0.0, 0.0);
+    for wall in walls {
+        if wall.height < 0.0 || wall.width < 0.0 || wall.line < 0.0 {
+            return None;
+        }
+        let a = wall.height * wall.width;
+        area += a;
+        y += a * wall.y;
+        z += a * wall.z;
+    }
+    if area <= 0.0 {
+        return None;
+    }
+    let (y, z) = (y / area, z / area);
+    let mut section = ShapeSection {
+        area,
+        ..ShapeSection::default()
+    };
+    for wall in walls {
+        let a = wall.height * wall.width;
+        let (dy, dz) = (wall.y - y, wall.z - z);
+        section.moment_z += a * (wall.height * wall.height / 12.0 + dy * dy);
+        section.moment_y += a * (wall.width * wall.width / 12.0 + dz * dz);
+        section.product += a * dy * dz;
+        let t = wall.thickness;
+        section.torsion += wall.line * t * t * t / 3.0;
+        let [along_y, along_z] = &mut section.shear;
+        *if wall.upright { along_y } else { along_z } += a / area;
+    }
+    Some(section)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(found: f64, expected: f64, scale: f64) {
+        assert!(
+            (found - expected).abs() <= 1e-13 * scale,
+            "{found} is not {expected}"
+        );
+    }
+
+    #[test]
+    fn round_sections() {
+        let rod = section("ROD", &[2.0]).unwrap();
+        close(rod.area, 4.0 * PI, 10.0);
+        close(rod.moment_y, 4.0 * PI, 10.0);
+        close(rod.torsion, 8.0 * PI, 10.0);
+        let tube = section("TUBE", &[2.0, 1.0]).unwrap();
+        close(tube.area, 3.0 * PI, 10.0);
+        close(tube.moment_z, 15.0 / 4.0 * PI, 10.0);
+        assert_eq!(section("TUBE2", &[2.0, 1.0]), Some(tube));
+        assert_eq!(section("TUBE", &[1.0, 2.0]), None);
+    }
+
+    #[test]
+    fn a_square_bar_has_the_torsion_of_the_series() {
+        // de Saint-Venant: 0.140577 a⁴
+        let bar = section("BAR", &[1.0, 1.0]).unwrap();
+        assert!((bar.torsion / 0.140577 - 1.0).abs() < 0.005);
+        let flat = section("BAR", &[2.0, 6.0]).unwrap();
+        close(flat.moment_z, 36.0, 36.0);
+        close(flat.moment_y, 4.0, 36.0);
+    }
+
+    #[test]
+    fn an_angle_by_hand() {
+        // foot 10×1, leg 1×9 above it: centroids (0.5, 5) and (5.5, 0.5)
+        let angle = section("L", &[10.0, 10.0, 1.0, 1.0]).unwrap();
+        close(angle.area, 19.0, 19.0);
+        let y = (10.0 * 0.5 + 9.0 * 5.5) / 19.0;
+        let z = (10.0 * 5.0 + 9.0 * 0.5) / 19.0;
+        let moment = 10.0 / 12.0
+            + 10.0 * (y - 0.5) * (y - 0.5)
+            + 9.0 * 81.0 / 12.0
+            + 9.0 * (5.5 - y) * (5.5 - y);
+        close(angle.moment_z, moment, 200.0);
+        close(angle.moment_y, moment, 200.0);
+        let product = 10.0 * (0.5 - y) * (5.0 - z) + 9.0 * (5.5 - y) * (0.5 - z);
+        close(angle.product, product, 200.0);
+        assert!(product < 0.0);
+        close(angle.torsion, 2.0 * 9.5 / 3.0, 10.0);
+    }
+
+    #[test]
+    fn a_box_by_hand() {
+        let hollow = section("BOX", &[10.0, 20.0, 1.0, 2.0]).unwrap();
+        close(hollow.area, 200.0 - 6.0 * 18.0, 200.0);
+        close(hollow.moment_z, (10.0 * 8000.0 - 6.0 * 5832.0) / 12.0, 1e4);
+        close(hollow.moment_y, (20.0 * 1000.0 - 18.0 * 216.0) / 12.0, 1e4);
+        // 2 t₁ t₂ (b − t₂)² (h − t₁)² / (b t₂ + h t₁ − t₂² − t₁²)
+        let bredt = 2.0 * 2.0 * 64.0 * 361.0 / (20.0 + 20.0 - 4.0 - 1.0);
+        close(hollow.torsion, bredt, 1e4);
+        assert_eq!(
+            section("BOX1", &[10.0, 20.0, 1.0, 1.0, 2.0, 2.0]),
+            Some(hollow)
+        );
+    }
+
+    #[test]
+    fn open_shapes_by_hand() {
+        let beam = section("I", &[20.0, 10.0, 10.0, 1.0, 2.0, 2.0]).unwrap();
+        close(beam.area, 56.0, 56.0);
+        close(beam.moment_z, (10.0 * 8000.0 - 9.0 * 4096.0) / 12.0, 1e4);
+        close(beam.moment_y, (4.0 * 1000.0 + 16.0) / 12.0, 1e3);
+        close(beam.torsion, (2.0 * 10.0 * 8.0 + 18.0) / 3.0, 100.0);
+        close(beam.shear[0], 16.0 / 56.0, 1.0);
+        close(beam.shear[1], 40.0 / 56.0, 1.0);
+        assert_eq!(section("I1", &[9.0, 1.0, 16.0, 20.0]), Some(beam));
+        // the same area for every way to say the same walls
+        let channel = section("CHAN", &[10.0, 20.0, 1.0, 2.0]).unwrap();
+        assert_eq!(section("CHAN1", &[9.0, 1.0, 16.0, 20.0]), Some(channel));
+        close(channel.area, 56.0, 56.0);
+        let up = section("T", &[10.0, 20.0, 2.0, 1.0]).unwrap();
+        let down = section("T2", &[10.0, 20.0, 2.0, 1.0]).unwrap();
+        close(up.moment_z, down.moment_z, 1e4);
+        let side = section("T1", &[10.0, 18.0, 2.0, 1.0]).unwrap();
+        close(side.moment_y, up.moment_z, 1e4);
+        close(side.moment_z, up.moment_y, 1e4);
+    }
+
+    #[test]
+    fn shapes_of_several_arms() {
+        let cross = section("CROSS", &[8.0, 2.0, 10.0, 2.0]).unwrap();
+        close(cross.area, 36.0, 36.0);
+        close(cross.moment_y, cross.moment_z, 1e3);
+        let h = section("H", &[6.0, 4.0, 10.0, 2.0]).unwrap();
+        close(h.area, 52.0, 52.0);
+        close(h.moment_y, 10.0 * 1000.0 / 12.0 - 8.0 * 216.0 / 12.0, 1e3);
+        let z = section("Z", &[5.0, 1.0, 8.0, 10.0]).unwrap();
+        close(z.area, 20.0, 20.0);
+        // flanges of area 5 at (4.5, −3) and (−4.5, 3)
+        close(z.product, -2.0 * 5.0 * 4.5 * 3.0, 1e3);
+        let hat = section("HAT", &[10.0, 1.0, 8.0, 4.0]).unwrap();
+        close(hat.area, 8.0 + 2.0 * 8.0 + 2.0 * 5.0, 40.0);
+        close(hat.product, 0.0, 1.0);
+        let stool = section("CHAN2", &[1.0, 2.0, 10.0, 8.0]).unwrap();
+        close(stool.area, 20.0 + 12.0, 40.0);
+    }
+
+    #[test]
+    fn a_hexagon_of_rectangles_and_triangles() {
+        // without tips it is a bar
+        let hexagon = section("HEXA", &[0.0, 4.0, 6.0]).unwrap();
+        close(hexagon.moment_z, 72.0, 72.0);
+        close(hexagon.moment_y, 32.0, 72.0);
+        // a regular one of side 1: area 3√3/2, both moments 5√3/16
+        let root = 3.0_f64.sqrt();
+        let regular = section("HEXA", &[0.5, 2.0, root]).unwrap();
+        close(regular.area, 1.5 * root, 3.0);
+        close(regular.moment_z, 5.0 * root / 16.0, 1.0);
+        close(regular.moment_y, 5.0 * root / 16.0, 1.0);
+    }
+
+    #[test]
+    fn wrong_dimensions_make_no_section() {
+        for (shape, dimensions) in [
+            ("BOX", vec![1.0, 1.0, 0.6, 0.1]),
+            ("I", vec![1.0, 1.0, 1.0, 0.1, 0.6, 0.6]),
+            ("BAR", vec![-1.0, 1.0]),
+            ("ROD", vec![f64::NAN]),
+            ("ROD", vec![1e300]),
+            ("L", vec![1.0, 1.0, 1.0]),
+        ] {
+            assert_eq!(section(shape, &dimensions), None, "{shape}");
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! Held freedoms and interface freedoms: `SPC`, `SPC1`, `SPCADD`, `PS` of grid points, `ASET`, `ASET1` and their kin.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::card::{Card, Ids};
+use super::grids::{GridCard, Lookup};
+use super::lines::At;
+use super::unread::UnreadCards;
+use crate::error::FileProblem;
+use crate::mesh::{Carries, Support};
+
+#[derive(Clone, Debug)]
+struct Entry {
+    /// Set, where the card has one.
+    set: u64,
+    /// Points and their freedoms.
+    parts: Vec<(Ids, u8)>,
+    name: String,
+    at: At,
+}
+
+/// Cards of held and interface freedoms.
+#[derive(Debug, Default)]
+pub(super) struct Supports {
+    held: Vec<Entry>,
+    interface: Vec<Entry>,
+    /// Sets of supports that stand for others.
+    support_sums: BTreeMap<u64, Vec<u64>>,
+    /// Sets of equations that stand for others.
+    equation_sums: BTreeMap<u64, Vec<u64>>,
+    equation_sets: BTreeSet<u64>,
+}
+
+impl Supports {
+    /// Reads a card; `false` where it is none of these.
+    pub fn read(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<bool, FileProblem> {
+        match card.name.as_str() {
+            "SPC" => {
+                let mut parts = Vec::new();
+                for i in [1, 4] {
+                    if i > 1 && card.is_blank(i) {
+                        continue;
+                    }
+                    card.id(i, "G")?;
+                    parts.push((card.ids(i, i + 1, "G")?, components(card, i + 1)?));
+                    if card.real_or_zero(i + 2, "D")? != 0.0 {
+                        unread.note("SPC displacement", &card.at, Carries::Nothing);
+                    }
+                }
+                self.held.push(entry(card, card.id(0, "SID")?, parts));
+            }
+            "SPC1" => {
+                let parts = vec![(list_of(card, 2)?, components(card, 1)?)];
+                self.held.push(entry(card, card.id(0, "SID")?, parts));
+            }
+            "ASET" | "BSET" | "CSET" => {
+                let mut parts = Vec::new();
+                for i in [0, 2, 4, 6] {
+                    if i == 0 || !card.is_blank(i) {
+                        card.id(i, "ID")?;
+                        parts.push((card.ids(i, i + 1, "ID")?, components(card, i + 1)?));
+                    }
+                }
+                self.interface.push(entry(card, 0, parts));
+            }
+            "ASET1" | "BSET1" | "CSET1" => {
+                let parts = vec![(list_of(card, 1)?, components(card, 0)?)];
+                self.interface.push(entry(card, 0, parts));
+            }
+            "SPCADD" => add_sum(&mut self.support_sums, card)?,
+            "MPCADD" => add_sum(&mut self.equation_sums, card)?,
+            "MPC" => {
+                self.equation_sets.insert(card.id(0, "SID")?);
+                return Ok(false);
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// The held freedoms of a mesh, node by node: those of the grid points themselves, and those of the selected set, or of all sets
+    /// where case control selects none.
+    pub fn supports(
+        &self,
+        grids: &[GridCard],
+        lookup: &Lookup,
+        selection: Option<&(u64, At)>,
+        unread: &mut UnreadCards,
+    ) -> Result<Vec<Support>, FileProblem> {
+        let mut bits: BTreeMap<u32, u8> = BTreeMap::new();
+        for (index, grid) in grids.iter().enumerate() {
+            if let Some(held) = grid.held.filter(|held| *held != 0) {
+                bits.insert(index as u32, held); // as many as nodes, which are u32
+            }
+        }
+        let sets = self.held.iter().map(|entry| entry.set).collect();
+        let selected = chosen(selection, &self.support_sums, &sets, "SPC")?;
+        for entry in &self.held {
+            if selected
+                .as_ref()
+                .is_some_and(|sets| !sets.contains(&entry.set))
+            {
+                unread.note("SPC of sets not selected", &entry.at, Carries::Nothing);
+                continue;
+            }
+            collect(entry, lookup, &mut bits)?;
+        }
+        Ok(list(bits))
+    }
+
+    /// The interface freedoms of a mesh, node by node. Scalar points in these sets are modal coordinates and no nodes.
+    pub fn interface(&self, lookup: &Lookup) -> Result<Vec<Support>, FileProblem> {
+        let mut bits = BTreeMap::new();
+        for entry in &self.interface {
+            collect(entry, lookup, &mut bits)?;
+        }
+        Ok(list(bits))
+    }
+
+    /// The sets of equations that hold; `None`: all.
+    pub fn equations(
+        &self,
+        selection: Option<&(u64, At)>,
+    ) -> Result<Option<BTreeSet<u64>>, FileProblem> {
+        chosen(selection, &self.equation_sums, &self.equation_sets, "MPC")
+    }
+}
+
+fn entry(card: &Card, set: u64, parts: Vec<(Ids, u8)>) -> Entry {
+    Entry {
+        set,
+        parts,
+        name: card.name.clone(),
+        at: card.at.clone(),
+    }
+}
+
+/// Freedoms in a field; none where it is blank, as scalar points have it.
+fn components(card: &Card, field: usize) -> Result<u8, FileProblem> {
+    Ok(card.optional_components(field, "C")?.unwrap_or(0))
+}
+
+/// The list of points from a field to the end, which can't be empty.
+fn list_of(card: &Card, from: usize) -> Result<Ids, FileProblem> {
+    let ids = card.ids(from, card.len(), "G")?;
+    if ids.ranges.is_empty() {
+        card.id(from, "G1")?;
+    }
+    Ok(ids)
+}
+
+fn add_sum(sums: &mut BTreeMap<u64, Vec<u64>>, card: &Card) -> Result<(), FileProblem> {
+    let mut parts = Vec::new();
+    for i in 1..card.len() {
+        parts.extend(card.optional_id(i, "S")?);
+    }
+    sums.entry(card.id(0, "SID")?).or_default().extend(parts);
+    Ok(())
+}
+
+/// The sets a selection stands for; `None` without a selection.
+fn chosen(
+    selection: Option<&(u64, At)>,
+    sums: &BTreeMap<u64, Vec<u64>>,
+    sets: &BTreeSet<u64>,
+    name: &str,
+) -> Result<Option<BTreeSet<u64>>, FileProblem> {
+    let Some((selected, at)) = selection else {
+        return Ok(None);
+    };
+    let mut found = BTreeSet::new();
+    let mut open = vec![*selected];
+    while let Some(set) = open.pop() {
+        if found.insert(set) {
+            open.extend(sums.get(&set).into_iter().flatten());
+        }
+    }
+    // equations may be selected where there are none
+    if found.is_disjoint(sets) && (name == "SPC" || !sets.is_empty()) {
+        return Err(at.problem(
+            format!("{name} = {selected} selects a set that is missing"),
+            format!("add its {name} cards, or remove the selection to take all sets"),
+        ));
+    }
+    Ok(Some(found))
+}
+
+fn collect(
+    entry: &Entry,
+    lookup: &Lookup,
+    bits: &mut BTreeMap<u32, u8>,
+) -> Result<(), FileProblem> {
+    let user = || format!("{} card", entry.name);
+    for (ids, components) in &entry.parts {
+        if *components == 0 {
+            // scalar points, which no card needs to define; a grid point can't be meant
+            if lookup.existing(ids).0.is_empty() {
+                continue;
+            }
+            return Err(entry.at.problem(
+                format!("{}: no freedoms are named at a grid point", entry.name),
+                "give the freedoms 1 to 6 it concerns",
+            ));
+        }
+        for node in lookup.all(ids, &user, &entry.at)? {
+            *bits.entry(node).or_default() |= components;
+        }
+    }
+    Ok(())
+}
+
+fn list(bits: BTreeMap<u32, u8>) -> Vec<Support> {
+    bits.into_iter()
+        .map(|(node, components)| Support { node, components })
+        .collect()
+}

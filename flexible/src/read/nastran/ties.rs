@@ -1,0 +1,372 @@
+//! Rules between freedoms: `RBE2`, `RBE3`, `RBAR`, `RBAR1`, `RBE1`, `MPC`.
+
+use super::card::{Card, Ids};
+use super::grids::Lookup;
+use super::lines::At;
+use super::masses::distinct;
+use super::number;
+use super::rigid::{Freedom, dependence};
+use super::unread::UnreadCards;
+use crate::error::FileProblem;
+use crate::mesh::{Carries, Frame, Node, Tie};
+
+const ALL: u8 = 0b11_1111;
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Rigid {
+        independent: u64,
+        dependent: Vec<(Ids, u8)>,
+    },
+    Averaging {
+        reference: u64,
+        components: u8,
+        groups: Vec<(Ids, f64, u8)>,
+    },
+    /// Six independent freedoms at several grid points, and those that follow.
+    Shared {
+        independent: Vec<(u64, u8)>,
+        dependent: Vec<(u64, u8)>,
+    },
+    /// Grid point, freedom, coefficient.
+    Equation(Vec<(u64, Option<u8>, f64)>),
+}
+
+/// A card of a tie. The number of an equation is that of its set.
+#[derive(Clone, Debug)]
+struct TieCard {
+    order: u64,
+    id: u64,
+    kind: Kind,
+    name: String,
+    at: At,
+}
+
+/// Cards of ties.
+#[derive(Debug, Default)]
+pub(super) struct Ties {
+    cards: Vec<TieCard>,
+}
+
+impl Ties {
+    /// Reads a card; `false` where it is none of these.
+    pub fn read(&mut self, card: &Card) -> Result<bool, FileProblem> {
+        let kind = match card.name.as_str() {
+            "RBE2" => spider(card)?,
+            "RBE3" => averaging(card)?,
+            "RBAR" => bar(card)?,
+            "RBAR1" => Kind::Rigid {
+                independent: card.id(1, "GA")?,
+                dependent: vec![(
+                    card.ids(2, 3, "GB")?,
+                    card.optional_components(3, "CB")?.unwrap_or(ALL),
+                )],
+            },
+            "RBE1" => general(card)?,
+            "MPC" => equation(card)?,
+            _ => return Ok(false),
+        };
+        self.cards.push(TieCard {
+            order: card.order,
+            id: card.id(0, "EID")?,
+            kind,
+            name: card.name.clone(),
+            at: card.at.clone(),
+        });
+        Ok(true)
+    }
+
+    /// The ties of a mesh; equations only of the sets that `selected` lets through.
+    pub fn ties(
+        &mut self,
+        lookup: &Lookup,
+        places: (&[Node], &[Frame]),
+        selected: &dyn Fn(u64) -> bool,
+        unread: &mut UnreadCards,
+    ) -> Result<Vec<Tie>, FileProblem> {
+        self.cards.sort_by_key(|card| card.order);
+        let rigid = |card: &&TieCard| !matches!(card.kind, Kind::Equation(_));
+        distinct(
+            "rigid element",
+            self.cards
+                .iter()
+                .filter(rigid)
+                .map(|card| (card.id, &card.at)),
+        )?;
+        let mut ties = Vec::with_capacity(self.cards.len());
+        for card in &self.cards {
+            if let Kind::Equation(_) = card.kind
+                && !selected(card.id)
+            {
+                unread.note("MPC of sets not selected", &card.at, Carries::Nothing);
+                continue;
+            }
+            tie(card, lookup, places, unread, &mut ties)?;
+        }
+        Ok(ties)
+    }
+}
+
+fn tie(
+    card: &TieCard,
+    lookup: &Lookup,
+    (nodes, frames): (&[Node], &[Frame]),
+    unread: &mut UnreadCards,
+    ties: &mut Vec<Tie>,
+) -> Result<(), FileProblem> {
+    let id = card.id;
+    let user = || format!("{} {id}", card.name);
+    ties.push(match &card.kind {
+        Kind::Rigid {
+            independent,
+            dependent,
+        } => {
+            let mut nodes = Vec::new();
+            for (ids, components) in dependent {
+                let found = lookup.all(ids, &user, &card.at)?;
+                nodes.extend(found.into_iter().map(|node| (node, *components)));
+            }
+            Tie::Rigid {
+                id,
+                independent: lookup.require(*independent, &user, &card.at)?,
+                dependent: nodes,
+            }
+        }
+        Kind::Averaging {
+            reference,
+            components,
+            groups,
+        } => {
+            let mut nodes = Vec::new();
+            for (ids, weight, components) in groups {
+                let found = lookup.all(ids, &user, &card.at)?;
+                nodes.extend(found.into_iter().map(|node| (node, *weight, *components)));
+            }
+            Tie::Averaging {
+                id,
+                reference: lookup.require(*reference, &user, &card.at)?,
+                reference_components: *components,
+                independent: nodes,
+            }
+        }
+        Kind::Equation(given) => {
+            let mut terms = Vec::with_capacity(given.len());
+            for &(grid, freedom, coefficient) in given {
+                if lookup.find(grid).is_none() && (freedom.is_none() || lookup.is_scalar(grid)) {
+                    unread.note("MPC with scalar points", &card.at, Carries::Structure);
+                    return Ok(());
+                }
+                let node = lookup.require(grid, &user, &card.at)?;
+                let freedom = freedom.ok_or_else(|| {
+                    card.at.problem(
+                        format!("MPC {id}: no freedom named at grid point {grid}"),
+                        "give C1, C2, …, one of 1 to 6 each",
+                    )
+                })?;
+                terms.push((node, freedom, coefficient));
+            }
+            Tie::Equation { id, terms }
+        }
+        Kind::Shared {
+            independent,
+            dependent,
+        } => {
+            let freedoms = |list: &[(u64, u8)]| {
+                let mut freedoms: Vec<Freedom> = Vec::new();
+                for (grid, components) in list {
+                    let node = lookup.require(*grid, &user, &card.at)?;
+                    let named = (0..6).filter(|bit| components >> bit & 1 == 1);
+                    freedoms.extend(named.map(|freedom| (node, freedom)));
+                }
+                Ok::<_, FileProblem>(freedoms)
+            };
+            let given = freedoms(independent)?;
+            let mut following = freedoms(dependent)?;
+            following.retain(|freedom| !given.contains(freedom));
+            let rows = <&[Freedom; 6]>::try_from(given.as_slice())
+                .ok()
+                .and_then(|given| dependence(given, &following, nodes, frames));
+            let Some(rows) = rows else {
+                return Err(card.at.problem(
+                    format!(
+                        "{} {id}: its independent freedoms leave a rigid motion free",
+                        card.name
+                    ),
+                    "give six freedoms that hold a rigid body, or 123456 at one grid point",
+                ));
+            };
+            for (freedom, row) in following.iter().zip(rows) {
+                let others = given.iter().zip(row).filter(|(_, value)| *value != 0.0);
+                ties.push(Tie::Equation {
+                    id,
+                    terms: [(freedom.0, freedom.1, 1.0)]
+                        .into_iter()
+                        .chain(others.map(|((node, freedom), value)| (*node, *freedom, -value)))
+                        .collect(),
+                });
+            }
+            return Ok(());
+        }
+    });
+    Ok(())
+}
+
+/// `RBE2 EID GN CM GM1 GM2 … [ALPHA [TREF]]`: reals at the end are no grid points.
+fn spider(card: &Card) -> Result<Kind, FileProblem> {
+    let mut end = card.len();
+    while end > 3 && (number::is_real(card.text(end - 1)) || card.is_blank(end - 1)) {
+        end -= 1;
+    }
+    let ids = card.ids(3, end, "GM")?;
+    if ids.ranges.is_empty() {
+        card.id(3, "GM1")?;
+    }
+    Ok(Kind::Rigid {
+        independent: card.id(1, "GN")?,
+        dependent: vec![(ids, card.components(2, "CM")?)],
+    })
+}
+
+/// `RBE3 EID blank REFGRID REFC WT1 C1 G1,1 … WT2 C2 … [UM …] [ALPHA …]`: a real in the list begins a group. `UM` only says which
+/// freedoms of the same equations Nastran eliminates, so that it needs no reading.
+fn averaging(card: &Card) -> Result<Kind, FileProblem> {
+    let reference = card.id(2, "REFGRID")?;
+    let components = card.components(3, "REFC")?;
+    let mut groups = Vec::new();
+    let mut i = 4;
+    let ends = |text: &str| matches!(text, "UM" | "ALPHA" | "TREF");
+    while i < card.len() && !ends(card.text(i)) {
+        if card.is_blank(i) {
+            i += 1;
+            continue;
+        }
+        let weight = card.real(i, "WT")?;
+        let parts = card.components(i + 1, "C")?;
+        i += 2;
+        let first = i;
+        while i < card.len() && !ends(card.text(i)) && !number::is_real(card.text(i)) {
+            i += 1;
+        }
+        let ids = card.ids(first, i, "G")?;
+        if ids.ranges.is_empty() {
+            return Err(card.problem(
+                "a weight has no grid points",
+                "the list is weight, components, grid points; a real begins the next weight",
+            ));
+        }
+        if weight < 0.0 {
+            return Err(card.problem(
+                &format!("the weight {weight} is negative"),
+                "weights must be positive",
+            ));
+        }
+        groups.push((ids, weight, parts));
+    }
+    if groups.is_empty() {
+        card.real(4, "WT1")?;
+    }
+    Ok(Kind::Averaging {
+        reference,
+        components,
+        groups,
+    })
+}
+
+/// `RBAR EID GA GB CNA CNB CMA CMB`: six independent freedoms (CN), the others or those named (CM) depend on them.
+fn bar(card: &Card) -> Result<Kind, FileProblem> {
+    let grids = [card.id(1, "GA")?, card.id(2, "GB")?];
+    let part = |i: usize, name: &str| {
+        Ok::<u8, FileProblem>(card.optional_components(i, name)?.unwrap_or(0))
+    };
+    let given = [part(3, "CNA")?, part(4, "CNB")?];
+    let mut following = [part(5, "CMA")?, part(6, "CMB")?];
+    if following == [0, 0] {
+        following = given.map(|components| ALL & !components);
+    }
+    shared(
+        card,
+        grids.into_iter().zip(given).collect(),
+        grids.into_iter().zip(following).collect(),
+    )
+}
+
+/// `RBE1 EID GN1 CN1 GN2 CN2 GN3 CN3 / … / UM GM1 CM1 …`: six independent freedoms before `UM`, dependent ones behind it.
+fn general(card: &Card) -> Result<Kind, FileProblem> {
+    let (mut given, mut following) = (Vec::new(), Vec::new());
+    let mut behind = false;
+    let mut i = 1;
+    while i < card.len() && !number::is_real(card.text(i)) && card.text(i) != "ALPHA" {
+        if card.is_blank(i) {
+            i += 1;
+        } else if card.text(i) == "UM" {
+            behind = true;
+            i += 1;
+        } else {
+            let list = if behind { &mut following } else { &mut given };
+            list.push((card.id(i, "G")?, card.components(i + 1, "C")?));
+            i += 2;
+        }
+    }
+    if !behind {
+        return Err(card.problem("\"UM\" is missing", "dependent freedoms follow the word UM"));
+    }
+    shared(card, given, following)
+}
+
+/// A rigid element of the given independent and dependent freedoms: a spider where all independent ones are at one grid point.
+fn shared(
+    card: &Card,
+    mut given: Vec<(u64, u8)>,
+    mut following: Vec<(u64, u8)>,
+) -> Result<Kind, FileProblem> {
+    given.retain(|(_, components)| *components != 0);
+    following.retain(|(_, components)| *components != 0);
+    if let [(independent, ALL)] = *given.as_slice() {
+        following.retain(|(grid, _)| *grid != independent);
+        return Ok(Kind::Rigid {
+            independent,
+            dependent: following
+                .into_iter()
+                .map(|(grid, components)| (Ids::one(grid), components))
+                .collect(),
+        });
+    }
+    let count: u32 = given
+        .iter()
+        .map(|(_, components)| components.count_ones())
+        .sum();
+    if count != 6 {
+        return Err(card.problem(
+            &format!("{count} independent freedoms instead of six"),
+            "give 123456 at one grid point, or six freedoms that hold a rigid body",
+        ));
+    }
+    Ok(Kind::Shared {
+        independent: given,
+        dependent: following,
+    })
+}
+
+/// `MPC SID G1 C1 A1 G2 C2 A2 blank / blank G3 C3 A3 …`.
+fn equation(card: &Card) -> Result<Kind, FileProblem> {
+    let mut terms = Vec::new();
+    for line in 0..card.len().div_ceil(8) {
+        for i in [8 * line + 1, 8 * line + 4] {
+            if card.is_blank(i) && card.is_blank(i + 2) {
+                continue;
+            }
+            terms.push((
+                card.id(i, "G")?,
+                card.freedom(i + 1, "C")?,
+                card.real(i + 2, "A")?,
+            ));
+        }
+    }
+    match terms.first() {
+        Some((_, _, coefficient)) if *coefficient != 0.0 => Ok(Kind::Equation(terms)),
+        _ => Err(card.problem(
+            "the first coefficient is zero or missing",
+            "the first freedom is the one that depends on the others",
+        )),
+    }
+}

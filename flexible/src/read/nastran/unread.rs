@@ -1,0 +1,87 @@
+//! What a deck holds and a mesh does not, and what is lost with it.
+
+use std::collections::BTreeMap;
+
+use super::lines::At;
+use crate::mesh::{Carries, Unread};
+
+/// Counts what was not read.
+#[derive(Debug, Default)]
+pub(super) struct UnreadCards {
+    cards: BTreeMap<String, Unread>,
+}
+
+impl UnreadCards {
+    /// Counts a card that isn't read at all.
+    pub fn card(&mut self, name: &str, at: &At) {
+        self.note(name, at, carries(name));
+    }
+
+    /// Counts something of which a part isn't read.
+    pub fn note(&mut self, name: &str, at: &At, carries: Carries) {
+        self.cards
+            .entry(name.to_string())
+            .or_insert_with(|| Unread {
+                name: name.to_string(),
+                count: 0,
+                first: (at.file.to_string(), at.line),
+                carries,
+            })
+            .count += 1;
+    }
+
+    /// All, by name.
+    pub fn into_list(self) -> Vec<Unread> {
+        self.cards.into_values().collect()
+    }
+}
+
+/// Cards of mass, stiffness or constraint. Properties and materials stand here only where their elements are read without them.
+const STRUCTURE: &[&str] = &[
+    "AELINK", "BCBODY", "BCONP", "BCTABLE", "BCTADD", "BCTSET", "BGADD", "BGSET", "CACINF3",
+    "CACINF4", "CBEAM3", "CBEND", "CBUSH", "CBUSH1D", "CBUSH2D", "CELAS3", "CELAS4", "CFAST",
+    "CGAP", "CHACAB", "CHACBR", "CMASS1", "CMASS3", "CMASS4", "CNGRET", "CONV", "CPLSTN3",
+    "CPLSTN4", "CPLSTN6", "CPLSTN8", "CPLSTS3", "CPLSTS4", "CPLSTS6", "CPLSTS8", "CQUAD", "CQUADX",
+    "CRAC2D", "CRAC3D", "CSEAM", "CSHEAR", "CSUPEXT", "CTRAX3", "CTRAX6", "CTRIAX", "CTRIAX6",
+    "CQUADX4", "CQUADX8", "CWELD", "DMIG", "DMIAX", "EBDADD", "EBDSET", "GENEL", "GMBC", "GMSPC",
+    "MATT1", "MATT9", "NSM", "NSM1", "NSMADD", "NSML", "NSML1", "PBUSH", "PBUSH1D", "PCOMP",
+    "PCOMPG", "PGAP", "PMASS", "PSHEAR", "RBE1", "RJOINT", "RROD", "RSPLINE", "RSSCON", "RTRPLT",
+    "RTRPLT1", "SEBNDRY", "SEBULK", "SECONCT", "SEELT", "SEEXCLD", "SELABEL", "SELOC", "SEMPLN",
+    "SESET", "SETREE", "SNORM", "SPCOFF", "SPCOFF1", "CBARAO",
+];
+
+/// Cards of loads, requests and solution methods. A name ending in `.` stands for all names that begin so.
+const NOTHING: &[&str] = &[
+    "ACCEL", "ACCEL1", "AECOMP", "AEFACT", "AELIST", "AEPARM", "AERO", "AEROS", "AESTAT", "AESURF",
+    "AESURFS", "AEFORCE", "AEPRESS", "ASSIGN", "BCPROP", "BCPROPS", "BLSEG", "BSURF", "BSURFS",
+    "CAERO.", "CLOAD", "CSSCHD", "CYJOIN", "CYSYM", "DAREA", "DCONADD", "DCONSTR", "DEFORM",
+    "DELAY", "DESVAR", "DEQATN", "DIVERG", "DLINK", "DLOAD", "DMI", "DOPTPRM", "DPHASE", "DRESP.",
+    "DSCREEN", "DTABLE", "DTI", "DVCREL.", "DVGRID", "DVMREL.", "DVPREL.", "ECHOOFF", "ECHOON",
+    "EIGB", "EIGC", "EIGR", "EIGRL", "FLFACT", "FLUTTER", "FORCE", "FORCE1", "FORCE2", "FREQ",
+    "FREQ.", "GRAV", "GUST", "LOAD", "LSEQ", "MAT4", "MAT5", "MDLPRM", "MKAERO.", "MOMENT",
+    "MOMENT1", "MOMENT2", "MONPNT.", "NLPARM", "NLPCI", "OMIT", "OMIT1", "PAERO.", "PAERO",
+    "PLOAD", "PLOAD.", "PLOTEL", "PLOTEL.", "POINT", "QBDY.", "QSET", "QSET1", "QVOL", "RANDPS",
+    "RANDT1", "RFORCE", "RFORCE1", "RLOAD.", "SET2", "SLOAD", "SPCD", "SPLINE.", "STAT", "SUPAX",
+    "SUPORT", "SUPORT1", "TABDMP1", "TABLE3D", "TABLED.", "TABLEM.", "TABLES1", "TABLEST",
+    "TABRND1", "TEMP", "TEMPD", "TEMPP.", "TEMPRB", "TEMPBC", "TF", "TIC", "TLOAD.", "TRIM",
+    "TSTEP", "TSTEPNL", "USET", "USET1", "MATS1", "MAT2", "MAT3", "MAT8", "MAT9", "MAT10", "MAT11",
+    "VIEW", "VIEW3D", "RADM", "RADSET", "PSET", "PVAL", "BNDFIX", "BNDFIX1", "BNDFREE", "BNDFREE1",
+    "OUTPUT", "PARAM", "DCONSTR", "TOPVAR", "NLSTEP", "TABRNDG", "BCPARA", "BCTPARA", "BCRPARA",
+    "DDVAL", "DSC", "SPCSET",
+];
+
+/// What a card carries, by its name.
+fn carries(name: &str) -> Carries {
+    if STRUCTURE.contains(&name) {
+        return Carries::Structure;
+    }
+    let harmless = NOTHING.iter().any(|known| match known.strip_suffix('.') {
+        Some(start) => name.starts_with(start),
+        None => name == *known,
+    });
+    if harmless {
+        Carries::Nothing
+    } else {
+        Carries::Unknown
+    }
+}

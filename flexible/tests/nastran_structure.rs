@@ -1,0 +1,467 @@
+//! Masses, springs, ties, supports, interface and sets of the Nastran reader, by hand.
+
+mod nastran_deck;
+
+use eng_flexible::Place;
+use eng_flexible::mesh::{Carries, Spring, Support, Tie};
+use nastran_deck::*;
+
+/// Six grid points; 6 has an analysis frame with x = y, y = −x.
+const GRIDS: &str = "CORD2R,2,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.
+GRID,1,,1.,0.,0.
+GRID,2,,2.,0.,0.
+GRID,3,,3.,0.,0.
+GRID,4,,4.,0.,0.
+GRID,5,,5.,0.,0.
+GRID,6,,6.,1.,2.,2
+";
+
+fn support(node: u32, components: u8) -> Support {
+    Support { node, components }
+}
+
+#[test]
+fn a_mass_beside_its_node() {
+    let mesh = mesh(&format!(
+        "{GRIDS}CONM2,1,1,,2.,.1,.2,.3,\n,1.,.5,2.,.25,.125,3.\n"
+    ));
+    let matrix = mesh.point_masses[0].matrix;
+    let (m, [x, y, z]) = (2.0, [0.1, 0.2, 0.3]);
+    // products of inertia stand with a minus; Steiner's part about the node
+    let expected = [
+        [m, 0.0, 0.0, 0.0, m * z, -m * y],
+        [0.0, m, 0.0, -m * z, 0.0, m * x],
+        [0.0, 0.0, m, m * y, -m * x, 0.0],
+        [
+            0.0,
+            -m * z,
+            m * y,
+            1.0 + m * (y * y + z * z),
+            -0.5 - m * x * y,
+            -0.25 - m * x * z,
+        ],
+        [
+            m * z,
+            0.0,
+            -m * x,
+            -0.5 - m * x * y,
+            2.0 + m * (x * x + z * z),
+            -0.125 - m * y * z,
+        ],
+        [
+            -m * y,
+            m * x,
+            0.0,
+            -0.25 - m * x * z,
+            -0.125 - m * y * z,
+            3.0 + m * (x * x + y * y),
+        ],
+    ];
+    for (row, expected) in matrix.iter().zip(expected) {
+        for (found, expected) in row.iter().zip(expected) {
+            close(*found, expected, 5.0);
+        }
+    }
+    assert_eq!((mesh.point_masses[0].id, mesh.point_masses[0].node), (1, 0));
+}
+
+#[test]
+fn a_mass_in_other_frames_and_units() {
+    let mesh = mesh(&format!(
+        "{GRIDS}PARAM,WTMASS,.5
+CONM2,1,6,-1,2.,7.,1.,2.
+CONM2,2,1,2,2.,1.,,\n,1.,.5,2.,,,3.
+CONM1,3,1,2,1.,,2.,,,3.\n,4.,,,5.,,,6.
+CMASS2,4,8.,6,1
+"
+    ));
+    // a place in the basic frame: 1 along x from the node
+    let absolute = mesh.point_masses[0].matrix;
+    assert_eq!(
+        (absolute[0][0], absolute[1][5], absolute[2][4]),
+        (1.0, 1.0, -1.0)
+    );
+    assert_eq!(absolute[5][5], 1.0);
+    // x of the system is y: I11 about y, I22 about x, the product changes its sign
+    let turned = mesh.point_masses[1].matrix;
+    close(turned[3][3], 0.5 * (2.0 + 2.0), 5.0);
+    close(turned[4][4], 0.5, 5.0);
+    close(turned[5][5], 0.5 * (3.0 + 2.0), 5.0);
+    close(turned[3][4], 0.25, 5.0);
+    close(turned[0][5], -1.0, 5.0);
+    // M11 2, M22 1 after turning; the lower triangle by rows: M33 is field 9 with M31, M32 before it
+    let whole = mesh.point_masses[2].matrix;
+    close(whole[0][0], 1.0, 5.0);
+    close(whole[1][1], 0.5, 5.0);
+    // the mass at freedom 1 of the analysis frame moves along y
+    let freedom = mesh.point_masses[3].matrix;
+    close(freedom[1][1], 4.0, 5.0);
+    close(freedom[0][0], 0.0, 5.0);
+}
+
+#[test]
+fn the_triangle_of_a_full_mass_matrix() {
+    let values = (1..=21).map(|i| format!("{i}.")).collect::<Vec<_>>();
+    let (first, rest) = values.split_at(5);
+    let (second, third) = rest.split_at(8);
+    let mesh = mesh(&format!(
+        "{GRIDS}CONM1,1,1,,{}\n,{}\n,{}\n",
+        first.join(","),
+        second.join(","),
+        third.join(",")
+    ));
+    let matrix = mesh.point_masses[0].matrix;
+    let lower = (0..6_usize).flat_map(|i| (0..=i).map(move |j| (i, j)));
+    for (number, (i, j)) in (1..=21).zip(lower) {
+        let value = f64::from(number);
+        assert_eq!((matrix[i][j], matrix[j][i]), (value, value));
+    }
+}
+
+#[test]
+fn springs_to_nodes_and_ground() {
+    let mesh = mesh(&format!(
+        "{GRIDS}SPOINT,100
+CELAS2,1,1000.,1,1,2,1
+CELAS2,2,2000.,3,6
+CELAS2,3,3000.,,,4,2
+PELAS,7,4000.,,,8,5000.
+CELAS1,4,7,1,2,2,2
+CELAS1,5,8,6,3
+CELAS2,6,1.,1,1,100
+"
+    ));
+    let spring = |id, stiffness, first, second| Spring {
+        id,
+        stiffness,
+        first,
+        second,
+    };
+    assert_eq!(
+        mesh.springs,
+        [
+            spring(1, 1000.0, (0, 0), Some((1, 0))),
+            spring(2, 2000.0, (2, 5), None),
+            spring(3, 3000.0, (3, 1), None),
+            spring(4, 4000.0, (0, 1), Some((1, 1))),
+            spring(5, 5000.0, (5, 2), None),
+        ]
+    );
+    assert_eq!(
+        unread(&mesh),
+        [("CELAS2 at scalar points", 1, Carries::Structure)]
+    );
+}
+
+#[test]
+fn rigid_spiders() {
+    let mesh = mesh(&format!(
+        "{GRIDS}RBE2,1,1,123,2,3,4,5
+RBE2,2,1,123456,6,1.2-5
+RBE2,3,1,12,2,THRU,5
+RBAR,4,1,2,123456
+RBAR,5,1,2,,123456,123
+RBAR1,6,1,2,12
+RBE1,7,1,123456\n,UM,2,123,3,456
+RBE2,8,1,123,2,3,4,5,+\n+,6,.1
+"
+    ));
+    let rigid = |id, independent, dependent: &[(u32, u8)]| Tie::Rigid {
+        id,
+        independent,
+        dependent: dependent.to_vec(),
+    };
+    assert_eq!(
+        mesh.ties,
+        [
+            rigid(1, 0, &[(1, 7), (2, 7), (3, 7), (4, 7)]),
+            rigid(2, 0, &[(5, 63)]),
+            rigid(3, 0, &[(1, 3), (2, 3), (3, 3), (4, 3)]),
+            rigid(4, 0, &[(1, 63)]),
+            rigid(5, 1, &[(0, 7)]),
+            rigid(6, 0, &[(1, 3)]),
+            rigid(7, 0, &[(1, 7), (2, 56)]),
+            rigid(8, 0, &[(1, 7), (2, 7), (3, 7), (4, 7), (5, 7)]),
+        ]
+    );
+}
+
+#[test]
+fn rigid_elements_with_shared_freedoms() {
+    // 1 at (1, 0, 0), 6 at (6, 1, 2) with x = y, y = −x: 1 gives the translations, 6 the rotations about its axes
+    let mesh = mesh(&format!(
+        "{GRIDS}RBAR,1,1,6,123,456\nRBE1,2,1,123,6,456\n,UM,6,12\n"
+    ));
+    // θ = (−θ₅, θ₄, θ₆) in basic axes, d = (5, 1, 2): u = θ × d
+    let expected = |freedom: u8| match freedom {
+        // along basic y: θz dx − θx dz
+        0 => vec![(5, 0, 1.0), (0, 1, -1.0), (5, 4, -2.0), (5, 5, -5.0)],
+        // along −x: −(θy dz − θz dy)
+        1 => vec![(5, 1, 1.0), (0, 0, 1.0), (5, 3, 2.0), (5, 5, -1.0)],
+        // along z: θx dy − θy dx
+        _ => vec![(5, 2, 1.0), (0, 2, -1.0), (5, 3, 5.0), (5, 4, 1.0)],
+    };
+    let mut found = mesh.ties.iter().map(|tie| match tie {
+        Tie::Equation { id, terms } => {
+            let mut sorted = terms.clone();
+            sorted[1..].sort_by_key(|(node, freedom, _)| (*node, *freedom));
+            (*id, sorted)
+        }
+        other => panic!("{other:?}"),
+    });
+    let mut equation = |id: u64, terms: Vec<(u32, u8, f64)>| {
+        let (found_id, found) = found.next().expect("an equation");
+        assert_eq!((found_id, found.len()), (id, terms.len()), "{found:?}");
+        for ((node, freedom, value), expected) in found.into_iter().zip(terms) {
+            assert_eq!((node, freedom), (expected.0, expected.1));
+            close(value, expected.2, 10.0);
+        }
+    };
+    // the dependent rotations of 1 come first: about x, y, z
+    equation(1, vec![(0, 3, 1.0), (5, 4, 1.0)]);
+    equation(1, vec![(0, 4, 1.0), (5, 3, -1.0)]);
+    equation(1, vec![(0, 5, 1.0), (5, 5, -1.0)]);
+    for freedom in 0..3 {
+        equation(1, expected(freedom));
+    }
+    equation(2, expected(0));
+    equation(2, expected(1));
+    assert_eq!(mesh.ties.len(), 8);
+}
+
+#[test]
+fn averaging_spiders() {
+    let mesh = mesh(&format!(
+        "{GRIDS}RBE3,1,,6,123456,1.0,123,1,2\n,3,2.5,12,4,5
+RBE3,2,,6,123,1,123,1,THRU\n,3,UM,1,123,ALPHA,1.-5
+RBE3           3               5  123456      1.     123       1       2
+"
+    ));
+    assert_eq!(
+        mesh.ties,
+        [
+            Tie::Averaging {
+                id: 1,
+                reference: 5,
+                reference_components: 63,
+                independent: vec![
+                    (0, 1.0, 7),
+                    (1, 1.0, 7),
+                    (2, 1.0, 7),
+                    (3, 2.5, 3),
+                    (4, 2.5, 3)
+                ],
+            },
+            Tie::Averaging {
+                id: 2,
+                reference: 5,
+                reference_components: 7,
+                independent: vec![(0, 1.0, 7), (1, 1.0, 7), (2, 1.0, 7)],
+            },
+            Tie::Averaging {
+                id: 3,
+                reference: 4,
+                reference_components: 63,
+                independent: vec![(0, 1.0, 7), (1, 1.0, 7)],
+            },
+        ]
+    );
+}
+
+#[test]
+fn equations() {
+    let deck = format!(
+        "{GRIDS}MPC,1,1,1,1.,2,1,-1.
+MPC,2,1,2,1.,2,2,-.5,\n,,3,2,-.5,4,3,.25
+MPCADD,9,2
+SPOINT,77
+MPC,2,3,3,1.,77,0,1.
+"
+    );
+    let all = mesh(&deck);
+    let first = Tie::Equation {
+        id: 1,
+        terms: vec![(0, 0, 1.0), (1, 0, -1.0)],
+    };
+    let second = Tie::Equation {
+        id: 2,
+        terms: vec![(0, 1, 1.0), (1, 1, -0.5), (2, 1, -0.5), (3, 2, 0.25)],
+    };
+    assert_eq!(all.ties, [first, second.clone()]);
+    assert_eq!(
+        unread(&all),
+        [("MPC with scalar points", 1, Carries::Structure)]
+    );
+    let selected = mesh(&format!("CEND\nMPC = 9\nBEGIN BULK\n{deck}"));
+    assert_eq!(selected.ties, [second]);
+}
+
+#[test]
+fn ties_that_cannot_be() {
+    for (card, message) in [
+        (
+            "RBE2,1,9,123,2",
+            "RBE2 1 uses grid point 9, which is missing",
+        ),
+        (
+            "RBE2,1,1,123,99",
+            "RBE2 1 uses grid point 99, which is missing",
+        ),
+        ("RBE2,1,1,123", "ends before its field GM1"),
+        ("RBE2,1,1,128,2", "field CM is \"128\", not freedoms 1 to 6"),
+        ("RBE2,1,1,123,5,THRU,2", "THRU 2 has no lower number"),
+        ("RBE3,1,,6,123", "ends before its field WT1"),
+        ("RBE3,1,,6,123,1.,123", "a weight has no grid points"),
+        ("RBE3,1,,6,123,-1.,123,1,2", "the weight -1 is negative"),
+        (
+            "RBAR,1,1,2,123,123",
+            "RBAR 1: its independent freedoms leave a rigid motion free",
+        ),
+        ("RBAR,1,1,2,123,45", "5 independent freedoms instead of six"),
+        ("RBE1,1,1,123,2,456", "\"UM\" is missing"),
+        ("MPC,1,1,1,0.,2,1,1.", "the first coefficient is zero"),
+        ("MPC,1,1,,1.,2,1,1.", "no freedom named at grid point 1"),
+        (
+            "RBE2,1,1,123,2\nRBE3,1,,6,123,1.,123,1,2",
+            "rigid element 1 is there twice",
+        ),
+        ("CELAS2,1,1.", "the spring is held nowhere"),
+        ("CELAS2,1,1.,1,,2,1", "no freedom named at grid point 1"),
+        (
+            "CELAS1,1,5,1,1",
+            "spring 1 uses property 5, which is missing",
+        ),
+        (
+            "CONM2,1,9,,1.",
+            "mass 1 uses grid point 9, which is missing",
+        ),
+        (
+            "CONM2,1,1,9,1.",
+            "mass 1 uses coordinate system 9, which is missing",
+        ),
+        ("CONM2,1,1,,1.\nCONM2,1,2,,1.", "mass 1 is there twice"),
+    ] {
+        let found = problem(&format!("{GRIDS}{card}\n"));
+        assert!(matches!(found.place, Place::Line(9 | 10)), "{found}");
+        assert!(found.problem.contains(message), "{found}");
+        assert!(!found.advice.is_empty());
+    }
+}
+
+#[test]
+fn supports_of_all_sets_or_the_selected_one() {
+    let deck = format!(
+        "{GRIDS}GRID,7,,7.,0.,0.,,56
+SPC,1,1,12,,2,3
+SPC,1,2,6,.01
+SPC1,2,123,3,4
+SPC1,3,4,1,THRU,4
+SPC,3,2202,0,0.
+SPCADD,8,2,3
+"
+    );
+    let all = mesh(&deck);
+    assert_eq!(
+        all.supports,
+        [
+            support(0, 0b1011),
+            support(1, 0b10_1100),
+            support(2, 0b1111),
+            support(3, 0b1111),
+            support(6, 0b11_0000),
+        ]
+    );
+    assert_eq!(unread(&all), [("SPC displacement", 1, Carries::Nothing)]);
+    let control = |line: &str| format!("SOL 103\nCEND\n{line}\nBEGIN BULK\n{deck}");
+    let one = mesh(&control("SPC = 1"));
+    assert_eq!(
+        one.supports,
+        [
+            support(0, 0b0011),
+            support(1, 0b10_0100),
+            support(6, 0b11_0000)
+        ]
+    );
+    let sum = mesh(&control("SUBCASE 1\n  SPC=8"));
+    assert_eq!(
+        sum.supports,
+        [
+            support(0, 0b1000),
+            support(1, 0b1000),
+            support(2, 0b1111),
+            support(3, 0b1111),
+            support(6, 0b11_0000)
+        ]
+    );
+    assert!(unread(&sum).contains(&("SPC of sets not selected", 2, Carries::Nothing)));
+    let none = mesh(&control("TITLE = free"));
+    assert_eq!(none.supports, all.supports);
+}
+
+#[test]
+fn interface_freedoms() {
+    let mesh = mesh(&format!(
+        "{GRIDS}SPOINT,1001,THRU,1010
+ASET,1,123,2,456
+ASET1,123456,3,5
+BSET1,1,4,THRU,6
+ASET1,,1001,THRU,1010
+QSET1,,1001,THRU,1010
+"
+    ));
+    assert_eq!(
+        mesh.interface,
+        [
+            support(0, 7),
+            support(1, 56),
+            support(2, 63),
+            support(3, 1),
+            support(4, 63),
+            support(5, 1),
+        ]
+    );
+    assert_eq!(mesh.supports, []);
+    let found = problem(&format!("{GRIDS}ASET1,123,1,99\n"));
+    assert!(
+        found
+            .problem
+            .contains("ASET1 card uses grid point 99, which is missing"),
+        "{found}"
+    );
+    let found = problem(&format!("{GRIDS}ASET1,,1\n"));
+    assert!(found.problem.contains("no freedoms are named"), "{found}");
+}
+
+#[test]
+fn sets() {
+    let mesh = mesh(&format!(
+        "{GRIDS}PSOLID,1,1
+PSOLID,2,1
+MAT1,1,1.,,.3
+CTETRA,101,1,1,2,3,6
+CTETRA,102,2,2,3,4,6
+CTETRA,103,2,3,4,5,6
+SET1,1,5,1,3
+SET1,2,2,THRU,99
+SET1,3,102,103
+SET3,4,ELEM,101,THRU,103,EXCEPT,102
+SET3,5,PROP,2
+SET3,6,GRID,1,THRU,6,BY,2
+SET1,7,1,98
+"
+    ));
+    assert_eq!(set_ids(&mesh, "set:1"), [1, 3, 5]);
+    assert_eq!(set_ids(&mesh, "set:2"), [2, 3, 4, 5, 6]);
+    assert_eq!(set(&mesh, "set:3").elements, [1, 2]);
+    assert_eq!(set_ids(&mesh, "set:3"), [2, 3, 4, 5, 6]);
+    assert_eq!(set(&mesh, "set:4").elements, [0, 2]);
+    assert_eq!(set(&mesh, "set:5").elements, [1, 2]);
+    assert_eq!(set_ids(&mesh, "set:6"), [1, 3, 5]);
+    assert_eq!(set_ids(&mesh, "set:7"), [1]);
+    assert_eq!(set_ids(&mesh, "pid:1"), [1, 2, 3, 6]);
+    assert_eq!(set(&mesh, "pid:2"), set(&mesh, "set:5"));
+    assert_eq!(
+        unread(&mesh),
+        [("SET members that are missing", 1, Carries::Nothing)]
+    );
+}

@@ -1,0 +1,432 @@
+//! The floating frame of a flexible body: inertia of its modes, and what they do to markers.
+//!
+//! With the constants of [`Invariants`], `a` the amplitudes and `S(a) = Σ m s + P a`, the kinetic energy in body axes is
+//!
+//! ```text
+//! T = ½ m v·v + v·(ω × S + P ȧ) + ½ ω·J(a) ω + ω·B(a) ȧ + ½ ȧ·m_ff ȧ
+//! J(a)_ik = J_ik + (D_k a)_i + (D_i a)_k + a·H_ik a        B(a)_k = C_k + (G_k a)ᵀ
+//! ```
+//!
+//! (P, C: momentum and angular momentum of the modal rates; D_k, G_k, H_ik: [`Invariants`]). The equations are those of Boltzmann
+//! and Hamel for (v, ω, ȧ), so that momentum and energy are kept whatever the mass matrix; v drops out, and with
+//! `β = Aᵀ(r̈ − g)`:
+//!
+//! ```text
+//! force  (ground axes)  A (m β + ω̇×S + P ä + ω×(ω×S) + 2 ω×P ȧ)
+//! torque (body axes)    S×β + J ω̇ + B ä + J̇ ω + (ȧ·G_k ȧ)_k + ω×(J ω + B ȧ)
+//! modal                 Pᵀβ + Bᵀω̇ + m_ff ä + Σ ω_k (G_k − G_kᵀ) ȧ − ½ Σ ω_i ω_k ∂J_ik/∂a + k a + c ȧ
+//! ```
+//!
+//! (A. A. Shabana, Dynamics of Multibody Systems, 2013, chapter 5; J. Gerstmayr, A. Zwölfer 2021.) Geometric stiffening is not in it.
+
+use crate::body::{BodyFrame, Weights};
+use crate::rotation::{M3, V3, skew};
+use eng_system::reduced::Invariants;
+use std::sync::Arc;
+
+/// Pairs of axes of the six distinct `H_ik`.
+const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
+
+/// A flexible body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flexible {
+    /// Its constants.
+    pub constants: Arc<Invariants>,
+    first_moment: V3,
+    inertia: M3,
+}
+
+/// What inertia needs of a deformed body.
+#[derive(Clone, Debug)]
+struct Shape {
+    /// S(a).
+    moment: V3,
+    /// J(a).
+    inertia: M3,
+    /// B(a), 3 × n.
+    coupling: Vec<f64>,
+    /// ∂J_ik/∂a for [`PAIRS`], n each.
+    by_shape: [Vec<f64>; 6],
+    /// P ȧ.
+    momentum: V3,
+}
+
+fn rows(block: &[f64], n: usize, x: &[f64]) -> V3 {
+    let row = |i: usize| dot(&block[i * n..(i + 1) * n], x);
+    V3::new(row(0), row(1), row(2))
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `out += factor · M x` for a square block.
+fn add_product(out: &mut [f64], factor: f64, block: &[f64], x: &[f64]) {
+    let n = x.len();
+    for (i, y) in out.iter_mut().enumerate() {
+        *y += factor * dot(&block[i * n..(i + 1) * n], x);
+    }
+}
+
+/// `out += factor · rᵀ M`, M 3 × n.
+fn add_rows(out: &mut [f64], factor: &V3, block: &[f64]) {
+    let n = out.len();
+    for k in 0..3 {
+        for (y, m) in out.iter_mut().zip(&block[k * n..(k + 1) * n]) {
+            *y += factor[k] * m;
+        }
+    }
+}
+
+impl Flexible {
+    /// From its constants.
+    pub fn new(constants: Arc<Invariants>) -> Flexible {
+        let first_moment = V3::from(constants.first_moment);
+        let inertia = M3::from_fn(|i, j| constants.inertia[i][j]);
+        Flexible {
+            constants,
+            first_moment,
+            inertia,
+        }
+    }
+
+    /// Number of modes.
+    pub fn modes(&self) -> usize {
+        self.constants.modes
+    }
+
+    /// Centre of mass of the undeformed body (m).
+    pub fn center(&self) -> V3 {
+        self.first_moment / self.constants.mass
+    }
+
+    /// Inertia of the undeformed body about its frame's origin (kg m²).
+    pub fn undeformed_inertia(&self) -> &M3 {
+        &self.inertia
+    }
+
+    fn shape(&self, a: &[f64], rates: &[f64]) -> Shape {
+        let c = &*self.constants;
+        let n = c.modes;
+        let mut coupling = c.rotation.clone();
+        for (k, block) in c.coriolis.iter().enumerate() {
+            add_product(&mut coupling[k * n..(k + 1) * n], 1.0, block, a);
+        }
+        let mut inertia = self.inertia;
+        let by_shape = std::array::from_fn(|p| {
+            let (i, k) = PAIRS[p];
+            let mut row = vec![0.0; n];
+            add_product(&mut row, 2.0, &c.centrifugal[p], a);
+            let quadratic = 0.5 * dot(&row, a);
+            for (j, x) in row.iter_mut().enumerate() {
+                *x += c.rotation_by_shape[k][i * n + j] + c.rotation_by_shape[i][k * n + j];
+            }
+            let value = dot(&row, a) - quadratic;
+            inertia[(i, k)] += value;
+            if i != k {
+                inertia[(k, i)] += value;
+            }
+            row
+        });
+        Shape {
+            moment: self.first_moment + rows(&c.translation, n, a),
+            inertia,
+            coupling,
+            by_shape,
+            momentum: rows(&c.translation, n, rates),
+        }
+    }
+
+    /// `∂(J x)/∂a`, 3 × n: the rows `Σ_k x_k ∂J_ik/∂a`.
+    fn inertia_by_shape(&self, shape: &Shape, x: &V3) -> Vec<f64> {
+        let n = self.modes();
+        let mut out = vec![0.0; 3 * n];
+        for (p, (i, k)) in PAIRS.into_iter().enumerate() {
+            let mut add = |row: usize, factor: f64| {
+                for (y, j) in out[row * n..(row + 1) * n]
+                    .iter_mut()
+                    .zip(&shape.by_shape[p])
+                {
+                    *y += factor * j;
+                }
+            };
+            add(i, x[k]);
+            if i != k {
+                add(k, x[i]);
+            }
+        }
+        out
+    }
+
+    /// `J̇` at the rates.
+    fn inertia_rate(shape: &Shape, rates: &[f64]) -> M3 {
+        let mut out = M3::zeros();
+        for (p, (i, k)) in PAIRS.into_iter().enumerate() {
+            let value = dot(&shape.by_shape[p], rates);
+            out[(i, k)] = value;
+            out[(k, i)] = value;
+        }
+        out
+    }
+
+    /// Adds inertia, gravity, stiffness and damping: see the head of this module. `v` are (ṙ, ω, ȧ), `rate` their rates.
+    pub fn add_inertia(
+        &self,
+        frame: &BodyFrame,
+        v: &[f64],
+        rate: &[f64],
+        gravity: &V3,
+        out: &mut [f64],
+    ) {
+        let (c, a) = (&*self.constants, frame.amplitudes);
+        let n = c.modes;
+        let (omega, alpha) = (
+            V3::new(v[3], v[4], v[5]),
+            V3::new(rate[3], rate[4], rate[5]),
+        );
+        let (rates, second) = (&v[6..6 + n], &rate[6..6 + n]);
+        let shape = self.shape(a, rates);
+        let acceleration = V3::new(rate[0], rate[1], rate[2]) - gravity;
+        let beta = frame.rotation.transpose() * acceleration;
+        let bent = alpha.cross(&shape.moment)
+            + rows(&c.translation, n, second)
+            + omega.cross(&omega.cross(&shape.moment))
+            + omega.cross(&shape.momentum) * 2.0;
+        let force = acceleration * c.mass + frame.rotation * bent;
+        let internal = shape.inertia * omega + rows(&shape.coupling, n, rates);
+        let mut torque = shape.moment.cross(&beta)
+            + shape.inertia * alpha
+            + rows(&shape.coupling, n, second)
+            + Self::inertia_rate(&shape, rates) * omega
+            + omega.cross(&internal);
+        let mut scratch = vec![0.0; n];
+        for k in 0..3 {
+            scratch.fill(0.0);
+            add_product(&mut scratch, 1.0, &c.coriolis[k], rates);
+            torque[k] += dot(&scratch, rates);
+            for (y, g) in out[6..6 + n].iter_mut().zip(&scratch) {
+                *y += omega[k] * g;
+            }
+            // − ω_k G_kᵀ ȧ
+            for (j, rate) in rates.iter().enumerate() {
+                for (i, y) in out[6..6 + n].iter_mut().enumerate() {
+                    *y -= omega[k] * c.coriolis[k][j * n + i] * rate;
+                }
+            }
+        }
+        for i in 0..3 {
+            out[i] += force[i];
+            out[3 + i] += torque[i];
+        }
+        let modal = &mut out[6..6 + n];
+        add_rows(modal, &beta, &c.translation);
+        add_rows(modal, &alpha, &shape.coupling);
+        add_product(modal, 1.0, &c.modal_mass, second);
+        for (p, (i, k)) in PAIRS.into_iter().enumerate() {
+            let factor = if i == k { 0.5 } else { 1.0 } * omega[i] * omega[k];
+            for (y, j) in modal.iter_mut().zip(&shape.by_shape[p]) {
+                *y -= factor * j;
+            }
+        }
+        add_product(modal, 1.0, &c.stiffness, a);
+        add_product(modal, 1.0, &c.damping, rates);
+    }
+
+    /// Adds the mass matrix, row-major width × width.
+    pub fn add_mass(&self, frame: &BodyFrame, factor: f64, out: &mut [f64]) {
+        let c = &*self.constants;
+        let n = c.modes;
+        let width = 6 + n;
+        let shape = self.shape(frame.amplitudes, &vec![0.0; n]);
+        let cross = frame.rotation * skew(&shape.moment) * factor;
+        for i in 0..3 {
+            out[i * width + i] += factor * c.mass;
+            for j in 0..3 {
+                out[i * width + 3 + j] -= cross[(i, j)];
+                out[(3 + j) * width + i] -= cross[(i, j)];
+                out[(3 + i) * width + 3 + j] += factor * shape.inertia[(i, j)];
+            }
+            for j in 0..n {
+                let momentum: f64 = (0..3)
+                    .map(|k| frame.rotation[(i, k)] * c.translation[k * n + j])
+                    .sum();
+                out[i * width + 6 + j] += factor * momentum;
+                out[(6 + j) * width + i] += factor * momentum;
+                let angular = factor * shape.coupling[i * n + j];
+                out[(3 + i) * width + 6 + j] += angular;
+                out[(6 + j) * width + 3 + i] += angular;
+            }
+        }
+        for i in 0..n {
+            for j in 0..n {
+                out[(6 + i) * width + 6 + j] += factor * c.modal_mass[i * n + j];
+            }
+        }
+    }
+
+    /// Adds the derivative of [`Flexible::add_inertia`] along the step's unknown; see
+    /// [`crate::body::BodyModel::add_inertia_matrix`].
+    #[allow(clippy::too_many_arguments)]
+    pub fn add_inertia_matrix(
+        &self,
+        frame: &BodyFrame,
+        v: &[f64],
+        rate: &[f64],
+        gravity: &V3,
+        weights: Weights,
+        turn: &M3,
+        out: &mut [f64],
+    ) {
+        let (c, a) = (&*self.constants, frame.amplitudes);
+        let n = c.modes;
+        let width = 6 + n;
+        let (omega, alpha) = (
+            V3::new(v[3], v[4], v[5]),
+            V3::new(rate[3], rate[4], rate[5]),
+        );
+        let (rates, second) = (&v[6..6 + n], &rate[6..6 + n]);
+        let shape = self.shape(a, rates);
+        let acceleration = V3::new(rate[0], rate[1], rate[2]) - gravity;
+        let rotation = &frame.rotation;
+        let beta = rotation.transpose() * acceleration;
+        self.add_mass(frame, weights.acceleration, out);
+        let speed = weights.velocity;
+        let mut put = |row: usize, column: usize, block: &M3| {
+            for i in 0..3 {
+                for j in 0..3 {
+                    out[(row + i) * width + column + j] += block[(i, j)];
+                }
+            }
+        };
+        let w = skew(&omega);
+        let bent = alpha.cross(&shape.moment)
+            + rows(&c.translation, n, second)
+            + omega.cross(&omega.cross(&shape.moment))
+            + omega.cross(&shape.momentum) * 2.0;
+        let force_by_omega = (skew(&omega.cross(&shape.moment))
+            + w * skew(&shape.moment)
+            + skew(&shape.momentum) * 2.0)
+            * (-speed);
+        put(0, 3, &(rotation * (force_by_omega - skew(&bent) * turn)));
+        let internal = shape.inertia * omega + rows(&shape.coupling, n, rates);
+        let inertia_rate = Self::inertia_rate(&shape, rates);
+        let torque_by_omega = (inertia_rate + w * shape.inertia - skew(&internal)) * speed;
+        put(
+            3,
+            3,
+            &(torque_by_omega + skew(&shape.moment) * skew(&beta) * turn),
+        );
+
+        // force by a and ȧ: A (ω̇~ + ω~ω~ + 2 ω~ d/dt) P
+        let by_rate = w * (2.0 * speed) + skew(&alpha) + w * w;
+        let by_rate = rotation * by_rate;
+        for i in 0..3 {
+            for j in 0..n {
+                let x: f64 = (0..3)
+                    .map(|k| by_rate[(i, k)] * c.translation[k * n + j])
+                    .sum();
+                out[i * width + 6 + j] += x;
+            }
+        }
+        // torque by a and ȧ
+        let along_alpha = self.inertia_by_shape(&shape, &alpha);
+        let along_omega = self.inertia_by_shape(&shape, &omega);
+        let mut by_rates = along_omega.clone(); // ∂(J̇ω)/∂ȧ
+        let mut by_shape = along_alpha;
+        let mut turned = vec![0.0; 3 * n]; // ∂(Jω + Bȧ)/∂a
+        turned.copy_from_slice(&along_omega);
+        for k in 0..3 {
+            let g = &c.coriolis[k];
+            for j in 0..n {
+                let (mut forward, mut back, mut bent_back) = (0.0, 0.0, 0.0);
+                for i in 0..n {
+                    forward += g[j * n + i] * rates[i];
+                    back += g[i * n + j] * rates[i];
+                    bent_back += g[i * n + j] * second[i];
+                }
+                by_rates[k * n + j] += forward + back;
+                turned[k * n + j] += back;
+                by_shape[k * n + j] += bent_back;
+            }
+        }
+        // ∂(J̇ω)/∂a: rows Σ_k ω_k 2 H_ik ȧ
+        let mut product = vec![0.0; n];
+        for (p, (i, k)) in PAIRS.into_iter().enumerate() {
+            product.fill(0.0);
+            add_product(&mut product, 2.0, &c.centrifugal[p], rates);
+            for (j, x) in product.iter().enumerate() {
+                by_shape[i * n + j] += omega[k] * x;
+                if i != k {
+                    by_shape[k * n + j] += omega[i] * x;
+                }
+            }
+        }
+        let beta_cross = skew(&beta);
+        for i in 0..3 {
+            for j in 0..n {
+                let mut x = by_shape[i * n + j] + speed * by_rates[i * n + j];
+                for k in 0..3 {
+                    x += w[(i, k)] * (turned[k * n + j] + speed * shape.coupling[k * n + j])
+                        - beta_cross[(i, k)] * c.translation[k * n + j];
+                }
+                out[(3 + i) * width + 6 + j] += x;
+            }
+        }
+        // modal by the frame's turn and ω
+        let by_turn = beta_cross * turn;
+        for (row, line) in out[6 * width..].chunks_exact_mut(width).enumerate() {
+            for i in 0..3 {
+                let mut x = -speed * along_omega[i * n + row];
+                for k in 0..3 {
+                    x += c.translation[k * n + row] * by_turn[(k, i)];
+                }
+                let g = &c.coriolis[i];
+                let coriolis: f64 = (0..n)
+                    .map(|j| (g[row * n + j] - g[j * n + row]) * rates[j])
+                    .sum();
+                line[3 + i] += x + speed * coriolis;
+            }
+        }
+        // modal by a and ȧ
+        for row in 0..n {
+            let line = &mut out[(6 + row) * width + 6..(7 + row) * width];
+            for (j, y) in line.iter_mut().enumerate() {
+                let at = row * n + j;
+                let mut x = c.stiffness[at] + speed * c.damping[at];
+                for k in 0..3 {
+                    let g = &c.coriolis[k];
+                    x += alpha[k] * g[at] + speed * omega[k] * (g[at] - g[j * n + row]);
+                }
+                for (p, (i, k)) in PAIRS.into_iter().enumerate() {
+                    let factor = if i == k { 1.0 } else { 2.0 } * omega[i] * omega[k];
+                    x -= factor * c.centrifugal[p][at];
+                }
+                *y += x;
+            }
+        }
+    }
+
+    /// Kinetic energy, potential of gravity (zero at the inertial origin), strain energy (J), power lost in damping (W).
+    pub fn energy(&self, frame: &BodyFrame, v: &[f64], gravity: &V3) -> [f64; 4] {
+        let (c, a) = (&*self.constants, frame.amplitudes);
+        let n = c.modes;
+        let omega = V3::new(v[3], v[4], v[5]);
+        let rates = &v[6..6 + n];
+        let shape = self.shape(a, rates);
+        let velocity = V3::new(v[0], v[1], v[2]);
+        let momentum = frame.rotation * (omega.cross(&shape.moment) + shape.momentum);
+        let mut product = vec![0.0; n];
+        add_product(&mut product, 0.5, &c.modal_mass, rates);
+        let kinetic = 0.5 * c.mass * velocity.norm_squared()
+            + velocity.dot(&momentum)
+            + omega.dot(&(shape.inertia * omega * 0.5 + rows(&shape.coupling, n, rates)))
+            + dot(&product, rates);
+        let gravity = -gravity.dot(&(frame.position * c.mass + frame.rotation * shape.moment));
+        product.fill(0.0);
+        add_product(&mut product, 0.5, &c.stiffness, a);
+        let strain = dot(&product, a);
+        product.fill(0.0);
+        add_product(&mut product, 1.0, &c.damping, rates);
+        [kinetic, gravity, strain, dot(&product, rates)]
+    }
+}

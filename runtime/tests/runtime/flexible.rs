@@ -1,0 +1,596 @@
+//! Flexible bodies against sums over their nodes, against rigid ones, and against conservation laws.
+
+use crate::jacobian;
+use crate::support::classes::*;
+use crate::support::*;
+use eng_runtime::body::{BodyFrame, Weights};
+use eng_runtime::flexible::Flexible;
+use eng_runtime::{Options, Simulation};
+use eng_system::code::Compiled;
+use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
+use eng_system::system::{Role, StepControl};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use std::sync::Arc;
+
+/// Numbers in −1…1, always the same.
+struct Draw(u64);
+
+impl Draw {
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+    fn vector(&mut self) -> Vector3<f64> {
+        Vector3::new(self.next(), self.next(), self.next())
+    }
+}
+
+fn skew(v: &Vector3<f64>) -> Matrix3<f64> {
+    v.cross_matrix()
+}
+
+/// A structure of nodes with three translations and three rotations each (all translations first).
+struct Nodes {
+    places: Vec<Vector3<f64>>,
+    mass: DMatrix<f64>,
+    shapes: DMatrix<f64>,
+}
+
+impl Nodes {
+    /// A coupled, positive definite nodal mass, alike in x, y and z; rotary inertia where asked for.
+    fn new(count: usize, modes: usize, rotary: f64, draw: &mut Draw) -> Nodes {
+        let places = (0..count)
+            .map(|_| {
+                draw.vector().component_mul(&Vector3::new(0.4, 0.2, 0.3))
+                    + Vector3::new(0.1, 0.05, -0.02)
+            })
+            .collect();
+        let root = DMatrix::from_fn(count, count, |i, j| {
+            0.1 * draw.next() + if i == j { 0.6 } else { 0.0 }
+        });
+        let scalar = &root * root.transpose();
+        let size = 6 * count;
+        let mut mass = DMatrix::zeros(size, size);
+        for i in 0..count {
+            for j in 0..count {
+                for k in 0..3 {
+                    mass[(3 * i + k, 3 * j + k)] = scalar[(i, j)];
+                }
+            }
+            let r = Matrix3::from_fn(|_, _| draw.next());
+            let block = r * r.transpose() * rotary;
+            for k in 0..3 {
+                for l in 0..3 {
+                    mass[(3 * (count + i) + k, 3 * (count + i) + l)] = block[(k, l)];
+                }
+            }
+        }
+        let shapes = DMatrix::from_fn(size, modes, |i, _| {
+            draw.next() * if i < 3 * count { 0.3 } else { 0.8 }
+        });
+        Nodes {
+            places,
+            mass,
+            shapes,
+        }
+    }
+
+    fn turn(&self, axis: &Vector3<f64>) -> DMatrix<f64> {
+        let nodes = 2 * self.places.len();
+        let mut e = DMatrix::zeros(3 * nodes, 3 * nodes);
+        for i in 0..nodes {
+            e.view_mut((3 * i, 3 * i), (3, 3)).copy_from(&skew(axis));
+        }
+        e
+    }
+
+    fn rigid(&self) -> (DMatrix<f64>, DMatrix<f64>) {
+        let n = self.places.len();
+        let (mut t, mut r) = (DMatrix::zeros(6 * n, 3), DMatrix::zeros(6 * n, 3));
+        for (i, place) in self.places.iter().enumerate() {
+            t.view_mut((3 * i, 0), (3, 3))
+                .copy_from(&Matrix3::identity());
+            r.view_mut((3 * i, 0), (3, 3)).copy_from(&-skew(place));
+            r.view_mut((3 * (n + i), 0), (3, 3))
+                .copy_from(&Matrix3::identity());
+        }
+        (t, r)
+    }
+
+    /// The constants by their definitions.
+    fn invariants(&self, stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Invariants {
+        let flat = |m: &DMatrix<f64>| -> Vec<f64> { m.transpose().as_slice().to_vec() };
+        let (t, r) = self.rigid();
+        let e: Vec<_> = (0..3).map(|k| self.turn(&Vector3::ith(k, 1.0))).collect();
+        let turned: Vec<_> = e.iter().map(|e| e * &self.shapes).collect();
+        let rigid = t.transpose() * &self.mass * &t;
+        let moment = r.transpose() * &self.mass * &t; // Σ m s~
+        let inertia = r.transpose() * &self.mass * &r;
+        let centrifugal = |j: usize, k: usize| {
+            let h = turned[j].transpose() * &self.mass * &turned[k];
+            flat(&((&h + h.transpose()) * 0.5))
+        };
+        Invariants {
+            modes: self.shapes.ncols(),
+            mass: rigid[(0, 0)],
+            first_moment: [moment[(2, 1)], moment[(0, 2)], moment[(1, 0)]],
+            inertia: std::array::from_fn(|i| std::array::from_fn(|j| inertia[(i, j)])),
+            translation: flat(&(t.transpose() * &self.mass * &self.shapes)),
+            rotation: flat(&(r.transpose() * &self.mass * &self.shapes)),
+            rotation_by_shape: std::array::from_fn(|k| {
+                flat(&(r.transpose() * &self.mass * &turned[k]))
+            }),
+            coriolis: std::array::from_fn(|k| {
+                flat(&(self.shapes.transpose() * &self.mass * &turned[k]))
+            }),
+            centrifugal: [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)]
+                .map(|(j, k)| centrifugal(j, k)),
+            modal_mass: flat(&(self.shapes.transpose() * &self.mass * &self.shapes)),
+            stiffness: flat(stiffness),
+            damping: flat(damping),
+        }
+    }
+
+    fn marker(&self, node: usize) -> ReducedMarker {
+        let n = self.shapes.ncols();
+        let rows = |first: usize| -> Vec<f64> {
+            (0..3)
+                .flat_map(|k| (0..n).map(move |m| (k, m)))
+                .map(|(k, m)| self.shapes[(first + k, m)])
+                .collect()
+        };
+        ReducedMarker {
+            name: format!("node[{node}]"),
+            position: self.places[node].into(),
+            translation: rows(3 * node),
+            rotation: rows(3 * (self.places.len() + node)),
+        }
+    }
+}
+
+struct Moving {
+    rotation: Matrix3<f64>,
+    position: Vector3<f64>,
+    a: DVector<f64>,
+    v: Vec<f64>,
+    rate: Vec<f64>,
+    gravity: Vector3<f64>,
+}
+
+impl Moving {
+    fn new(modes: usize, draw: &mut Draw) -> Moving {
+        let list =
+            |draw: &mut Draw| -> Vec<f64> { (0..6 + modes).map(|_| 3.0 * draw.next()).collect() };
+        Moving {
+            rotation: nalgebra::Rotation3::new(draw.vector() * 2.0).into_inner(),
+            position: draw.vector(),
+            a: DVector::from_fn(modes, |_, _| 0.2 * draw.next()),
+            v: list(draw),
+            rate: list(draw),
+            gravity: draw.vector() * 5.0,
+        }
+    }
+
+    fn frame(&self) -> BodyFrame<'_> {
+        BodyFrame {
+            position: self.position,
+            rotation: self.rotation,
+            amplitudes: self.a.as_slice(),
+        }
+    }
+}
+
+/// Inertia, gravity, elastic and damping force by sums over nodes whose mass acts on translations: `Σ_ij (∂ẋ_i/∂v)ᵀ M_ij (ẍ_j − g)`.
+fn by_sums(nodes: &Nodes, m: &Moving, k: &DMatrix<f64>, c: &DMatrix<f64>) -> DVector<f64> {
+    let n = m.a.len();
+    let count = nodes.places.len();
+    let (omega, alpha) = (
+        Vector3::new(m.v[3], m.v[4], m.v[5]),
+        Vector3::new(m.rate[3], m.rate[4], m.rate[5]),
+    );
+    let (rates, second) = (
+        DVector::from_row_slice(&m.v[6..]),
+        DVector::from_row_slice(&m.rate[6..]),
+    );
+    let mut out = DVector::zeros(6 + n);
+    let mut columns = Vec::new();
+    let mut accelerations = Vec::new();
+    for i in 0..count {
+        let shape = nodes.shapes.rows(3 * i, 3);
+        let p = nodes.places[i] + shape * &m.a;
+        let p = Vector3::new(p[0], p[1], p[2]);
+        let of = |x: &DVector<f64>| -> Vector3<f64> {
+            let y = shape * x;
+            Vector3::new(y[0], y[1], y[2])
+        };
+        let local = alpha.cross(&p)
+            + omega.cross(&omega.cross(&p))
+            + omega.cross(&of(&rates)) * 2.0
+            + of(&second);
+        accelerations
+            .push(Vector3::new(m.rate[0], m.rate[1], m.rate[2]) + m.rotation * local - m.gravity);
+        let mut column = DMatrix::zeros(3, 6 + n);
+        column
+            .view_mut((0, 0), (3, 3))
+            .copy_from(&Matrix3::identity());
+        column
+            .view_mut((0, 3), (3, 3))
+            .copy_from(&-(m.rotation * skew(&p)));
+        column
+            .view_mut((0, 6), (3, n))
+            .copy_from(&(m.rotation * shape));
+        columns.push(column);
+    }
+    for i in 0..count {
+        for j in 0..count {
+            out += columns[i].transpose() * accelerations[j] * nodes.mass[(3 * i, 3 * j)];
+        }
+    }
+    let elastic = k * &m.a + c * &rates;
+    for i in 0..n {
+        out[6 + i] += elastic[i];
+    }
+    out
+}
+
+fn stiffness(n: usize, draw: &mut Draw) -> DMatrix<f64> {
+    let root = DMatrix::from_fn(n, n, |i, j| draw.next() + if i == j { 4.0 } else { 0.0 });
+    &root * root.transpose()
+}
+
+#[test]
+fn inertia_is_the_sum_over_the_nodes() {
+    let mut draw = Draw(7);
+    for modes in [0, 1, 5] {
+        let nodes = Nodes::new(6, modes, 0.0, &mut draw);
+        let (k, c) = (stiffness(modes, &mut draw), stiffness(modes, &mut draw));
+        let body = Flexible::new(Arc::new(nodes.invariants(&k, &c)));
+        for _ in 0..5 {
+            let m = Moving::new(modes, &mut draw);
+            let mut found = vec![0.0; 6 + modes];
+            body.add_inertia(&m.frame(), &m.v, &m.rate, &m.gravity, &mut found);
+            let expected = by_sums(&nodes, &m, &k, &c);
+            let miss = (DVector::from_vec(found) - &expected).amax() / expected.amax();
+            assert!(miss < 1e-13, "{modes} modes: {miss:e}");
+        }
+    }
+}
+
+/// With rotary inertia as well: dT/dt = force · velocity for every motion, T and its rate by the nodal vectors.
+#[test]
+fn power_of_inertia_is_the_rate_of_the_energy() {
+    let mut draw = Draw(11);
+    let modes = 4;
+    let nodes = Nodes::new(5, modes, 0.3, &mut draw);
+    let (k, c) = (stiffness(modes, &mut draw), stiffness(modes, &mut draw));
+    let body = Flexible::new(Arc::new(nodes.invariants(&k, &c)));
+    let (t, r) = nodes.rigid();
+    for _ in 0..5 {
+        let mut m = Moving::new(modes, &mut draw);
+        m.gravity = Vector3::zeros();
+        // T along the motion, from w = R_t v + R_r ω + E(ω) Φ a + Φ ȧ
+        let kinetic = |time: f64| {
+            let v: Vec<f64> = m.v.iter().zip(&m.rate).map(|(v, a)| v + time * a).collect();
+            let omega = Vector3::new(v[3], v[4], v[5]);
+            // the frame turns: v in body axes has the rate Aᵀ r̈ − ω × Aᵀ ṙ, to first order in time
+            let start = m.rotation.transpose() * Vector3::new(v[0], v[1], v[2]);
+            let spin = Vector3::new(m.v[3], m.v[4], m.v[5]);
+            let seen = start - spin.cross(&start) * time;
+            let rates = DVector::from_row_slice(&v[6..]);
+            let a = &m.a + DVector::from_row_slice(&m.v[6..]) * time;
+            let w = &t * seen
+                + &r * omega
+                + nodes.turn(&omega) * &nodes.shapes * &a
+                + &nodes.shapes * &rates;
+            let strain = (&k * &a).dot(&a);
+            0.5 * (w.dot(&(&nodes.mass * &w)) + strain)
+        };
+        let h = 1e-3;
+        let central = |h: f64| (kinetic(h) - kinetic(-h)) / (2.0 * h);
+        let rate = (4.0 * central(h) - central(2.0 * h)) / 3.0;
+        let mut force = vec![0.0; 6 + modes];
+        body.add_inertia(&m.frame(), &m.v, &m.rate, &m.gravity, &mut force);
+        let rates = DVector::from_row_slice(&m.v[6..]);
+        let lost = (&c * &rates).dot(&rates);
+        let power: f64 = force.iter().zip(&m.v).map(|(f, v)| f * v).sum::<f64>() - lost;
+        assert!(
+            (power - rate).abs() < 1e-9 * (1.0 + power.abs()),
+            "{power} {rate}"
+        );
+        let [found, _, strain, damped] = body.energy(&m.frame(), &m.v, &m.gravity);
+        assert!((found + strain - kinetic(0.0)).abs() < 1e-12 * found);
+        assert!((damped - lost).abs() < 1e-12 * lost.abs());
+    }
+}
+
+#[test]
+fn matrix_of_inertia_is_its_derivative() {
+    let mut draw = Draw(5);
+    let modes = 4;
+    let nodes = Nodes::new(5, modes, 0.3, &mut draw);
+    let (k, c) = (stiffness(modes, &mut draw), stiffness(modes, &mut draw));
+    let body = Flexible::new(Arc::new(nodes.invariants(&k, &c)));
+    let m = Moving::new(modes, &mut draw);
+    let weights = Weights {
+        acceleration: 3.0,
+        velocity: 1.7,
+    };
+    let n = 6 + modes;
+    let mut exact = vec![0.0; n * n];
+    body.add_inertia_matrix(
+        &m.frame(),
+        &m.v,
+        &m.rate,
+        &m.gravity,
+        weights,
+        &Matrix3::identity(),
+        &mut exact,
+    );
+    for column in 0..n {
+        let value = |d: f64| {
+            let mut moved = Moving {
+                rotation: m.rotation,
+                position: m.position,
+                a: m.a.clone(),
+                v: m.v.clone(),
+                rate: m.rate.clone(),
+                gravity: m.gravity,
+            };
+            moved.v[column] += weights.velocity * d;
+            moved.rate[column] += weights.acceleration * d;
+            if (3..6).contains(&column) {
+                let turn = Vector3::ith(column - 3, d);
+                moved.rotation *= nalgebra::Rotation3::new(turn).into_inner();
+            } else if column >= 6 {
+                moved.a[column - 6] += d;
+            }
+            let mut out = vec![0.0; n];
+            body.add_inertia(
+                &moved.frame(),
+                &moved.v,
+                &moved.rate,
+                &moved.gravity,
+                &mut out,
+            );
+            DVector::from_vec(out)
+        };
+        let h = 1e-2;
+        let central = |h: f64| (value(h) - value(-h)) / (2.0 * h);
+        let (one, two, four) = (central(h), central(2.0 * h), central(4.0 * h));
+        let fine = (&one * 4.0 - &two) / 3.0;
+        let coarse = (&two * 4.0 - &four) / 3.0;
+        let difference = (fine * 16.0 - coarse) / 15.0;
+        for row in 0..n {
+            let found = exact[row * n + column];
+            assert!(
+                (found - difference[row]).abs() < 1e-8 * (1.0 + difference.amax()),
+                "row {row} column {column}: {found} {}",
+                difference[row]
+            );
+        }
+    }
+}
+
+/// A flexible body whose shapes keep mean axes neither in place nor in turn, between springs and joints at its nodes.
+fn reduced(nodes: &Nodes, scale: f64, draw: &mut Draw) -> ReducedBody {
+    let n = nodes.shapes.ncols();
+    let k = stiffness(n, draw) * scale;
+    let c = &k * 2e-4;
+    ReducedBody {
+        invariants: nodes.invariants(&k, &c),
+        frequencies: vec![0.0; n],
+        markers: (0..nodes.places.len()).map(|i| nodes.marker(i)).collect(),
+    }
+}
+
+fn flexible_chain() -> Compiled {
+    let mut draw = Draw(3);
+    let nodes = Nodes::new(3, 3, 0.05, &mut draw);
+    let mut b = Builder::new([0.3, -0.5, -9.81]);
+    let oblique = [0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6];
+    let end = nodes.places[0];
+    let body = reduced(&nodes, 40.0, &mut draw);
+    let (_, markers) = b.flexible(
+        "bar",
+        body,
+        ([0.0; 3], IDENTITY),
+        &[IDENTITY, oblique, IDENTITY],
+    );
+    let rod = b.body(
+        "rod",
+        BodySpec {
+            mass: 0.8,
+            center: [0.1, 0.0, 0.03],
+            inertia: [0.003, 0.008, 0.007],
+            place: Some((nodes.places[1].into(), oblique)),
+        },
+    );
+    let eye = b.marker("rod.eye", Some(rod), [0.0; 3], IDENTITY);
+    let tip = b.marker("rod.tip", Some(rod), [0.25, 0.05, 0.02], IDENTITY);
+    let ground = b.marker("ground", None, end.into(), IDENTITY);
+    let post = b.marker("post", None, [0.5, 0.4, -0.1], IDENTITY);
+    let spherical = b.class("Spherical", Spherical);
+    let revolute = b.class("Revolute", Revolute);
+    let spring = b.class("Spring", Spring);
+    let bushing = b.class("Bushing", Bushing);
+    b.element(
+        "hold",
+        spherical,
+        Role::Dynamic,
+        &[markers[0], ground],
+        &[],
+        &[],
+    );
+    b.element(
+        "hinge",
+        revolute,
+        Role::Dynamic,
+        &[eye, markers[1]],
+        &[],
+        &[],
+    );
+    b.element(
+        "spring",
+        spring,
+        Role::Dynamic,
+        &[tip, post],
+        &[60.0, 0.3, 0.8, 0.001],
+        &[],
+    );
+    b.element(
+        "bushing",
+        bushing,
+        Role::Dynamic,
+        &[markers[2], tip],
+        &[20.0, 0.3, 0.4, 0.01],
+        &[],
+    );
+    b.finish()
+}
+
+#[test]
+fn matrix_of_a_step_is_exact_with_a_flexible_body() {
+    jacobian::check(&flexible_chain(), 0.05, 0.1);
+    jacobian::check(&flexible_chain(), 0.01, 0.02);
+}
+
+#[test]
+fn positions_and_velocities_keep_the_constraints() {
+    let compiled = flexible_chain();
+    let options = Options {
+        step: StepControl::Fixed(1e-3),
+        ..Options::default()
+    };
+    let mut s = Simulation::new(&compiled, &[], options).unwrap();
+    for _ in 0..200 {
+        s.step().unwrap();
+        s.output_state().unwrap();
+        let (position, velocity) = s.output_drift().unwrap();
+        assert!(
+            position < 1e-10 && velocity < 1e-10,
+            "{position:e} {velocity:e}"
+        );
+    }
+    let e = s.energy();
+    assert!(
+        e.imbalance().abs() < 1e-3 * e.damping.abs().max(e.kinetic),
+        "{e:?}"
+    );
+}
+
+fn free(nodes: &Nodes, body: ReducedBody) -> Compiled {
+    let mut b = Builder::new([0.0; 3]);
+    let axes = vec![IDENTITY; nodes.places.len()];
+    let (index, _) = b.flexible("body", body, ([0.2, 0.1, 0.0], IDENTITY), &axes);
+    let marker = b.marker("body.origin", Some(index), [0.0; 3], IDENTITY);
+    let rotation = b.class("StartRotation", StartRotation);
+    let velocity = b.class("StartVelocity", StartVelocity);
+    let exact = Role::StartVelocity { exact: true };
+    b.element("spin", rotation, exact, &[marker], &[1.0, 8.0, 0.5], &[]);
+    b.element("speed", velocity, exact, &[marker], &[0.5, 0.2, -0.1], &[]);
+    b.finish()
+}
+
+#[test]
+fn a_free_flexible_body_keeps_momentum_and_energy() {
+    let mut draw = Draw(13);
+    let modes = 3;
+    let nodes = Nodes::new(5, modes, 0.0, &mut draw);
+    let mut body = reduced(&nodes, 30.0, &mut draw);
+    body.invariants.damping = vec![0.0; modes * modes];
+    let compiled = free(&nodes, body);
+    let momenta = |s: &Simulation| {
+        let (r, rotation) = s.body_pose(0).unwrap();
+        let state = s.state();
+        let a = DVector::from_row_slice(&state.pose[7..]);
+        let rates = DVector::from_row_slice(&state.velocity[6..]);
+        let v = &state.velocity;
+        let omega = Vector3::new(v[3], v[4], v[5]);
+        let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
+        let motion: Vec<_> = (0..nodes.places.len())
+            .map(|i| {
+                let shape = nodes.shapes.rows(3 * i, 3);
+                let (u, du) = (shape * &a, shape * &rates);
+                let p = nodes.places[i] + Vector3::new(u[0], u[1], u[2]);
+                let speed = Vector3::new(v[0], v[1], v[2])
+                    + rotation * (omega.cross(&p) + Vector3::new(du[0], du[1], du[2]));
+                (r + rotation * p, speed)
+            })
+            .collect();
+        for (i, (place, _)) in motion.iter().enumerate() {
+            for (j, (_, speed)) in motion.iter().enumerate() {
+                let momentum = speed * nodes.mass[(3 * i, 3 * j)];
+                linear += momentum;
+                angular += place.cross(&momentum);
+            }
+        }
+        let e = s.energy();
+        (linear, angular, e.kinetic + e.strain)
+    };
+    let drift = |h: f64| {
+        let options = Options {
+            step: StepControl::Fixed(h),
+            rho_infinity: 1.0,
+            ..Options::default()
+        };
+        let mut s = Simulation::new(&compiled, &[], options).unwrap();
+        let before = momenta(&s);
+        while s.time() < 1.0 {
+            s.step_within(1.0).unwrap();
+        }
+        let after = momenta(&s);
+        [
+            (after.0 - before.0).norm() / before.0.norm(),
+            (after.1 - before.1).norm() / before.1.norm(),
+            (after.2 - before.2).abs() / before.2,
+        ]
+    };
+    let (coarse, fine) = (drift(4e-4), drift(2e-4));
+    println!("{coarse:?} {fine:?}");
+    for (coarse, fine) in coarse.iter().zip(fine) {
+        assert!(fine < 1e-4, "{fine}");
+        assert!(fine < 1e-9 || coarse / fine > 3.5, "{coarse} {fine}");
+    }
+}
+
+/// A flexible body that can hardly bend moves as the rigid one.
+#[test]
+fn a_stiff_body_moves_as_a_rigid_one() {
+    let mut draw = Draw(17);
+    let nodes = Nodes::new(5, 3, 0.0, &mut draw);
+    let path = |scale: f64| {
+        let mut draw = Draw(23);
+        let compiled = free(&nodes, reduced(&nodes, scale, &mut draw));
+        let options = Options {
+            step: StepControl::Fixed(1e-4),
+            ..Options::default()
+        };
+        let mut s = Simulation::new(&compiled, &[], options).unwrap();
+        while s.time() < 0.5 {
+            s.step_within(0.5).unwrap();
+        }
+        s.body_pose(0).unwrap()
+    };
+    let rigid_nodes = Nodes {
+        places: nodes.places.clone(),
+        mass: nodes.mass.clone(),
+        shapes: DMatrix::zeros(nodes.shapes.nrows(), 0),
+    };
+    let compiled = free(&rigid_nodes, reduced(&rigid_nodes, 1.0, &mut draw));
+    let options = Options {
+        step: StepControl::Fixed(1e-4),
+        ..Options::default()
+    };
+    let mut s = Simulation::new(&compiled, &[], options).unwrap();
+    while s.time() < 0.5 {
+        s.step_within(0.5).unwrap();
+    }
+    let (rigid, _) = s.body_pose(0).unwrap();
+    let miss = |scale: f64| (path(scale).0 - rigid).norm();
+    let (soft, stiff) = (miss(1e3), miss(1e5));
+    println!("{soft:e} {stiff:e}");
+    assert!(stiff < 5e-6 && stiff < 0.05 * soft, "{soft:e} {stiff:e}");
+}

@@ -1,0 +1,132 @@
+//! A flexible body after reduction: constants with which a time step computes it and never sees a node.
+//!
+//! With the mass matrix M of the finite-element model, the shapes Φ (nodal vectors, n of them), the rigid motions `R_t` (unit
+//! translations) and `R_r` (unit rotations about the body frame's origin), and `E_k`, the infinitesimal rotation of a nodal
+//! vector about axis k (`e_k ×` on translations and on rotations of every node), the nodal velocities in body axes are
+//! `w = R_t v + R_r ω + Σ ω_k E_k Φ a + Φ ȧ` and the kinetic energy is `½ wᵀ M w`. Its constants are the fields of [`Invariants`].
+//! For a solid, whose M acts alike on x, y and z, they are exact; sources: A. A. Shabana, Dynamics of Multibody Systems, 4th ed.
+//! (2013), chapter 5; A. Zwölfer, J. Gerstmayr, Acta Mechanica 232 (2021) 149 (consistent mass from the nodal matrices).
+//!
+//! Matrices are row-major. Lengths are metres, masses kilograms, amplitudes carry the unit that makes Φa a displacement.
+
+/// A square matrix of the modes, or three rows of them, row-major.
+pub type Block = Vec<f64>;
+
+/// The constants of a flexible body's inertia, stiffness and damping.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Invariants {
+    /// Number of modes, n.
+    pub modes: usize,
+    /// `m`: mass (kg).
+    pub mass: f64,
+    /// `Σ m s`: first moment about the frame's origin (kg m).
+    pub first_moment: [f64; 3],
+    /// `R_rᵀ M R_r`: inertia about the frame's origin (kg m²), row-major.
+    pub inertia: [[f64; 3]; 3],
+    /// `R_tᵀ M Φ` (3 × n): momentum of the modal rates.
+    pub translation: Block,
+    /// `R_rᵀ M Φ` (3 × n): angular momentum of the modal rates about the frame's origin.
+    pub rotation: Block,
+    /// `R_rᵀ M E_k Φ` (3 × n) for k = x, y, z.
+    pub rotation_by_shape: [Block; 3],
+    /// `Φᵀ M E_k Φ` (n × n) for k = x, y, z.
+    pub coriolis: [Block; 3],
+    /// The symmetric part of `Φᵀ E_jᵀ M E_k Φ` (n × n) for jk = xx, yy, zz, xy, yz, zx.
+    pub centrifugal: [Block; 6],
+    /// `Φᵀ M Φ` (n × n).
+    pub modal_mass: Block,
+    /// `Φᵀ K Φ` (n × n).
+    pub stiffness: Block,
+    /// Damping (n × n).
+    pub damping: Block,
+}
+
+/// A marker of a flexible body.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct ReducedMarker {
+    /// Its name in the model: `main[2]`.
+    pub name: String,
+    /// Place of the undeformed marker in the body frame (m).
+    pub position: [f64; 3],
+    /// Displacement a unit of each amplitude (3 × n).
+    pub translation: Block,
+    /// Rotation a unit of each amplitude (rad; 3 × n).
+    pub rotation: Block,
+}
+
+/// A reduced body.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct ReducedBody {
+    /// The constants.
+    pub invariants: Invariants,
+    /// Undamped frequency of each mode (Hz), for tables and for the cut-off of the error control.
+    pub frequencies: Vec<f64>,
+    /// Markers.
+    pub markers: Vec<ReducedMarker>,
+}
+
+impl Invariants {
+    /// Constants of a body without modes or with n of them, all zero.
+    pub fn zero(modes: usize) -> Invariants {
+        let square = || vec![0.0; modes * modes];
+        let rows = || vec![0.0; 3 * modes];
+        Invariants {
+            modes,
+            mass: 0.0,
+            first_moment: [0.0; 3],
+            inertia: [[0.0; 3]; 3],
+            translation: rows(),
+            rotation: rows(),
+            rotation_by_shape: [rows(), rows(), rows()],
+            coriolis: [square(), square(), square()],
+            centrifugal: std::array::from_fn(|_| square()),
+            modal_mass: square(),
+            stiffness: square(),
+            damping: square(),
+        }
+    }
+
+    /// What does not fit together, if anything: lengths of blocks, numbers that are not finite, a mass that is not positive.
+    pub fn defect(&self) -> Option<String> {
+        let n = self.modes;
+        let rows = [
+            ("translation", &self.translation),
+            ("rotation", &self.rotation),
+        ]
+        .into_iter()
+        .chain(
+            self.rotation_by_shape
+                .iter()
+                .map(|b| ("rotation by shape", b)),
+        )
+        .map(|(name, block)| (name, block, 3 * n));
+        let squares = self
+            .coriolis
+            .iter()
+            .map(|b| ("Coriolis", b))
+            .chain(self.centrifugal.iter().map(|b| ("centrifugal", b)))
+            .chain([
+                ("modal mass", &self.modal_mass),
+                ("stiffness", &self.stiffness),
+                ("damping", &self.damping),
+            ])
+            .map(|(name, block)| (name, block, n * n));
+        for (name, block, length) in rows.chain(squares) {
+            if block.len() != length {
+                return Some(format!(
+                    "the {name} block has {} numbers, not {length}",
+                    block.len()
+                ));
+            }
+            if block.iter().any(|x| !x.is_finite()) {
+                return Some(format!("the {name} block has numbers that are not finite"));
+            }
+        }
+        let rigid = self.inertia.as_flattened().iter().chain(&self.first_moment);
+        if !(self.mass > 0.0 && self.mass.is_finite()) || rigid.into_iter().any(|x| !x.is_finite())
+        {
+            return Some("mass, first moment or inertia make no sense".into());
+        }
+        None
+    }
+}
