@@ -41,6 +41,9 @@ pub enum Error {
         /// Written alike.
         nearest: Option<String>,
     },
+    /// A handle of a parameter or channel that another model gave.
+    #[error("the handle is of another model")]
+    OtherModel,
     /// A value of the wrong dimension.
     #[error("{path} is in {expected} ({unit}), the value is in {found}")]
     Dimension {

@@ -126,3 +126,27 @@ fn from_programs() -> Vec<&'static str> {
 fn codes_that_only_programs_can_raise() {
     assert_eq!(from_programs(), [codes::OPTIONS, codes::CHECKPOINT]);
 }
+
+/// No panic, whatever a program hands over.
+#[test]
+fn a_handle_of_another_model_is_refused() {
+    let text = format!(
+        "{SWING}
+        model Other {{
+            param first: Length = 1 m
+            param second: Length = 2 m
+            output sum = first + second
+        }}"
+    );
+    let program = eng::check(&Sources::from_text("two.eng", text), "two.eng")
+        .into_program()
+        .expect("sound models");
+    let (swing, other) = (program.model("Swing"), program.model("Other"));
+    let (swing, other) = (swing.expect("a model"), other.expect("a model"));
+    let second = other.parameter("second").expect("a parameter");
+    let length = "3 m".parse().expect("a quantity");
+    assert_eq!(swing.parameters().len(), 1);
+    let refused = swing.simulation().set(second, length);
+    assert!(matches!(refused, Err(Error::OtherModel)));
+    assert!(other.simulation().set(second, length).is_ok());
+}
