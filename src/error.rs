@@ -41,6 +41,9 @@ pub enum Error {
         /// Written alike.
         nearest: Option<String>,
     },
+    /// A handle of a parameter or channel that another model gave.
+    #[error("the handle is of another model")]
+    OtherModel,
     /// A value of the wrong dimension.
     #[error("{path} is in {expected} ({unit}), the value is in {found}")]
     Dimension {
@@ -64,6 +67,9 @@ pub enum Error {
         /// The cause with its places in the text.
         report: Report,
     },
+    /// The system has no memory for machine code, or the machine is not one that code can be made for.
+    #[error(transparent)]
+    Code(#[from] eng_compiler::generate::CodegenError),
     /// Files.
     #[error(transparent)]
     Results(#[from] crate::results::ResultsError),

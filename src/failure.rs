@@ -1,19 +1,21 @@
 //! Failures of the runtime as messages with their places in the text.
 
+use crate::codes;
 use eng_grammar::{Diagnostic, SourceId, Span};
 use eng_runtime::RuntimeError;
 use eng_system::code::BindError;
-use eng_system::system::{Location, Origin};
+use eng_system::system::{Location, Origin, System};
 
 /// The message of a failure: the user's line first, the law's second.
-pub(crate) fn diagnostic(error: &RuntimeError) -> Diagnostic {
+pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
     use RuntimeError as R;
     let d = |code: &'static str| Diagnostic::error(code, error.to_string());
     match error {
-        R::Bind(bind) => bind_diagnostic(bind),
-        R::Body { origin, .. } => place(d("E0702"), origin, "this body"),
+        R::Bind(bind) => bind_diagnostic(bind, system),
+        R::Body { origin, .. } => place(d(codes::BODY), origin, "this body")
+            .with_help("check the unit, the signs of the products, and that the inertia is about the centre of mass"),
         R::OpenLoop { rows } => {
-            let mut message = d("E0703");
+            let mut message = d(codes::OPEN_LOOP);
             for (i, row) in rows.iter().take(3).enumerate() {
                 message = if i == 0 {
                     place(message, &row.origin, "stays open here")
@@ -24,35 +26,52 @@ pub(crate) fn diagnostic(error: &RuntimeError) -> Diagnostic {
             message
                 .with_help("check lengths and marker places; state `start` or `guess` values that are near the assembled position")
         }
-        R::Branch { origin, .. } => place(d("E0704"), origin, "assembled the other way round")
+        R::Branch { origin, .. } => place(d(codes::WRONG_BRANCH), origin, "assembled the other way round")
             .with_help("state a `guess` nearer to the wanted position, or another `branch` at the use"),
         R::StartVelocity { rows } => {
-            let mut message = d("E0705");
+            let mut message = d(codes::START_VELOCITY);
             for row in rows.iter().take(3) {
                 message = place(message, &row.origin, "cannot hold together with the others");
             }
             message.with_help("a driven part and its start velocity must agree; leave one of them out")
         }
         R::Redundant { groups } => redundant(groups),
-        R::NotFinite { origin, .. } => place(d("E0708"), origin, "this element"),
-        R::Newton { origin, .. } => place(d("E0709"), origin, "the largest residual is here"),
-        R::StepTooSmall { origin, .. } => place(d("E0710"), origin, "the largest error is here"),
-        R::Require { origin, .. } => place(d("E0711"), origin, "this must hold at every step"),
-        R::Projection { row, .. } => place(d("E0712"), &row.origin, "stays open here"),
-        R::NoCycle => d("E0713").with_help(
-            "state one: `cycle angle = rotation(crank.flange, ground) { period = 720 deg }`, or give times",
-        ),
-        R::CycleStands { .. } => d("E0714").with_help("give the duration as a time, or start the crank turning"),
-        R::Singular { .. } => d("E0707"),
-        R::Options { .. } => d("E0701"),
-        _ => d("E0700"),
+        R::NotFinite { origin, .. } => place(d(codes::NOT_FINITE), origin, "this element")
+            .with_help("give a table `extrapolation: hold` or `linear` if it may be read outside its points"),
+        R::Newton { origin, .. } => place(d(codes::NO_STEP), origin, "the largest residual is here")
+            .with_help("a force that jumps, or a mechanism at the end of its reach, has no solution: look at the outputs just before"),
+        R::StepTooSmall { origin, .. } => {
+            place(d(codes::STEP_TOO_SMALL), origin, "the largest error is here")
+                .with_help("make forces that jump continuous; give a table that ends here an `extrapolation`")
+        }
+        R::Require { origin, value, .. } => {
+            condition(d(codes::REQUIRED), origin, "this must hold at every step")
+                .with_note(format!("it is missed by {:.3e} in SI units", -value))
+        }
+        R::Projection { row, .. } => place(d(codes::PROJECTION), &row.origin, "stays open here")
+            .with_help("take a smaller step, or a tolerance; if that does not help, the mechanism locks or reaches its end here"),
+        R::CycleStands { .. } => {
+            let message = d(codes::CYCLE_STANDS);
+            let message = match &system.cycle {
+                Some(cycle) => place(message, &cycle.origin, "this angle is counted"),
+                None => message,
+            };
+            message.with_help("give the duration as a time, or start the crank turning")
+        }
+        R::Singular { .. } => d(codes::SINGULAR)
+            .with_help("give every body that can turn an inertia, and every one that can move a mass"),
+        R::Options { .. } => d(codes::OPTIONS),
+        R::Checkpoint { .. } => d(codes::CHECKPOINT),
+        // the checker finds an angle without a cycle; the others are faults of the compiler or of the run itself
+        R::NoCycle | R::Malformed { .. } | R::OutsideStep { .. } => d(codes::INTERNAL)
+            .with_help("please report this together with the model"),
     }
 }
 
 /// One label and one note a joint, however many of its equations repeat others.
 fn redundant(groups: &[eng_runtime::RedundantGroup]) -> Diagnostic {
     let mut message = Diagnostic::error(
-        "E0706",
+        codes::REDUNDANT,
         match groups.len() {
             1 => "a constraint equation repeats others".to_owned(),
             n => format!("{n} constraint equations repeat others"),
@@ -98,8 +117,7 @@ fn redundant(groups: &[eng_runtime::RedundantGroup]) -> Diagnostic {
     )
 }
 
-fn bind_diagnostic(error: &BindError) -> Diagnostic {
-    let message = Diagnostic::error("E0720", error.to_string());
+fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
     match error {
         BindError::Require {
             used_at,
@@ -112,10 +130,44 @@ fn bind_diagnostic(error: &BindError) -> Diagnostic {
                 used_at: *used_at,
                 defined_at: *defined_at,
             };
-            place(message, &origin, "here")
+            let message = Diagnostic::error(codes::PARAMETER_REQUIRED, error.to_string());
+            condition(message, &origin, "this must hold")
         }
-        _ => message,
+        BindError::NotFinite { path } => {
+            let message = Diagnostic::error(
+                codes::PARAMETER_NOT_FINITE,
+                format!("with these parameters a number of {path} is not finite"),
+            );
+            let message = match place_of(path, system) {
+                Some(at) => message.at(span(at), "of this"),
+                None => message,
+            };
+            message.with_help(
+                "something is divided by zero, a root is taken of a negative number, or a direction has the length zero",
+            )
+        }
+        BindError::Limits { path, .. } => {
+            let message = Diagnostic::error(codes::PARAMETER_LIMITS, error.to_string());
+            match place_of(path, system) {
+                Some(at) => message.at(span(at), "its limits are stated here"),
+                None => message,
+            }
+        }
     }
+}
+
+/// Where the thing of a path stands in the text.
+fn place_of(path: &str, system: &System) -> Option<Location> {
+    let parameters = system.parameters.iter().map(|p| &p.origin);
+    let markers = system.markers.iter().map(|m| &m.origin);
+    let bodies = system.bodies.iter().map(|b| &b.origin);
+    let elements = system.elements.iter().map(|e| &e.origin);
+    parameters
+        .chain(markers)
+        .chain(bodies)
+        .chain(elements)
+        .find(|origin| origin.path == path && origin.used_at.is_some())
+        .and_then(|origin| origin.used_at)
 }
 
 fn place(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
@@ -141,14 +193,34 @@ fn span(at: Location) -> Span {
     }
 }
 
-/// An `advise` that did not hold.
+/// An `advise` that did not hold during a run.
 pub(crate) fn advice(warning: &eng_runtime::Warning) -> Diagnostic {
     let message = Diagnostic::warning(
-        "W0711",
+        codes::ADVISED,
         format!(
             "{}: {} at {}",
             warning.origin.path, warning.message, warning.moment
         ),
     );
-    place(message, &warning.origin, "said by this element")
+    condition(message, &warning.origin, "this should hold")
+}
+
+/// An `advise` on parameters that does not hold.
+pub(crate) fn parameter_advice(advice: &eng_system::code::Advice) -> Diagnostic {
+    let title = format!("{}: {}", advice.origin.path, advice.message);
+    let message = Diagnostic::warning(codes::PARAMETER_ADVISED, title);
+    condition(message, &advice.origin, "this should hold")
+}
+
+/// The user's line, if the condition is of a class, and the condition.
+fn condition(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
+    match (origin.used_at, origin.defined_at) {
+        (Some(at), _) => related(
+            message.at(span(at), format!("{}: does not hold for this", origin.path)),
+            origin,
+            label,
+        ),
+        (None, Some(at)) => message.at(span(at), label),
+        (None, None) => message,
+    }
 }

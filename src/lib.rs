@@ -28,6 +28,7 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod codes;
 pub mod plot;
 pub mod render;
 pub mod results;

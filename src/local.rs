@@ -7,7 +7,7 @@ use crate::cli::{
 };
 use crate::plot::Upright;
 use crate::{Analysis, Error, Program, Quantity, Sources};
-use eng_grammar::{Diagnostic, Diagnostics};
+use eng_grammar::Diagnostics;
 use std::path::Path;
 
 /// Compiles and runs models of this machine's folders.
@@ -44,9 +44,7 @@ impl Engine for Local {
         let mut facts = Vec::new();
         if let Some(program) = &self.program {
             for name in program.models() {
-                if let Ok(model) = program.model(name) {
-                    facts.push(model.summary());
-                }
+                facts.push(program.model(name).map_err(engine_error)?.summary());
             }
         }
         Ok(CheckOutcome {
@@ -138,6 +136,7 @@ fn engine_error(error: Error) -> EngineError {
             partial: None,
         },
         Error::Results(e) => EngineError::System(e.to_string()),
+        Error::Code(e) => EngineError::System(e.to_string()),
         other => EngineError::Usage(other.to_string()),
     }
 }
@@ -148,11 +147,17 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     let at =
         |slot: eng_system::system::Slot| bound.slots.get(slot.0 as usize).copied().unwrap_or(0.0);
     let mut diagnostics = Diagnostics::new();
-    for warning in &outcome.warnings {
-        diagnostics.push(crate::failure::advice(warning));
-    }
     for advice in &bound.advice {
-        diagnostics.push(Diagnostic::warning("W0720", advice.clone()));
+        diagnostics.push(crate::failure::parameter_advice(advice));
+    }
+    for warning in &outcome.warnings {
+        // a run repeats what its parameters are advised at its start
+        let repeated = |advice: &eng_system::code::Advice| {
+            advice.origin == warning.origin && advice.message == warning.message
+        };
+        if !bound.advice.iter().any(repeated) {
+            diagnostics.push(crate::failure::advice(warning));
+        }
     }
     let gravity = system.gravity.map(at);
     let mut facts = Vec::new();

@@ -168,7 +168,8 @@ impl Model {
 
     /// One entry a parameter, `None` for its default; wrong dimensions are refused.
     pub(crate) fn checked(&self, parameter: Parameter, value: Quantity) -> Result<f64, Error> {
-        let p = &self.compiled.system.parameters[parameter.index];
+        let parameters = &self.compiled.system.parameters;
+        let p = parameters.get(parameter.index).ok_or(Error::OtherModel)?;
         if p.dimension != value.dimension() {
             return Err(Error::Dimension {
                 path: p.origin.path.clone(),

@@ -4,7 +4,7 @@ use crate::{Model, Sources};
 use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses, elaborate};
 use eng_compiler::program::{DefinitionId, Program as Resolved};
 use eng_grammar::ast::{ItemKind, Kind};
-use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
+use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::code::Compiled;
 use std::sync::Arc;
 
@@ -255,16 +255,7 @@ impl Program {
         };
         let mut code = Vec::with_capacity(elaborated.classes.len());
         for functions in elaborated.classes {
-            match eng_compiler::generate::compile_class(functions, true) {
-                Ok(c) => code.push(c),
-                Err(error) => {
-                    diagnostics.push(Diagnostic::error("E0601", error.to_string()));
-                    return Err(crate::Error::Report(Report::new(
-                        Arc::new(texts),
-                        diagnostics,
-                    )));
-                }
-            }
+            code.push(eng_compiler::generate::compile_class(functions, true)?);
         }
         Ok(Model::new(
             Compiled {

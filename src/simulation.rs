@@ -87,7 +87,7 @@ impl SimulationBuilder {
 /// A failure of the runtime with its places in the model's texts.
 pub(crate) fn run_error(model: &Model, cause: RuntimeError) -> Error {
     let mut diagnostics = Diagnostics::new();
-    let message: Diagnostic = failure::diagnostic(&cause);
+    let message: Diagnostic = failure::diagnostic(&cause, &model.compiled().system);
     diagnostics.push(message);
     Error::Run {
         report: Report::new(model.texts().clone(), diagnostics),

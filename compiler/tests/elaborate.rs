@@ -197,3 +197,55 @@ fn parameters_bind_by_path() {
         .expect_err("a require fails");
     assert_eq!(error.to_string(), "spring: free length -20 mm");
 }
+
+/// Names that no check has looked at: an internal error at the place, never a default or a panic.
+#[test]
+fn what_the_checks_should_have_found_is_an_internal_error() {
+    for (wrong, place) in [
+        ("mass = 2 kg", "mass = tons"),
+        ("inertia = [1, 2, 2] g*m^2", "inertia = 3 g*m^2"),
+        ("gravity = ", "levity = "),
+        ("joint first = Revolute", "joint first = Spring"),
+        ("start first.angle", "start count"),
+        (
+            "output reach = norm(link[count].head.origin)",
+            "output reach = wall",
+        ),
+        ("{ period = 720 deg }", "{ }"),
+    ] {
+        let text = MODEL.replacen(wrong, place, 1);
+        assert_ne!(text, MODEL, "{wrong}");
+        let (made, diagnostics, _) = run(&text);
+        assert!(made.is_none(), "{place}");
+        let codes: Vec<&str> = diagnostics
+            .iter()
+            .filter(|d| d.is_error())
+            .map(|d| d.code)
+            .collect();
+        assert!(
+            codes.contains(&eng_compiler::codes::INTERNAL),
+            "{place}: {diagnostics:#?}"
+        );
+    }
+}
+
+/// The order of the text does not matter: what is needed first is made first.
+#[test]
+fn an_element_may_need_one_that_stands_after_it() {
+    let force = "force twist = Twist(link[1].head, wall, turn: pin[3].angle)\n    joint first";
+    let class = "force Twist(a: Marker, b: Marker, turn: Angle) { apply force cos(turn)*1 N*a.x on a against b }\nmodel Chain";
+    let text = MODEL
+        .replacen("joint first", force, 1)
+        .replacen("model Chain", class, 1);
+    let (made, diagnostics, _) = run(&text);
+    let errors: Vec<_> = diagnostics.iter().filter(|d| d.is_error()).collect();
+    assert!(errors.is_empty(), "{errors:#?}");
+    let system = made.expect("a system").system;
+    let twist = system
+        .elements
+        .iter()
+        .find(|e| e.origin.path == "twist")
+        .expect("an element");
+    // the two markers of its own and those of the joint that it measures
+    assert_eq!(twist.markers.len(), 4);
+}

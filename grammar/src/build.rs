@@ -5,6 +5,7 @@ pub(crate) mod items;
 mod types;
 
 use crate::ast::{Item, ItemKind, Name};
+use crate::codes;
 use crate::diagnose;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::grammar::Rule;
@@ -146,7 +147,7 @@ impl<'t, 'd> Builder<'t, 'd> {
             self.diagnostics.push(diagnostic);
         } else if self.mistakes == MAX_MISTAKES + 1 {
             self.diagnostics.push(Diagnostic::note(
-                "E0110",
+                codes::TOO_MANY,
                 format!("more than {MAX_MISTAKES} mistakes; the others are not shown"),
             ));
         }
@@ -157,7 +158,7 @@ impl<'t, 'd> Builder<'t, 'd> {
             return;
         }
         self.report(
-            Diagnostic::error("E0106", "this is nested too deep")
+            Diagnostic::error(codes::NESTED, "this is nested too deep")
                 .at(span, format!("more than {MAX_DEPTH} levels"))
                 .with_help("name parts of it with `let`"),
         );
@@ -207,7 +208,7 @@ impl<'t, 'd> Builder<'t, 'd> {
         }
         for span in stray.into_iter().skip(self.headless) {
             self.report(
-                Diagnostic::error("E0103", "this `}` closes nothing")
+                Diagnostic::error(codes::UNPAIRED, "this `}` closes nothing")
                     .at(span, "no block is open here")
                     .with_help("remove it, or look for a `}` too many above"),
             );
@@ -225,7 +226,7 @@ impl<'t, 'd> Builder<'t, 'd> {
     fn two_on_a_line(&mut self, last_end: usize, start: usize, end: usize) {
         let first_line = self.text.get(start..end).unwrap_or("");
         let shown = first_line.split_whitespace().next().unwrap_or("");
-        let diagnostic = Diagnostic::error("E0102", "two items stand on one line")
+        let diagnostic = Diagnostic::error(codes::TWO_ITEMS, "two items stand on one line")
             .at(
                 self.span(start, start + shown.len()),
                 "a second item begins here",

@@ -1,18 +1,85 @@
-//! The codes of this stage's messages.
+//! What a message code stands for, and the codes of this stage's messages.
 
-/// Code and title of every message that reading a text can give.
-pub const CODES: &[(&str, &str)] = &[
-    ("E0101", "the text is not what the language expects here"),
-    ("E0102", "two items stand on one line"),
-    ("E0103", "a bracket or brace has no partner"),
-    (
-        "E0104",
-        "a space stands before the bracket of a call or an index",
-    ),
-    ("E0105", "no such kind of declaration"),
-    ("E0106", "nested too deep"),
-    ("E0107", "a number or a unit is malformed"),
-    ("E0108", "a text is not closed or has an unknown escape"),
-    ("E0109", "comparisons do not chain"),
-    ("E0110", "too many mistakes to show"),
-];
+/// A message code: what it stands for, and how to get out of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Code {
+    /// `E0302`. A code has one meaning and never changes it.
+    pub code: &'static str,
+    /// What is wrong, in general.
+    pub title: &'static str,
+    /// What it means and what to do, in a sentence or two.
+    pub meaning: &'static str,
+    /// An example that raises it; empty where a few lines cannot show one.
+    pub wrong: &'static str,
+    /// The example mended; empty where `wrong` is.
+    pub right: &'static str,
+}
+
+/// Defines a constant for each code of a group, and the named list of all, in order.
+///
+/// ```
+/// eng_grammar::codes! {
+///     CODES:
+///     EMPTY = "E9901", "the text is empty", "There is nothing to read.", "", "";
+/// }
+/// assert_eq!(EMPTY, "E9901");
+/// assert_eq!(CODES[0].title, "the text is empty");
+/// ```
+#[macro_export]
+macro_rules! codes {
+    ($list:ident: $($name:ident = $code:literal, $title:literal, $meaning:literal, $wrong:literal, $right:literal;)*) => {
+        $(#[doc = $title] pub const $name: &str = $code;)*
+
+        /// All codes of this group, in order.
+        pub const $list: &[$crate::Code] = &[$($crate::Code {
+            code: $code,
+            title: $title,
+            meaning: $meaning,
+            wrong: $wrong,
+            right: $right,
+        }),*];
+    };
+}
+
+codes! {
+    CODES:
+
+    UNEXPECTED = "E0101", "the text is not what the language expects here",
+        "Something is missing, misplaced or not of this language. The message tells what could stand at this place.",
+        "let area = pi/4*",
+        "let area = pi/4*bore^2";
+    TWO_ITEMS = "E0102", "two items stand on one line",
+        "An item ends at the end of its line or at a semicolon.",
+        "mass = 5 kg inertia = [1, 2, 3] g*m^2",
+        "mass = 5 kg; inertia = [1, 2, 3] g*m^2";
+    UNPAIRED = "E0103", "a bracket or brace has no partner",
+        "Every bracket that opens must close. The message shows where the open one stands.",
+        "let sum = (a + b",
+        "let sum = (a + b)";
+    SPACE_BEFORE_BRACKET = "E0104", "a space stands before the bracket of a call or an index",
+        "The bracket of a call or an index touches what it follows; apart from it, it would begin something new.",
+        "let lift = cam (angle)",
+        "let lift = cam(angle)";
+    NO_SUCH_KIND = "E0105", "no such kind of declaration",
+        "A declaration begins with its kind: body, joint, force, journal, drive, marker, part, param, let and so on.",
+        "jiont big_end = Revolute(a, b)",
+        "joint big_end = Revolute(a, b)";
+    NESTED = "E0106", "nested too deep",
+        "More than 100 brackets are open at once, or one sum has more than 250 terms. Give parts of it a name with `let`.",
+        "", "";
+    NUMBER = "E0107", "a number or a unit is malformed",
+        "Digits stand on both sides of a decimal point; exponents of units are whole or a fraction in parentheses.",
+        "let bore = .5 mm",
+        "let bore = 0.5 mm";
+    TEXT = "E0108", "a text is not closed or has an unknown escape",
+        "A text ends with its quotation mark on the same line. The escapes are \\n, \\t, \\\" and \\\\.",
+        "let file = \"gas.csv",
+        "let file = \"gas.csv\"";
+    CHAIN = "E0109", "comparisons do not chain",
+        "A comparison has two sides. Write two and join them.",
+        "let fits = 1 < ratio < 2",
+        "let fits = 1 < ratio and ratio < 2";
+    TOO_MANY = "E0110", "too many mistakes to show",
+        "Reading stops after many mistakes, since the later ones are often due to the first. Mend those that are shown and read again.",
+        "", "";
+}

@@ -8,6 +8,7 @@ mod expected;
 
 use crate::build::items::KINDS;
 use crate::build::{Builder, MAX_NESTING};
+use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::grammar::{EngGrammar, Rule};
 use crate::span::Span;
@@ -144,7 +145,7 @@ pub(crate) fn nesting(builder: &Builder<'_, '_>) -> Option<Diagnostic> {
         }
         if depth > MAX_NESTING {
             return Some(
-                Diagnostic::error("E0106", "brackets are nested too deep")
+                Diagnostic::error(codes::NESTED, "brackets are nested too deep")
                     .at(
                         builder.span(token.start, token.end),
                         format!("more than {MAX_NESTING} are open here"),
@@ -185,7 +186,7 @@ pub(crate) fn braces(builder: &mut Builder<'_, '_>) {
         None => (innermost, None),
     };
     builder.open_brace = Some(innermost);
-    let mut diagnostic = Diagnostic::error("E0103", "this `{` is not closed").at(
+    let mut diagnostic = Diagnostic::error(codes::UNPAIRED, "this `{` is not closed").at(
         builder.span(opening.start, opening.end),
         "a `}` for this one is missing",
     );
@@ -262,7 +263,7 @@ pub(crate) fn item(builder: &Builder<'_, '_>, start: usize, end: usize) -> Optio
         .first()
         .map_or((start, end), |token| (token.start, token.end));
     found(
-        Diagnostic::error("E0101", "this cannot stand here")
+        Diagnostic::error(codes::UNEXPECTED, "this cannot stand here")
             .at(builder.span(from, to), "no item begins like this"),
     )
 }
@@ -291,7 +292,7 @@ fn open_text(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic> 
         .find(|token| token.kind == TokenKind::OpenText)?;
     let end = token.start + token.text(builder.text).trim_end().len();
     Some(
-        Diagnostic::error("E0108", "this text is not closed")
+        Diagnostic::error(codes::TEXT, "this text is not closed")
             .at(
                 builder.span(token.start, end),
                 "no `\"` before the end of the line",
@@ -304,7 +305,7 @@ fn open_text(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic> 
 fn brackets(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic> {
     let mut open: Vec<(&Token, &str)> = Vec::new();
     let unclosed = |token: &Token, sign: &str| {
-        Diagnostic::error("E0103", format!("this `{sign}` is not closed")).at(
+        Diagnostic::error(codes::UNPAIRED, format!("this `{sign}` is not closed")).at(
             builder.span(token.start, token.end),
             format!("a `{}` for this one is missing", partner(sign)),
         )
@@ -323,10 +324,11 @@ fn brackets(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic> {
                 }
                 None => {
                     return Some(
-                        Diagnostic::error("E0103", format!("this `{sign}` closes nothing")).at(
-                            builder.span(token.start, token.end),
-                            format!("no `{}` is open here", partner(sign)),
-                        ),
+                        Diagnostic::error(codes::UNPAIRED, format!("this `{sign}` closes nothing"))
+                            .at(
+                                builder.span(token.start, token.end),
+                                format!("no `{}` is open here", partner(sign)),
+                            ),
                     );
                 }
             },
@@ -375,7 +377,7 @@ pub(crate) fn expression(builder: &Builder<'_, '_>, rule: Rule) -> Diagnostic {
     }
     match EngGrammar::parse(rule, text) {
         Err(error) => Failure::new(builder, tokens, position(&error), rules(&error)).describe(),
-        Ok(_) => Diagnostic::error("E0101", "this is not an expression")
+        Ok(_) => Diagnostic::error(codes::UNEXPECTED, "this is not an expression")
             .at(builder.span(0, text.len()), "here"),
     }
 }
@@ -404,8 +406,9 @@ fn first_word(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic>
     let word = first.text(builder.text);
     let span = builder.span(first.start, first.end);
     if is_reserved(word) {
-        let diagnostic = Diagnostic::error("E0101", format!("no item begins with `{word}`"))
-            .at(span, "not expected here");
+        let diagnostic =
+            Diagnostic::error(codes::UNEXPECTED, format!("no item begins with `{word}`"))
+                .at(span, "not expected here");
         return match word {
             "use" | "let" => None,
             "for" => Some(diagnostic.with_help(
@@ -464,7 +467,10 @@ fn likely(word: &str) -> Option<&'static str> {
 
 /// The message for a word in the place of a kind.
 pub(crate) fn unknown_kind(word: &str, span: Span) -> Diagnostic {
-    let diagnostic = Diagnostic::error("E0105", format!("there is no kind of item `{word}`"));
+    let diagnostic = Diagnostic::error(
+        codes::NO_SUCH_KIND,
+        format!("there is no kind of item `{word}`"),
+    );
     match likely(word) {
         Some(known) => diagnostic
             .at(span, format!("did you mean `{known}`?"))

@@ -5,18 +5,18 @@
 #![forbid(unsafe_code)]
 
 pub mod ast;
+pub mod codes;
 pub mod diagnostic;
 pub mod span;
 
 mod build;
-mod codes;
 mod diagnose;
 mod grammar;
 mod parse;
 mod strings;
 mod tokens;
 
-pub use codes::CODES;
+pub use codes::{CODES, Code};
 pub use diagnostic::{Diagnostic, Diagnostics, Fix, Label, Severity};
 pub use parse::{parse, parse_expression, parse_placeholder};
 pub use span::{Source, SourceId, SourceMap, Span};

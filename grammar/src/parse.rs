@@ -2,6 +2,7 @@
 
 use crate::ast::{Expr, File, Item, ItemKind, UnitExpr};
 use crate::build::{Builder, items::doc_text};
+use crate::codes;
 use crate::diagnose;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::grammar::{EngGrammar, Rule};
@@ -41,7 +42,7 @@ pub fn parse(text: &str, source: SourceId, diagnostics: &mut Diagnostics) -> Fil
         // `file` takes any text; only the guard of the stack can stop it.
         Err(_) => {
             builder.report(
-                Diagnostic::error("E0106", "this file is nested too deep to be read")
+                Diagnostic::error(codes::NESTED, "this file is nested too deep to be read")
                     .at(whole, "somewhere in here")
                     .with_help("name parts of long expressions with `let`"),
             );

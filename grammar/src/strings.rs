@@ -1,6 +1,7 @@
 //! Texts in quotes: escapes, and the `{expression as unit}` places of messages.
 
 use crate::ast::{Expr, Name, UnitExpr};
+use crate::codes;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::parse::parse_placeholder;
 use crate::span::Span;
@@ -51,7 +52,7 @@ pub fn parse_message(message: &Name, diagnostics: &mut Diagnostics) -> Vec<Messa
             .filter(|close| !here[1..*close].contains('{'));
         let Some(close) = close else {
             diagnostics.push(
-                Diagnostic::error("E0103", "a brace in a message has no partner")
+                Diagnostic::error(codes::UNPAIRED, "a brace in a message has no partner")
                     .at(span(brace, brace + 1), "this one")
                     .with_help("write `{{` or `}}` for a brace itself"),
             );
@@ -105,7 +106,7 @@ pub(crate) fn unescape(raw: &str) -> (String, Vec<usize>) {
 
 /// The message for `\q`.
 pub(crate) fn unknown_escape(span: Span) -> Diagnostic {
-    Diagnostic::error("E0108", "a text has an escape that does not exist")
+    Diagnostic::error(codes::TEXT, "a text has an escape that does not exist")
         .at(span, "unknown")
         .with_help("the escapes are `\\\"`, `\\\\`, `\\n` and `\\t`")
 }

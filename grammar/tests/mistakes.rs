@@ -49,7 +49,7 @@ fn one_mistake_one_message() {
     insta::assert_snapshot!(report);
     for code in codes {
         assert!(
-            CODES.iter().any(|(known, _)| *known == code),
+            CODES.iter().any(|known| known.code == code),
             "{code} is not listed"
         );
     }
@@ -75,7 +75,7 @@ fn every_code_has_a_wrong_text() {
     ] {
         shown.extend(parsed(&text).1.iter().map(|found| found.code));
     }
-    let listed: BTreeSet<_> = CODES.iter().map(|(code, _)| *code).collect();
+    let listed: BTreeSet<_> = CODES.iter().map(|known| known.code).collect();
     assert_eq!(shown, listed);
 }
 
@@ -99,4 +99,23 @@ fn fixes_mend() {
         fixed += 1;
     }
     assert!(fixed > 10, "only {fixed} fixes were tried");
+}
+
+/// What is shown as wrong has just the message that it explains, and what is shown as right has none.
+#[test]
+fn examples_of_the_codes_are_what_they_say() {
+    for code in CODES {
+        let found: Vec<_> = parsed(code.wrong)
+            .1
+            .iter()
+            .map(|found| found.code)
+            .collect();
+        if code.wrong.is_empty() {
+            assert_eq!(code.right, "", "{}", code.code);
+        } else {
+            assert_eq!(found, [code.code], "{}", code.wrong);
+        }
+        assert!(parsed(code.right).1.is_empty(), "{}", messages(code.right));
+        assert!(!code.meaning.is_empty(), "{}", code.code);
+    }
 }

@@ -71,11 +71,20 @@ impl std::fmt::Display for RedundantGroup {
     }
 }
 
+/// Most equations that a message names.
+const MOST_GAPS: usize = 3;
+
 fn gaps(rows: &[NamedRow]) -> String {
-    rows.iter()
+    let mut text = rows
+        .iter()
+        .take(MOST_GAPS)
         .map(|r| format!("{} at {r}", r.gap()))
         .collect::<Vec<_>>()
-        .join("; ")
+        .join("; ");
+    if rows.len() > MOST_GAPS {
+        text.push_str(&format!("; and {} more", rows.len() - MOST_GAPS));
+    }
+    text
 }
 
 fn list_groups(groups: &[RedundantGroup]) -> String {
@@ -119,7 +128,7 @@ pub enum RuntimeError {
         rows: Vec<NamedRow>,
     },
     /// The assembled positions are on the wrong branch.
-    #[error("{}: no start position with {condition} was found; it is missed by {}", origin.path, -value)]
+    #[error("{}: no start position with {condition} was found; it is missed by {:.4}", origin.path, -value)]
     Branch {
         /// The element.
         origin: Box<Origin>,
@@ -209,7 +218,7 @@ pub enum RuntimeError {
     #[error("the analysis counts in cycle angle, but the model has no cycle")]
     NoCycle,
     /// The cycle does not advance.
-    #[error("the cycle angle stays at {:.3}° while time passes {moment}", angle.to_degrees())]
+    #[error("the cycle angle has not gone beyond {:.3}° until {moment}", angle.to_degrees())]
     CycleStands {
         /// When.
         moment: Moment,

@@ -67,7 +67,7 @@ pub struct Model {
     /// Values of the parameters.
     pub parameters: Vec<f64>,
     /// Messages of the bind graph.
-    pub advice: Vec<String>,
+    pub advice: Vec<eng_system::code::Advice>,
     /// Bodies.
     pub bodies: Vec<BodyModel>,
     /// Markers.

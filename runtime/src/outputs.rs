@@ -239,13 +239,14 @@ impl Watch {
         }
     }
 
-    /// Reports each condition that is not positive and that `which` asks for; NaN counts as violated.
+    /// Reports each condition that is not positive and that `which` asks for, and a function that gives the values of all entries
+    /// of its class's conditions; NaN counts as violated.
     pub fn violations(
         &mut self,
         model: &Model,
         from: &Inputs,
         which: impl Fn(&ConditionKind) -> bool,
-        mut report: impl FnMut(Violation),
+        mut report: impl FnMut(Violation, &dyn Fn(usize) -> f64),
     ) -> Result<(), RuntimeError> {
         for batch in &mut self.conditions {
             elements::gather(model, batch, from);
@@ -265,11 +266,14 @@ impl Watch {
                         if which(&condition.kind)
                             && !matches!(value.partial_cmp(&0.0), Some(std::cmp::Ordering::Greater))
                         {
-                            report(Violation {
-                                element: batch.pairs[pair][lane],
-                                condition: k,
-                                value,
-                            });
+                            report(
+                                Violation {
+                                    element: batch.pairs[pair][lane],
+                                    condition: k,
+                                    value,
+                                },
+                                &|entry| out.get(entry).map_or(f64::NAN, |pair| pair[lane]),
+                            );
                         }
                     }
                 }

@@ -89,7 +89,7 @@ impl Energy {
 /// An `advise` that does not hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Warning {
-    /// The element; a path of the model for advice on parameters.
+    /// The element and the place of the condition.
     pub origin: Origin,
     /// The author's message.
     pub message: String,
@@ -180,10 +180,10 @@ impl Simulation {
             .map(|e| model.class(e).conditions.len())
             .sum();
         let mut warnings = Vec::new();
-        for message in &model.advice {
+        for advice in &model.advice {
             warnings.push(Warning {
-                origin: Origin::default(),
-                message: message.clone(),
+                origin: advice.origin.clone(),
+                message: advice.message.clone(),
                 moment: Moment {
                     time: state.time,
                     cycle_angle: None,

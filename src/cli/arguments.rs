@@ -28,6 +28,15 @@ pub(super) enum Command {
     ///
     /// Reports everything that is wrong or doubtful in one go: names, units, connections, degrees of freedom.
     Check(CheckArguments),
+    /// Explain a message code, such as E0301; list all without one
+    Explain(ExplainArguments),
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ExplainArguments {
+    /// The code in the brackets of a message
+    #[arg(value_name = "CODE")]
+    pub code: Option<String>,
 }
 
 #[derive(Debug, Args)]

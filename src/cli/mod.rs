@@ -6,6 +6,7 @@
 mod arguments;
 mod check;
 mod engine;
+mod explain;
 mod figures;
 mod run;
 mod summary;
@@ -80,11 +81,12 @@ pub fn run_on(
 ) -> u8 {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
-        Err(refusal) => return explain(&refusal, console),
+        Err(refusal) => return show_refusal(&refusal, console),
     };
     let done = match &arguments.command {
         Command::Run(run) => run::run(run, engine, console),
         Command::Check(check) => check::check(check, engine, console),
+        Command::Explain(code) => explain::explain(code, console),
     };
     match done {
         Ok(()) => DONE,
@@ -101,7 +103,7 @@ pub fn run_on(
 }
 
 /// Prints clap's text: help and version to the output, refusals to the errors.
-fn explain(refusal: &clap::Error, console: &mut Console<'_>) -> u8 {
+fn show_refusal(refusal: &clap::Error, console: &mut Console<'_>) -> u8 {
     let text = refusal.render();
     let (writer, code): (&mut dyn Write, u8) = if refusal.use_stderr() {
         (&mut *console.errors, USAGE_OR_SYSTEM)

@@ -47,6 +47,7 @@ pub(super) fn run(
             }) => {
                 show(&diagnostics, &checked.sources, console)?;
                 if let Some(partial) = partial {
+                    show(&partial.diagnostics, &checked.sources, console)?;
                     writeln!(
                         console.errors,
                         "{analysis} failed; the results up to the failure are kept"

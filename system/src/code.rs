@@ -85,8 +85,17 @@ pub struct Bound {
     pub slots: Vec<f64>,
     /// One value a parameter (SI).
     pub parameters: Vec<f64>,
-    /// Messages of `advise`s that do not hold, with the index of the check.
-    pub advice: Vec<String>,
+    /// What `advise`s that do not hold say.
+    pub advice: Vec<Advice>,
+}
+
+/// An `advise` on parameters that does not hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Advice {
+    /// The element and the place of the condition.
+    pub origin: crate::system::Origin,
+    /// The author's message with its numbers.
+    pub message: String,
 }
 
 /// A parameter set that cannot be used.

@@ -166,4 +166,51 @@ impl DisplayUnit {
     pub fn to_si(&self, shown: f64) -> f64 {
         shown * self.scale + self.offset
     }
+
+    /// An SI value as a message shows it: four significant digits and the unit, none for a pure number.
+    pub fn text(&self, si: f64) -> String {
+        let value = self.from_si(si);
+        let magnitude = libm::floor(libm::log10(value.abs()));
+        let mut text = if value == 0.0 || !value.is_finite() {
+            format!("{value}")
+        } else if (-4.0..9.0).contains(&magnitude) {
+            let digits = (3.0 - magnitude).max(0.0) as usize;
+            format!("{value:.digits$}")
+        } else {
+            format!("{value:.3e}")
+        };
+        if text.contains('.') && !text.contains('e') {
+            text = text.trim_end_matches('0').trim_end_matches('.').to_owned();
+        }
+        if self.symbol != "1" {
+            text.push(' ');
+            text.push_str(&self.symbol);
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_messages_have_four_digits_and_a_unit() {
+        let millimetre = DisplayUnit {
+            symbol: "mm".into(),
+            scale: 1e-3,
+            offset: 0.0,
+        };
+        for (si, text) in [
+            (0.0123456, "12.35 mm"),
+            (-0.02, "-20 mm"),
+            (12.3456789, "12346 mm"),
+            (0.0, "0 mm"),
+            (1.23456e-9, "1.235e-6 mm"),
+            (f64::NAN, "NaN mm"),
+        ] {
+            assert_eq!(millimetre.text(si), text);
+        }
+        assert_eq!(DisplayUnit::si(Dimension::ONE).text(0.99912), "0.9991");
+    }
 }

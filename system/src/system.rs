@@ -145,17 +145,51 @@ pub enum ConditionKind {
     Require,
     /// Should hold at every accepted state; a warning, given once.
     Advise,
+    /// No condition: a value that the message of a `require` or `advise` shows.
+    Shown,
 }
 
-/// A quantity that must be positive.
+/// Part of the message of a condition.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MessagePart {
+    /// Plain text.
+    Text(String),
+    /// A value of the moment.
+    Value {
+        /// Index of the [`ConditionKind::Shown`] entry among the class's conditions that gives it (SI).
+        index: u32,
+        /// How it is shown.
+        display: DisplayUnit,
+    },
+}
+
+/// A quantity that must be positive, or that a message shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
     /// What it means.
     pub kind: ConditionKind,
-    /// The condition as written, or the message of a `require`.
+    /// The condition as written, or the message of a `require` with its expressions as written.
     pub text: String,
+    /// The message in parts; empty where `text` is all.
+    pub message: Vec<MessagePart>,
     /// Its place in the class.
     pub defined_at: Option<Location>,
+}
+
+impl Condition {
+    /// The message with the values of the moment. `value` gives the number of an entry of the class's conditions (SI).
+    pub fn told(&self, value: impl Fn(usize) -> f64) -> String {
+        if self.message.is_empty() {
+            return self.text.clone();
+        }
+        self.message
+            .iter()
+            .map(|part| match part {
+                MessagePart::Text(text) => text.clone(),
+                MessagePart::Value { index, display } => display.text(value(*index as usize)),
+            })
+            .collect()
+    }
 }
 
 /// What all instances of one class of element share. The functions of its code are described at [`crate::code`].

@@ -2,6 +2,7 @@
 
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval, body::index_text, finish::Structural, location};
+use crate::codes;
 use crate::program::{DefinitionId, Program};
 use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
@@ -90,38 +91,33 @@ impl<'a> Elaborator<'a, '_> {
             AnalysisKind::Assemble
         } else {
             let Some(duration) = duration else {
-                return Err(self.report(
-                    Diagnostic::error("E0517", "the analysis has no duration")
-                        .at(value.span, "add `duration: 4 rev` or `duration: 0.1 s`"),
-                ));
+                return Err(self.internal(value.span, "no duration"));
             };
-            let duration = self.extent(duration)?;
+            let duration = self.extent("duration", duration)?;
             let sample = match sample {
-                Some(s) => self.extent(s)?,
-                None => {
-                    return Err(self.report(
-                        Diagnostic::error("E0517", "the analysis has no sample distance")
-                            .at(value.span, "add `sample: 0.5 deg` or `sample: 0.1 ms`"),
-                    ));
-                }
+                Some(s) => self.extent("sample", s)?,
+                None => return Err(self.internal(value.span, "no distance of samples")),
             };
             let step = match (step, tolerance) {
                 (Some((h, _, s)), None) => {
-                    StepControl::Fixed(self.in_range(h, 0.0, f64::INFINITY, "step", s)?)
+                    let positive = h > 0.0 && h.is_finite();
+                    StepControl::Fixed(self.fitting("step", h, positive, "positive", s)?)
                 }
                 (None, Some((t, _, s))) => {
-                    StepControl::Tolerance(self.in_range(t, 0.0, 1e6, "tolerance", s)?)
+                    let due = "positive and at most 1e6; 1 is the default";
+                    let fits = t > 0.0 && t <= 1e6;
+                    StepControl::Tolerance(self.fitting("tolerance", t, fits, due, s)?)
                 }
                 (None, None) => StepControl::Tolerance(1.0),
                 (Some((_, _, s)), Some(_)) => {
-                    return Err(self.report(
-                        Diagnostic::error("E0517", "a fixed step or a tolerance, not both")
-                            .at(s, "one of them"),
-                    ));
+                    return Err(self.internal(s, "a fixed step and a tolerance"));
                 }
             };
             let rho_infinity = match rho {
-                Some((r, _, s)) => self.in_range(r, -1e-12, 1.0 - 1e-9, "rho", s)?,
+                Some((r, _, s)) => {
+                    let due = "from 0 to below 1; 0.8 is the default";
+                    self.fitting("rho", r, (0.0..1.0).contains(&r), due, s)?
+                }
                 None => 0.8,
             };
             AnalysisKind::Transient(Transient {
@@ -152,41 +148,43 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     fn not_an_analysis(&mut self, span: Span) -> super::Reported {
-        self.report(
-            Diagnostic::error(
-                "E0517",
-                "an analysis is `transient(Model(…), …)` or `assemble(Model(…))`",
-            )
-            .at(span, "this is neither"),
+        self.internal(
+            span,
+            "neither `transient(Model(…), …)` nor `assemble(Model(…))`",
         )
     }
 
-    fn in_range(&mut self, value: f64, low: f64, high: f64, name: &str, span: Span) -> Eval<f64> {
-        if value > low && value < high {
-            Ok(value.max(0.0))
-        } else {
-            Err(self.report(
-                Diagnostic::error("E0517", format!("{name} is out of range"))
-                    .at(span, format!("must be above {low:.0} and below {high}")),
-            ))
+    /// A number that `fits`, else a message that says what would.
+    fn fitting(&mut self, name: &str, value: f64, fits: bool, due: &str, span: Span) -> Eval<f64> {
+        if fits {
+            return Ok(value);
         }
+        let found = if value == 0.0 {
+            "zero"
+        } else if value < 0.0 {
+            "negative"
+        } else {
+            "too large"
+        };
+        Err(self.report(
+            Diagnostic::error(codes::ANALYSIS_VALUE, format!("`{name}` must be {due}"))
+                .at(span, format!("this is {found}")),
+        ))
     }
 
-    fn extent(&mut self, (value, dimension, span): (f64, Dimension, Span)) -> Eval<Extent> {
-        if value <= 0.0 {
-            return Err(self.report(
-                Diagnostic::error("E0517", "this must be positive").at(span, "zero or negative"),
-            ));
-        }
+    fn extent(
+        &mut self,
+        name: &str,
+        (value, dimension, span): (f64, Dimension, Span),
+    ) -> Eval<Extent> {
+        let positive = value > 0.0 && value.is_finite();
+        self.fitting(name, value, positive, "positive", span)?;
         if dimension == Dimension::TIME {
             Ok(Extent::Time(value))
         } else if dimension == Dimension::ANGLE {
             Ok(Extent::Angle(value))
         } else {
-            Err(self.report(
-                Diagnostic::error("E0517", "expected a time or an angle of the cycle")
-                    .at(span, format!("this is in {dimension}")),
-            ))
+            Err(self.internal(span, "neither a time nor an angle"))
         }
     }
 
@@ -198,10 +196,7 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
     ) -> Eval<(DefinitionId, Vec<(String, Structural)>, Vec<(String, f64)>)> {
         let ExprKind::Call { callee, arguments } = &expr.kind else {
-            return Err(self.report(
-                Diagnostic::error("E0517", "the first argument is a model: `Model()`")
-                    .at(expr.span, "not a call"),
-            ));
+            return Err(self.internal(expr.span, "the first argument is no model"));
         };
         let model = match self.evaluate(callee, scope)? {
             Value::Definition(id) => id,
@@ -214,20 +209,16 @@ impl<'a> Elaborator<'a, '_> {
                 ..
             })) => &block.items,
             _ => {
-                return Err(self.report(
-                    Diagnostic::error("E0517", "this is not a model")
-                        .at(callee.span, "used as a model"),
-                ));
+                return Err(self.internal(callee.span, "this is no model"));
             }
         };
         let mut constants = Vec::new();
         let mut set = Vec::new();
         for argument in arguments {
             let Some(name) = &argument.name else {
-                return Err(self.report(
-                    Diagnostic::error("E0517", "arguments of a model are named")
-                        .at(argument.value.span, "write `name: value`"),
-                ));
+                return Err(
+                    self.internal(argument.value.span, "an argument of a model has no name")
+                );
             };
             let binding = items.iter().find_map(|i| match &i.kind {
                 ItemKind::Binding(b)
@@ -239,10 +230,7 @@ impl<'a> Elaborator<'a, '_> {
                 _ => None,
             });
             let Some(binding) = binding else {
-                return Err(self.report(
-                    Diagnostic::error("E0403", format!("the model has no parameter {}", name.text))
-                        .at(name.span, "not a `param` or `const` of the model"),
-                ));
+                return Err(self.internal(name.span, "no `param` or `const` of the model"));
             };
             let value = self.evaluate(&argument.value, scope)?;
             if binding.kind == BindingKind::Const {

@@ -3,11 +3,12 @@
 use super::scalar::{FIXED, Flag, Scalar, Stage};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval, expression::Truth, location};
+use crate::codes;
 use crate::ir::{Function, Node, Op};
 use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
-use eng_system::code::{BindCode, BindError, Bound, Pair};
-use eng_system::system::{Location, Parameter};
+use eng_system::code::{Advice, BindCode, BindError, Bound, Pair};
+use eng_system::system::{Location, Origin, Parameter};
 use eng_system::table::Table;
 use eng_system::{Dimension, DisplayUnit};
 
@@ -47,6 +48,8 @@ pub struct BindProgram {
     pub function: Function,
     /// Fixed numbers.
     pub fixed: Vec<f64>,
+    /// Path of the body, marker or element that each slot belongs to.
+    pub slot_owners: Vec<String>,
     /// What a parameter is when it is not set.
     pub defaults: Vec<ParameterDefault>,
     /// Paths, units and limits of the parameters.
@@ -111,11 +114,18 @@ impl BindCode for BindProgram {
                 .iter()
                 .map(|part| match part {
                     MessagePart::Text(t) => t.clone(),
-                    MessagePart::Value(n, unit) => shown(unit.from_si(at(n)), &unit.symbol),
+                    MessagePart::Value(n, unit) => unit.text(at(n)),
                 })
                 .collect();
             if check.advise {
-                advice.push(format!("{}: {message}", check.path));
+                advice.push(Advice {
+                    origin: Origin {
+                        path: check.path.clone(),
+                        used_at: check.used_at,
+                        defined_at: check.defined_at,
+                    },
+                    message,
+                });
             } else {
                 return Err(BindError::Require {
                     path: check.path.clone(),
@@ -128,7 +138,11 @@ impl BindCode for BindProgram {
         let slots: Vec<f64> = self.function.outputs.iter().map(at).collect();
         if let Some(i) = slots.iter().position(|v| !v.is_finite()) {
             return Err(BindError::NotFinite {
-                path: format!("{} (constant {i} of the model)", self.function.name),
+                path: self
+                    .slot_owners
+                    .get(i)
+                    .unwrap_or(&self.function.name)
+                    .clone(),
             });
         }
         Ok(Bound {
@@ -139,21 +153,31 @@ impl BindCode for BindProgram {
     }
 }
 
-/// A number with four significant digits and its unit.
-fn shown(value: f64, unit: &str) -> String {
-    let digits = if value == 0.0 {
-        0
-    } else {
-        (3 - libm::floor(libm::log10(libm::fabs(value))) as i32).clamp(0, 9)
-    };
-    let mut text = format!("{value:.*}", digits as usize);
-    if text.contains('.') {
-        text = text.trim_end_matches('0').trim_end_matches('.').to_owned();
-    }
-    if unit == "1" {
-        text
-    } else {
-        format!("{text} {unit}")
+/// What the author of a `require` or `advise` says, evaluated where the condition is.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Message {
+    /// With its expressions as written.
+    pub text: String,
+    pub parts: Vec<Part>,
+}
+
+/// Part of a message before it is known of which stage its numbers are.
+#[derive(Clone, Debug)]
+pub(crate) enum Part {
+    Text(String),
+    Value {
+        value: Scalar,
+        display: DisplayUnit,
+        span: Span,
+    },
+}
+
+/// The place of something in the texts.
+pub(crate) fn span_of(place: Location) -> Span {
+    Span {
+        source: eng_grammar::SourceId(place.source),
+        start: place.start,
+        end: place.end,
     }
 }
 
@@ -229,9 +253,10 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// The unit that a literal is written in.
-    fn literal_unit(&self, expr: &ast::Expr) -> Option<DisplayUnit> {
+    pub fn literal_unit(&self, expr: &ast::Expr) -> Option<DisplayUnit> {
         let unit = match &expr.kind {
             ast::ExprKind::Number { unit: Some(u), .. }
+            | ast::ExprKind::List { unit: Some(u), .. }
             | ast::ExprKind::Paren { unit: Some(u), .. } => u,
             ast::ExprKind::Paren { inner, unit: None } => return self.literal_unit(inner),
             ast::ExprKind::Unary { operand, .. } => return self.literal_unit(operand),
@@ -283,7 +308,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// `require` and `advise`. Conditions of parameters alone become checks of the bind graph; the others are returned with
-    /// the text of their message.
+    /// their message.
     pub fn requirement(
         &mut self,
         advise: bool,
@@ -292,32 +317,26 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
         path: &str,
         used_at: Option<Location>,
-    ) -> Eval<Option<(Flag, String)>> {
-        match self.truth(condition, scope)? {
-            Truth::Known(true) => Ok(None),
-            Truth::Known(false) if advise => {
-                self.diagnostics.push(
-                    Diagnostic::warning("W0502", message.text.clone())
-                        .at(condition.span, format!("does not hold for {path}")),
-                );
-                Ok(None)
-            }
-            Truth::Known(false) => {
-                let mut d = Diagnostic::error("E0513", format!("{path}: {}", message.text));
-                if let Some(place) = used_at {
-                    d = d.at(
-                        Span {
-                            source: eng_grammar::SourceId(place.source),
-                            start: place.start,
-                            end: place.end,
-                        },
-                        "here",
-                    );
+    ) -> Eval<Option<(Flag, Message)>> {
+        let truth = self.truth(condition, scope)?;
+        if let Truth::Known(true) = truth {
+            return Ok(None);
+        }
+        let message = self.message(message, scope)?;
+        match truth {
+            Truth::Later(flag) if flag.stage == Stage::Motion => Ok(Some((flag, message))),
+            Truth::Later(flag) => {
+                let mut parts = Vec::with_capacity(message.parts.len());
+                for part in message.parts {
+                    parts.push(match part {
+                        Part::Text(text) => MessagePart::Text(text),
+                        Part::Value {
+                            value,
+                            display,
+                            span,
+                        } => MessagePart::Value(self.bind_node(value, span)?, display),
+                    });
                 }
-                Err(self.report(d.also(condition.span, "this does not hold")))
-            }
-            Truth::Later(flag) if flag.stage == Stage::Bind => {
-                let parts = self.message_parts(message, scope)?;
                 let holds = self.bench.flag_number(flag);
                 self.checks.push(Check {
                     holds,
@@ -329,18 +348,68 @@ impl<'a> Elaborator<'a, '_> {
                 });
                 Ok(None)
             }
-            Truth::Later(flag) => Ok(Some((flag, plain_message(message, self.sources)))),
+            Truth::Known(_) => {
+                let text = self.known_text(message);
+                let title = match path {
+                    "" => text,
+                    path => format!("{path}: {text}"),
+                };
+                let diagnostic = if advise {
+                    Diagnostic::warning(codes::ADVISED, title)
+                } else {
+                    Diagnostic::error(codes::REQUIRED, title)
+                };
+                let reported = self.report(match used_at.map(span_of) {
+                    Some(place) => diagnostic
+                        .at(place, "asked for by its class")
+                        .also(condition.span, "this does not hold"),
+                    None => diagnostic.at(condition.span, "this does not hold"),
+                });
+                if advise { Ok(None) } else { Err(reported) }
+            }
         }
     }
 
-    fn message_parts(&mut self, message: &'a ast::Name, scope: ScopeId) -> Eval<Vec<MessagePart>> {
-        let mut parts = Vec::new();
+    /// A message with the numbers that are known while compiling; the other expressions stand as they are written.
+    fn known_text(&self, message: Message) -> String {
+        message
+            .parts
+            .into_iter()
+            .map(|part| match part {
+                Part::Text(text) => text,
+                Part::Value {
+                    value,
+                    display,
+                    span,
+                } => match self.bench.known(value) {
+                    Some(known) => display.text(known),
+                    None => self.sources.text(span).to_owned(),
+                },
+            })
+            .collect()
+    }
+
+    fn message(&mut self, message: &'a ast::Name, scope: ScopeId) -> Eval<Message> {
+        let mut found = Message::default();
         for part in eng_grammar::parse_message(message, self.diagnostics) {
-            parts.push(match part {
-                eng_grammar::MessagePart::Text(text) => MessagePart::Text(text),
+            match part {
+                eng_grammar::MessagePart::Text(text) => {
+                    found.text.push_str(&text);
+                    found.parts.push(Part::Text(text));
+                }
                 eng_grammar::MessagePart::Value { value, unit, .. } => {
-                    let value = self.evaluate_owned(&value, scope)?;
-                    let unit = match &unit {
+                    let span = value.span;
+                    found.text.push_str(self.sources.text(span));
+                    let value = match self.evaluate_owned(&value, scope)? {
+                        Value::Scalar(value) => value,
+                        Value::Int(i) => self.bench.constant(i as f64, Dimension::ONE),
+                        Value::Text(text) => {
+                            found.parts.push(Part::Text(text));
+                            continue;
+                        }
+                        other => return Err(self.not_shown(span, &other)),
+                    };
+                    let display = match &unit {
                         Some(u) => {
                             let u = self.unit(u)?;
                             DisplayUnit {
@@ -351,42 +420,48 @@ impl<'a> Elaborator<'a, '_> {
                         }
                         None => self.natural_unit(value.dimension),
                     };
-                    let node = self.bind_node(value, message.span)?;
-                    MessagePart::Value(node, unit)
+                    found.parts.push(Part::Value {
+                        value,
+                        display,
+                        span,
+                    });
                 }
-            });
+            }
         }
-        Ok(parts)
+        Ok(found)
     }
 
-    /// A number of an expression that does not live as long as the program: only names, fields and arithmetic with numbers.
-    fn evaluate_owned(&mut self, expr: &ast::Expr, scope: ScopeId) -> Eval<Scalar> {
+    /// The value of an expression that does not live as long as the program: only names, fields and arithmetic with numbers.
+    fn evaluate_owned(&mut self, expr: &ast::Expr, scope: ScopeId) -> Eval<Value<'a>> {
         use ast::ExprKind as K;
         match &expr.kind {
-            K::Name(name) => {
-                let value = self.lookup(name, scope, expr.span)?;
-                self.as_scalar(value, expr.span)
-            }
+            K::Name(name) => self.lookup(name, scope, expr.span),
             K::Field { base, name } => match &base.kind {
                 K::Name(n) => {
                     let base_value = self.lookup(n, scope, base.span)?;
-                    let value = self.field(base_value, name, base.span)?;
-                    self.as_scalar(value, expr.span)
+                    self.field(base_value, name, base.span)
                 }
                 _ => Err(self.too_long(expr.span)),
             },
             K::Paren { inner, unit: None } => self.evaluate_owned(inner, scope),
-            K::Number { value, unit, .. } => self.number(*value, unit.as_ref()),
+            K::Number { value, unit, .. } => self.number(*value, unit.as_ref()).map(Value::Scalar),
+            K::Unary {
+                op: ast::UnaryOp::Negate,
+                operand,
+            } => {
+                let number = self.owned_scalar(operand, scope)?;
+                Ok(Value::Scalar(self.bench.negate(number)))
+            }
             K::Binary {
                 op, left, right, ..
             } => {
-                let a = self.evaluate_owned(left, scope)?;
-                let b = self.evaluate_owned(right, scope)?;
+                let a = self.owned_scalar(left, scope)?;
+                let b = self.owned_scalar(right, scope)?;
                 match op {
-                    ast::BinaryOp::Add => Ok(self.bench.add(a, b)),
-                    ast::BinaryOp::Subtract => Ok(self.bench.subtract(a, b)),
-                    ast::BinaryOp::Multiply => Ok(self.bench.multiply(a, b)),
-                    ast::BinaryOp::Divide => Ok(self.bench.divide(a, b)),
+                    ast::BinaryOp::Add => Ok(Value::Scalar(self.bench.add(a, b))),
+                    ast::BinaryOp::Subtract => Ok(Value::Scalar(self.bench.subtract(a, b))),
+                    ast::BinaryOp::Multiply => Ok(Value::Scalar(self.bench.multiply(a, b))),
+                    ast::BinaryOp::Divide => Ok(Value::Scalar(self.bench.divide(a, b))),
                     _ => Err(self.too_long(expr.span)),
                 }
             }
@@ -394,11 +469,26 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
+    fn owned_scalar(&mut self, expr: &ast::Expr, scope: ScopeId) -> Eval<Scalar> {
+        match self.evaluate_owned(expr, scope)? {
+            Value::Scalar(value) => Ok(value),
+            Value::Int(i) => Ok(self.bench.constant(i as f64, Dimension::ONE)),
+            other => Err(self.not_shown(expr.span, &other)),
+        }
+    }
+
+    fn not_shown(&mut self, span: Span, found: &Value<'_>) -> super::Reported {
+        self.report(
+            Diagnostic::error(codes::MESSAGE_FORM, "a message shows numbers and texts")
+                .at(span, format!("this is {}", found.kind())),
+        )
+    }
+
     fn too_long(&mut self, span: Span) -> super::Reported {
         self.report(
             Diagnostic::error(
-                "E0514",
-                "a message shows names and sums, products of them only",
+                codes::MESSAGE_FORM,
+                "a message shows names, and sums and products of names, only",
             )
             .at(span, "give this a name with `let`"),
         )
@@ -424,16 +514,4 @@ impl<'a> Elaborator<'a, '_> {
             K::One | K::Error => Dimension::ONE,
         }
     }
-}
-
-/// A message whose numbers change with the motion: the expressions stand for them.
-fn plain_message(message: &ast::Name, sources: &eng_grammar::SourceMap) -> String {
-    let mut scratch = eng_grammar::Diagnostics::new();
-    eng_grammar::parse_message(message, &mut scratch)
-        .into_iter()
-        .map(|part| match part {
-            eng_grammar::MessagePart::Text(text) => text,
-            eng_grammar::MessagePart::Value { value, .. } => sources.text(value.span).to_owned(),
-        })
-        .collect()
 }

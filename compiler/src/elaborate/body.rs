@@ -3,11 +3,12 @@
 use super::scalar::{Scalar, Stage};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Entry, Eval, location};
+use crate::codes;
 use crate::ir::{Node, Op};
 use eng_grammar::ast::{self, ExprKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::Dimension;
 use eng_system::system::{Body, BodyInertia, BodyRef, Marker, Origin, Role, Slot};
+use eng_system::{Dimension, DisplayUnit};
 
 /// A 3×3 matrix of bind nodes, row-major.
 type Matrix = [Node; 9];
@@ -61,8 +62,10 @@ impl<'a> Elaborator<'a, '_> {
         position: [Node; 3],
         orientation: Matrix,
     ) -> u32 {
+        let owner = std::mem::replace(&mut self.bench.bind.owner, path.clone());
         let position = self.slots(position);
         let orientation = self.slots(orientation);
+        self.bench.bind.owner = owner;
         self.markers.push(Marker {
             origin: Origin {
                 path,
@@ -75,9 +78,16 @@ impl<'a> Elaborator<'a, '_> {
             shape: None,
             placed_at: None,
         });
-        // those without a place in the text are not the user's to use
-        self.used_markers.push(span.is_none());
+        // those without a place in the text are not the user's to use, and a component offers more than each use takes
+        self.used_markers.push(span.is_none() || self.in_part);
         self.markers.len() as u32 - 1
+    }
+
+    /// Something refers to a marker.
+    pub fn used_marker(&mut self, marker: u32) {
+        if let Some(used) = self.used_markers.get_mut(marker as usize) {
+            *used = true;
+        }
     }
 
     /// Instances of `marker name[index] = …` on a body or the ground.
@@ -87,12 +97,9 @@ impl<'a> Elaborator<'a, '_> {
         body: BodyRef,
         scope: ScopeId,
         owner: ScopeId,
-    ) -> Eval<()> {
+    ) -> Eval<Value<'a>> {
         let Form::Instance { value, .. } = &declaration.form else {
-            return Err(self.report(
-                Diagnostic::error("E0508", "a marker needs a place")
-                    .at(declaration.name.span, "write `marker name = [x, y, z] mm`"),
-            ));
+            return Err(self.internal(declaration.name.span, "a marker without a place"));
         };
         let name = &declaration.name.text;
         let base = self.path(owner, name);
@@ -104,13 +111,11 @@ impl<'a> Elaborator<'a, '_> {
             made.push((position.to_vec(), Value::Marker(marker)));
             Ok(())
         })?;
-        let value = if declaration.index.is_empty() {
-            made.pop().ok_or(super::Reported)?.1
+        if declaration.index.is_empty() {
+            made.pop().map(|m| m.1).ok_or(super::Reported)
         } else {
-            Value::Family(made)
-        };
-        self.define(owner, name, Entry::Value(value));
-        Ok(())
+            Ok(Value::Family(made))
+        }
     }
 
     fn placement(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<([Node; 3], Matrix)> {
@@ -126,11 +131,8 @@ impl<'a> Elaborator<'a, '_> {
                         None => place = Some(self.place(&a.value, scope)?),
                         Some("z") => z = Some(self.direction(&a.value, scope)?),
                         Some("x") => x = Some(self.direction(&a.value, scope)?),
-                        Some(other) => {
-                            return Err(self.report(
-                                Diagnostic::error("E0508", format!("`at` has no argument {other}"))
-                                    .at(a.value.span, "it takes a place, `x:` and `z:`"),
-                            ));
+                        Some(_) => {
+                            return Err(self.internal(a.value.span, "no argument of `at`"));
                         }
                     }
                 }
@@ -156,7 +158,11 @@ impl<'a> Elaborator<'a, '_> {
         let known: Vec<f64> = v.iter().filter_map(|s| self.bench.known(*s)).collect();
         if known.len() == 3 && known.iter().all(|x| *x == 0.0) {
             return Err(self.report(
-                Diagnostic::error("E0508", "a direction of length zero").at(expr.span, "here"),
+                Diagnostic::error(codes::DIRECTION, "a direction has the length zero")
+                    .at(expr.span, "this points nowhere")
+                    .with_help(
+                        "for instance `z: [0, 0, 1]`; only the direction counts, not the length",
+                    ),
             ));
         }
         Ok(self.normalise(&v))
@@ -239,18 +245,16 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Instances of `body name[index] { … }`.
-    pub fn bodies_of(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) -> Eval<()> {
+    pub fn bodies_of(
+        &mut self,
+        declaration: &'a ast::Declaration,
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
         if declaration.kind == Kind::Flexible {
-            return Err(self.report(
-                Diagnostic::error("E0390", "flexible bodies are not built yet")
-                    .at(declaration.kind_span, "use a rigid `body`"),
-            ));
+            return Err(self.internal(declaration.kind_span, "a flexible body"));
         }
         let Form::Plain { block } = &declaration.form else {
-            return Err(self.report(
-                Diagnostic::error("E0508", "a body is written as a block")
-                    .at(declaration.name.span, "write `body name { … }`"),
-            ));
+            return Err(self.internal(declaration.name.span, "a body without a block"));
         };
         let name = &declaration.name.text;
         let base = self.path(scope, name);
@@ -263,13 +267,11 @@ impl<'a> Elaborator<'a, '_> {
             ));
             Ok(())
         })?;
-        let value = if declaration.index.is_empty() {
-            made.pop().ok_or(super::Reported)?.1
+        if declaration.index.is_empty() {
+            made.pop().map(|m| m.1).ok_or(super::Reported)
         } else {
-            Value::Family(made)
-        };
-        self.define(scope, name, Entry::Value(value));
-        Ok(())
+            Ok(Value::Family(made))
+        }
     }
 
     fn body(
@@ -282,6 +284,7 @@ impl<'a> Elaborator<'a, '_> {
         self.count_instance(declaration.name.span)?;
         let module = self.scope(scope).module;
         let own = self.new_scope(Some(scope), module, path.clone());
+        self.bench.bind.owner.clone_from(&path);
         let index = self.bodies.len() as u32;
         let zero = self.zero();
         let mut mass = None;
@@ -305,7 +308,8 @@ impl<'a> Elaborator<'a, '_> {
                         let s = self.as_scalar(value, a.value.span)?;
                         self.define(own, "mass", Entry::Value(Value::Scalar(s)));
                         let node = self.bind_node(s, a.value.span)?;
-                        self.positive(node, "the mass must be positive", &path, a.value.span);
+                        let display = self.natural_unit(s.dimension);
+                        self.positive_mass(node, display, &path, a.value.span);
                         mass = Some(node);
                     }
                     "inertia" => {
@@ -317,24 +321,12 @@ impl<'a> Elaborator<'a, '_> {
                     }
                     "products_of_inertia" => products = self.bind_vector(&a.value, own)?,
                     "center_of_mass" => center = self.bind_vector(&a.value, own)?,
-                    other => {
-                        return Err(self.report(
-                            Diagnostic::error("E0508", format!("a body has no attribute {other}"))
-                                .at(
-                                    a.name.span,
-                                    "mass, inertia, products_of_inertia, center_of_mass",
-                                ),
-                        ));
-                    }
+                    _ => return Err(self.internal(a.name.span, "no attribute of a body")),
                 }
             }
         }
         let (Some(mass), Some(inertia)) = (mass, inertia) else {
-            let missing = if mass.is_none() { "mass" } else { "inertia" };
-            return Err(self.report(
-                Diagnostic::error("E0508", format!("body {path} has no {missing}"))
-                    .at(declaration.name.span, format!("add `{missing} = …`")),
-            ));
+            return Err(self.internal(declaration.name.span, "a body without mass or inertia"));
         };
         let mass = self.slot(mass);
         let center_of_mass = self.slots(center);
@@ -375,7 +367,11 @@ impl<'a> Elaborator<'a, '_> {
             match &item.kind {
                 ItemKind::Declaration(d) if d.kind == Kind::Marker => {
                     // a marker's own message does not hide those of its neighbours
-                    let _ = self.markers_of(d, reference, own, own);
+                    let entry = match self.markers_of(d, reference, own, own) {
+                        Ok(marker) => Entry::Value(marker),
+                        Err(_) => Entry::Failed,
+                    };
+                    self.define(own, &d.name.text, entry);
                 }
                 ItemKind::Statement(Statement::Start { target, value }) => {
                     let _ = self.body_start(index, origin, target, value, own, true);
@@ -389,10 +385,14 @@ impl<'a> Elaborator<'a, '_> {
         Ok(index)
     }
 
-    fn positive(&mut self, node: Node, message: &str, path: &str, span: Span) {
+    fn positive_mass(&mut self, node: Node, display: DisplayUnit, path: &str, span: Span) {
         let graph = &mut self.bench.bind.graph;
         let zero = graph.constant(0.0);
         let flag = graph.less(zero, node);
+        let message = vec![
+            super::MessagePart::Text("the mass must be positive, not ".into()),
+            super::MessagePart::Value(node, display),
+        ];
         self.bind_check(flag, message, path, span);
     }
 
@@ -409,13 +409,15 @@ impl<'a> Elaborator<'a, '_> {
         let axis = ["x", "y", "z"][i];
         self.bind_check(
             flag,
-            &format!("no body has this inertia: the moment about {axis} is negative or more than the sum of the other two"),
+            vec![super::MessagePart::Text(format!(
+                "no body has this inertia: the moment about {axis} is negative or more than the sum of the other two"
+            ))],
             path,
             span,
         );
     }
 
-    fn bind_check(&mut self, flag: Node, message: &str, path: &str, span: Span) {
+    fn bind_check(&mut self, flag: Node, message: Vec<super::MessagePart>, path: &str, span: Span) {
         let holds = self.bench.flag_number(super::scalar::Flag {
             stage: Stage::Bind,
             node: flag,
@@ -423,7 +425,7 @@ impl<'a> Elaborator<'a, '_> {
         self.checks.push(super::Check {
             holds,
             advise: false,
-            message: vec![super::MessagePart::Text(message.to_owned())],
+            message,
             path: path.to_owned(),
             used_at: Some(location(span)),
             defined_at: None,
@@ -487,12 +489,7 @@ impl<'a> Elaborator<'a, '_> {
                 scope,
             ),
             _ => {
-                return Err(self.report(
-                    Diagnostic::error("E0508", "a body has no such start value").at(
-                        target.span,
-                        "position, rotation, velocity, angular_velocity",
-                    ),
-                ));
+                return Err(self.internal(target.span, "no start value of a body"));
             }
         }
         Ok(())

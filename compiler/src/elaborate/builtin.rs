@@ -3,6 +3,7 @@
 use super::scalar::{Scalar, Stage};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval};
+use crate::codes;
 use crate::ir::{Graph, Node, Op};
 use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
@@ -91,7 +92,7 @@ impl<'a> Elaborator<'a, '_> {
         }
         match name {
             "abs" => match values.pop() {
-                Some((Value::Int(i), _)) => Ok(Value::Int(i.abs())),
+                Some((Value::Int(i), _)) if i != i64::MIN => Ok(Value::Int(i.abs())),
                 Some((v, s)) => {
                     let x = self.as_scalar(v, s)?;
                     Ok(Value::Scalar(self.bench.unary(x, x.dimension, Graph::abs)))
@@ -116,7 +117,7 @@ impl<'a> Elaborator<'a, '_> {
                 let x = self.as_components(a.0, a.1)?;
                 let y = self.as_components(b.0, b.1)?;
                 if x.len() != y.len() {
-                    return Err(self.arguments(span));
+                    return Err(self.lengths(x.len(), a.1, y.len(), b.1));
                 }
                 Ok(Value::Scalar(self.bench.dot(&x, &y)))
             }
@@ -223,15 +224,12 @@ impl<'a> Elaborator<'a, '_> {
                 }
                 _ => Err(self.arguments(span)),
             },
-            _ => Err(self.report(
-                Diagnostic::error("E0500", format!("{name} has no meaning here"))
-                    .at(span, "not a value"),
-            )),
+            _ => Err(self.internal(span, &format!("`{name}` is no value"))),
         }
     }
 
     fn arguments(&mut self, span: Span) -> super::Reported {
-        self.report(Diagnostic::error("E0500", "the arguments do not fit").at(span, "in this call"))
+        self.internal(span, "the arguments do not fit")
     }
 
     fn take<const N: usize>(
@@ -283,7 +281,10 @@ impl<'a> Elaborator<'a, '_> {
     /// The marker of a value; `ground` is the marker at the ground's origin.
     pub fn as_marker(&mut self, value: Value<'a>, span: Span) -> Eval<u32> {
         match value {
-            Value::Marker(m) => Ok(m),
+            Value::Marker(m) => {
+                self.used_marker(m);
+                Ok(m)
+            }
             Value::Ground => Ok(self.ground_frame()),
             other => Err(self.unfit(span, "a marker", &other)),
         }
@@ -317,8 +318,15 @@ impl<'a> Elaborator<'a, '_> {
         let index = element.rotations.len() as u32;
         if index >= super::scalar::PROVISIONAL.rotations {
             return Err(self.report(
-                Diagnostic::error("E0512", "one element measures too many rotations")
-                    .at(span, "the limit is reached here"),
+                Diagnostic::error(
+                    codes::ELEMENT_TOO_LARGE,
+                    format!(
+                        "one element measures more than {} rotations",
+                        super::scalar::PROVISIONAL.rotations
+                    ),
+                )
+                .at(span, "the limit is reached here")
+                .with_help("divide it into several elements or outputs"),
             ));
         }
         let g = &mut element.graph;
@@ -384,8 +392,9 @@ impl<'a> Elaborator<'a, '_> {
             Ok(d) => d,
             Err(error) => {
                 return Err(self.report(
-                    Diagnostic::error("E0506", "this has no time derivative")
-                        .at(span, error.to_string()),
+                    Diagnostic::error(codes::NO_RATE, "this has no known time derivative")
+                        .at(span, error.to_string())
+                        .with_help("positions, angles and velocities have a `der`; of a velocity, in outputs only"),
                 ));
             }
         };
@@ -396,8 +405,12 @@ impl<'a> Elaborator<'a, '_> {
         );
         if uses_acceleration && !self.in_output {
             return Err(self.report(
-                Diagnostic::error("E0507", "accelerations are known in outputs only")
-                    .at(span, "the derivative of a velocity"),
+                Diagnostic::error(
+                    codes::LATE_ACCELERATION,
+                    "accelerations are known in outputs only",
+                )
+                .at(span, "this is the rate of a velocity where it is used")
+                .with_help("use it in outputs; a force that needs a rate takes it of a position"),
             ));
         }
         let scalars: Vec<Scalar> = derivative

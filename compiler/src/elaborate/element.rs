@@ -1,18 +1,20 @@
 //! Instances of joints, forces, journals and drives: each becomes a graph of its own.
 
+use super::binding::{Message, Part};
 use super::scalar::{ElementBuilder, PROVISIONAL, RowDraft, Scalar, Stage, StateDraft};
 use super::value::{Closure, ScopeId, Value};
 use super::{
     Argument, Elaborator, ElementSource, Entry, Eval, Lazy, OutputShape, Reported,
     body::index_text, location,
 };
+use crate::codes;
 use crate::ir::Node;
 use crate::program::DefinitionId;
 use eng_grammar::ast::{
     self, BindingKind, ExprKind, Form, ItemKind, Kind, Statement, TypeExprKind,
 };
 use eng_grammar::{Diagnostic, Span};
-use eng_system::system::{Condition, ConditionKind, Origin, OutputInfo, Role, Row};
+use eng_system::system::{Condition, ConditionKind, MessagePart, Origin, OutputInfo, Role, Row};
 
 /// A class's parts, found in its definition.
 #[derive(Clone, Copy)]
@@ -49,17 +51,17 @@ impl<'a> Elaborator<'a, '_> {
                 block,
             });
         }
-        Err(self
-            .report(Diagnostic::error("E0500", "this is not a class").at(span, "used as a class")))
+        Err(self.internal(span, "this is no class"))
     }
 
     /// `kind name[index] = Class(arguments) { additions }`.
-    pub fn elements_of(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) -> Eval<()> {
+    pub fn elements_of(
+        &mut self,
+        declaration: &'a ast::Declaration,
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
         let Form::Instance { value, block } = &declaration.form else {
-            return Err(self.report(
-                Diagnostic::error("E0500", "an element is an instance of a class")
-                    .at(declaration.name.span, "write `name = Class(…)`"),
-            ));
+            return Err(self.internal(declaration.name.span, "an element without a class"));
         };
         let name = &declaration.name.text;
         let base = self.path(scope, name);
@@ -71,13 +73,11 @@ impl<'a> Elaborator<'a, '_> {
             made.push((position.to_vec(), Value::Element(element?)));
             Ok(())
         })?;
-        let value = if declaration.index.is_empty() {
-            made.pop().ok_or(Reported)?.1
+        if declaration.index.is_empty() {
+            made.pop().map(|m| m.1).ok_or(Reported)
         } else {
-            Value::Family(made)
-        };
-        self.define(scope, name, Entry::Value(value));
-        Ok(())
+            Ok(Value::Family(made))
+        }
     }
 
     fn element(
@@ -90,10 +90,7 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<u32> {
         self.count_instance(declaration.name.span)?;
         let ExprKind::Call { callee, arguments } = &value.kind else {
-            return Err(self.report(
-                Diagnostic::error("E0500", "an element is made by calling a class")
-                    .at(value.span, "not a call"),
-            ));
+            return Err(self.internal(value.span, "an element that is not called into being"));
         };
         let class = match self.evaluate(callee, scope)? {
             Value::Definition(id) => self.class_of(id, callee.span)?,
@@ -101,6 +98,7 @@ impl<'a> Elaborator<'a, '_> {
         };
         self.bench.element = Some(ElementBuilder::default());
         self.rates = None;
+        self.bench.bind.owner.clone_from(&path);
         let used_at = Some(location(declaration.name.span));
         let bound = self.bind_arguments(class, arguments, scope, &path, value.span)?;
         let source = ElementSource {
@@ -137,11 +135,9 @@ impl<'a> Elaborator<'a, '_> {
             .and_then(|e| e.states.iter().find(|s| s.rate.is_none()))
             .map(|s| s.name.clone());
         if let Some(state) = missing {
-            return Err(self.report(
-                Diagnostic::error("E0511", format!("state {state} has no rate")).at(
-                    class.declaration.name.span,
-                    format!("add `der({state}) = …`"),
-                ),
+            return Err(self.internal(
+                class.declaration.name.span,
+                &format!("state `{state}` has no rate"),
             ));
         }
         if let Some(element) = self.bench.element.as_mut() {
@@ -208,11 +204,7 @@ impl<'a> Elaborator<'a, '_> {
                 }
             };
             let Some(parameter) = parameter else {
-                return Err(self.report(
-                    Diagnostic::error("E0403", "the class has no such parameter")
-                        .at(argument.value.span, "here")
-                        .also(class.declaration.name.span, "the class"),
-                ));
+                return Err(self.internal(argument.value.span, "no parameter of the class"));
             };
             let name = parameter.name.text.clone();
             let value = self.evaluate(&argument.value, scope)?;
@@ -222,6 +214,7 @@ impl<'a> Elaborator<'a, '_> {
                     Value::Ground
                 }
                 Value::Marker(m) => {
+                    self.used_marker(m);
                     partner = partner.or(Some(m));
                     Value::Marker(m)
                 }
@@ -255,9 +248,9 @@ impl<'a> Elaborator<'a, '_> {
         for (index, ground_span) in grounds {
             let Some(partner) = partner else {
                 return Err(self.report(
-                    Diagnostic::error("E0509", "`ground` needs a partner marker")
-                        .at(ground_span, "no other marker in this call")
-                        .with_help("name a marker of the model: `marker rail = [0, 0, 0] mm`"),
+                    Diagnostic::error(codes::GROUND_ALONE, "`ground` has no partner marker")
+                        .at(ground_span, "it lies where the element's other marker is, but there is none")
+                        .with_help("name a marker of the model, which is on the ground: `marker rail = [0, 0, 0] mm`"),
                 ));
             };
             let marker = self.ground_at(partner, format!("ground at {path}"), ground_span);
@@ -266,13 +259,9 @@ impl<'a> Elaborator<'a, '_> {
         for parameter in class.parameters {
             if parameter.default.is_none() && !bound.iter().any(|(n, _)| *n == parameter.name.text)
             {
-                return Err(self.report(
-                    Diagnostic::error(
-                        "E0402",
-                        format!("argument {} is missing", parameter.name.text),
-                    )
-                    .at(span, "in this call")
-                    .also(parameter.span, "the parameter"),
+                return Err(self.internal(
+                    span,
+                    &format!("argument `{}` is missing", parameter.name.text),
                 ));
             }
         }
@@ -388,10 +377,7 @@ impl<'a> Elaborator<'a, '_> {
                 continue;
             }
             let Some(start) = &b.value else {
-                return Err(self.report(
-                    Diagnostic::error("E0511", format!("state {} has no start value", b.name.text))
-                        .at(b.name.span, "add `= value`"),
-                ));
+                return Err(self.internal(b.name.span, "a state without a start value"));
             };
             let value = self.evaluate(start, own)?;
             let s = self.as_scalar(value, start.span)?;
@@ -403,8 +389,12 @@ impl<'a> Elaborator<'a, '_> {
             let index = element.states.len() as u32;
             if index >= PROVISIONAL.states {
                 return Err(self.report(
-                    Diagnostic::error("E0512", "a class has too many states")
-                        .at(b.name.span, "the limit is reached here"),
+                    Diagnostic::error(
+                        codes::ELEMENT_TOO_LARGE,
+                        format!("one element has more than {} states", PROVISIONAL.states),
+                    )
+                    .at(b.name.span, "the limit is reached here")
+                    .with_help("divide it into several elements"),
                 ));
             }
             element.states.push(StateDraft {
@@ -443,8 +433,11 @@ impl<'a> Elaborator<'a, '_> {
                 Statement::Constrain(expr) => self.constrain(expr, scope)?,
                 Statement::Branch(expr) => {
                     if let super::expression::Truth::Later(flag) = self.truth(expr, scope)? {
-                        let text = self.sources.text(expr.span).to_owned();
-                        self.condition(flag, ConditionKind::Branch, text, expr.span, draft);
+                        let written = Message {
+                            text: self.sources.text(expr.span).to_owned(),
+                            parts: Vec::new(),
+                        };
+                        self.condition(flag, ConditionKind::Branch, written, expr.span, draft);
                     }
                 }
                 Statement::Apply {
@@ -458,7 +451,7 @@ impl<'a> Elaborator<'a, '_> {
                     condition,
                     message,
                 } => {
-                    if let Some((flag, text)) =
+                    if let Some((flag, message)) =
                         self.requirement(*advise, condition, message, scope, path, used_at)?
                     {
                         let kind = if *advise {
@@ -466,7 +459,7 @@ impl<'a> Elaborator<'a, '_> {
                         } else {
                             ConditionKind::Require
                         };
-                        self.condition(flag, kind, text, condition.span, draft);
+                        self.condition(flag, kind, message, condition.span, draft);
                     }
                 }
                 Statement::Rate { state, value } => {
@@ -477,25 +470,13 @@ impl<'a> Elaborator<'a, '_> {
                         match element.states.iter_mut().find(|d| d.name == state.text) {
                             Some(d) => d.rate = Some(node),
                             None => {
-                                return Err(self.report(
-                                    Diagnostic::error(
-                                        "E0511",
-                                        format!("there is no state {}", state.text),
-                                    )
-                                    .at(state.span, "not a state of this class"),
-                                ));
+                                return Err(self.internal(state.span, "no state of this class"));
                             }
                         }
                     }
                 }
                 Statement::Start { target, .. } | Statement::Guess { target, .. } => {
-                    return Err(self.report(
-                        Diagnostic::error("E0511", "start values stand in the model or in a body")
-                            .at(target.span, "not in a class or at a use")
-                            .with_help(
-                                "write it as an item of the model: `start joint.angle = 30 deg`",
-                            ),
-                    ));
+                    return Err(self.internal(target.span, "a start value in a class"));
                 }
             }
         }
@@ -506,22 +487,52 @@ impl<'a> Elaborator<'a, '_> {
         &mut self,
         flag: super::scalar::Flag,
         kind: ConditionKind,
-        text: String,
+        message: Message,
         span: Span,
         draft: &mut Draft,
     ) {
         let lifted = self.bench.lift_flag(flag);
-        if let Some(element) = self.bench.element.as_mut() {
-            let node = element.graph.margin(lifted);
-            draft.conditions.push((
-                node,
-                Condition {
-                    kind,
-                    text,
-                    defined_at: Some(location(span)),
-                },
-            ));
+        let Some(element) = self.bench.element.as_mut() else {
+            return;
+        };
+        let node = element.graph.margin(lifted);
+        // the values that the message shows follow the condition
+        let mut next = draft.conditions.len() as u32 + 1;
+        let mut parts = Vec::with_capacity(message.parts.len());
+        let mut shown = Vec::new();
+        for part in message.parts {
+            parts.push(match part {
+                Part::Text(text) => MessagePart::Text(text),
+                Part::Value {
+                    value,
+                    display,
+                    span,
+                } => {
+                    let entry = Condition {
+                        kind: ConditionKind::Shown,
+                        text: self.sources.text(span).to_owned(),
+                        message: Vec::new(),
+                        defined_at: Some(location(span)),
+                    };
+                    shown.push((self.bench.lift(value.stage, value.node), entry));
+                    next += 1;
+                    MessagePart::Value {
+                        index: next - 1,
+                        display,
+                    }
+                }
+            });
         }
+        draft.conditions.push((
+            node,
+            Condition {
+                kind,
+                text: message.text,
+                message: parts,
+                defined_at: Some(location(span)),
+            },
+        ));
+        draft.conditions.extend(shown);
     }
 
     pub fn constrain(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<()> {
@@ -540,10 +551,7 @@ impl<'a> Elaborator<'a, '_> {
             ..
         } = &inner.kind
         else {
-            return Err(self.report(
-                Diagnostic::error("E0511", "a constraint is an equation")
-                    .at(expr.span, "write `left == right`"),
-            ));
+            return Err(self.internal(expr.span, "a constraint that is no equation"));
         };
         let text = self.sources.text(expr.span).to_owned();
         let a = self.evaluate(left, scope)?;
@@ -562,9 +570,7 @@ impl<'a> Elaborator<'a, '_> {
             )
         };
         if x.len() != y.len() {
-            return Err(self.report(
-                Diagnostic::error("E0500", "both sides differ in length").at(expr.span, "here"),
-            ));
+            return Err(self.lengths(x.len(), left.span, y.len(), right.span));
         }
         for (i, (p, q)) in x.into_iter().zip(y).enumerate() {
             let mut difference = self.bench.subtract(p, q);
@@ -584,8 +590,12 @@ impl<'a> Elaborator<'a, '_> {
     pub fn add_row(&mut self, value: Scalar, text: String, span: Span) -> Eval<()> {
         if value.stage == Stage::Bind {
             return Err(self.report(
-                Diagnostic::error("E0511", "this equation does not depend on the motion")
-                    .at(span, "nothing can move to fulfil it"),
+                Diagnostic::error(
+                    codes::UNMOVED,
+                    "this constraint does not depend on the motion",
+                )
+                .at(span, "nothing can move to fulfil it")
+                .with_help("what parameters must fulfil is a `require`"),
             ));
         }
         let Some(element) = self.bench.element.as_mut() else {
@@ -593,8 +603,12 @@ impl<'a> Elaborator<'a, '_> {
         };
         if element.rows.len() as u32 >= PROVISIONAL.rows {
             return Err(self.report(
-                Diagnostic::error("E0512", "a class has too many equations")
-                    .at(span, "the limit is reached here"),
+                Diagnostic::error(
+                    codes::ELEMENT_TOO_LARGE,
+                    format!("one element has more than {} equations", PROVISIONAL.rows),
+                )
+                .at(span, "the limit is reached here")
+                .with_help("divide it into several elements"),
             ));
         }
         element.rows.push(RowDraft {

@@ -3,6 +3,7 @@
 use super::scalar::{Flag, Scalar, Stage};
 use super::value::{ScopeId, TableValue, Value};
 use super::{Elaborator, Entry, Eval, Lazy};
+use crate::codes;
 use crate::ir::{Graph, Op};
 use eng_grammar::ast::{self, BinaryOp, Expr, ExprKind, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
@@ -120,12 +121,12 @@ impl<'a> Elaborator<'a, '_> {
         &mut self,
         from: &'a Expr,
         to: &'a Expr,
-        by: Option<&'a Expr>,
+        by_expr: Option<&'a Expr>,
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
         let a = self.evaluate(from, scope)?;
         let b = self.evaluate(to, scope)?;
-        let step = match by {
+        let step = match by_expr {
             Some(by) => Some(self.evaluate(by, scope)?),
             None => None,
         };
@@ -134,30 +135,33 @@ impl<'a> Elaborator<'a, '_> {
                 Some(Value::Int(s)) => s,
                 _ => 1,
             };
-            if by == 0 || (b - a) / by > LONGEST as i64 {
-                return Err(self.report(
-                    Diagnostic::error("E0503", "this range is endless or too long")
-                        .at(from.span.to(to.span), "here"),
-                ));
+            let span = from.span.to(by_expr.map_or(to.span, |e| e.span));
+            if by == 0 {
+                return Err(self.long_range(span, "its step is zero"));
+            }
+            // in 128 bits, where no difference of two 64-bit numbers overflows
+            let (a, b, by) = (i128::from(*a), i128::from(*b), i128::from(by));
+            if (b - a) / by > LONGEST as i128 {
+                return Err(self.long_range(span, &too_long()));
             }
             let mut values = Vec::new();
-            let mut i = *a;
-            while (by > 0 && i <= *b) || (by < 0 && i >= *b) {
-                values.push(Value::Int(i));
+            let mut i = a;
+            while (by > 0 && i <= b) || (by < 0 && i >= b) {
+                values.extend(i64::try_from(i).map(Value::Int));
                 i += by;
             }
             return Ok(Value::List(values));
         }
         let a = self.as_scalar(a, from.span)?;
         let b = self.as_scalar(b, to.span)?;
-        let by_span = by.map_or(to.span, |e| e.span);
+        let by_span = by_expr.map_or(to.span, |e| e.span);
         let step = match step {
             Some(v) => self.as_scalar(v, by_span)?,
             None => {
-                return Err(self.report(
-                    Diagnostic::error("E0504", "a range of quantities needs a step")
-                        .at(from.span.to(to.span), "add `by` and a step"),
-                ));
+                if a.dimension.is_one() && b.dimension.is_one() {
+                    return Err(self.not_countable(from.span.to(to.span)));
+                }
+                return Err(self.internal(to.span, "a range of quantities without a step"));
             }
         };
         let known = (
@@ -167,11 +171,15 @@ impl<'a> Elaborator<'a, '_> {
         );
         let (a_value, b_value, by_value) = known;
         let count = ((b_value - a_value) / by_value * (1.0 + 1e-12)).floor();
+        let span = from.span.to(by_span);
+        if by_value == 0.0 {
+            return Err(self.long_range(span, "its step is zero"));
+        }
+        if count < 0.0 {
+            return Err(self.long_range(span, "its step leads away from its end"));
+        }
         if !(0.0..LONGEST as f64).contains(&count) {
-            return Err(self.report(
-                Diagnostic::error("E0503", "this range is endless or too long")
-                    .at(from.span.to(to.span), "here"),
-            ));
+            return Err(self.long_range(span, &too_long()));
         }
         Ok(Value::List(
             (0..=count as usize)
@@ -185,12 +193,29 @@ impl<'a> Elaborator<'a, '_> {
         ))
     }
 
+    /// The checker has found a whole number, but its value is beyond those.
+    fn not_countable(&mut self, span: Span) -> super::Reported {
+        self.report(
+            Diagnostic::error(
+                codes::NOT_COUNTABLE,
+                "a whole number is too large to count with",
+            )
+            .at(span, "beyond what a count or an index can be"),
+        )
+    }
+
+    fn long_range(&mut self, span: Span, why: &str) -> super::Reported {
+        self.report(
+            Diagnostic::error(codes::LONG_RANGE, "this range is endless or too long").at(span, why),
+        )
+    }
+
     /// A number that is known while compiling.
     pub fn structural(&mut self, value: Scalar, span: Span) -> Eval<f64> {
         match self.bench.known(value) {
             Some(v) => Ok(v),
             None => Err(self.report(
-                Diagnostic::error("E0504", "this must be known while compiling")
+                Diagnostic::error(codes::NOT_KNOWN, "this must be known while compiling")
                     .at(span, "depends on a `param` or on the motion")
                     .with_help("make the parameter a `const`: a change then compiles again"),
             )),
@@ -202,10 +227,7 @@ impl<'a> Elaborator<'a, '_> {
             Value::Int(i) => Ok(i),
             Value::Scalar(s) => {
                 self.structural(s, expr.span)?;
-                Err(self.report(
-                    Diagnostic::error("E0500", "expected a whole number")
-                        .at(expr.span, "this is not a whole number"),
-                ))
+                Err(self.not_countable(expr.span))
             }
             other => Err(self.unfit(expr.span, "a whole number", &other)),
         }
@@ -270,10 +292,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn unit(&mut self, unit: &ast::UnitExpr) -> Eval<crate::program::Unit> {
         match self.program.unit(unit) {
             Ok(u) => Ok(u),
-            Err((span, name)) => Err(self.report(
-                Diagnostic::error("E0310", format!("there is no unit {name}"))
-                    .at(span, "not a unit"),
-            )),
+            Err((span, name)) => Err(self.internal(span, &format!("there is no unit `{name}`"))),
         }
     }
 
@@ -327,7 +346,7 @@ impl<'a> Elaborator<'a, '_> {
         match <[Scalar; 3]>::try_from(components) {
             Ok(v) => Ok(v),
             Err(found) => Err(self.report(
-                Diagnostic::error("E0500", "a vector has three components")
+                Diagnostic::error(codes::LENGTHS, "a vector has three components")
                     .at(span, format!("this has {}", found.len())),
             )),
         }
@@ -341,14 +360,19 @@ impl<'a> Elaborator<'a, '_> {
         match value {
             Value::List(items) => {
                 let count = items.len();
-                match usize::try_from(index - 1)
+                match usize::try_from(index)
                     .ok()
+                    .and_then(|i| i.checked_sub(1))
                     .and_then(|i| items.into_iter().nth(i))
                 {
                     Some(v) => Ok(v),
-                    None => Err(self.report(
-                        Diagnostic::error("E0501", format!("there is no element {index}"))
-                            .at(span, format!("indices run from 1 to {count}")),
+                    None => Err(self.no_element(
+                        index,
+                        span,
+                        match count {
+                            0 => "the list is empty".to_owned(),
+                            _ => format!("indices run from 1 to {count}"),
+                        },
                     )),
                 }
             }
@@ -368,19 +392,44 @@ impl<'a> Elaborator<'a, '_> {
                         rest.push(last);
                         Ok(Value::Family(rest))
                     }
-                    None => Err(self.report(
-                        Diagnostic::error("E0501", format!("there is no element {index}"))
-                            .at(span, format!("there are: {}", shown.join(", "))),
-                    )),
+                    None => Err(self.no_element(index, span, known_indices(&shown))),
                 }
             }
             other => Err(self.unfit(span, "an array", &other)),
         }
     }
 
+    fn no_element(&mut self, index: i64, span: Span, known: String) -> super::Reported {
+        self.report(
+            Diagnostic::error(codes::INDEX_OUTSIDE, format!("there is no element {index}"))
+                .at(span, format!("this is {index}; {known}")),
+        )
+    }
+
+    /// Two lists that should be of one length.
+    pub fn lengths(
+        &mut self,
+        first: usize,
+        first_span: Span,
+        second: usize,
+        second_span: Span,
+    ) -> super::Reported {
+        self.report(
+            Diagnostic::error(codes::LENGTHS, "two lists differ in length")
+                .at(second_span, format!("{second} elements"))
+                .also(first_span, format!("{first} elements")),
+        )
+    }
+
     fn negate(&mut self, value: Value<'a>, span: Span) -> Eval<Value<'a>> {
         match value {
-            Value::Int(i) => Ok(Value::Int(-i)),
+            Value::Int(i) => match i.checked_neg() {
+                Some(negative) => Ok(Value::Int(negative)),
+                None => {
+                    let number = self.bench.constant(i as f64, Dimension::ONE);
+                    self.negate(Value::Scalar(number), span)
+                }
+            },
             Value::Scalar(s) => Ok(Value::Scalar(self.bench.negate(s))),
             Value::Vector(v) => Ok(Value::Vector(v.map(|s| self.bench.negate(s)))),
             Value::List(items) => items
@@ -436,11 +485,7 @@ impl<'a> Elaborator<'a, '_> {
                         let x = self.as_components(a, a_span)?;
                         let y = self.as_components(b, b_span)?;
                         if x.len() != y.len() {
-                            return Err(self.report(
-                                Diagnostic::error("E0500", "these lists differ in length")
-                                    .at(b_span, format!("{} components", y.len()))
-                                    .also(a_span, format!("{} components", x.len())),
-                            ));
+                            return Err(self.lengths(x.len(), a_span, y.len(), b_span));
                         }
                         let sums: Vec<Scalar> =
                             x.into_iter().zip(y).map(|(x, y)| f(self, x, y)).collect();
@@ -476,7 +521,8 @@ impl<'a> Elaborator<'a, '_> {
                 let y = self.as_scalar(b, b_span)?;
                 if self.bench.known(y) == Some(0.0) {
                     return Err(self.report(
-                        Diagnostic::error("E0505", "division by zero").at(b_span, "this is zero"),
+                        Diagnostic::error(codes::DIVISION_BY_ZERO, "a division by zero")
+                            .at(b_span, "this is zero"),
                     ));
                 }
                 match a {
@@ -602,6 +648,9 @@ impl<'a> Elaborator<'a, '_> {
                 let vector = matches!(a, Value::Vector(_)) || matches!(b, Value::Vector(_));
                 let x = self.as_components(a, a_span)?;
                 let y = self.as_components(b, b_span)?;
+                if x.len() != y.len() {
+                    return Err(self.lengths(x.len(), a_span, y.len(), b_span));
+                }
                 let chosen: Vec<Scalar> = x
                     .into_iter()
                     .zip(y)
@@ -663,10 +712,7 @@ impl<'a> Elaborator<'a, '_> {
             }
             Value::Table(table) => {
                 let Some(first) = arguments.first() else {
-                    return Err(self.report(
-                        Diagnostic::error("E0500", "a table takes one argument")
-                            .at(expr.span, "here"),
-                    ));
+                    return Err(self.internal(expr.span, "a table without its argument"));
                 };
                 let value = self.evaluate(&first.value, scope)?;
                 let x = self.as_scalar(value, first.value.span)?;
@@ -700,9 +746,7 @@ impl<'a> Elaborator<'a, '_> {
                     match function.parameters.get(position - 1) {
                         Some(p) => p.name.text.clone(),
                         None => {
-                            return Err(self.report(
-                                Diagnostic::error("E0500", "too many arguments").at(span, "here"),
-                            ));
+                            return Err(self.internal(span, "too many arguments"));
                         }
                     }
                 }
@@ -712,12 +756,9 @@ impl<'a> Elaborator<'a, '_> {
         for parameter in &function.parameters {
             if !self.scope(inner).entries.contains_key(&parameter.name.text) {
                 if parameter.default.is_none() {
-                    return Err(self.report(
-                        Diagnostic::error(
-                            "E0500",
-                            format!("argument {} is missing", parameter.name.text),
-                        )
-                        .at(span, "here"),
+                    return Err(self.internal(
+                        span,
+                        &format!("argument `{}` is missing", parameter.name.text),
                     ));
                 }
                 self.define(
@@ -742,10 +783,35 @@ impl<'a> Elaborator<'a, '_> {
         match value.stage {
             Stage::Bind => Ok(value.node),
             Stage::Motion => Err(self.report(
-                Diagnostic::error("E0504", "this must depend on parameters alone")
-                    .at(span, "depends on the motion or on time"),
+                Diagnostic::error(
+                    codes::MOTION,
+                    "a value of the motion stands where only parameters can",
+                )
+                .at(span, "depends on positions, velocities or time")
+                .with_help("what moves is known in classes and outputs"),
             )),
         }
+    }
+}
+
+fn too_long() -> String {
+    format!("more than {LONGEST} values")
+}
+
+/// What indices there are, shortened where they are many.
+fn known_indices(shown: &[String]) -> String {
+    let mut distinct: Vec<&str> = Vec::new();
+    for index in shown {
+        if !distinct.contains(&index.as_str()) {
+            distinct.push(index);
+        }
+    }
+    match distinct.as_slice() {
+        [] => "there are none".to_owned(),
+        [first, .., last] if distinct.len() > 8 => {
+            format!("there are {}, from {first} to {last}", distinct.len())
+        }
+        _ => format!("there are: {}", distinct.join(", ")),
     }
 }
 

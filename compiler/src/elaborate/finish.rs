@@ -6,7 +6,7 @@ use super::{BindProgram, Elaborator, Entry, Eval, Reported};
 use crate::ir::{ClassBody, ClassFunctions, Function};
 use crate::program::{DefinitionId, Program};
 use eng_grammar::ast::{Form, ItemKind, Kind};
-use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
+use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::Dimension;
 use eng_system::host::Host;
 use eng_system::system::{Element, ElementClass, Role, System};
@@ -93,6 +93,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             pending: Vec::new(),
             in_output: false,
             in_rate: false,
+            in_part: false,
             rates: None,
         };
         for module in 0..program.modules.len() as u32 {
@@ -124,12 +125,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         let (name, span, items) = match self.program.item(model).map(|i| &i.kind) {
             Some(ItemKind::Declaration(d)) if d.kind == Kind::Model => match &d.form {
                 Form::Plain { block } => (d.name.text.clone(), d.name.span, &block.items),
-                _ => {
-                    return Err(self.report(
-                        Diagnostic::error("E0516", "a model is written as a block")
-                            .at(d.name.span, "write `model Name { param …  … }`"),
-                    ));
-                }
+                _ => return Err(self.internal(d.name.span, "a model without a block")),
             },
             _ => return Err(Reported),
         };
@@ -144,7 +140,10 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         let cycle = self.lower_cycle();
         self.bench.element = None;
         let cycle = cycle?;
-        self.connections(span);
+        // what failed would seem to tie nothing
+        if !self.diagnostics.has_errors() {
+            self.connections(span);
+        }
         self.flatten(name, cycle)
     }
 
@@ -168,6 +167,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         cycle: Option<eng_system::system::Cycle>,
     ) -> Eval<Elaborated> {
         let zero = self.bench.bind.graph.constant(0.0);
+        self.bench.bind.owner = "gravity".into();
         let gravity = self.gravity.unwrap_or([zero; 3]).map(|n| self.slot(n));
         let drafts = std::mem::take(&mut self.elements);
         let mut class_of: BTreeMap<String, u32> = BTreeMap::new();
@@ -177,6 +177,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         let mut elements = Vec::new();
         for draft in drafts {
             let body = &draft.body;
+            self.bench.bind.owner.clone_from(&draft.origin.path);
             // classes are the same if their graphs and their messages are
             let key = format!(
                 "{}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
@@ -197,12 +198,9 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                     let made = match body.functions() {
                         Ok(f) => f,
                         Err(error) => {
-                            return Err(self.report(
-                                Diagnostic::error(
-                                    "E0506",
-                                    format!("{} cannot be differentiated", draft.origin.path),
-                                )
-                                .at(draft.span, error.to_string()),
+                            return Err(self.internal(
+                                draft.span,
+                                &format!("{} cannot be differentiated: {error}", draft.origin.path),
                             ));
                         }
                     };
@@ -242,6 +240,12 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                 signals: draft.signals,
             });
         }
+        for check in &mut self.checks {
+            // one of the model itself
+            if check.path.is_empty() {
+                check.path.clone_from(&name);
+            }
+        }
         let bind = std::mem::take(&mut self.bench.bind);
         let parameters = std::mem::take(&mut self.parameters);
         let slots = bind.slots().len() as u32;
@@ -253,6 +257,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                 graph: bind.graph,
             },
             fixed: bind.fixed,
+            slot_owners: bind.owners,
             defaults: std::mem::take(&mut self.parameter_defaults),
             parameters: parameters.clone(),
             checks: std::mem::take(&mut self.checks),

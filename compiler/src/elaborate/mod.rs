@@ -1,7 +1,7 @@
 //! From checked definitions to a flat system: instances, paths, numbers, and a graph for every element.
 //!
 //! Evaluates the text once for one model with its structural arguments. It relies on the checker for types: where
-//! something still does not fit, it gives a message (E0500) and never a default.
+//! something still does not fit, it gives an internal error and never a default.
 
 mod analysis;
 mod binding;
@@ -22,6 +22,7 @@ pub use analysis::{AnalysisPlan, analyses};
 pub use binding::{BindProgram, Check, MessagePart, ParameterDefault};
 pub use finish::{Elaborated, Structural, elaborate};
 
+use crate::codes;
 use crate::program::{DefinitionId, Program};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span, ast};
 use eng_system::host::Host;
@@ -68,6 +69,12 @@ pub(crate) enum Lazy<'a> {
     Table(&'a ast::Table),
     /// `part x = Component(…)`.
     Part(&'a ast::Declaration),
+    /// `body x { … }`.
+    Body(&'a ast::Declaration),
+    /// `marker x = …` in a model or component.
+    Marker(&'a ast::Declaration),
+    /// `joint x = Class(…)` and its like.
+    Element(&'a ast::Declaration),
 }
 
 /// Names of a block, a call or a module.
@@ -165,6 +172,8 @@ pub(crate) struct Elaborator<'a, 'd> {
     pub in_output: bool,
     /// Inside `der(…)`: element outputs are evaluated, not read.
     pub in_rate: bool,
+    /// Inside the block of a component: its markers are its author's choice.
+    pub in_part: bool,
     /// Rates of the states of the element being lowered, when known.
     pub rates: Option<Vec<crate::ir::Node>>,
 }
@@ -182,13 +191,22 @@ impl<'a> Elaborator<'a, '_> {
         Reported
     }
 
-    /// What the checker should have found.
+    /// What an earlier stage should have found: a message all the same, for no text may make the compiler stop or guess.
+    pub fn internal(&mut self, span: Span, what: &str) -> Reported {
+        self.report(
+            Diagnostic::error(
+                codes::INTERNAL,
+                format!("the compiler contradicts itself: {what}"),
+            )
+            .at(span, "not understood here, though it was found to be right")
+            .with_help("please report this together with the model"),
+        )
+    }
+
+    /// A value of another kind than the checker has found.
     pub fn unfit(&mut self, span: Span, expected: &str, found: &Value<'_>) -> Reported {
         let found = found.kind();
-        self.report(
-            Diagnostic::error("E0500", format!("expected {expected}, found {found}"))
-                .at(span, format!("this is {found}")),
-        )
+        self.internal(span, &format!("{expected} is due, but this is {found}"))
     }
 
     pub fn scope(&self, id: ScopeId) -> &Scope<'a> {
@@ -230,10 +248,11 @@ impl<'a> Elaborator<'a, '_> {
         if self.instances > MOST_INSTANCES {
             return Err(self.report(
                 Diagnostic::error(
-                    "E0503",
+                    codes::TOO_MANY_INSTANCES,
                     format!("the model has more than {MOST_INSTANCES} instances"),
                 )
-                .at(span, "the limit is reached here"),
+                .at(span, "the limit is reached here")
+                .with_help("bodies, elements, parts and values of binders count; is a range longer than was meant?"),
             ));
         }
         Ok(())
@@ -242,9 +261,12 @@ impl<'a> Elaborator<'a, '_> {
     pub fn deeper<T>(&mut self, span: Span, f: impl FnOnce(&mut Self) -> Eval<T>) -> Eval<T> {
         if self.depth >= DEEPEST {
             return Err(self.report(
-                Diagnostic::error("E0502", "definitions are nested too deep")
-                    .at(span, "the limit is reached here")
-                    .with_help("does a function or a component use itself?"),
+                Diagnostic::error(
+                    codes::ENDLESS,
+                    format!("more than {DEEPEST} uses are nested in each other"),
+                )
+                .at(span, "the limit is reached here")
+                .with_help("does a function or a component use itself?"),
             ));
         }
         self.depth += 1;

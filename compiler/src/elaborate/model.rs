@@ -3,11 +3,12 @@
 use super::scalar::{ElementBuilder, Scalar, Stage};
 use super::value::{ScopeId, Value};
 use super::{CycleDraft, Elaborator, ElementSource, Entry, Eval, Lazy, Reported, body::index_text};
+use crate::codes;
 use crate::ir::{Node, Op};
 use crate::program::DefinitionId;
 use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::system::{BodyRef, Role};
+use eng_system::system::Role;
 use eng_system::{Dimension, DisplayUnit};
 
 /// What is set at the start.
@@ -79,9 +80,18 @@ impl<'a> Elaborator<'a, '_> {
             _ => None,
         });
         for d in declarations.clone() {
-            if d.kind == Kind::Part {
-                self.define(scope, &d.name.text, Entry::Lazy(Lazy::Part(d)));
+            let lazy = match d.kind {
+                Kind::Part => Some(Lazy::Part(d)),
+                Kind::Body | Kind::Flexible => Some(Lazy::Body(d)),
+                Kind::Marker => Some(Lazy::Marker(d)),
+                Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive => Some(Lazy::Element(d)),
+                _ => None,
+            };
+            if let Some(lazy) = lazy {
+                self.define(scope, &d.name.text, Entry::Lazy(lazy));
             }
+        }
+        for d in declarations.clone() {
             if d.kind == Kind::Cycle {
                 self.cycle_of(d, scope);
             }
@@ -97,32 +107,18 @@ impl<'a> Elaborator<'a, '_> {
                 let _ = self.model_attribute(a, scope);
             }
         }
-        for d in declarations.clone() {
-            let failed = match d.kind {
-                Kind::Body | Kind::Flexible => self.bodies_of(d, scope).is_err(),
-                Kind::Marker => self.markers_of(d, BodyRef::Ground, scope, scope).is_err(),
-                _ => false,
-            };
-            if failed {
-                self.define(scope, &d.name.text, Entry::Failed);
-            }
-        }
-        for d in declarations.clone() {
-            if d.kind == Kind::Part {
-                let _ = self.entry(scope, &d.name.text, d.name.span);
-            }
-        }
-        for d in declarations {
-            if matches!(
-                d.kind,
-                Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive
-            ) && self.elements_of(d, scope).is_err()
-            {
-                self.bench.element = None;
-                self.in_output = false;
-                self.in_rate = false;
-                self.rates = None;
-                self.define(scope, &d.name.text, Entry::Failed);
+        // bodies before parts before elements, unless one needs another
+        let rank = |kind| match kind {
+            Kind::Body | Kind::Flexible | Kind::Marker => Some(0),
+            Kind::Part => Some(1),
+            Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive => Some(2),
+            _ => None,
+        };
+        for turn in 0..3 {
+            for d in declarations.clone() {
+                if rank(d.kind) == Some(turn) {
+                    let _ = self.entry(scope, &d.name.text, d.name.span);
+                }
             }
         }
         let path = self.scope(scope).path.clone();
@@ -158,9 +154,10 @@ impl<'a> Elaborator<'a, '_> {
 
     fn cycle_of(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) {
         if let Some(first) = &self.cycle {
-            let d = Diagnostic::error("E0515", "a model has one cycle")
+            let d = Diagnostic::error(codes::TWO_CYCLES, "a model has one cycle")
                 .at(declaration.name.span, "a second one")
-                .also(first.declaration.name.span, "the first");
+                .also(first.declaration.name.span, "the first")
+                .with_help("a component that others use leaves the cycle to the model");
             self.diagnostics.push(d);
             return;
         }
@@ -178,9 +175,7 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         let Some(attribute) = period else {
-            let d = Diagnostic::error("E0515", "the cycle has no period")
-                .at(declaration.name.span, "add `{ period = 720 deg }`");
-            self.diagnostics.push(d);
+            self.internal(declaration.name.span, "a cycle without a period");
             return;
         };
         let node = self
@@ -202,26 +197,17 @@ impl<'a> Elaborator<'a, '_> {
                 self.gravity = Some(self.bind_vector(&attribute.value, scope)?);
                 Ok(())
             }
-            other => Err(self.report(
-                Diagnostic::error("E0508", format!("a model has no attribute {other}"))
-                    .at(attribute.name.span, "it has `gravity`"),
-            )),
+            _ => Err(self.internal(attribute.name.span, "no attribute of a model")),
         }
     }
 
     /// `part name[index] = Component(arguments)`.
     pub fn part(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) -> Eval<Value<'a>> {
         let Form::Instance { value, .. } = &declaration.form else {
-            return Err(self.report(
-                Diagnostic::error("E0500", "a part is an instance of a component")
-                    .at(declaration.name.span, "write `part name = Component(…)`"),
-            ));
+            return Err(self.internal(declaration.name.span, "a part without a component"));
         };
         let ExprKind::Call { callee, arguments } = &value.kind else {
-            return Err(self.report(
-                Diagnostic::error("E0500", "a part is made by calling a component")
-                    .at(value.span, "not a call"),
-            ));
+            return Err(self.internal(value.span, "a part that is not called into being"));
         };
         let base = self.path(scope, &declaration.name.text);
         let mut made = Vec::new();
@@ -245,16 +231,22 @@ impl<'a> Elaborator<'a, '_> {
             {
                 return Err(e.report(
                     Diagnostic::error(
-                        "E0504",
+                        codes::MOTION,
                         "arguments of a component depend on parameters alone",
                     )
-                    .at(value.span, "one of these depends on the motion"),
+                    .at(
+                        value.span,
+                        "one of these depends on positions, velocities or time",
+                    )
+                    .with_help("give the component the markers, and measure inside it"),
                 ));
             }
             let own = e.class_scope(&source, class, &path)?;
             e.lasting(own);
             e.deeper(value.span, |e| {
+                let outer = std::mem::replace(&mut e.in_part, true);
                 e.block(&class.block.items, own);
+                e.in_part = outer;
                 Ok(())
             })?;
             made.push((position.to_vec(), Value::Part(own)));
@@ -280,12 +272,7 @@ impl<'a> Elaborator<'a, '_> {
             return Err(Reported);
         };
         let (Kind::Record, Form::Plain { block }) = (declaration.kind, &declaration.form) else {
-            return Err(self.report(
-                Diagnostic::error("E0500", format!("{} is not a value", declaration.name.text)).at(
-                    span,
-                    "a class is used by a declaration: `joint name = Class(…)`",
-                ),
-            ));
+            return Err(self.internal(span, "a class is no value"));
         };
         let own = self.new_scope(
             Some(self.module_scopes[id.module as usize]),
@@ -307,10 +294,7 @@ impl<'a> Elaborator<'a, '_> {
                 (Some(n), _) => n.text.clone(),
                 (None, Some(f)) => f.name.text.clone(),
                 (None, None) => {
-                    return Err(self.report(
-                        Diagnostic::error("E0500", "too many arguments")
-                            .at(argument.value.span, "here"),
-                    ));
+                    return Err(self.internal(argument.value.span, "too many arguments"));
                 }
             };
             let value = self.evaluate(&argument.value, scope)?;
@@ -318,11 +302,7 @@ impl<'a> Elaborator<'a, '_> {
             given.push(name);
         }
         if let Some(missing) = fields.iter().find(|f| !given.contains(&f.name.text)) {
-            return Err(self.report(
-                Diagnostic::error("E0402", format!("field {} is missing", missing.name.text))
-                    .at(span, "in this call")
-                    .also(missing.name.span, "the field"),
-            ));
+            return Err(self.internal(span, &format!("field `{}` is missing", missing.name.text)));
         }
         Ok(Value::Record(own))
     }
@@ -444,9 +424,7 @@ impl<'a> Elaborator<'a, '_> {
             value.span,
         )?;
         if a.len() != b.len() {
-            return Err(self.report(
-                Diagnostic::error("E0500", "both sides differ in length").at(value.span, "here"),
-            ));
+            return Err(self.lengths(a.len(), target.span, b.len(), value.span));
         }
         let is_rotation = |e: &Self, s: &Scalar| {
             e.bench
@@ -584,6 +562,7 @@ impl<'a> Elaborator<'a, '_> {
         self.channels.truncate(before);
         self.in_output = false;
         self.bench.element = None;
+        self.bench.bind.owner = "cycle".into();
         let period = self.slot(cycle.period);
         Ok(Some(eng_system::system::Cycle {
             origin: eng_system::system::Origin {

@@ -7,6 +7,7 @@ use super::{
     ClassMeta, Elaborator, ElementDraft, ElementSource, Entry, Eval, OutputShape, Reported,
     location,
 };
+use crate::codes;
 use crate::ir::{ClassBody, Graph, Node, Op};
 use eng_grammar::ast::{self, BindingKind, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Span};
@@ -259,8 +260,15 @@ impl<'a> Elaborator<'a, '_> {
             || element.signals.len() as u32 > PROVISIONAL.signals
         {
             return Err(self.report(
-                Diagnostic::error("E0512", "one element uses too many numbers")
-                    .at(span, "the limit is reached here"),
+                Diagnostic::error(
+                    codes::ELEMENT_TOO_LARGE,
+                    format!(
+                        "one element uses more than {} outputs of others or {} numbers",
+                        PROVISIONAL.signals, PROVISIONAL.constants
+                    ),
+                )
+                .at(span, "this one")
+                .with_help("divide it into several elements or outputs"),
             ));
         }
         let (graph, map) = compact(&element.graph, &layout);
@@ -380,15 +388,21 @@ impl<'a> Elaborator<'a, '_> {
         if self.scope(own).entries.contains_key(&name.text) {
             return self.entry(own, &name.text, name.span);
         }
-        Err(self.report(
-            Diagnostic::error("E0203", format!("{path} has no {}", name.text))
-                .at(name.span, "no such output or parameter")
-                .with_help(if self.in_rate {
-                    "the rate of a reaction or a state is not known; only kinematic outputs have a `der`"
-                } else {
-                    "reactions and states of other elements are known in outputs only"
-                }),
-        ))
+        Err(self.report(if self.in_rate {
+            Diagnostic::error(
+                codes::NO_RATE,
+                format!("the rate of `{path}.{}` is not known", name.text),
+            )
+            .at(name.span, "a reaction or state of an element")
+            .with_help("positions, angles and velocities have a `der`")
+        } else {
+            Diagnostic::error(
+                codes::OUTPUTS_ONLY,
+                format!("`{path}.{}` is known in outputs only", name.text),
+            )
+            .at(name.span, "a reaction or state of another element")
+            .with_help("elements see markers and parameters: measure what is needed from markers")
+        }))
     }
 
     /// An element that is only a start condition: rows = value − target.

@@ -3,21 +3,28 @@
 use super::scalar::Scalar;
 use super::value::{Closure, ScopeId, TableValue, Value};
 use super::{Elaborator, Entry, Eval, Lazy, Reported};
+use crate::codes;
 use crate::program::DefinitionId;
 use eng_grammar::ast::{self, BindingKind, ItemKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 use eng_system::layout::InputLayout;
+use eng_system::system::BodyRef;
 
 impl<'a> Elaborator<'a, '_> {
     /// The value of a name; a message if there is none.
     pub fn lookup(&mut self, name: &str, scope: ScopeId, span: Span) -> Eval<Value<'a>> {
         match self.try_lookup(name, scope, span)? {
             Some(value) => Ok(value),
-            None => Err(self.report(
-                Diagnostic::error("E0203", format!("there is no {name} here"))
-                    .at(span, "not defined"),
+            // the checker lets the reactions of a joint pass, which only its outputs know
+            None if matches!(name, "force" | "torque") => Err(self.report(
+                Diagnostic::error(
+                    codes::OUTPUTS_ONLY,
+                    format!("the reaction `{name}` is known in outputs only"),
+                )
+                .at(span, "used where it is not known yet"),
             )),
+            None => Err(self.internal(span, &format!("`{name}` is not defined"))),
         }
     }
 
@@ -48,8 +55,11 @@ impl<'a> Elaborator<'a, '_> {
             "time" => {
                 let Some(element) = self.bench.element.as_mut() else {
                     return Err(self.report(
-                        Diagnostic::error("E0504", "time is known in classes and outputs only")
-                            .at(span, "not here"),
+                        Diagnostic::error(
+                            codes::MOTION,
+                            "time is known in classes and outputs only",
+                        )
+                        .at(span, "stands where only parameters can"),
                     ));
                 };
                 let node = element.graph.input(InputLayout::TIME);
@@ -67,15 +77,12 @@ impl<'a> Elaborator<'a, '_> {
     pub fn entry(&mut self, scope: ScopeId, name: &str, span: Span) -> Eval<Value<'a>> {
         let found = self.scope(scope).entries.get(name).cloned();
         match found {
-            None => Err(self.report(
-                Diagnostic::error("E0203", format!("there is no {name} here"))
-                    .at(span, "not defined"),
-            )),
+            None => Err(self.internal(span, &format!("`{name}` is not defined"))),
             Some(Entry::Value(value)) => Ok(value),
             Some(Entry::Failed) => Err(Reported),
             Some(Entry::In(other)) => self.entry(other, name, span),
             Some(Entry::Busy) => Err(self.report(
-                Diagnostic::error("E0502", format!("{name} is defined by itself"))
+                Diagnostic::error(codes::ENDLESS, format!("`{name}` needs itself"))
                     .at(span, "the circle closes here"),
             )),
             Some(Entry::Lazy(lazy)) => {
@@ -97,13 +104,7 @@ impl<'a> Elaborator<'a, '_> {
             Lazy::Binding(binding) => self.binding_value(binding, scope),
             Lazy::Parameter(binding) => {
                 let Some(expr) = &binding.value else {
-                    return Err(self.report(
-                        Diagnostic::error(
-                            "E0405",
-                            format!("parameter {} has no value", binding.name.text),
-                        )
-                        .at(binding.name.span, "no default and no argument"),
-                    ));
+                    return Err(self.internal(binding.name.span, "a parameter without a value"));
                 };
                 let value = self.evaluate(expr, scope)?;
                 let path = self.path(scope, &binding.name.text);
@@ -125,6 +126,23 @@ impl<'a> Elaborator<'a, '_> {
                 self.table_value(table, scope, module)
             }
             Lazy::Part(declaration) => self.part(declaration, scope),
+            Lazy::Body(declaration) => self.bodies_of(declaration, scope),
+            Lazy::Marker(declaration) => {
+                self.markers_of(declaration, BodyRef::Ground, scope, scope)
+            }
+            Lazy::Element(declaration) => {
+                // it may be asked for while another is being lowered
+                let element = self.bench.element.take();
+                let rates = self.rates.take();
+                let in_output = std::mem::replace(&mut self.in_output, false);
+                let in_rate = std::mem::replace(&mut self.in_rate, false);
+                let made = self.elements_of(declaration, scope);
+                self.bench.element = element;
+                self.rates = rates;
+                self.in_output = in_output;
+                self.in_rate = in_rate;
+                made
+            }
         }
     }
 
@@ -132,10 +150,7 @@ impl<'a> Elaborator<'a, '_> {
         if binding.index.is_empty() {
             return match &binding.value {
                 Some(expr) => self.evaluate(expr, scope),
-                None => Err(self.report(
-                    Diagnostic::error("E0405", format!("{} has no value", binding.name.text))
-                        .at(binding.name.span, "add `= value`"),
-                )),
+                None => Err(self.internal(binding.name.span, "a definition without a value")),
             };
         }
         let mut values = Vec::new();
@@ -163,11 +178,7 @@ impl<'a> Elaborator<'a, '_> {
                 return Ok(Value::Closure(Closure { function, scope }));
             }
             ItemKind::Declaration(_) => return Ok(Value::Definition(id)),
-            _ => {
-                return Err(self.report(
-                    Diagnostic::error("E0500", "this is not a value").at(span, "used as a value"),
-                ));
-            }
+            _ => return Err(self.internal(span, "this is no value")),
         };
         let name = match &item.kind {
             ItemKind::Binding(b) => b.name.text.clone(),
@@ -212,10 +223,10 @@ impl<'a> Elaborator<'a, '_> {
                         Some(v) => Ok(v),
                         None => Err(self.report(
                             Diagnostic::error(
-                                "E0501",
+                                codes::INDEX_OUTSIDE,
                                 format!("there is no component {}", name.text),
                             )
-                            .at(name.span, "too few components"),
+                            .at(name.span, "the list is too short"),
                         )),
                     };
                 }
@@ -238,18 +249,11 @@ impl<'a> Elaborator<'a, '_> {
                     node: cycle.period,
                     dimension: Dimension::ANGLE,
                 })),
-                _ => Err(self.report(
-                    Diagnostic::error("E0203", format!("the cycle has no {}", name.text))
-                        .at(name.span, "it has `angle` and `period`"),
-                )),
+                _ => Err(self.internal(name.span, "no field of the cycle")),
             },
             other => {
                 let found = other.kind();
-                Err(self.report(
-                    Diagnostic::error("E0500", format!("{found} has no {}", name.text))
-                        .at(name.span, "no such field")
-                        .also(span, format!("this is {found}")),
-                ))
+                Err(self.internal(span, &format!("{found} has no `{}`", name.text)))
             }
         }
     }
@@ -263,27 +267,28 @@ impl<'a> Elaborator<'a, '_> {
 
     /// The local index of a marker in the element being lowered.
     pub fn local_marker(&mut self, marker: u32, span: Option<Span>) -> Eval<u32> {
-        if let Some(used) = self.used_markers.get_mut(marker as usize) {
-            *used = true;
-        }
-        let local = match self.bench.element.as_mut() {
-            Some(element) => element.marker(marker),
-            None => {
-                let mut message = Diagnostic::error(
-                    "E0504",
-                    "a marker moves: it is known in classes and outputs only",
-                );
-                if let Some(span) = span {
-                    message = message.at(span, "used where only parameters are known");
+        self.used_marker(marker);
+        let local =
+            match self.bench.element.as_mut() {
+                Some(element) => element.marker(marker),
+                None => {
+                    let mut message = Diagnostic::error(
+                        codes::MOTION,
+                        "a marker moves: it is known in classes and outputs only",
+                    );
+                    if let Some(span) = span {
+                        message = message.at(span, "stands where only parameters can");
+                    }
+                    return Err(self.report(message.with_help(
+                        "measure it in a class, which sees its markers, or in an output",
+                    )));
                 }
-                return Err(self.report(message));
-            }
-        };
+            };
         match local {
             Some(local) => Ok(local),
             None => {
                 let mut message = Diagnostic::error(
-                    "E0512",
+                    codes::ELEMENT_TOO_LARGE,
                     format!(
                         "one element touches more than {} markers",
                         super::scalar::PROVISIONAL.markers
@@ -292,7 +297,7 @@ impl<'a> Elaborator<'a, '_> {
                 if let Some(span) = span {
                     message = message.at(span, "the limit is reached here");
                 }
-                Err(self.report(message))
+                Err(self.report(message.with_help("divide it into several elements or outputs")))
             }
         }
     }
@@ -361,12 +366,7 @@ impl<'a> Elaborator<'a, '_> {
                 return self.rate_of(value, name.span);
             }
             _ => {
-                return Err(self.report(
-                    Diagnostic::error("E0203", format!("a marker has no {}", name.text)).at(
-                        name.span,
-                        "it has origin, x, y, z, velocity, angular_velocity, acceleration, angular_acceleration",
-                    ),
-                ));
+                return Err(self.internal(name.span, "no field of a marker"));
             }
         };
         Ok(Value::Vector(vector))

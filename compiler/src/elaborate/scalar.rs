@@ -51,6 +51,10 @@ pub(crate) struct BindBuilder {
     pub graph: Graph,
     /// Numbers that stay slots although they are known: table handles and literals given as arguments.
     pub fixed: Vec<f64>,
+    /// Path of the thing that asks for slots now.
+    pub owner: String,
+    /// Who asked first, by slot.
+    pub owners: Vec<String>,
     slots: Vec<Node>,
     slot_of: HashMap<Node, u32>,
 }
@@ -62,6 +66,7 @@ impl BindBuilder {
         let index = *self.slot_of.entry(node).or_insert(next);
         if index == next {
             self.slots.push(node);
+            self.owners.push(self.owner.clone());
         }
         eng_system::system::Slot(index)
     }

@@ -2,10 +2,11 @@
 
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval};
+use crate::codes;
 use eng_grammar::ast::{self, ExprKind};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::Dimension;
-use eng_system::table::{Extrapolation, Interpolation, Table};
+use eng_system::table::{Extrapolation, Interpolation, Table, TableError};
+use eng_system::{Dimension, DisplayUnit};
 
 impl<'a> Elaborator<'a, '_> {
     pub fn table_value(
@@ -47,56 +48,45 @@ impl<'a> Elaborator<'a, '_> {
                     interpolation = match &a.value.kind {
                         ExprKind::Name(n) if n == "cubic" => Interpolation::Cubic,
                         ExprKind::Name(n) if n == "monotone" => Interpolation::Monotone,
-                        _ => {
-                            return Err(self.report(
-                                Diagnostic::error("E0506", "unknown interpolation")
-                                    .at(a.value.span, "`cubic` or `monotone`"),
-                            ));
-                        }
+                        _ => return Err(self.internal(a.value.span, "no interpolation")),
                     }
                 }
                 Some("extrapolation") => {
                     extrapolation = match &a.value.kind {
                         ExprKind::Name(n) if n == "hold" => Some(Extrapolation::Hold),
                         ExprKind::Name(n) if n == "linear" => Some(Extrapolation::Linear),
-                        _ => {
-                            return Err(self.report(
-                                Diagnostic::error("E0506", "unknown extrapolation")
-                                    .at(a.value.span, "`hold` or `linear`"),
-                            ));
-                        }
+                        _ => return Err(self.internal(a.value.span, "no extrapolation")),
                     }
                 }
-                Some(other) => {
-                    let name_span = a.name.as_ref().map_or(a.value.span, |n| n.span);
-                    return Err(self.report(
-                        Diagnostic::error("E0506", format!("a table has no argument {other}"))
-                            .at(name_span, "columns, periodic, interpolation, extrapolation"),
-                    ));
-                }
+                Some(_) => return Err(self.internal(a.value.span, "no argument of a table")),
             }
         }
         let (x, y) = match (kind.as_str(), plain.as_slice()) {
             ("points", [xs, ys]) => (self.numbers(xs, scope)?, self.numbers(ys, scope)?),
             ("csv", [file]) => {
                 let Some(columns) = columns else {
-                    return Err(self.report(
-                        Diagnostic::error("E0506", "csv needs its columns")
-                            .at(source.span, "add `columns: [\"x [unit]\", \"y [unit]\"]`"),
-                    ));
+                    return Err(self.internal(source.span, "`csv` without its columns"));
                 };
-                self.read_csv(file, columns, module, (argument, result))?
+                let text = |ty: Option<&ast::TypeExpr>| {
+                    ty.map_or("a number", |t| self.sources.text(t.span))
+                        .to_owned()
+                };
+                let due = [
+                    (argument, text(table.parameters.first().map(|p| &p.ty))),
+                    (result, text(table.result.as_ref())),
+                ];
+                self.read_csv(file, columns, module, &due)?
             }
             _ => return Err(self.not_a_source(source.span)),
         };
-        if x.len() != y.len() {
-            return Err(self.report(
-                Diagnostic::error(
-                    "E0506",
-                    format!("{} arguments and {} values", x.len(), y.len()),
-                )
-                .at(source.span, "the lists differ in length"),
-            ));
+        // as the text writes them, so that a message can tell them
+        let written = plain.first().and_then(|xs| self.literal_unit(xs));
+        let units = (
+            written.unwrap_or_else(|| self.natural_unit(argument)),
+            self.natural_unit(result),
+        );
+        if let ([xs, ys], true) = (plain.as_slice(), x.len() != y.len()) {
+            return Err(self.lengths(x.len(), xs.span, y.len(), ys.span));
         }
         match Table::new(
             table.name.text.clone(),
@@ -112,20 +102,47 @@ impl<'a> Elaborator<'a, '_> {
                 Ok(self.table_handle(index, result))
             }
             Err(error) => Err(self.report(
-                Diagnostic::error("E0506", "this table cannot be used")
-                    .at(source.span, error.to_string()),
+                Diagnostic::error(
+                    codes::TABLE_POINTS,
+                    format!("the points of table `{}` make no function", table.name.text),
+                )
+                .at(source.span, self.points_text(&error, units)),
             )),
         }
     }
 
+    /// What is wrong with the points, in the units of their table.
+    fn points_text(&self, error: &TableError, (x, y): (DisplayUnit, DisplayUnit)) -> String {
+        match error {
+            TableError::NotRising {
+                row, before, after, ..
+            } => format!(
+                "the argument does not rise at point {row}: {} is followed by {}",
+                x.text(*before),
+                x.text(*after)
+            ),
+            TableError::NotPeriodic {
+                row, first, last, ..
+            } => format!(
+                "the period closes at point {row}, but the values differ: {} and {}",
+                y.text(*first),
+                y.text(*last)
+            ),
+            TableError::PeriodTooShort { span, period, .. } => format!(
+                "the points span {}, more than the period of {}",
+                x.text(*span),
+                x.text(*period)
+            ),
+            TableError::TooFew { count, .. } => {
+                format!("at least 2 points are needed, there is {count}")
+            }
+            TableError::NotFinite { row, .. } => format!("point {row} is not a finite number"),
+            other => other.to_string(),
+        }
+    }
+
     fn not_a_source(&mut self, span: Span) -> super::Reported {
-        self.report(
-            Diagnostic::error(
-                "E0506",
-                "a table takes its numbers from `csv(…)` or `points(…)`",
-            )
-            .at(span, "this is neither"),
-        )
+        self.internal(span, "neither `csv(…)` nor `points(…)`")
     }
 
     fn numbers(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<Vec<f64>> {
@@ -142,7 +159,7 @@ impl<'a> Elaborator<'a, '_> {
         file: &'a ast::Expr,
         columns: &'a ast::Expr,
         module: u32,
-        dimensions: (Dimension, Dimension),
+        due: &[(Dimension, String); 2],
     ) -> Eval<(Vec<f64>, Vec<f64>)> {
         let ExprKind::Text(name) = &file.kind else {
             return Err(self.not_a_source(file.span));
@@ -158,10 +175,7 @@ impl<'a> Elaborator<'a, '_> {
             _ => Vec::new(),
         };
         let [x_name, y_name] = names.as_slice() else {
-            return Err(self.report(
-                Diagnostic::error("E0506", "csv needs two columns")
-                    .at(columns.span, "`[\"x [unit]\", \"y [unit]\"]`"),
-            ));
+            return Err(self.internal(columns.span, "`columns` is no list of two texts"));
         };
         // a module in a folder reads beside itself
         let module_path = &self.program.modules[module as usize].path;
@@ -175,8 +189,9 @@ impl<'a> Elaborator<'a, '_> {
             Ok(text) => text,
             Err(error) => {
                 return Err(self.report(
-                    Diagnostic::error("E0505", "the file cannot be read")
-                        .at(file.span, error.to_string()),
+                    Diagnostic::error(codes::FILE, format!("the file {path} cannot be read"))
+                        .at(file.span, error.to_string())
+                        .with_help("data files lie in the folder of the model, or below it"),
                 ));
             }
         };
@@ -187,8 +202,8 @@ impl<'a> Elaborator<'a, '_> {
             .filter(|(_, l)| !l.trim().is_empty() && !l.trim_start().starts_with('#'));
         let Some((_, header)) = lines.next() else {
             return Err(self.report(
-                Diagnostic::error("E0506", format!("{path} is empty"))
-                    .at(file.span, "no header row"),
+                Diagnostic::error(codes::FILE_CONTENT, format!("{path} is empty"))
+                    .at(file.span, "a file begins with the names of its columns"),
             ));
         };
         let separator = if header.contains(';') {
@@ -211,17 +226,16 @@ impl<'a> Elaborator<'a, '_> {
                 Some(i) => i,
                 None => {
                     return Err(self.report(
-                        Diagnostic::error("E0506", format!("{path} has no column {wanted:?}"))
-                            .at(*span, "not in the header")
-                            .with_note(format!("its header is: {}", header.join(" | "))),
+                        Diagnostic::error(
+                            codes::FILE_CONTENT,
+                            format!("{path} has no column {wanted:?}"),
+                        )
+                        .at(*span, "not in its first row")
+                        .with_note(format!("its first row is: {}", header.join(" | "))),
                     ));
                 }
             };
-            scale[k] = self.column_unit(
-                wanted,
-                *span,
-                if k == 0 { dimensions.0 } else { dimensions.1 },
-            )?;
+            scale[k] = self.column_unit(wanted, *span, &due[k])?;
         }
         let mut x = Vec::new();
         let mut y = Vec::new();
@@ -230,6 +244,7 @@ impl<'a> Elaborator<'a, '_> {
             for k in 0..2 {
                 let cell = row.get(index[k]).map_or("", String::as_str);
                 // a decimal comma is read where the comma does not separate cells
+                let wanted = if k == 0 { &x_name.0 } else { &y_name.0 };
                 let plain = if separator == ',' {
                     cell.to_owned()
                 } else {
@@ -243,12 +258,16 @@ impl<'a> Elaborator<'a, '_> {
                     _ => {
                         return Err(self.report(
                             Diagnostic::error(
-                                "E0506",
-                                format!("{path}:{} is not a number", number + 1),
+                                codes::FILE_CONTENT,
+                                format!("line {} of {path} does not hold a number", number + 1),
                             )
                             .at(
                                 file.span,
-                                format!("column {:?} holds {cell:?}", header[index[k]]),
+                                if cell.is_empty() {
+                                    format!("nothing stands in its column {wanted:?}")
+                                } else {
+                                    format!("its column {wanted:?} holds {cell:?}")
+                                },
                             ),
                         ));
                     }
@@ -259,12 +278,27 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Scale and offset of `theta [deg]`.
-    fn column_unit(&mut self, header: &str, span: Span, expected: Dimension) -> Eval<(f64, f64)> {
+    fn column_unit(
+        &mut self,
+        header: &str,
+        span: Span,
+        (expected, type_text): &(Dimension, String),
+    ) -> Eval<(f64, f64)> {
         let unit = header
             .split_once('[')
             .and_then(|(_, rest)| rest.split_once(']'))
             .map_or("1", |(unit, _)| unit.trim());
         if unit == "1" || unit.is_empty() {
+            if !expected.without_angle().is_one() {
+                return Err(self.report(
+                    Diagnostic::error(
+                        codes::COLUMN_UNIT,
+                        format!("the column states no unit, but {type_text} has one"),
+                    )
+                    .at(span, "no unit in brackets")
+                    .with_help("name the unit in the first row of the file and here: `p [bar]`"),
+                ));
+            }
             return Ok((1.0, 0.0));
         }
         let mut scratch = eng_grammar::Diagnostics::new();
@@ -282,29 +316,26 @@ impl<'a> Elaborator<'a, '_> {
         }) = parsed
         else {
             return Err(self.report(
-                Diagnostic::error("E0506", format!("{unit:?} is not a unit"))
-                    .at(span, "in this header"),
+                Diagnostic::error(codes::COLUMN_UNIT, format!("{unit:?} is not a unit"))
+                    .at(span, "between the brackets of this column's name"),
             ));
         };
         let unit = match self.program.unit(&unit_expr) {
             Ok(u) => u,
             Err((_, name)) => {
                 return Err(self.report(
-                    Diagnostic::error("E0310", format!("there is no unit {name}"))
-                        .at(span, "in this header"),
+                    Diagnostic::error(codes::COLUMN_UNIT, format!("there is no unit `{name}`"))
+                        .at(span, "between the brackets of this column's name"),
                 ));
             }
         };
         if unit.dimension.without_angle() != expected.without_angle() {
             return Err(self.report(
                 Diagnostic::error(
-                    "E0301",
-                    format!(
-                        "the column is in {}, the table says {expected}",
-                        unit.dimension
-                    ),
+                    codes::COLUMN_UNIT,
+                    format!("a column in {} does not give {type_text}", unit.symbol),
                 )
-                .at(span, "the dimension differs"),
+                .at(span, "the unit of this column does not fit"),
             ));
         }
         Ok((unit.scale, unit.offset))

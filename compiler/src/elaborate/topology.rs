@@ -1,10 +1,23 @@
 //! What hangs together: bodies, elements, ground. The rank of the constraints is the runtime's business.
 
 use super::Elaborator;
-use eng_grammar::{Diagnostic, SourceId, Span};
-use eng_system::system::{BodyRef, Location};
+use super::binding::span_of;
+use crate::codes;
+use eng_grammar::{Diagnostic, Span};
+use eng_system::system::{BodyRef, Location, Origin};
 
 impl Elaborator<'_, '_> {
+    fn unused_markers(&self) -> Vec<(Location, Vec<&str>)> {
+        let markers = self.markers.iter().zip(&self.used_markers);
+        let mut unused = by_place(
+            markers
+                .filter(|(_, used)| !**used)
+                .map(|(marker, _)| &marker.origin),
+        );
+        unused.sort_by_key(|(place, _)| (place.source, place.start));
+        unused
+    }
+
     /// Lints on bodies that nothing holds and markers that nothing uses.
     pub fn connections(&mut self, model: Span) {
         let ground = self.bodies.len();
@@ -29,20 +42,34 @@ impl Elaborator<'_, '_> {
             }
         }
         let mut found = Vec::new();
+        let untied = self.bodies.iter().zip(&touched);
+        let untied = untied
+            .filter(|(_, touched)| !**touched)
+            .map(|(body, _)| &body.origin);
+        for (place, paths) in by_place(untied) {
+            let (noun, verb) = match paths.len() {
+                1 => ("body", "is"),
+                _ => ("bodies", "are"),
+            };
+            found.push(
+                Diagnostic::warning(
+                    codes::UNTIED,
+                    format!("{noun} {} {verb} tied to nothing", listed(&paths)),
+                )
+                .at(
+                    span_of(place),
+                    "no joint, force, journal or drive touches it",
+                )
+                .with_help("tie it to something, or remove it"),
+            );
+        }
         let mut groups: Vec<usize> = Vec::new();
         for (b, body) in self.bodies.iter().enumerate() {
             let origin = &body.origin;
-            let Some(place) = origin.used_at else {
+            let Some(place) = origin.used_at.filter(|_| touched[b]) else {
                 continue;
             };
             let path = &origin.path;
-            if !touched[b] {
-                found.push(
-                    Diagnostic::warning("W0503", format!("body {path} is tied to nothing"))
-                        .at(span(place), "no joint, force or journal touches it"),
-                );
-                continue;
-            }
             let r = root(&parent, b);
             if r != root(&parent, ground) && !groups.contains(&r) {
                 groups.push(r);
@@ -51,27 +78,29 @@ impl Elaborator<'_, '_> {
                     .map(|c| self.bodies[c].origin.path.as_str())
                     .collect();
                 found.push(
-                    Diagnostic::warning("W0504", format!("{path} has no path to the ground"))
-                        .at(span(place), "it will fall or drift")
+                    Diagnostic::warning(codes::ADRIFT, format!("{path} has no path to the ground"))
+                        .at(span_of(place), "it will fall or drift")
                         .with_note(format!("it hangs together with: {}", members.join(", ")))
                         .with_help("tie one of these to `ground` by a joint or a force, if that is not meant"),
                 );
             }
         }
-        for (marker, used) in self.markers.iter().zip(&self.used_markers) {
-            if let (false, Some(place)) = (*used, marker.origin.used_at) {
-                found.push(
-                    Diagnostic::warning(
-                        "W0501",
-                        format!("marker {} is not used", marker.origin.path),
-                    )
-                    .at(span(place), "nothing refers to it"),
-                );
-            }
+        for (place, paths) in self.unused_markers() {
+            let (noun, verb) = match paths.len() {
+                1 => ("marker", "is"),
+                _ => ("markers", "are"),
+            };
+            found.push(
+                Diagnostic::warning(
+                    codes::UNUSED_MARKER,
+                    format!("{noun} {} {verb} not used", listed(&paths)),
+                )
+                .at(span_of(place), "nothing refers to it"),
+            );
         }
         if self.gravity.is_none() && !self.bodies.is_empty() {
             found.push(
-                Diagnostic::note("N0501", "no gravity is stated: it is zero")
+                Diagnostic::note(codes::NO_GRAVITY, "no gravity is stated: it is zero")
                     .at(model, "in this model")
                     .with_help(
                         "write `gravity = [0, 0, -9.81] m/s^2`, or zeros to say that it is meant",
@@ -84,17 +113,34 @@ impl Elaborator<'_, '_> {
     }
 }
 
+/// Paths of things by their place in the text, both in the order of the text.
+fn by_place<'o>(origins: impl Iterator<Item = &'o Origin>) -> Vec<(Location, Vec<&'o str>)> {
+    let mut places: Vec<(Location, Vec<&str>)> = Vec::new();
+    for origin in origins {
+        let Some(place) = origin.used_at else {
+            continue;
+        };
+        match places.iter_mut().find(|(known, _)| *known == place) {
+            Some((_, paths)) => paths.push(&origin.path),
+            None => places.push((place, vec![&origin.path])),
+        }
+    }
+    places
+}
+
+/// Paths in a sentence; many are shortened.
+fn listed(paths: &[&str]) -> String {
+    match paths {
+        [first, second, .., last] if paths.len() > 5 => {
+            format!("{first}, {second} to {last} ({} in all)", paths.len())
+        }
+        _ => paths.join(", "),
+    }
+}
+
 fn root(parent: &[usize], mut i: usize) -> usize {
     while parent[i] != i {
         i = parent[i];
     }
     i
-}
-
-fn span(place: Location) -> Span {
-    Span {
-        source: SourceId(place.source),
-        start: place.start,
-        end: place.end,
-    }
 }

@@ -1,9 +1,11 @@
 //! What the tests of checking share: a host over texts, a run, a plain renderer.
 
 use eng_compiler::check::check;
+use eng_compiler::elaborate::{analyses, elaborate};
 use eng_compiler::library::LIBRARY;
-use eng_compiler::program::{Checked, Program};
+use eng_compiler::program::{Checked, DefinitionId, Program};
 use eng_compiler::resolve::resolve;
+use eng_grammar::ast::{ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, Severity, SourceMap, Span};
 use eng_system::host::{Host, HostError};
 use std::path::PathBuf;
@@ -35,6 +37,16 @@ pub struct Run {
 }
 
 pub fn run_in(folder: &str, root: &str, text: &str) -> Run {
+    run_stages(folder, root, text, false)
+}
+
+/// The same, and where there is no error yet, the analyses and every model of the root.
+#[allow(dead_code)]
+pub fn elaborated_in(folder: &str, root: &str, text: &str) -> Run {
+    run_stages(folder, root, text, true)
+}
+
+fn run_stages(folder: &str, root: &str, text: &str, elaborated: bool) -> Run {
     let host = Folder {
         root: root.to_owned(),
         text: text.to_owned(),
@@ -44,12 +56,33 @@ pub fn run_in(folder: &str, root: &str, text: &str) -> Run {
     let mut diagnostics = Diagnostics::new();
     let program = resolve(root, &host, LIBRARY, &mut sources, &mut diagnostics);
     let checked = check(&program, &sources, &mut diagnostics);
+    if elaborated && !diagnostics.has_errors() {
+        analyses(&program, &mut sources, &host, &mut diagnostics);
+        for model in models(&program) {
+            elaborate(&program, &mut sources, &host, model, &[], &mut diagnostics);
+        }
+    }
     Run {
         sources,
         program,
         checked,
         diagnostics,
     }
+}
+
+fn models(program: &Program) -> Vec<DefinitionId> {
+    let module = program.root();
+    let Some(root) = program.modules.get(module as usize) else {
+        return Vec::new();
+    };
+    let items = root.file.items.iter().enumerate();
+    items
+        .filter(|(_, item)| matches!(&item.kind, ItemKind::Declaration(d) if d.kind == Kind::Model))
+        .map(|(item, _)| DefinitionId {
+            module,
+            item: item as u32,
+        })
+        .collect()
 }
 
 #[allow(dead_code)]

@@ -2,6 +2,7 @@
 
 use super::{Builder, MAX_DEPTH};
 use crate::ast::{Argument, BinaryOp, Binder, Expr, ExprKind, IndexArgument, UnaryOp, UnitExpr};
+use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::grammar::Rule;
 use crate::span::Span;
@@ -202,7 +203,7 @@ impl<'t> Builder<'t, '_> {
                     && is_comparison(*first)
                 {
                     self.report(
-                        Diagnostic::error("E0109", "comparisons do not chain")
+                        Diagnostic::error(codes::CHAIN, "comparisons do not chain")
                             .at(op_span, "a second comparison of one chain")
                             .also(*first_span, "the first")
                             .with_help("write `a < b and b < c`"),
@@ -212,7 +213,7 @@ impl<'t> Builder<'t, '_> {
                 if op == BinaryOp::Power && left.span.end == op_span.start && has_unit(&left) {
                     self.report(
                         Diagnostic::error(
-                            "E0107",
+                            codes::NUMBER,
                             "the exponent of a unit is a whole number or a ratio",
                         )
                         .at(right.span, "not a number")
@@ -234,7 +235,7 @@ impl<'t> Builder<'t, '_> {
             Infix::Range => {
                 if matches!(left.kind, ExprKind::Range { .. }) {
                     self.report(
-                        Diagnostic::error("E0101", "a range has two ends")
+                        Diagnostic::error(codes::UNEXPECTED, "a range has two ends")
                             .at(op_span, "a second `..`")
                             .with_help("write `first .. last by step`"),
                     );
@@ -260,7 +261,7 @@ impl<'t> Builder<'t, '_> {
                 },
                 _ => {
                     self.report(
-                        Diagnostic::error("E0101", "`by` gives the step of a range")
+                        Diagnostic::error(codes::UNEXPECTED, "`by` gives the step of a range")
                             .at(op_span, "no range stands before it")
                             .with_help("write `first .. last by step`"),
                     );
@@ -347,7 +348,7 @@ impl<'t> Builder<'t, '_> {
                     if !value.is_finite() {
                         let span = self.place(&part);
                         self.report(
-                            Diagnostic::error("E0107", "this number is too large")
+                            Diagnostic::error(codes::NUMBER, "this number is too large")
                                 .at(span, "the largest number is about 1.8e308"),
                         );
                         return ExprKind::Error;

@@ -5,6 +5,7 @@ use crate::ast::{
     Attribute, Binding, BindingKind, Block, Declaration, DimensionItem, Expr, ExprKind, Form,
     Function, Item, ItemKind, Kind, Name, Parameter, Statement, Table, UnitItem, Use, UseNames,
 };
+use crate::codes;
 use crate::diagnose;
 use crate::diagnostic::Diagnostic;
 use crate::grammar::Rule;
@@ -135,7 +136,7 @@ impl<'t> Builder<'t, '_> {
                 let module = last.map_or_else(|| "module".to_string(), |name| name.text);
                 let end = self.span_end(span);
                 self.report(
-                    Diagnostic::error("E0101", "`use` must say which names it takes")
+                    Diagnostic::error(codes::UNEXPECTED, "`use` must say which names it takes")
                         .at(span, "names a module only")
                         .with_help(format!(
                             "`use {module}.*` takes all names, `use {module}.{{A, B}}` some"
@@ -241,9 +242,12 @@ impl<'t> Builder<'t, '_> {
                 if tails.contains(&rule) {
                     let shown = if rule == Rule::display { "as" } else { "in" };
                     self.report(
-                        Diagnostic::error("E0101", format!("`{shown}` stands here twice"))
-                            .at(place, "the second one")
-                            .with_help("remove one of them"),
+                        Diagnostic::error(
+                            codes::UNEXPECTED,
+                            format!("`{shown}` stands here twice"),
+                        )
+                        .at(place, "the second one")
+                        .with_help("remove one of them"),
                     );
                     continue;
                 }
@@ -265,7 +269,7 @@ impl<'t> Builder<'t, '_> {
                     binding.limits = self.limits(part, depth);
                 }
                 Rule::limits => self.report(
-                    Diagnostic::error("E0101", "limits belong to a `param`")
+                    Diagnostic::error(codes::UNEXPECTED, "limits belong to a `param`")
                         .at(place, "not of a `param`")
                         .with_help("`require` checks a condition on any value"),
                 ),
@@ -273,12 +277,12 @@ impl<'t> Builder<'t, '_> {
                     binding.frame = self.inner_expression(part, depth);
                 }
                 Rule::frame if binding.kind == BindingKind::Param => self.report(
-                    Diagnostic::error("E0101", "limits need a low and a high end")
+                    Diagnostic::error(codes::UNEXPECTED, "limits need a low and a high end")
                         .at(place, "expected `in (low, high)`")
                         .with_help("write both ends in parentheses: `in (10 mm, 500 mm)`"),
                 ),
                 Rule::frame => self.report(
-                    Diagnostic::error("E0101", "only an `output` states axes with `in`")
+                    Diagnostic::error(codes::UNEXPECTED, "only an `output` states axes with `in`")
                         .at(place, "not of an `output`")
                         .with_help("`local(v, m)` gives the components of v along m's axes"),
                 ),

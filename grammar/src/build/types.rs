@@ -2,6 +2,7 @@
 
 use super::{Builder, MAX_DEPTH};
 use crate::ast::{Name, TypeExpr, TypeExprKind, UnitExpr, UnitFactor};
+use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::grammar::Rule;
 use crate::span::Span;
@@ -142,7 +143,7 @@ impl<'t> Builder<'t, '_> {
             }
             _ => {
                 self.report(
-                    Diagnostic::error("E0107", "this exponent cannot be used")
+                    Diagnostic::error(codes::NUMBER, "this exponent cannot be used")
                         .at(span, "too large, or a division by zero")
                         .with_help("an exponent is a whole number or a ratio: `m^2`, `m^(1/2)`"),
                 );
@@ -214,7 +215,7 @@ impl<'t> Builder<'t, '_> {
             Some((numerator, denominator)) => ratio(numerator, denominator),
             None => {
                 self.report(
-                    Diagnostic::error("E0107", "this exponent cannot be used")
+                    Diagnostic::error(codes::NUMBER, "this exponent cannot be used")
                         .at(span, "the powers multiply to a number that is too large"),
                 );
                 (1, 1)

@@ -2,6 +2,7 @@
 
 use super::{is_item_word, is_reserved};
 use crate::build::Builder;
+use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::grammar::Rule;
 use crate::tokens::{Token, TokenKind};
@@ -74,7 +75,7 @@ impl<'b> Failure<'b> {
     /// The message.
     pub fn describe(&self) -> Diagnostic {
         if self.rules.is_none() {
-            return Diagnostic::error("E0106", "this is nested too deep")
+            return Diagnostic::error(codes::NESTED, "this is nested too deep")
                 .at(self.span(), "in here")
                 .with_help("name parts of it with `let`");
         }
@@ -95,7 +96,7 @@ impl<'b> Failure<'b> {
         let here = self.token(self.at)?;
         if self.before_text() == "^" && here.kind == TokenKind::Number {
             return Some(
-                Diagnostic::error("E0107", "this exponent cannot be used")
+                Diagnostic::error(codes::NUMBER, "this exponent cannot be used")
                     .at(self.span(), "not a whole number")
                     .with_help(EXPONENT),
             );
@@ -110,7 +111,7 @@ impl<'b> Failure<'b> {
                 let end = next.filter(|next| touches(here, next)).unwrap_or(here).end;
                 let whole = self.builder.span(before.start, end);
                 return Some(
-                    Diagnostic::error("E0107", "this number is malformed")
+                    Diagnostic::error(codes::NUMBER, "this number is malformed")
                         .at(whole, "not a number")
                         .with_help("digits stand on both sides of the point: `1.0`, `0.5`"),
                 );
@@ -125,7 +126,7 @@ impl<'b> Failure<'b> {
                     .collect();
                 let whole = self.builder.span(before.start, here.end);
                 return Some(
-                    Diagnostic::error("E0107", "this number is malformed")
+                    Diagnostic::error(codes::NUMBER, "this number is malformed")
                         .at(whole, "digits are not grouped")
                         .with_fix("join the digits", whole, digits),
                 );
@@ -138,7 +139,7 @@ impl<'b> Failure<'b> {
         {
             let whole = self.builder.span(here.start, next.end);
             return Some(
-                Diagnostic::error("E0107", "this number is malformed")
+                Diagnostic::error(codes::NUMBER, "this number is malformed")
                     .at(whole, "no digit before the point")
                     .with_fix(
                         "write the zero",
@@ -158,8 +159,9 @@ impl<'b> Failure<'b> {
         }
         let shown = token.text(self.text);
         let span = self.span();
-        let diagnostic = Diagnostic::error("E0101", format!("`{shown}` is not used in Eng"))
-            .at(span, "not expected here");
+        let diagnostic =
+            Diagnostic::error(codes::UNEXPECTED, format!("`{shown}` is not used in Eng"))
+                .at(span, "not expected here");
         Some(match shown {
             "\u{b5}" | "\u{3bc}" => diagnostic
                 .with_help("micro is written `u`: `um`, `us`")
@@ -183,7 +185,7 @@ impl<'b> Failure<'b> {
         let span = self.span();
         if self.found() == "**" {
             return Some(
-                Diagnostic::error("E0101", "`**` is not used in Eng")
+                Diagnostic::error(codes::UNEXPECTED, "`**` is not used in Eng")
                     .at(span, "a power is written `^`")
                     .with_fix("write `^`", span, "^"),
             );
@@ -192,7 +194,7 @@ impl<'b> Failure<'b> {
         let assigns = (self.found() == "=" && sign(self.before_text()))
             || (sign(self.found()) && self.word(self.at + 1) == "=");
         assigns.then(|| {
-            Diagnostic::error("E0101", "nothing is reassigned in Eng")
+            Diagnostic::error(codes::UNEXPECTED, "nothing is reassigned in Eng")
                 .at(span, "not expected here")
                 .with_help("give each value its own name")
         })
@@ -216,17 +218,17 @@ impl<'b> Failure<'b> {
                 && first != "branch"
                 && first != "advise";
             return Some(if named {
-                Diagnostic::error("E0101", "a named argument is written with `:`")
+                Diagnostic::error(codes::UNEXPECTED, "a named argument is written with `:`")
                     .at(span, "expected `:`")
                     .with_fix("write `:`", span, ":")
             } else {
-                Diagnostic::error("E0101", "a comparison is written `==`")
+                Diagnostic::error(codes::UNEXPECTED, "a comparison is written `==`")
                     .at(span, "`=` gives a name its value")
                     .with_fix("compare", span, "==")
             });
         }
         (self.found() == "==" && self.tried(&[Rule::assign])).then(|| {
-            Diagnostic::error("E0101", "a value is given with `=`")
+            Diagnostic::error(codes::UNEXPECTED, "a value is given with `=`")
                 .at(span, "`==` compares")
                 .with_fix("write `=`", span, "=")
         })
@@ -246,7 +248,7 @@ impl<'b> Failure<'b> {
         let what = if sign == "(" { "a call" } else { "an index" };
         Some(
             Diagnostic::error(
-                "E0104",
+                codes::SPACE_BEFORE_BRACKET,
                 format!("a space stands before the `{sign}` of {what}"),
             )
             .at(self.span(), format!("must touch `{}`", self.before_text()))
@@ -271,7 +273,7 @@ impl<'b> Failure<'b> {
         let after = self.before_text();
         (is_reserved(found) && name_due && (is_item_word(after) || matches!(after, "." | "for")))
             .then(|| {
-                Diagnostic::error("E0101", format!("`{found}` cannot be a name"))
+                Diagnostic::error(codes::UNEXPECTED, format!("`{found}` cannot be a name"))
                     .at(self.span(), "a word of the language")
             })
     }
@@ -282,7 +284,7 @@ impl<'b> Failure<'b> {
         if self.found() == "if" {
             return Some(
                 Diagnostic::error(
-                    "E0101",
+                    codes::UNEXPECTED,
                     "an `if` inside a larger value stands in parentheses",
                 )
                 .at(span, "expected `(if … then … else …)`"),
@@ -311,7 +313,7 @@ impl<'b> Failure<'b> {
     fn doc_comment(&self) -> Option<Diagnostic> {
         let token = self.token(self.at)?;
         (token.kind == TokenKind::Doc).then(|| {
-            Diagnostic::error("E0101", "this documents nothing")
+            Diagnostic::error(codes::UNEXPECTED, "this documents nothing")
                 .at(self.span(), "not before an item or a parameter")
                 .with_help("`//` begins a plain comment; `//!` stands at the head of the file")
                 .with_fix(
@@ -328,7 +330,7 @@ impl<'b> Failure<'b> {
             before.kind != TokenKind::Sign || matches!(self.before_text(), ")" | "]" | "}" | "{")
         });
         (complete && self.word(0) == "fn" && self.found() == "}" && self.tried_value()).then(|| {
-            Diagnostic::error("E0101", "a function's block ends with its value")
+            Diagnostic::error(codes::UNEXPECTED, "a function's block ends with its value")
                 .at(self.span(), "expected a value before this")
                 .with_help(
                     "a line that begins with `-` or `[` goes on with the line before; end that one with `;`",
@@ -407,8 +409,11 @@ impl<'b> Failure<'b> {
             return self.say("a whole number or a ratio in parentheses");
         }
         if self.word(0) == "der" && self.at < 5 && matches!(self.found(), "(" | ".") {
-            return Diagnostic::error("E0101", "`der( )` on the left takes the name of a state")
-                .at(self.span(), "expected `der(name) = …`");
+            return Diagnostic::error(
+                codes::UNEXPECTED,
+                "`der( )` on the left takes the name of a state",
+            )
+            .at(self.span(), "expected `der(name) = …`");
         }
         if self.tried(&[Rule::wrench_kind]) {
             return self.say("`force` or `torque`");
@@ -475,9 +480,11 @@ impl<'b> Failure<'b> {
                 let after_name = self
                     .before()
                     .is_some_and(|before| before.kind == TokenKind::Word);
-                let diagnostic =
-                    Diagnostic::error("E0101", format!("unexpected `{}`", shortened(sign)))
-                        .at(self.span(), "cannot stand here");
+                let diagnostic = Diagnostic::error(
+                    codes::UNEXPECTED,
+                    format!("unexpected `{}`", shortened(sign)),
+                )
+                .at(self.span(), "cannot stand here");
                 if matches!(sign, "(" | "[") {
                     diagnostic.with_help(format!(
                         "the `{sign}` of a call or an index touches what it follows, on the same line"
@@ -490,7 +497,7 @@ impl<'b> Failure<'b> {
                     diagnostic.with_help("an item ends at the line's end or at `;`")
                 }
             }
-            None => Diagnostic::error("E0101", "this item is not complete")
+            None => Diagnostic::error(codes::UNEXPECTED, "this item is not complete")
                 .at(self.span(), "it ends here"),
         }
     }
@@ -505,7 +512,8 @@ impl<'b> Failure<'b> {
             Some(token) => format!("found `{}`", shortened(token.text(self.text))),
             None => "nothing follows".to_string(),
         };
-        Diagnostic::error("E0101", format!("expected {what}{after}")).at(self.span(), label)
+        Diagnostic::error(codes::UNEXPECTED, format!("expected {what}{after}"))
+            .at(self.span(), label)
     }
 }
 

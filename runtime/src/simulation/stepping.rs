@@ -7,7 +7,7 @@ use crate::error::RuntimeError;
 use crate::integrator::{Trial, constraints_along};
 use crate::rotation::V3;
 use crate::state::move_pose;
-use eng_system::system::{ConditionKind, StepControl};
+use eng_system::system::{ConditionKind, Origin, StepControl};
 
 impl Simulation {
     /// Consistent accelerations, their rates, first step, first look at conditions.
@@ -157,10 +157,17 @@ impl Simulation {
         self.watch.violations(
             model,
             &from,
-            |kind| *kind != ConditionKind::Branch,
-            |violation| {
+            |kind| matches!(kind, ConditionKind::Require | ConditionKind::Advise),
+            |violation, values| {
                 let condition = &model.class(violation.element).conditions[violation.condition];
-                let origin = &model.compiled.system.elements[violation.element].origin;
+                // the law's place is that of the condition
+                let origin = || {
+                    let origin = &model.compiled.system.elements[violation.element].origin;
+                    Origin {
+                        defined_at: condition.defined_at.or(origin.defined_at),
+                        ..origin.clone()
+                    }
+                };
                 if condition.kind == ConditionKind::Advise {
                     let first: usize = (0..violation.element)
                         .map(|e| model.class(e).conditions.len())
@@ -169,15 +176,15 @@ impl Simulation {
                     if !*seen {
                         *seen = true;
                         warnings.push(Warning {
-                            origin: origin.clone(),
-                            message: condition.text.clone(),
+                            origin: origin(),
+                            message: condition.told(values),
                             moment,
                         });
                     }
                 } else if touch.is_none() {
                     touch = Some(RuntimeError::Require {
-                        origin: Box::new(origin.clone()),
-                        message: condition.text.clone(),
+                        origin: Box::new(origin()),
+                        message: condition.told(values),
                         moment,
                         value: violation.value,
                     });

@@ -550,6 +550,7 @@ pub fn condition(kind: ConditionKind, text: &str) -> Condition {
     Condition {
         kind,
         text: text.into(),
+        message: Vec::new(),
         defined_at: None,
     }
 }

@@ -1,0 +1,82 @@
+//! Classes, calls, blocks: what checking says about declarations and their uses.
+
+eng_grammar::codes! {
+    CLASSES:
+
+    NOT_CALLABLE = "E0401", "a thing that is no function or class is called",
+        "Parentheses follow functions, tables and classes. An element of a list takes brackets.",
+        "let first = sizes(1)",
+        "let first = sizes[1]";
+    MISSING_ARGUMENT = "E0402", "an argument is missing",
+        "A parameter without a default must be given. The message names it and shows its declaration.",
+        "joint pin = Revolute(crank.main)",
+        "joint pin = Revolute(crank.main, block.main)";
+    UNKNOWN_ARGUMENT = "E0403", "an argument has a name that no parameter has",
+        "The names of arguments are those of the parameters of the class or function.",
+        "journal film = Short(crank.main, ground, widht: 20 mm)",
+        "journal film = Short(crank.main, ground, width: 20 mm)";
+    ARGUMENT_TWICE = "E0404", "an argument is given twice",
+        "It is given by its place and by its name, or twice by its name.",
+        "let r = norm(v, floor: 1 mm, floor: 2 mm)",
+        "let r = norm(v, floor: 1 mm)";
+    TOO_MANY_ARGUMENTS = "E0405", "there are more arguments than parameters",
+        "Remove what is too much, or name what is meant.",
+        "let y = sin(3 deg, 4 deg)",
+        "let y = sin(3 deg)";
+    MISPLACED = "E0406", "an item does not belong here",
+        "Bodies belong into models and components, constraints and loads into classes, parameters of a class into its parentheses.",
+        "force Push(a: Marker) { param load: Force = 3 N }",
+        "force Push(a: Marker, load: Force = 3 N) { apply force load*a.x on a }";
+    INTERFACE = "E0407", "a class does not give what its interface promises",
+        "After the colon stands an interface: the class has all its parameters and outputs, of the same types.",
+        "journal Film(pin: Marker) : JournalLaw { }",
+        "journal Film(pin: Marker) { output height = dot(pin.origin, ground.y) as mm }";
+    NOT_OF_INTERFACE = "E0408", "a class does not belong to the interface that is due",
+        "A class that is passed as an argument states the interface after its parameters, and needs no more than it.",
+        "part main = Bearing(law: Revolute)",
+        "part main = Bearing(law: Short)";
+    UNKNOWN_ATTRIBUTE = "E0409", "an attribute is not known",
+        "`name = value` is for what the language knows: mass, inertia, gravity, period. A value of one's own is a `let`.",
+        "gravty = [0, -9.81, 0] m/s^2",
+        "gravity = [0, -9.81, 0] m/s^2";
+    KIND = "E0410", "a class is used as another kind",
+        "The word before the name is that of the class: a journal is used by `journal`, a component by `part`.",
+        "joint main = Short(crank.main, ground)",
+        "journal main = Short(crank.main, ground)";
+    CONSTRAINT_FORM = "E0411", "a constraint is not an equation of scalars or vectors",
+        "Write `left == right`, of numbers or vectors of one dimension.",
+        "constrain dot(a.x, b.x)",
+        "constrain dot(a.x, b.x) == 0";
+    MISSING_ATTRIBUTE = "E0412", "an attribute is missing",
+        "A body has a mass and an inertia, a cycle a period.",
+        "body rod { mass = 0.6 kg }",
+        "body rod { mass = 0.6 kg; inertia = [3, 0.1, 3] g*m^2 }";
+    NO_CYCLE = "E0413", "the model has no cycle",
+        "`cycle.angle`, or a duration in degrees, needs a model that says which angle is meant.",
+        "analysis run = transient(M(), duration: 4 rev, sample: 1 deg)",
+        "model M { cycle angle = rotation(crank.main, ground) { period = 720 deg } }";
+    STATE = "E0414", "a state and its rate do not match",
+        "Every `state` has one `der(state) = …` in its class, and every such line a state.",
+        "force Damper(a: Marker) { state p: Pressure = 3 bar }",
+        "force Damper(a: Marker) { state p: Pressure = 3 bar; der(p) = -p/1 s }";
+    MISSING_VALUE = "E0415", "a definition has no value or no type",
+        "Only a `param` may lack a value; then it has a type.",
+        "let area: Area",
+        "let area: Area = pi/4*bore^2";
+    TABLE = "E0416", "the definition of a table does not make sense",
+        "A table has one argument and one number as its value, both with types; its numbers come from `csv` or `points`.",
+        "table lift(theta: CrankAngle) = points([0, 30] deg, [0, 4] mm)",
+        "table lift(theta: CrankAngle) -> Length = points([0, 30] deg, [0, 4] mm)";
+    ANALYSIS = "E0417", "an analysis cannot be made like this",
+        "An analysis is `transient(Model(…), …)` or `assemble(Model(…))`.",
+        "analysis run = transient(Engine, duration: 1 s, sample: 1 ms)",
+        "analysis run = transient(Engine(), duration: 1 s, sample: 1 ms)";
+    MARKER = "E0418", "the place of a marker cannot be read",
+        "A marker is three lengths, `origin`, or `at(place, z: […], x: […])` with directions.",
+        "marker pin = 43 mm",
+        "marker pin = [43, 0, 0] mm";
+    START = "E0419", "this cannot be set at the start",
+        "At the start, positions and velocities can be set: of a body inside it, of anything that moves in the model.",
+        "start crank = 30 deg",
+        "start rotation(crank.main, ground) = 30 deg";
+}

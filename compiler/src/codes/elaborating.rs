@@ -1,0 +1,120 @@
+//! Instances, numbers, files: what elaborating says, which is about values where checking is about types.
+
+eng_grammar::codes! {
+    ELABORATING:
+
+    INDEX_OUTSIDE = "E0501", "an index is outside its array",
+        "Indices of lists count from 1; things declared with a binder are indexed by its values: `pin[i in 2..4]` has no `pin[1]`.",
+        "body rod[i in 1..4] { mass = 1 kg }\noutput weight = rod[5].mass",
+        "body rod[i in 1..4] { mass = 1 kg }\noutput weight = rod[4].mass";
+    ENDLESS = "E0502", "a definition uses itself without end",
+        "A component that holds itself, or parts whose arguments need each other, have no first instance. The same is said of more than 100 nested uses.",
+        "component Link(a: Marker) { part next = Link(a) }",
+        "part link[i in 1..4] = Link(a)";
+    TOO_MANY_INSTANCES = "E0503", "a model has too many instances",
+        "More than 20 000 bodies, elements, parts and indices of one model. A binder's range may be longer than was meant.",
+        "body rod[i in 1..40000] { mass = 1 kg }",
+        "body rod[i in 1..4] { mass = 1 kg }";
+    NOT_KNOWN = "E0504", "a number must be known while compiling",
+        "The points of a table, limits, exponents and ranges are fixed when the model is compiled; a `param` changes afterwards. Make it a `const`, or change the place to one that may vary.",
+        "param top: Length = 4 mm\ntable lift(theta: CrankAngle) -> Length = points([0, 30] deg, [0 mm, top], extrapolation: hold)",
+        "const top = 4 mm\ntable lift(theta: CrankAngle) -> Length = points([0, 30] deg, [0 mm, top], extrapolation: hold)";
+    DIVISION_BY_ZERO = "E0505", "a division by zero",
+        "The divisor is zero with the constants of this model.",
+        "const gaps = cylinders - cylinders\nlet pitch = 400 mm/gaps",
+        "const gaps = cylinders - 1\nlet pitch = 400 mm/gaps";
+    NO_RATE = "E0506", "a value has no known time derivative",
+        "Accelerations, reactions and states of other elements are found by solving; their rates are not. Positions, angles and velocities have a `der`.",
+        "output jerk = der(pin.acceleration) in ground",
+        "output acceleration = pin.acceleration in ground";
+    LATE_ACCELERATION = "E0507", "an acceleration is used outside outputs, through a function or in a message",
+        "Accelerations follow from the forces. A function that is passed as an argument and takes `der` of a velocity can be used in outputs only, and a message cannot show one.",
+        "fn rate(v: Velocity) -> Acceleration = der(v)\nforce drag = Drag(ball.origin, ground, law: rate)",
+        "fn damp(v: Velocity) -> Acceleration = v/1 s\nforce drag = Drag(ball.origin, ground, law: damp)";
+    DIRECTION = "E0508", "a direction has the length zero",
+        "It points nowhere. Only the direction of `x:` and `z:` counts, not their length, but it must not be zero.",
+        "marker main = at(origin, z: [0, 0, 0])",
+        "marker main = at(origin, z: [0, 0, 1])";
+    GROUND_ALONE = "E0509", "`ground` has no partner marker",
+        "As an argument, `ground` is a marker that lies where the element's other marker is at the start. Without another marker it lies nowhere: name a marker of the model.",
+        "joint pin = Revolute(ground, ground)",
+        "marker rail = [0, 0, 0] mm\njoint pin = Revolute(crank.main, rail)";
+    LENGTHS = "E0510", "two lists differ in length",
+        "With the constants of this model, lists of different lengths are added, equated or paired, or a vector is made of other than three numbers.",
+        "const spread = [i*1 mm for i in 1..2]\nlet place = [1, 2, 3] mm + spread",
+        "const spread = [i*1 mm for i in 1..3]\nlet place = [1, 2, 3] mm + spread";
+    UNMOVED = "E0511", "a constraint does not depend on the motion",
+        "Both sides are made of parameters alone: nothing can move to fulfil it. What parameters must fulfil is a `require`.",
+        "joint Rod(a: Marker, b: Marker, length: Length) { constrain length == 100 mm }",
+        "joint Rod(a: Marker, b: Marker, length: Length) { constrain norm(a.origin - b.origin) == length }";
+    ELEMENT_TOO_LARGE = "E0512", "one element is too large",
+        "One element or output touches at most 64 markers, 64 states, 256 equations, 16 rotations, 1024 channels of others and 4096 numbers. Divide it into several.",
+        "", "";
+    REQUIRED = "E0513", "a `require` does not hold",
+        "The class or model asks for a condition that the constants of this model do not fulfil. The text is its author's.",
+        "require cylinders > 4 else \"this crank is for more than four cylinders\"",
+        "const cylinders = 6\nrequire cylinders > 4 else \"this crank is for more than four cylinders\"";
+    MESSAGE_FORM = "E0514", "a message shows something else than numbers and texts, or more than a sum or product of names",
+        "Between the braces of a message stand names, their fields, numbers, and `+ - * /` of these; their values are numbers or texts. Give anything else a name with `let`.",
+        "require gap > 1 mm else \"the gap is {abs(gap) as um}\"",
+        "let size = abs(gap)\nrequire gap > 1 mm else \"the gap is {size as um}\"";
+    TWO_CYCLES = "E0515", "a model has several cycles",
+        "The model and its components state one cycle angle between them.",
+        "cycle angle = rotation(crank.main, ground) { period = 720 deg }\npart second = EngineWithCycle()",
+        "cycle angle = rotation(crank.main, ground) { period = 720 deg }\npart second = EngineWithoutCycle()";
+    LONG_RANGE = "E0516", "a range is endless or too long",
+        "The step is zero or leads away from the end, or there are more than 100 000 values.",
+        "analysis sweep[b in 80 mm .. 90 mm by -1 mm] = assemble(M(bore: b))",
+        "analysis sweep[b in 80 mm .. 90 mm by 1 mm] = assemble(M(bore: b))";
+    ANALYSIS_VALUE = "E0517", "a number of an analysis is out of its range",
+        "`duration`, `sample`, `step` and `tolerance` are positive; `rho` is from 0 to below 1.",
+        "analysis run = transient(M(), duration: 0 s, sample: 1 ms)",
+        "analysis run = transient(M(), duration: 1 s, sample: 1 ms)";
+    FILE = "E0518", "a data file cannot be read",
+        "Data files lie in the folder of the model or below it, and are UTF-8 text. A module in a folder reads beside itself.",
+        "table gas(theta: CrankAngle) -> AbsolutePressure = csv(\"../gas.csv\", columns: [\"theta [deg]\", \"p [bar]\"])",
+        "table gas(theta: CrankAngle) -> AbsolutePressure = csv(\"gas.csv\", columns: [\"theta [deg]\", \"p [bar]\"])";
+    FILE_CONTENT = "E0519", "a data file does not hold what is taken from it",
+        "The first row is the header, its names are those in `columns`, and every row below holds finite numbers in these columns. Lines that begin with # are skipped.",
+        "", "";
+    COLUMN_UNIT = "E0520", "a column has another unit than its table",
+        "The unit in the brackets of a column's name is a unit of the table's dimension; without brackets the column is in 1.",
+        "table gas(theta: CrankAngle) -> AbsolutePressure = csv(\"gas.csv\", columns: [\"theta [deg]\", \"p [mm]\"])",
+        "table gas(theta: CrankAngle) -> AbsolutePressure = csv(\"gas.csv\", columns: [\"theta [deg]\", \"p [bar]\"])";
+    TABLE_POINTS = "E0521", "the points of a table make no function",
+        "Arguments rise, there are at least two points, and those of a periodic table span no more than a period; where they span a whole one, the last value is the first.",
+        "table lift(theta: CrankAngle) -> Length = points([0, 30, 30] deg, [0, 4, 5] mm)",
+        "table lift(theta: CrankAngle) -> Length = points([0, 30, 60] deg, [0, 4, 5] mm)";
+    MOTION = "E0522", "a value of the motion stands where only parameters can",
+        "Masses, places of markers, gravity and arguments of components are fixed during a run; positions and time are not. Use them in classes and outputs.",
+        "gravity = [0, -1, 0]*1 m/s^2*(1 + time/1 s)",
+        "gravity = [0, -9.81, 0] m/s^2";
+    OUTPUTS_ONLY = "E0523", "a reaction, or a state of another element, is used outside outputs",
+        "Elements see markers and parameters. What other elements exert is known in the outputs of the model.",
+        "force brake = Brake(crank.main, ground, load: pin.force.x)",
+        "output braked = 0.3*pin.force.x as kN";
+    NOT_COUNTABLE = "E0524", "a whole number is too large to count with",
+        "Counts, indices and the ends of ranges of whole numbers are below 9e15.",
+        "const count = 9000000000000000*9000000000000000\nlet all = sum(i for i in 1..count)",
+        "const count = 9000\nlet all = sum(i for i in 1..count)";
+    INTERNAL = "E0599", "the compiler or the runtime contradicts itself",
+        "No model should bring this about: an earlier check should have told what is wrong. Please report it with the model. Changing what stands at the place named may help until it is mended.",
+        "", "";
+    UNUSED_MARKER = "W0501", "a marker is not used",
+        "Nothing refers to it. It may have been meant where another stands; else remove it. Markers inside components are their author's choice and are not counted.",
+        "", "";
+    ADVISED = "W0502", "an `advise` does not hold",
+        "The model runs, but its class takes this for a mistake. The text is its author's.",
+        "advise teeth > 11 else \"so few teeth are undercut\"",
+        "const teeth = 23\nadvise teeth > 11 else \"so few teeth are undercut\"";
+    UNTIED = "W0503", "a body is tied to nothing",
+        "No joint, force or journal touches it: it moves by gravity and its start velocity alone.",
+        "", "";
+    ADRIFT = "W0504", "bodies have no path to the ground",
+        "They hang together, but nothing ties one of them to the ground: together they fall or drift.",
+        "", "";
+    NO_GRAVITY = "N0501", "no gravity is stated",
+        "It is zero then. State it, or state zeros to say that this is meant.",
+        "model Engine { }",
+        "model Engine { gravity = [0, -9.81, 0] m/s^2 }";
+}

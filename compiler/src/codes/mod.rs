@@ -1,0 +1,23 @@
+//! The registry of message codes: resolving (`02`), checking types and units (`03`), classes and their uses (`04`),
+//! elaborating (`05`).
+//!
+//! A code has one meaning and never changes it; a test asserts that each is raised by a fixture.
+
+mod checking;
+mod classes;
+mod elaborating;
+mod resolving;
+
+pub use checking::*;
+pub use classes::*;
+pub use elaborating::*;
+pub use eng_grammar::Code;
+pub use resolving::*;
+
+/// All codes of this crate, by group.
+pub const GROUPS: [&[Code]; 4] = [RESOLVING, CHECKING, CLASSES, ELABORATING];
+
+/// All codes of this crate, in order.
+pub fn all() -> impl Iterator<Item = &'static Code> {
+    GROUPS.into_iter().flatten()
+}

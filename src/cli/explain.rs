@@ -1,0 +1,83 @@
+//! `eng explain`.
+
+use super::arguments::ExplainArguments;
+use super::{Console, Stop, USAGE_OR_SYSTEM};
+use crate::codes::{self, Code};
+
+/// Width of the text.
+const WIDTH: usize = 96;
+
+pub(super) fn explain(arguments: &ExplainArguments, console: &mut Console<'_>) -> Result<(), Stop> {
+    let Some(asked) = &arguments.code else {
+        for code in codes::all() {
+            writeln!(console.output, "{}  {}", code.code, code.title)?;
+        }
+        return Ok(());
+    };
+    match codes::find(asked.trim()) {
+        Some(code) => {
+            write!(console.output, "{}", explanation(code))?;
+            Ok(())
+        }
+        None => {
+            write!(console.errors, "error: there is no code {asked}")?;
+            match nearest(asked.trim()) {
+                Some(near) => writeln!(console.errors, "; did you mean {near}?")?,
+                None => writeln!(console.errors)?,
+            }
+            writeln!(console.errors, "`eng explain` lists all codes")?;
+            Err(Stop::Code(USAGE_OR_SYSTEM))
+        }
+    }
+}
+
+fn explanation(code: &Code) -> String {
+    let mut text = format!(
+        "{}: {}\n\n{}\n",
+        code.code,
+        code.title,
+        wrapped(code.meaning)
+    );
+    if !code.wrong.is_empty() {
+        text.push_str(&format!(
+            "\nwrong:\n{}\nright:\n{}\n",
+            indented(code.wrong),
+            indented(code.right)
+        ));
+    }
+    text
+}
+
+fn indented(example: &str) -> String {
+    example
+        .lines()
+        .map(|line| format!("    {line}"))
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+fn wrapped(text: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.is_empty() => line.push_str(word),
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= WIDTH => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines.join("\n")
+}
+
+/// The code that is written most alike: letters and digits that were mistyped, left out or exchanged.
+fn nearest(asked: &str) -> Option<&'static str> {
+    let asked = asked.to_ascii_uppercase();
+    codes::all()
+        .into_iter()
+        .map(|code| (strsim::damerau_levenshtein(&asked, code.code), code.code))
+        .min_by_key(|(distance, _)| *distance)
+        .filter(|(distance, _)| *distance <= 2)
+        .map(|(_, code)| code)
+}

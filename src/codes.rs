@@ -1,0 +1,138 @@
+//! The message codes of assembling and running (`07`), and all codes with their explanations.
+//!
+//! The compiler's codes stand in [`eng_compiler::codes`], those of the grammar in [`eng_grammar::codes`].
+
+pub use eng_compiler::codes::INTERNAL;
+pub use eng_grammar::Code;
+
+eng_grammar::codes! {
+    RUNNING:
+
+    OPTIONS = "E0701", "an option of a simulation has no meaning",
+        "A program that embeds a model asks for a step, tolerance or spectral radius that cannot be. The message says what can.",
+        "", "";
+    BODY = "E0702", "a body has a mass or inertia that no body can have",
+        "The inertia about the centre of mass is positive definite, and none of its principal moments exceeds the sum of the other two. Check the unit, the sign of the products, and that it is about the centre of mass.",
+        "body rod { mass = 1 kg; inertia = [1, 1, 1] g*m^2; products_of_inertia = [2, 0, 0] g*m^2 }",
+        "body rod { mass = 1 kg; inertia = [1, 1, 1] g*m^2; products_of_inertia = [0.2, 0, 0] g*m^2 }";
+    OPEN_LOOP = "E0703", "the mechanism cannot be assembled: a loop stays open",
+        "No positions fulfil all constraints. The gap says by how much: a wrong length, a marker on the wrong side, axes that differ, or a start position from which the right one is not found.",
+        "", "";
+    WRONG_BRANCH = "E0704", "the mechanism assembles only on another branch",
+        "The joints close, but a `branch` condition does not hold in any position that was found. State a `guess` near the wanted position, or another `branch` at the use.",
+        "", "";
+    START_VELOCITY = "E0705", "start velocities contradict each other",
+        "What is stated by `start` does not fit the joints, the drives or other stated velocities. Leave one of them out.",
+        "", "";
+    REDUNDANT = "E0706", "constraint equations repeat each other",
+        "Two joints hold the same thing, such as two revolutes on one axis. Their reactions could be shared in any way. Let one of them hold less, or make it a journal.",
+        "joint left = Revolute(bar.left, block.left)\njoint right = Revolute(bar.right, block.right)",
+        "joint left = Revolute(bar.left, block.left)\njoint right = PointOnLine(bar.right, block.right)";
+    SINGULAR = "E0707", "accelerations are not determined",
+        "Something can move that has no mass or inertia, or the mechanism stands where it locks.",
+        "body rod { mass = 0.6 kg; inertia = [0, 0, 0] g*m^2 }",
+        "body rod { mass = 0.6 kg; inertia = [3.1, 0.12, 3] g*m^2 }";
+    NOT_FINITE = "E0708", "an element gives something that is no number",
+        "A table is read outside its points, or something is divided by zero, or a root is taken of a negative number. The message names the element and the moment.",
+        "table push(t: Time) -> Force = points([0, 0.1] s, [0, 1] N)",
+        "table push(t: Time) -> Force = points([0, 0.1] s, [0, 1] N, extrapolation: hold)";
+    NO_STEP = "E0709", "a step has no solution, however small",
+        "The equations jump or are very stiff at this moment: a force with `if` that jumps, a mechanism at the end of its reach. Make the force continuous, or look at the outputs just before.",
+        "", "";
+    STEP_TOO_SMALL = "E0710", "the step falls below what numbers resolve",
+        "The motion is not smooth at this moment: a force jumps or grows without bound. Make it continuous.",
+        "", "";
+    REQUIRED = "E0711", "a `require` fails during the run",
+        "The class asks for a condition at every step, and here it fails: a pin touches its shell, a spring is blocked. The text is its author's. What was computed before is kept.",
+        "", "";
+    PROJECTION = "E0712", "a position does not come back to the constraints",
+        "Between steps the positions are put back on the constraints. That fails where a step is too long for the motion, or where the mechanism locks or reaches its end.",
+        "", "";
+    CYCLE_STANDS = "E0714", "the cycle angle does not advance",
+        "The duration is an angle, but the crank stands or swings. Give a time, or start the crank turning.",
+        "analysis run = transient(Engine(), duration: 4 rev, sample: 1 deg)",
+        "analysis run = transient(Engine(), duration: 100 ms, sample: 0.1 ms)";
+    CHECKPOINT = "E0715", "a checkpoint cannot be used",
+        "It is damaged, or of another model, other parameters or another version. Start the run from its beginning.",
+        "", "";
+    PARAMETER_REQUIRED = "E0720", "parameters do not fulfil a `require`",
+        "The class, or the language for masses and inertias, asks for a condition that these parameters do not fulfil. The text is the author's.",
+        "body rod { mass = -1 kg; inertia = [1, 1, 1] g*m^2 }",
+        "body rod { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }";
+    PARAMETER_NOT_FINITE = "E0721", "with these parameters something is no number",
+        "A division by zero, a root of a negative number or a direction of length zero, in what the named thing is made of.",
+        "param length: Length = 0 mm\nlet stiffness = 1 N*m/length^2",
+        "param length: Length = 100 mm in (1 mm, 1 m)\nlet stiffness = 1 N*m/length^2";
+    PARAMETER_LIMITS = "E0722", "a parameter is outside its limits",
+        "The limits after `in` are open: the value lies strictly between them.",
+        "param length: Length = 3 m in (1 mm, 2 m)",
+        "param length: Length = 1 m in (1 mm, 2 m)";
+    ADVISED = "W0711", "an `advise` fails during the run",
+        "The run goes on, but its class takes this for doubtful. It is said once for each element, at the first moment. The text is its author's.",
+        "", "";
+    PARAMETER_ADVISED = "W0720", "parameters do not follow an `advise`",
+        "The run goes on, but the class takes these parameters for doubtful: a clearance that may be diametral instead of radial. The text is its author's.",
+        "", "";
+}
+
+/// All codes of all stages, in order.
+pub fn all() -> Vec<&'static Code> {
+    let mut all: Vec<&Code> = eng_grammar::CODES
+        .iter()
+        .chain(eng_compiler::codes::all())
+        .chain(RUNNING)
+        .collect();
+    // by number; errors, warnings and notes of one stage stand together
+    all.sort_by_key(|code| (code.code.get(1..3), code.code));
+    all
+}
+
+/// The code of a name, in upper or lower case.
+pub fn find(name: &str) -> Option<&'static Code> {
+    all()
+        .into_iter()
+        .find(|code| code.code.eq_ignore_ascii_case(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eng_grammar::{Diagnostics, SourceMap, parse};
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_code_has_one_meaning_and_an_explanation() {
+        let mut seen = BTreeSet::new();
+        for code in all() {
+            assert!(seen.insert(code.code), "{} stands twice", code.code);
+            assert!(
+                !code.title.is_empty() && !code.title.ends_with('.'),
+                "{}",
+                code.code
+            );
+            assert!(code.meaning.ends_with('.'), "{}", code.code);
+            assert_eq!(
+                code.wrong.is_empty(),
+                code.right.is_empty(),
+                "{}",
+                code.code
+            );
+        }
+        assert!(seen.len() > 100);
+    }
+
+    /// The examples are of the language; those that reading itself refuses are tested beside the grammar.
+    #[test]
+    fn examples_can_be_read() {
+        for code in all().into_iter().filter(|c| !c.code.starts_with("E01")) {
+            for text in [code.wrong, code.right] {
+                let mut sources = SourceMap::new();
+                let id = sources.add("example.eng", text);
+                let mut diagnostics = Diagnostics::new();
+                parse(text, id, &mut diagnostics);
+                let found: Vec<_> = diagnostics.iter().collect();
+                assert!(found.is_empty(), "{}: {text}\n{found:#?}", code.code);
+            }
+        }
+    }
+}

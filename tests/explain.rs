@@ -1,0 +1,82 @@
+//! `eng explain` as a process.
+
+use std::process::{Command, Output};
+
+fn eng(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_eng"))
+        .args(arguments)
+        .output()
+        .expect("the command starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn a_code_is_explained_with_an_example() {
+    for written in ["E0301", "e0301"] {
+        let output = eng(&["explain", written]);
+        assert_eq!(output.status.code(), Some(0));
+        assert_eq!(
+            text(&output.stdout),
+            "E0301: a number without a unit stands where a quantity is due\n\
+             \n\
+             Every quantity has a unit. A zero needs one, too.\n\
+             \n\
+             wrong:\n    param bore: Length = 86\n\
+             right:\n    param bore: Length = 86 mm\n"
+        );
+    }
+}
+
+#[test]
+fn every_code_is_listed_and_explained() {
+    let list = text(&eng(&["explain"]).stdout);
+    let listed: Vec<&str> = list.lines().filter_map(|l| l.split(' ').next()).collect();
+    let known: Vec<&str> = eng::codes::all().iter().map(|code| code.code).collect();
+    assert_eq!(listed, known);
+    for code in eng::codes::all() {
+        let mut written = Vec::new();
+        let exit = explain(code.code, &mut written);
+        let written = text(&written);
+        assert_eq!(exit, 0, "{}", code.code);
+        assert!(written.starts_with(&format!("{}: {}\n\n", code.code, code.title)));
+        assert!((3..=24).contains(&written.lines().count()), "{written}");
+        let width = written.lines().map(|line| line.chars().count()).max();
+        assert!(width <= Some(160), "{written}");
+    }
+}
+
+/// In this process: a process for each code would take its time.
+fn explain(code: &str, output: &mut Vec<u8>) -> u8 {
+    let mut console = eng::cli::Console {
+        output,
+        errors: &mut Vec::new(),
+        colored_output: false,
+        colored_errors: false,
+        live: false,
+    };
+    eng::cli::run_on(
+        ["eng", "explain", code].map(Into::into),
+        &mut eng::Local::new(),
+        &mut console,
+    )
+}
+
+#[test]
+fn an_unknown_code_is_answered_by_the_nearest() {
+    for (asked, near) in [("E301", "E0301"), ("E0O1", "E01"), ("w501", "W0501")] {
+        let output = eng(&["explain", asked]);
+        assert_eq!(output.status.code(), Some(2), "{asked}");
+        assert!(output.stdout.is_empty());
+        let errors = text(&output.stderr);
+        assert!(errors.contains(&format!("did you mean {near}")), "{errors}");
+    }
+    let output = eng(&["explain", "nothing"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(
+        text(&output.stderr),
+        "error: there is no code nothing\n`eng explain` lists all codes\n"
+    );
+}

@@ -1,0 +1,152 @@
+//! What is wrong only shows when a model is assembled or runs: a folder of such models, their messages as snapshots, and every
+//! code at least once.
+
+use eng::cli::{Engine, EngineError};
+use eng::codes::{self, RUNNING};
+use eng::render::{Colors, human};
+use eng::{Error, Local, Sources};
+use eng_grammar::{Diagnostics, SourceMap};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// The messages of each analysis of a file.
+fn messages(path: &Path) -> (SourceMap, Vec<(String, Diagnostics)>) {
+    let mut engine = Local::new();
+    let checked = engine.check(path).expect("a readable fixture");
+    assert!(
+        !checked.diagnostics.has_errors(),
+        "{}: the check finds it",
+        human(&checked.diagnostics, &checked.sources, Colors::None)
+    );
+    let mut found = Vec::new();
+    for analysis in &checked.analyses {
+        let mut diagnostics = Diagnostics::new();
+        match engine.run(analysis, &[], &mut |_| {}) {
+            Ok(outcome) => diagnostics.extend(outcome.diagnostics),
+            Err(EngineError::Model {
+                diagnostics: why,
+                partial,
+            }) => {
+                if let Some(partial) = partial {
+                    diagnostics.extend(partial.diagnostics);
+                }
+                diagnostics.extend(why);
+            }
+            Err(other) => panic!("{}: {other}", path.display()),
+        }
+        found.push((analysis.clone(), diagnostics));
+    }
+    (checked.sources, found)
+}
+
+fn fixtures() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/diagnostics/run");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").path())
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn models_that_fail_raise_every_code_of_a_run() {
+    let mut settings = insta::Settings::clone_current();
+    // lines of the library move; what they say is shown
+    settings.add_filter(r"(std/\w+\.eng):\d+:\d+", "$1");
+    // last digits are the integrator's business
+    settings.add_filter(r"(t = \d+\.\d{2})\d+ s", "$1… s");
+    settings.add_filter(r"falls below \S+ s", "falls below … s");
+    settings.add_filter(r"(projected on the constraints): \S+ mm", "$1: … mm");
+    settings.add_filter(r"(missed by \d)\.\d+e", "$1…e");
+    settings.add_filter(r"(?m)^ *(\d+ )?(│|┌|·|=)", "  $2");
+    let mut raised: BTreeSet<&str> = BTreeSet::new();
+    for path in fixtures() {
+        let (sources, found) = messages(&path);
+        let texts: Vec<String> = found
+            .iter()
+            .map(|(analysis, diagnostics)| {
+                format!("{analysis}\n{}", human(diagnostics, &sources, Colors::None))
+            })
+            .collect();
+        let name = path.file_stem().expect("a name").to_string_lossy();
+        settings.bind(|| insta::assert_snapshot!(name.as_ref(), texts.join("\n")));
+        let codes: BTreeSet<&str> = found
+            .iter()
+            .flat_map(|(_, diagnostics)| diagnostics.iter().map(|d| d.code))
+            .collect();
+        let text = std::fs::read_to_string(&path).expect("a fixture");
+        let named = text.strip_prefix("// ").and_then(|t| t.split(':').next());
+        for named in named.expect("a first line").split(", ") {
+            assert!(
+                codes.contains(named),
+                "{}: {named} is not raised but {codes:?}",
+                path.display()
+            );
+        }
+        raised.extend(codes);
+    }
+    raised.extend(from_programs());
+    let known: BTreeSet<&str> = RUNNING.iter().map(|code| code.code).collect();
+    assert_eq!(raised, known);
+}
+
+const SWING: &str = "
+    use std.joints.Revolute
+    model Swing {
+        gravity = [0, -9.81, 0] m/s^2
+        marker wall = [0, 0, 0] mm
+        body bob { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker top = [0, 1, 0] m }
+        joint pin = Revolute(bob.top, wall)
+    }";
+
+/// What a text cannot ask for, but a program that embeds a model can.
+fn from_programs() -> Vec<&'static str> {
+    let program = eng::check(&Sources::from_text("swing.eng", SWING), "swing.eng")
+        .into_program()
+        .expect("a sound model");
+    let model = program.model("Swing").expect("a model");
+    let code = |error: Error| match error {
+        Error::Run { report, .. } => report.diagnostics().iter().next().map(|d| d.code),
+        other => panic!("{other}"),
+    };
+    let options = model
+        .simulation()
+        .rho_infinity(1.0)
+        .start()
+        .expect_err("damps nothing");
+    let checkpoint = model
+        .simulation()
+        .resume(b"no checkpoint")
+        .expect_err("not a checkpoint");
+    [options, checkpoint].into_iter().filter_map(code).collect()
+}
+
+#[test]
+fn codes_that_only_programs_can_raise() {
+    assert_eq!(from_programs(), [codes::OPTIONS, codes::CHECKPOINT]);
+}
+
+/// No panic, whatever a program hands over.
+#[test]
+fn a_handle_of_another_model_is_refused() {
+    let text = format!(
+        "{SWING}
+        model Other {{
+            param first: Length = 1 m
+            param second: Length = 2 m
+            output sum = first + second
+        }}"
+    );
+    let program = eng::check(&Sources::from_text("two.eng", text), "two.eng")
+        .into_program()
+        .expect("sound models");
+    let (swing, other) = (program.model("Swing"), program.model("Other"));
+    let (swing, other) = (swing.expect("a model"), other.expect("a model"));
+    let second = other.parameter("second").expect("a parameter");
+    let length = "3 m".parse().expect("a quantity");
+    assert_eq!(swing.parameters().len(), 1);
+    let refused = swing.simulation().set(second, length);
+    assert!(matches!(refused, Err(Error::OtherModel)));
+    assert!(other.simulation().set(second, length).is_ok());
+}
