@@ -107,7 +107,7 @@ impl Load {
 
 /// `XᵀY` of vectors of a length, by columns: rows are those of X.
 pub(crate) fn products(length: usize, x: &[f64], y: &[f64]) -> Vec<f64> {
-    let count = |v: &[f64]| if length == 0 { 0 } else { v.len() / length };
+    let count = |v: &[f64]| v.len().checked_div(length).unwrap_or(0);
     let (rows, columns) = (count(x), count(y));
     let mut out = vec![0.0; rows * columns];
     if !out.is_empty() {
@@ -125,8 +125,8 @@ pub(crate) fn products(length: usize, x: &[f64], y: &[f64]) -> Vec<f64> {
 
 /// `Y −= X C`, C by columns.
 pub(crate) fn subtract(length: usize, x: &[f64], coefficients: &[f64], y: &mut [f64]) {
-    let inner = if length == 0 { 0 } else { x.len() / length };
-    let columns = if length == 0 { 0 } else { y.len() / length };
+    let inner = x.len().checked_div(length).unwrap_or(0);
+    let columns = y.len().checked_div(length).unwrap_or(0);
     if inner * columns > 0 {
         matmul(
             MatMut::from_column_major_slice_mut(y, length, columns),
@@ -142,9 +142,8 @@ pub(crate) fn subtract(length: usize, x: &[f64], coefficients: &[f64], y: &mut [
 /// The operator on several vectors.
 pub(crate) fn applied(operator: &dyn SymmetricOperator, x: &[f64]) -> Vec<f64> {
     let mut y = vec![0.0; x.len()];
-    let size = operator.size();
-    if size > 0 {
-        operator.apply(x.len() / size, x, &mut y);
+    if let Some(columns) = x.len().checked_div(operator.size()) {
+        operator.apply(columns, x, &mut y);
     }
     y
 }

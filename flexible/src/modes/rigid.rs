@@ -21,7 +21,7 @@ impl Rigid {
         mut motions: Vec<f64>,
     ) -> Result<Rigid, FlexibleError> {
         let size = mass.size();
-        if size == 0 || motions.len() % size != 0 {
+        if size == 0 || !motions.len().is_multiple_of(size) {
             return Err(FlexibleError::Matrix {
                 problem: format!(
                     "rigid motions of {} numbers for {size} freedoms",

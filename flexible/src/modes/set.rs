@@ -89,7 +89,7 @@ impl ModeSet {
                 libm::sqrt(energy.max(0.0))
             };
             let first = norm(&vector, &mut force);
-            if !(first > 0.0) {
+            if first == 0.0 {
                 set.dropped.push(Dropped {
                     label,
                     remains: 0.0,
@@ -117,7 +117,7 @@ impl ModeSet {
         let reduced = products(size, &basis, &applied(structure.mass, &basis));
         let (values, vectors) = symmetric_eigen(count, reduced)?;
         for (value, small) in values.iter().zip(vectors.chunks_exact(count.max(1))).rev() {
-            if !(*value > 0.0) {
+            if *value <= 0.0 {
                 return Err(FlexibleError::Structure {
                     problem: "a mode moves no mass".into(),
                     advice: "a static mode of massless parts needs some mass there".into(),
