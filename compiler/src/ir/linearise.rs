@@ -249,40 +249,44 @@ fn eliminate_while_it_pays(graph: &mut Graph, edges: &mut Edges, inner: std::ops
 fn eliminate_groups(graph: &mut Graph, edges: &mut Edges, inner: std::ops::Range<usize>) {
     let mut least = edges.total(graph);
     loop {
-        let mut groups: BTreeSet<Vec<usize>> = BTreeSet::new();
-        let mut by_start: BTreeMap<Vec<usize>, Vec<usize>> = BTreeMap::new();
-        let mut by_end: BTreeMap<Vec<usize>, Vec<usize>> = BTreeMap::new();
-        for vertex in inner.clone() {
-            let starts: Vec<usize> = edges.into[vertex].keys().copied().collect();
-            let ends: Vec<usize> = edges.from[vertex].iter().copied().collect();
-            if !starts.is_empty() && !ends.is_empty() {
-                by_start.entry(starts).or_default().push(vertex);
-                by_end.entry(ends).or_default().push(vertex);
+        let before = least;
+        for group in groups(edges, inner.clone()) {
+            // a member may have gone with a group before
+            if group.iter().any(|v| edges.into[*v].is_empty()) {
+                continue;
             }
-        }
-        let lists = by_start.into_values().chain(by_end.into_values());
-        groups.extend(lists.filter(|group| group.len() > 1));
-        let mut best = None;
-        for group in groups {
-            let (mut graph, mut edges) = (graph.clone(), edges.clone());
+            let (mut trial_graph, mut trial) = (graph.clone(), edges.clone());
             for vertex in group {
-                edges.eliminate(&mut graph, vertex);
+                trial.eliminate(&mut trial_graph, vertex);
             }
-            eliminate_while_it_pays(&mut graph, &mut edges, inner.clone());
-            let total = edges.total(&graph);
+            eliminate_while_it_pays(&mut trial_graph, &mut trial, inner.clone());
+            let total = trial.total(&trial_graph);
             if total < least {
                 least = total;
-                best = Some((graph, edges));
+                *graph = trial_graph;
+                *edges = trial;
             }
         }
-        match best {
-            Some((better_graph, better_edges)) => {
-                *graph = better_graph;
-                *edges = better_edges;
-            }
-            None => return,
+        if least == before {
+            return;
         }
     }
+}
+
+/// Vertices with the same starts, and those with the same ends.
+fn groups(edges: &Edges, inner: std::ops::Range<usize>) -> BTreeSet<Vec<usize>> {
+    let mut by_start: BTreeMap<Vec<usize>, Vec<usize>> = BTreeMap::new();
+    let mut by_end: BTreeMap<Vec<usize>, Vec<usize>> = BTreeMap::new();
+    for vertex in inner {
+        let starts: Vec<usize> = edges.into[vertex].keys().copied().collect();
+        let ends: Vec<usize> = edges.from[vertex].iter().copied().collect();
+        if !starts.is_empty() && !ends.is_empty() {
+            by_start.entry(starts).or_default().push(vertex);
+            by_end.entry(ends).or_default().push(vertex);
+        }
+    }
+    let lists = by_start.into_values().chain(by_end.into_values());
+    lists.filter(|group| group.len() > 1).collect()
 }
 
 /// Slopes that are no constants get a place on the tape, equal and opposite ones the same.
