@@ -1,9 +1,9 @@
 //! Machine code for element classes, by Cranelift: the one module that knows it, and the one with unsafe code.
 //!
 //! Every value is an `F64X2`, two instances; a flag is a mask in an `I64X2`. A function is one block of straight-line
-//! code. What is no single instruction is a call on both lanes in place, to the same `libm` and the same tables as the
-//! interpreter's. No operation is fused or reordered, so the results are the interpreter's to the bit (the payload
-//! of a NaN aside).
+//! code, planned in `plan`, with the addresses of `addresses`. What is no single instruction is a call on both lanes in
+//! place, to the same `libm` and the same tables as the interpreter's. No operation is fused or reordered, so the
+//! results are the interpreter's to the bit (the payload of a NaN aside).
 
 #![allow(unsafe_code)]
 
@@ -13,7 +13,6 @@ mod plan;
 use crate::generate::CodegenError;
 use crate::ir::interpret::look_up;
 use crate::ir::{ClassFunctions, Function, Node, Op};
-
 use addresses::Addresses;
 use cranelift::codegen::ir::{ConstantData, Endianness, FuncRef};
 use cranelift::jit::{JITBuilder, JITModule};
@@ -240,7 +239,7 @@ unsafe extern "C" fn table_pair(io: *mut [Pair; 2], context: *const Surroundings
     ];
 }
 
-/// Functions outside the generated code, by their names there.
+/// Functions outside the generated code, by their names there; each works in place.
 const ONE_ARGUMENT: [(&str, unsafe extern "C" fn(*mut Pair)); 9] = [
     ("sin", sin_pair),
     ("cos", cos_pair),
@@ -429,6 +428,7 @@ struct Body<'a, 'b> {
     loaded: Option<Node>,
 }
 
+/// The sign of a float.
 const SIGN: u64 = 1 << 63;
 
 impl Body<'_, '_> {

@@ -14,7 +14,7 @@ const PAIR: i64 = size_of::<Pair>() as i64;
 /// Reach of a one-byte offset to either side.
 const REACH: i64 = 128;
 
-/// A register of its own pays from so many uses on.
+/// A register of its own pays from so many uses on: it takes seven bytes to fill, and each use then takes three less.
 const WORTH_A_BASE: usize = 4;
 
 /// Registers for bases at the same time.

@@ -123,7 +123,7 @@ pub(super) fn plan(function: &Function, constants: &mut Constants) -> Result<Pla
                 index: *output,
             };
             if count == 0 {
-                planner.into_register(node, &[]);
+                planner.load(node, &[]);
             }
             planner.plan.steps.push(Step::Store(node, place));
             if planner.homes[index].is_none() && !op.is_flag() {
@@ -193,7 +193,7 @@ impl Planner {
             });
         for operand in &operands {
             if Some(*operand) != folded {
-                self.into_register(*operand, &operands);
+                self.load(*operand, &operands);
             }
         }
         // an operand that is done leaves its register to the result
@@ -219,7 +219,7 @@ impl Planner {
     fn call(&mut self, node: Node, op: Op) {
         let operands: Vec<Node> = op.operands().collect();
         for operand in &operands {
-            self.into_register(*operand, &operands);
+            self.load(*operand, &operands);
         }
         let first = self.take(operands.len() as u32);
         for (k, operand) in (0..).zip(&operands) {
@@ -265,7 +265,7 @@ impl Planner {
         }
     }
 
-    fn into_register(&mut self, node: Node, pinned: &[Node]) {
+    fn load(&mut self, node: Node, pinned: &[Node]) {
         if self.resident.contains(&node) {
             return;
         }
