@@ -1,40 +1,49 @@
 //! Machine code for element classes, by Cranelift: the one module that knows it, and the one with unsafe code.
 //!
 //! Every value is an `F64X2`, two instances; a flag is a mask in an `I64X2`. A function is one block of straight-line
-//! code. What is no single instruction is a call on both lanes in place, to the same `libm` and the same tables as the
-//! interpreter's. No operation is fused or reordered, so the results are the interpreter's to the bit (the payload
-//! of a NaN aside).
+//! code, planned in `plan`, with the addresses of `addresses`. What is no single instruction is a call on both lanes in
+//! place, to the same `libm` and the same tables as the interpreter's. No operation is fused or reordered, so the
+//! results are the interpreter's to the bit (the payload of a NaN aside).
 
 #![allow(unsafe_code)]
+
+mod addresses;
+mod plan;
 
 use crate::generate::CodegenError;
 use crate::ir::interpret::look_up;
 use crate::ir::{ClassFunctions, Function, Node, Op};
-use cranelift::codegen::ir::immediates::Offset32;
-use cranelift::codegen::ir::{ConstantData, Endianness, FuncRef, StackSlot};
+use addresses::Addresses;
+use cranelift::codegen::ir::{ConstantData, Endianness, FuncRef};
 use cranelift::jit::{JITBuilder, JITModule};
 use cranelift::module::{FuncId, Linkage, Module, ModuleError};
 use cranelift::prelude::*;
 use eng_system::code::{ElementCode, Function as Which, Pair};
 use eng_system::table::Table;
+use plan::{Area, Constants, Place, Step, plan};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-/// The tables of a call, as the generated code hands them on.
+/// What a call needs beside inputs and outputs.
 #[repr(C)]
-struct TableContext {
+struct Surroundings {
+    /// Of the class; generated code reads them.
+    constants: *const Pair,
+    /// Of the system; generated code hands them on.
     tables: *const Table,
     count: usize,
 }
 
-/// A generated function: inputs, outputs, tables.
-type Entry = unsafe extern "C" fn(*const Pair, *mut Pair, *const TableContext);
+/// A generated function: inputs, outputs, surroundings.
+type Entry = unsafe extern "C" fn(*const Pair, *mut Pair, *const Surroundings);
 
 /// A class in machine code.
 pub struct JitClass {
     entries: [Entry; 7],
     shapes: [(usize, usize); 7],
     bytes: [usize; 7],
+    /// What the code reads by its place there.
+    constants: Vec<Pair>,
     /// Owns the memory that `entries` point into. Nothing but `drop` touches it; the mutex makes it `Sync`
     /// without a promise of our own.
     module: Mutex<Option<JITModule>>,
@@ -62,6 +71,12 @@ impl JitClass {
             entries: [nothing; 7],
             shapes: [(0, 0); 7],
             bytes: [0; 7],
+            constants: generator
+                .constants
+                .bits
+                .iter()
+                .map(|bits| [f64::from_bits(*bits); 2])
+                .collect(),
             module: Mutex::new(None),
         };
         if outcome.is_ok() {
@@ -87,7 +102,7 @@ impl JitClass {
 /// # Safety
 ///
 /// Always safe: it touches nothing.
-unsafe extern "C" fn nothing(_: *const Pair, _: *mut Pair, _: *const TableContext) {}
+unsafe extern "C" fn nothing(_: *const Pair, _: *mut Pair, _: *const Surroundings) {}
 
 impl Drop for JitClass {
     fn drop(&mut self) {
@@ -129,13 +144,15 @@ impl ElementCode for JitClass {
         if inputs.len() < takes || outputs.len() < gives {
             return false;
         }
-        let context = TableContext {
+        let context = Surroundings {
+            constants: self.constants.as_ptr(),
             tables: tables.as_ptr(),
             count: tables.len(),
         };
         // SAFETY: the code reads inputs below `takes` (checked when it was generated) and writes outputs below `gives`,
-        // both within the slices as just checked; it assumes no more than their own alignment. Input and output do not
-        // overlap (`&` and `&mut`). `context` describes a live slice and outlives the call. The code keeps no state, so
+        // both within the slices as just checked, and constants that stood in the generator's list; it assumes no more than
+        // their own alignment. Input and output do not overlap (`&` and `&mut`). `context` describes live slices and
+        // outlives the call. The code keeps no state, so
         // calls from several threads do not meet.
         unsafe {
             self.entries[function as usize](
@@ -158,11 +175,11 @@ macro_rules! in_place {
         $(
             /// # Safety
             ///
-            /// `io` points to two pairs; the first is read and written.
-            unsafe extern "C" fn $name(io: *mut [Pair; 2]) {
-                // SAFETY: generated code passes its own stack slot of that size and alignment.
+            /// `io` points to a pair that is read and written.
+            unsafe extern "C" fn $name(io: *mut Pair) {
+                // SAFETY: generated code passes a pair of its own stack slot, which is aligned for it.
                 let io = unsafe { &mut *io };
-                io[0] = io[0].map($function);
+                *io = io.map($function);
             }
         )*
     };
@@ -176,7 +193,7 @@ macro_rules! in_place_two {
             ///
             /// `io` points to two pairs; both are read, the first is written.
             unsafe extern "C" fn $name(io: *mut [Pair; 2]) {
-                // SAFETY: generated code passes its own stack slot of that size and alignment.
+                // SAFETY: generated code passes two pairs of its own stack slot, which is aligned for them.
                 let io = unsafe { &mut *io };
                 let [a, b] = *io;
                 io[0] = [$function(a[0], b[0]), $function(a[1], b[1])];
@@ -207,8 +224,8 @@ in_place_two! {
 /// # Safety
 ///
 /// `io` points to two pairs, `context` to the tables of the call that is running.
-unsafe extern "C" fn table_pair(io: *mut [Pair; 2], context: *const TableContext, order: u64) {
-    // SAFETY: generated code passes its own stack slot of that size and alignment.
+unsafe extern "C" fn table_pair(io: *mut [Pair; 2], context: *const Surroundings, order: u64) {
+    // SAFETY: generated code passes two pairs of its own stack slot, which is aligned for them.
     let io = unsafe { &mut *io };
     // SAFETY: generated code hands on the pointer that `call` gave it, which lives as long as the call.
     let context = unsafe { &*context };
@@ -222,8 +239,8 @@ unsafe extern "C" fn table_pair(io: *mut [Pair; 2], context: *const TableContext
     ];
 }
 
-/// Functions outside the generated code, by their names there.
-const ONE_ARGUMENT: [(&str, unsafe extern "C" fn(*mut [Pair; 2])); 11] = [
+/// Functions outside the generated code, by their names there; each works in place.
+const ONE_ARGUMENT: [(&str, unsafe extern "C" fn(*mut Pair)); 9] = [
     ("sin", sin_pair),
     ("cos", cos_pair),
     ("tan", tan_pair),
@@ -233,15 +250,16 @@ const ONE_ARGUMENT: [(&str, unsafe extern "C" fn(*mut [Pair; 2])); 11] = [
     ("tanh", tanh_pair),
     ("exp", exp_pair),
     ("log", log_pair),
-    ("atan2", atan2_pair),
-    ("power", power_pair),
 ];
+const TWO_ARGUMENTS: [(&str, unsafe extern "C" fn(*mut [Pair; 2])); 2] =
+    [("atan2", atan2_pair), ("power", power_pair)];
 const TABLE: &str = "table";
 
 /// Cranelift's module while a class is generated.
 struct Generator {
     module: JITModule,
     externals: BTreeMap<&'static str, FuncId>,
+    constants: Constants,
     builder_context: FunctionBuilderContext,
 }
 
@@ -250,7 +268,7 @@ impl Generator {
         let machine = |e: &dyn std::fmt::Display| CodegenError::Machine(e.to_string());
         let mut flags = settings::builder();
         for (name, value) in [
-            // our own optimiser has done what there is to do, and its order of operations is the better one
+            // the graph is optimised already, and this order of operations is the one that was planned
             ("opt_level", "none"),
             ("is_pic", "false"),
             ("use_colocated_libcalls", "false"),
@@ -281,13 +299,18 @@ impl Generator {
         for (name, function) in ONE_ARGUMENT {
             builder.symbol(symbol(name), function as *const u8);
         }
+        for (name, function) in TWO_ARGUMENTS {
+            builder.symbol(symbol(name), function as *const u8);
+        }
         builder.symbol(symbol(TABLE), table_pair as *const u8);
         let mut generator = Generator {
             module: JITModule::new(builder),
             externals: BTreeMap::new(),
+            constants: Constants::default(),
             builder_context: FunctionBuilderContext::new(),
         };
-        for (name, _) in ONE_ARGUMENT {
+        let one = ONE_ARGUMENT.iter().map(|(name, _)| *name);
+        for name in one.chain(TWO_ARGUMENTS.iter().map(|(name, _)| *name)) {
             generator.declare(name, 1)?;
         }
         generator.declare(TABLE, 3)?;
@@ -333,52 +356,33 @@ impl Generator {
         builder.append_block_params_for_function_params(block);
         builder.switch_to_block(block);
         builder.seal_block(block);
-        let (inputs, outputs, tables) = match builder.block_params(block) {
-            [inputs, outputs, tables] => (*inputs, *outputs, *tables),
+        let (inputs, outputs, surroundings) = match builder.block_params(block) {
+            [inputs, outputs, surroundings] => (*inputs, *outputs, *surroundings),
             _ => return Err(refuse("a function without its three arguments".into())),
         };
+        let known = self.constants.bits.len();
+        let plan = plan(function, &mut self.constants).map_err(refuse)?;
+        let room = (plan.room > 0).then(|| {
+            let size = plan.room * size_of::<Pair>() as u32;
+            builder.create_sized_stack_slot(StackSlotData::new(
+                StackSlotKind::ExplicitSlot,
+                size,
+                4,
+            ))
+        });
         let mut body = Body {
             module: &mut self.module,
             externals: &self.externals,
+            constants: &mut self.constants,
             imported: BTreeMap::new(),
-            room: None,
             builder,
-            inputs,
-            tables,
-            values: Vec::with_capacity(function.graph.nodes().len()),
-            homes: vec![None; function.graph.nodes().len()],
-            used: vec![0; function.graph.nodes().len()],
-            emitted: 0,
+            addresses: Addresses::new(inputs, outputs, surroundings, room, &plan.steps),
+            surroundings,
+            values: vec![None; function.graph.nodes().len()],
+            loaded: None,
         };
-        let stores = stores(function);
-        let needed = crate::ir::optimise::dependencies(&function.graph, &function.outputs);
-        for (index, op) in function.graph.nodes().iter().enumerate() {
-            let value = match *op {
-                // never read
-                _ if !needed[index] => Lanes::Float(inputs),
-                Op::Input(i) if i >= function.inputs => {
-                    return Err(refuse(format!("input {i} of {}", function.inputs)));
-                }
-                // loaded where it is used
-                Op::Input(i) => {
-                    body.homes[index] = Some((inputs, offset(i).map_err(refuse)?));
-                    Lanes::Float(inputs)
-                }
-                op => body.operation(op).map_err(refuse)?,
-            };
-            body.values.push(value);
-            body.emitted += 1;
-            body.used[index] = body.emitted;
-            for output in stores.get(&index).into_iter().flatten() {
-                let value = body.float(Node(index as u32));
-                let offset = offset(*output as u32).map_err(refuse)?;
-                body.builder
-                    .ins()
-                    .store(MemFlagsData::new().with_notrap(), value, outputs, offset);
-                if body.homes[index].is_none() {
-                    body.homes[index] = Some((outputs, offset));
-                }
-            }
+        for (time, step) in plan.steps.iter().enumerate() {
+            body.step(function, time, *step).map_err(refuse)?;
         }
         let mut builder = body.builder;
         builder.ins().return_(&[]);
@@ -386,32 +390,18 @@ impl Generator {
         self.module
             .define_function(id, &mut context)
             .map_err(module_error)?;
-        let bytes = context
+        let code = context
             .compiled_code()
             .map_or(0, |code| code.code_buffer().len());
         self.module.clear_context(&mut context);
-        Ok((id, bytes))
+        // a constant counts where it is used first
+        let constants = (self.constants.bits.len() - known) * size_of::<Pair>();
+        Ok((id, code + constants))
     }
 }
 
 fn symbol(name: &str) -> String {
     format!("eng_{name}_pair")
-}
-
-/// Which outputs a node is.
-fn stores(function: &Function) -> BTreeMap<usize, Vec<usize>> {
-    let mut stores: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (output, node) in function.outputs.iter().enumerate() {
-        stores.entry(node.0 as usize).or_default().push(output);
-    }
-    stores
-}
-
-/// Bytes from the start of inputs or outputs to a pair.
-fn offset(index: u32) -> Result<Offset32, String> {
-    i32::try_from(u64::from(index) * size_of::<Pair>() as u64)
-        .map(Offset32::new)
-        .map_err(|_| format!("input or output {index} is too far away"))
 }
 
 /// A value of the graph in the generated code.
@@ -423,47 +413,76 @@ enum Lanes {
     Flag(Value),
 }
 
-impl Lanes {
-    fn is(self, other: Value) -> bool {
-        matches!(self, Lanes::Float(value) if value == other)
-    }
-}
-
 /// A function's body while it is generated.
 struct Body<'a, 'b> {
     module: &'a mut JITModule,
     externals: &'a BTreeMap<&'static str, FuncId>,
+    constants: &'a mut Constants,
     imported: BTreeMap<&'static str, FuncRef>,
-    /// Where calls find their operands.
-    room: Option<StackSlot>,
     builder: FunctionBuilder<'b>,
-    inputs: Value,
-    tables: Value,
-    values: Vec<Lanes>,
-    /// Where in memory a node stands: an input, or an output that is written already.
-    homes: Vec<Option<(Value, Offset32)>>,
-    /// When a node was last in a register, counted in operations.
-    used: Vec<usize>,
-    emitted: usize,
+    addresses: Addresses,
+    surroundings: Value,
+    /// What is in a register.
+    values: Vec<Option<Lanes>>,
+    /// What the last step loaded.
+    loaded: Option<Node>,
 }
 
-/// A value with a home that was not used for so many operations is loaded again: cheaper than to keep it in a register, which
-/// others then leave for the stack.
-const KEPT_FOR: usize = 24;
+/// The sign of a float.
+const SIGN: u64 = 1 << 63;
 
 impl Body<'_, '_> {
-    fn float(&mut self, node: Node) -> Value {
-        let index = node.0 as usize;
-        if let Some((base, offset)) = self.homes[index] {
-            let fresh = base == self.inputs && self.values[index].is(base);
-            if fresh || self.emitted - self.used[index] > KEPT_FOR {
-                let flags = MemFlagsData::new().with_notrap();
-                let value = self.builder.ins().load(types::F64X2, flags, base, offset);
-                self.values[index] = Lanes::Float(value);
+    fn step(&mut self, function: &Function, time: usize, step: Step) -> Result<(), String> {
+        match step {
+            Step::Load(node, place) => {
+                let is_mask = place.area == Area::Room && function.graph.op(node).is_flag();
+                let value = if is_mask {
+                    Lanes::Flag(self.load(time, place, types::I64X2)?)
+                } else {
+                    Lanes::Float(self.load(time, place, types::F64X2)?)
+                };
+                self.values[node.0 as usize] = Some(value);
             }
-            self.used[index] = self.emitted;
+            Step::Store(node, place) => {
+                let value = self.float(node)?;
+                self.store(time, place, value)?;
+            }
+            Step::Keep(node, place) => {
+                let (Lanes::Float(value) | Lanes::Flag(value)) = self.value(node)?;
+                self.store(time, place, value)?;
+            }
+            Step::Operate(node) => {
+                let value = self.operation(time, function.graph.op(node))?;
+                self.values[node.0 as usize] = Some(value);
+            }
+            Step::Call(node, first) => self.external(function.graph.op(node), first)?,
         }
-        match self.values[index] {
+        self.loaded = match step {
+            Step::Load(node, _) => Some(node),
+            _ => None,
+        };
+        Ok(())
+    }
+
+    fn load(&mut self, time: usize, place: Place, kind: Type) -> Result<Value, String> {
+        let (base, offset) = self.addresses.of(&mut self.builder, time, place)?;
+        let flags = MemFlagsData::new().with_notrap();
+        Ok(self.builder.ins().load(kind, flags, base, offset))
+    }
+
+    fn store(&mut self, time: usize, place: Place, value: Value) -> Result<(), String> {
+        let (base, offset) = self.addresses.of(&mut self.builder, time, place)?;
+        let flags = MemFlagsData::new().with_notrap();
+        self.builder.ins().store(flags, value, base, offset);
+        Ok(())
+    }
+
+    fn value(&self, node: Node) -> Result<Lanes, String> {
+        self.values[node.0 as usize].ok_or_else(|| format!("v{} is in no register", node.0))
+    }
+
+    fn float(&mut self, node: Node) -> Result<Value, String> {
+        Ok(match self.value(node)? {
             Lanes::Float(value) => value,
             Lanes::Flag(mask) => {
                 let one = self.constant(1.0);
@@ -471,17 +490,30 @@ impl Body<'_, '_> {
                 let set = self.builder.ins().band(mask, one);
                 self.cast(types::F64X2, set)
             }
+        })
+    }
+
+    fn two(&mut self, a: Node, b: Node) -> Result<(Value, Value), String> {
+        Ok((self.float(a)?, self.float(b)?))
+    }
+
+    /// The same for an operation whose order does not matter: only the second one can stay in memory.
+    fn commuted(&mut self, a: Node, b: Node) -> Result<(Value, Value), String> {
+        if self.loaded == Some(a) {
+            self.two(b, a)
+        } else {
+            self.two(a, b)
         }
     }
 
-    fn flag(&mut self, node: Node) -> Value {
-        match self.values[node.0 as usize] {
+    fn flag(&mut self, node: Node) -> Result<Value, String> {
+        Ok(match self.value(node)? {
             Lanes::Flag(mask) => mask,
             Lanes::Float(value) => {
                 let zero = self.constant(0.0);
                 self.builder.ins().fcmp(FloatCC::NotEqual, value, zero)
             }
-        }
+        })
     }
 
     fn cast(&mut self, to: Type, value: Value) -> Value {
@@ -501,99 +533,96 @@ impl Body<'_, '_> {
         self.builder.ins().vconst(types::F64X2, constant)
     }
 
-    fn compare(&mut self, code: FloatCC, a: Node, b: Node) -> Lanes {
-        let (a, b) = (self.float(a), self.float(b));
-        Lanes::Flag(self.builder.ins().fcmp(code, a, b))
+    fn compare(&mut self, code: FloatCC, a: Node, b: Node) -> Result<Lanes, String> {
+        let (a, b) = self.two(a, b)?;
+        Ok(Lanes::Flag(self.builder.ins().fcmp(code, a, b)))
     }
 
-    /// b where `b code a`, else a.
-    fn extreme(&mut self, code: FloatCC, a: Node, b: Node) -> Value {
-        let (a, b) = (self.float(a), self.float(b));
-        let mask = self.builder.ins().fcmp(code, b, a);
-        let mask = self.cast(types::F64X2, mask);
-        self.builder.ins().bitselect(mask, b, a)
+    /// The bits of a value with a mask of the constants.
+    fn masked(
+        &mut self,
+        time: usize,
+        a: Node,
+        mask: u64,
+        combine: impl FnOnce(&mut FunctionBuilder<'_>, Value, Value) -> Value,
+    ) -> Result<Value, String> {
+        let a = self.float(a)?;
+        let a = self.cast(types::I64X2, a);
+        let place = self.constants.place(mask);
+        let mask = self.load(time, place, types::I64X2)?;
+        let bits = combine(&mut self.builder, a, mask);
+        Ok(self.cast(types::F64X2, bits))
     }
 
-    fn operation(&mut self, op: Op) -> Result<Lanes, String> {
+    fn operation(&mut self, time: usize, op: Op) -> Result<Lanes, String> {
         let value = match op {
-            Op::Input(i) => return Err(format!("input {i} has no home")),
-            Op::Constant(bits) => self.constant(f64::from_bits(bits)),
             Op::Add(a, b) => {
-                let (a, b) = (self.float(a), self.float(b));
+                let (a, b) = self.commuted(a, b)?;
                 self.builder.ins().fadd(a, b)
             }
             Op::Subtract(a, b) => {
-                let (a, b) = (self.float(a), self.float(b));
+                let (a, b) = self.two(a, b)?;
                 self.builder.ins().fsub(a, b)
             }
             Op::Multiply(a, b) => {
-                let (a, b) = (self.float(a), self.float(b));
+                let (a, b) = self.commuted(a, b)?;
                 self.builder.ins().fmul(a, b)
             }
             Op::Divide(a, b) => {
-                let (a, b) = (self.float(a), self.float(b));
+                let (a, b) = self.two(a, b)?;
                 self.builder.ins().fdiv(a, b)
             }
-            Op::Negate(a) => {
-                let a = self.float(a);
-                self.builder.ins().fneg(a)
-            }
-            Op::Abs(a) => {
-                let a = self.float(a);
-                self.builder.ins().fabs(a)
-            }
+            Op::Negate(a) => self.masked(time, a, SIGN, |b, x, m| b.ins().bxor(x, m))?,
+            Op::Abs(a) => self.masked(time, a, !SIGN, |b, x, m| b.ins().band(x, m))?,
             Op::Sqrt(a) => {
-                let a = self.float(a);
+                let a = self.float(a)?;
                 self.builder.ins().sqrt(a)
             }
-            Op::Minimum(a, b) => self.extreme(FloatCC::LessThan, a, b),
-            Op::Maximum(a, b) => self.extreme(FloatCC::GreaterThan, a, b),
-            Op::Sin(a)
-            | Op::Cos(a)
-            | Op::Tan(a)
-            | Op::Asin(a)
-            | Op::Acos(a)
-            | Op::Atan(a)
-            | Op::Tanh(a)
-            | Op::Exp(a)
-            | Op::Log(a) => self.external(op.mnemonic(), a, None, None)?,
-            Op::Atan2(a, b) | Op::Power(a, b) => self.external(op.mnemonic(), a, Some(b), None)?,
-            Op::Table(handle, argument, order) => {
-                self.external(TABLE, handle, Some(argument), Some(order))?
+            // the forms that are one instruction where the machine has it
+            Op::Minimum(a, b) => {
+                let (a, b) = self.two(a, b)?;
+                let mask = self.builder.ins().fcmp(FloatCC::LessThan, b, a);
+                let mask = self.cast(types::F64X2, mask);
+                self.builder.ins().bitselect(mask, b, a)
             }
-            Op::Less(a, b) => return Ok(self.compare(FloatCC::LessThan, a, b)),
-            Op::LessEqual(a, b) => return Ok(self.compare(FloatCC::LessThanOrEqual, a, b)),
-            Op::Equal(a, b) => return Ok(self.compare(FloatCC::Equal, a, b)),
+            Op::Maximum(a, b) => {
+                let (a, b) = self.two(a, b)?;
+                let mask = self.builder.ins().fcmp(FloatCC::LessThan, a, b);
+                let mask = self.cast(types::F64X2, mask);
+                self.builder.ins().bitselect(mask, b, a)
+            }
+            Op::Less(a, b) => return self.compare(FloatCC::LessThan, a, b),
+            Op::LessEqual(a, b) => return self.compare(FloatCC::LessThanOrEqual, a, b),
+            Op::Equal(a, b) => return self.compare(FloatCC::Equal, a, b),
             Op::And(a, b) => {
-                let (a, b) = (self.flag(a), self.flag(b));
+                let (a, b) = (self.flag(a)?, self.flag(b)?);
                 return Ok(Lanes::Flag(self.builder.ins().band(a, b)));
             }
             Op::Or(a, b) => {
-                let (a, b) = (self.flag(a), self.flag(b));
+                let (a, b) = (self.flag(a)?, self.flag(b)?);
                 return Ok(Lanes::Flag(self.builder.ins().bor(a, b)));
             }
             Op::Not(a) => {
-                let a = self.flag(a);
+                let a = self.flag(a)?;
                 return Ok(Lanes::Flag(self.builder.ins().bnot(a)));
             }
             Op::Select(flag, a, b) => {
-                let mask = self.flag(flag);
+                let mask = self.flag(flag)?;
                 let mask = self.cast(types::F64X2, mask);
-                let (a, b) = (self.float(a), self.float(b));
+                let (a, b) = self.two(a, b)?;
                 self.builder.ins().bitselect(mask, a, b)
             }
+            op => return Err(format!("{} is no operation on registers", op.mnemonic())),
         };
         Ok(Lanes::Float(value))
     }
 
-    /// Calls a function on both lanes: operands and result stand in a slot of the stack.
-    fn external(
-        &mut self,
-        name: &str,
-        a: Node,
-        b: Option<Node>,
-        order: Option<u8>,
-    ) -> Result<Value, String> {
+    /// Calls a function on both lanes: operands and result stand in the room.
+    fn external(&mut self, op: Op, first: u32) -> Result<(), String> {
+        let (name, order) = match op {
+            Op::Table(_, _, order) => (TABLE, Some(order)),
+            op => (op.mnemonic(), None),
+        };
         let (name, id) = self
             .externals
             .get_key_value(name)
@@ -607,37 +636,20 @@ impl Body<'_, '_> {
                 function
             }
         };
-        let room = match self.room {
-            Some(room) => room,
-            None => {
-                let size = size_of::<[Pair; 2]>() as u32;
-                let data = StackSlotData::new(StackSlotKind::ExplicitSlot, size, 4);
-                let room = self.builder.create_sized_stack_slot(data);
-                self.room = Some(room);
-                room
-            }
-        };
-        let flags = MemFlagsData::new().with_notrap();
-        let address = self.builder.ins().stack_addr(types::I64, room, 0);
-        let a = self.float(a);
-        self.builder.ins().store(flags, a, address, 0);
-        if let Some(b) = b {
-            let b = self.float(b);
-            self.builder
-                .ins()
-                .store(flags, b, address, size_of::<Pair>() as i32);
-        }
+        let address = self.addresses.in_room(&mut self.builder, first)?;
         match order {
             Some(order) => {
                 let order = self.builder.ins().iconst(types::I64, i64::from(order));
                 self.builder
                     .ins()
-                    .call(function, &[address, self.tables, order]);
+                    .call(function, &[address, self.surroundings, order]);
             }
             None => {
                 self.builder.ins().call(function, &[address]);
             }
         }
-        Ok(self.builder.ins().load(types::F64X2, flags, address, 0))
+        // nothing outlives a call in a register
+        self.addresses.forget();
+        Ok(())
     }
 }
