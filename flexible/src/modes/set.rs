@@ -8,6 +8,9 @@ use crate::sparse::SymmetricOperator;
 /// A vector is dropped when what the vectors before it leave of it has less than this part of its K-norm.
 const DEPENDENCE: f64 = 1e-8;
 
+/// A vector is rigid when no more than this part of its largest component is left without its rigid motion.
+const RIGID: f64 = 1e-9;
+
 /// A mode as it was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
@@ -80,7 +83,17 @@ impl ModeSet {
                 });
             }
             if let Some(rigid) = &structure.rigid {
+                let largest = |vector: &[f64]| vector.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+                let before = largest(&vector);
                 rigid.remove(&mut vector);
+                // what is left of a rigid motion is rounding
+                if largest(&vector) <= RIGID * before {
+                    set.dropped.push(Dropped {
+                        label,
+                        remains: 0.0,
+                    });
+                    continue;
+                }
             }
             let mut force = vec![0.0; size];
             let norm = |vector: &[f64], force: &mut [f64]| -> f64 {

@@ -1,0 +1,309 @@
+//! Mode sets of an elastic box against dense solutions of the whole structure.
+#![allow(clippy::unwrap_used)]
+
+mod systems;
+
+use eng_flexible::modes::normal::normal_modes;
+use eng_flexible::modes::statics::{attachment_modes, constraint_modes};
+use eng_flexible::modes::{Boundary, Candidate, Load, ModeSet, Structure};
+use eng_flexible::solve::Modes;
+use eng_flexible::sparse::{SymmetricMatrix, SymmetricOperator};
+use faer::prelude::Solve;
+
+const ELEMENTS: [u32; 3] = [6, 2, 3];
+
+/// The six rigid motions of the box's nodes, x running fastest, edge 1 m.
+fn motions() -> Vec<f64> {
+    let nodes = ELEMENTS.map(|n| n + 1);
+    let mut places = Vec::new();
+    for z in 0..nodes[2] {
+        for y in 0..nodes[1] {
+            for x in 0..nodes[0] {
+                places.push([f64::from(x), f64::from(y), f64::from(z)]);
+            }
+        }
+    }
+    let size = 3 * places.len();
+    let mut out = vec![0.0; 6 * size];
+    for (node, [x, y, z]) in places.into_iter().enumerate() {
+        let turns = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+        for k in 0..3 {
+            out[k * size + 3 * node + k] = 1.0;
+            for i in 0..3 {
+                out[(3 + k) * size + 3 * node + i] = turns[k][i];
+            }
+        }
+    }
+    out
+}
+
+fn node(x: u32, y: u32, z: u32) -> u32 {
+    let nodes = ELEMENTS.map(|n| n + 1);
+    (z * nodes[1] + y) * nodes[0] + x
+}
+
+fn unit(label: &str, node: u32, axis: u32) -> Load {
+    Load {
+        label: label.into(),
+        entries: vec![(3 * node + axis, 1.0)],
+    }
+}
+
+fn interface() -> Vec<Load> {
+    let end = node(6, 1, 2);
+    vec![
+        unit("left.x", node(0, 0, 0), 0),
+        unit("left.y", node(0, 0, 0), 1),
+        unit("left.z", node(0, 2, 3), 2),
+        unit("middle.y", node(3, 1, 1), 1),
+        // a load spread over two nodes
+        Load {
+            label: "right.x".into(),
+            entries: vec![(3 * end, 0.5), (3 * node(6, 1, 1), 0.5)],
+        },
+        unit("right.y", end, 1),
+        unit("right.z", end, 2),
+    ]
+}
+
+fn candidates(name: &str, size: usize, vectors: &[f64]) -> Vec<Candidate> {
+    vectors
+        .chunks_exact(size)
+        .enumerate()
+        .map(|(i, vector)| Candidate {
+            label: format!("{name} {}", i + 1),
+            vector: vector.to_vec(),
+        })
+        .collect()
+}
+
+fn product(matrix: &SymmetricMatrix, x: &[f64]) -> Vec<f64> {
+    let mut y = vec![0.0; x.len()];
+    matrix.apply(x.len() / matrix.size(), x, &mut y);
+    y
+}
+
+fn dot(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
+}
+
+fn check_orthonormal(k: &SymmetricMatrix, m: &SymmetricMatrix, set: &ModeSet) {
+    let size = k.size();
+    for (i, (x, lambda)) in set
+        .vectors
+        .chunks_exact(size)
+        .zip(&set.eigenvalues)
+        .enumerate()
+    {
+        let (kx, mx) = (product(k, x), product(m, x));
+        for (j, (y, other)) in set
+            .vectors
+            .chunks_exact(size)
+            .zip(&set.eigenvalues)
+            .enumerate()
+        {
+            let (mass, stiffness) = (dot(y, &mx), dot(y, &kx));
+            let (one, own) = if i == j { (1.0, *lambda) } else { (0.0, 0.0) };
+            assert!((mass - one).abs() < 1e-9, "{i} {j}: {mass}");
+            assert!(
+                (stiffness - own).abs() < 1e-8 * (lambda * other).sqrt(),
+                "{i} {j}: {stiffness}"
+            );
+        }
+    }
+}
+
+/// With static modes the reduced box answers interface loads as the whole one does.
+#[test]
+fn static_modes_make_static_answers_exact() {
+    let (k, m) = systems::elastic_box(ELEMENTS);
+    let size = k.size();
+    let structure = Structure::free(&k, &m, motions()).unwrap();
+    let loads = interface();
+    let statics = attachment_modes(&structure, &loads).unwrap();
+    let normal = normal_modes(&structure, Modes::Count(4), &Boundary::AsIs).unwrap();
+    let mut all = candidates("static", size, &statics);
+    all.extend(candidates("normal", size, &normal.vectors));
+    let set = ModeSet::new(&structure, all).unwrap();
+    assert_eq!((set.len(), set.dropped.len()), (11, 0));
+    check_orthonormal(&k, &m, &set);
+    // a dense solution with inertia relief: K + M R RᵀM is regular and gives the relieved displacement in mean axes
+    let rigid = motions();
+    let mr = product(&m, &rigid);
+    let gram = faer::Mat::from_fn(6, 6, |i, j| {
+        dot(
+            &rigid[i * size..(i + 1) * size],
+            &mr[j * size..(j + 1) * size],
+        )
+    });
+    let inverse = gram.partial_piv_lu();
+    let relief = |f: &[f64]| -> Vec<f64> {
+        let share = faer::Mat::from_fn(6, 1, |i, _| dot(&rigid[i * size..(i + 1) * size], f));
+        let c = inverse.solve(&share);
+        (0..size)
+            .map(|row| f[row] - (0..6).map(|i| mr[i * size + row] * c[(i, 0)]).sum::<f64>())
+            .collect()
+    };
+    let dense = systems::dense(&k);
+    let stabilised = faer::Mat::from_fn(size, size, |i, j| {
+        dense[(i, j)]
+            + 1e4
+                * (0..6)
+                    .map(|a| mr[a * size + i] * mr[a * size + j])
+                    .sum::<f64>()
+    });
+    let factor = stabilised.partial_piv_lu();
+    let mut f = vec![0.0; size];
+    for (number, load) in loads.iter().enumerate() {
+        for (freedom, x) in &load.entries {
+            f[*freedom as usize] += x * (1.0 + number as f64);
+        }
+    }
+    let balanced = relief(&f);
+    let exact = factor.solve(&faer::Mat::from_fn(size, 1, |i, _| balanced[i]));
+    // reduced: a_i = φ_i·f / ω_i²
+    let mut reduced = vec![0.0; size];
+    for (x, lambda) in set.vectors.chunks_exact(size).zip(&set.eigenvalues) {
+        let a = dot(x, &f) / lambda;
+        for (u, x) in reduced.iter_mut().zip(x) {
+            *u += a * x;
+        }
+    }
+    let largest = (0..size).fold(0.0_f64, |w, i| w.max(exact[(i, 0)].abs()));
+    for i in 0..size {
+        let miss = (reduced[i] - exact[(i, 0)]).abs() / largest;
+        assert!(miss < 1e-8, "freedom {i}: {miss:e}");
+    }
+}
+
+#[test]
+fn normal_modes_of_a_free_box_are_its_elastic_ones() {
+    let (k, m) = systems::elastic_box(ELEMENTS);
+    let structure = Structure::free(&k, &m, motions()).unwrap();
+    let found = normal_modes(&structure, Modes::Count(12), &Boundary::AsIs).unwrap();
+    let all = systems::dense_eigenvalues(&k, &m);
+    for (found, exact) in found.eigenvalues.iter().zip(&all[6..]) {
+        assert!((found / exact - 1.0).abs() < 1e-9, "{found} {exact}");
+    }
+    let set = ModeSet::new(&structure, candidates("normal", k.size(), &found.vectors)).unwrap();
+    check_orthonormal(&k, &m, &set);
+}
+
+/// Constraint and fixed-interface modes: frequencies of the free box from above, converging; the interface's own span exact.
+#[test]
+fn craig_bampton_sets_converge_from_above() {
+    let (k, m) = systems::elastic_box(ELEMENTS);
+    let size = k.size();
+    let all = systems::dense_eigenvalues(&k, &m);
+    let held: Vec<u32> = [node(0, 0, 0), node(0, 2, 3), node(6, 1, 1), node(6, 2, 0)]
+        .iter()
+        .flat_map(|n| (0..3).map(move |axis| 3 * n + axis))
+        .collect();
+    let structure = Structure::free(&k, &m, motions()).unwrap();
+    let constraint = constraint_modes(&structure, &held).unwrap();
+    for (mode, freedom) in constraint.chunks_exact(size).zip(&held) {
+        for other in &held {
+            let expected = if other == freedom { 1.0 } else { 0.0 };
+            assert!((mode[*other as usize] - expected).abs() < 1e-12);
+        }
+        let force = product(&k, mode);
+        let scale = force.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+        for (row, x) in force.iter().enumerate() {
+            assert!(
+                held.contains(&(row as u32)) || x.abs() < 1e-9 * scale,
+                "row {row}: {x}"
+            );
+        }
+    }
+    let misses: Vec<f64> = [4, 16]
+        .into_iter()
+        .map(|count| {
+            let fixed = normal_modes(
+                &structure,
+                Modes::Count(count),
+                &Boundary::Fixed(held.clone()),
+            )
+            .unwrap();
+            let mut sum = candidates("constraint", size, &constraint);
+            sum.extend(candidates("fixed", size, &fixed.vectors));
+            let set = ModeSet::new(&structure, sum).unwrap();
+            // twelve constraint modes hold the six rigid motions, which are no modes of the set
+            assert_eq!(set.len() + set.dropped.len(), 12 + count);
+            assert_eq!(set.dropped.len(), 6);
+            check_orthonormal(&k, &m, &set);
+            let miss = set.eigenvalues[0] / all[6] - 1.0;
+            assert!(miss > -1e-9, "{miss}");
+            miss
+        })
+        .collect();
+    assert!(
+        misses[1] < 0.3 * misses[0] && misses[1] < 0.02,
+        "{misses:?}"
+    );
+}
+
+#[test]
+fn what_depends_on_the_rest_is_dropped_and_named() {
+    let (k, m) = systems::elastic_box(ELEMENTS);
+    let size = k.size();
+    let structure = Structure::free(&k, &m, motions()).unwrap();
+    let statics = attachment_modes(&structure, &interface()).unwrap();
+    let mut all = candidates("static", size, &statics);
+    let sum: Vec<f64> = (0..size)
+        .map(|i| statics[i] - 3.0 * statics[size + i])
+        .collect();
+    all.push(Candidate {
+        label: "sum".into(),
+        vector: sum,
+    });
+    all.push(Candidate {
+        label: "rigid".into(),
+        vector: motions()[4 * size..5 * size].to_vec(),
+    });
+    let set = ModeSet::new(&structure, all).unwrap();
+    let dropped: Vec<&str> = set.dropped.iter().map(|d| d.label.as_str()).collect();
+    assert_eq!(dropped, ["sum", "rigid"]);
+    assert_eq!(set.len(), 7);
+}
+
+#[test]
+fn a_supported_box_needs_no_relief() {
+    let (k, m) = systems::elastic_box(ELEMENTS);
+    let held: Vec<bool> = (0..k.size())
+        .map(|i| i % 21 == 0 || i % 21 == 1 || i % 21 == 2)
+        .collect();
+    let (k, m) = (k.without(&held).unwrap(), m.without(&held).unwrap());
+    let structure = Structure::supported(&k, &m);
+    let load = Load {
+        label: "tip".into(),
+        entries: vec![(k.size() as u32 - 1, 1.0)],
+    };
+    let modes = attachment_modes(&structure, std::slice::from_ref(&load)).unwrap();
+    let force = product(&k, &modes);
+    for (i, x) in force.iter().enumerate() {
+        let expected = if i + 1 == k.size() { 1.0 } else { 0.0 };
+        assert!((x - expected).abs() < 1e-9, "{i}: {x}");
+    }
+    assert!(load.displacement(&modes) > 0.0);
+}
+
+#[test]
+fn a_mechanism_and_a_held_free_body_are_told() {
+    let (k, m) = systems::elastic_box(ELEMENTS);
+    // not supported at all, but said to be
+    let structure = Structure::supported(&k, &m);
+    assert!(attachment_modes(&structure, &interface()).is_err());
+    let mut held = vec![false; k.size()];
+    held[0] = true;
+    let (fewer_k, fewer_m) = (k.without(&held).unwrap(), m.without(&held).unwrap());
+    let size = k.size();
+    let cut: Vec<f64> = motions()
+        .chunks_exact(size)
+        .flat_map(|v| v[1..].to_vec())
+        .collect();
+    let error = Structure::free(&fewer_k, &fewer_m, cut).unwrap_err();
+    assert!(
+        error.to_string().contains("resisted by its stiffness"),
+        "{error}"
+    );
+}
