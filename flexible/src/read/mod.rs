@@ -1,6 +1,12 @@
 //! Readers of finite-element files. One module a family of formats; what they give is a [`crate::Mesh`] or matrices.
 
+pub mod abaqus;
+mod faces;
 pub mod nastran;
+mod number;
+mod source;
+mod unread;
+mod vector;
 
 use std::io::{self, BufRead, BufReader, Read};
 

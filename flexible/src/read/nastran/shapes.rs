@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 /// Area, second moments about the centroid (y: up), torsion constant, shear factors along y and z.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct ShapeSection {
+pub(in crate::read) struct ShapeSection {
     /// Area.
     pub area: f64,
     /// ∫ y² dA.
@@ -75,7 +75,7 @@ fn lying(y: f64, z: f64, width: f64, thickness: f64, line: f64) -> Wall {
 }
 
 /// The section of a shape; `None` where the dimensions don't make it.
-pub(super) fn section(shape: &str, dimensions: &[f64]) -> Option<ShapeSection> {
+pub(in crate::read) fn section(shape: &str, dimensions: &[f64]) -> Option<ShapeSection> {
     if dimensions.iter().any(|d| *d < 0.0 || !d.is_finite()) {
         return None;
     }

@@ -1,38 +1,13 @@
 //! What a deck holds and a mesh does not, and what is lost with it.
 
-use std::collections::BTreeMap;
-
 use super::lines::At;
-use crate::mesh::{Carries, Unread};
-
-/// Counts what was not read.
-#[derive(Debug, Default)]
-pub(super) struct UnreadCards {
-    cards: BTreeMap<String, Unread>,
-}
+use crate::mesh::Carries;
+pub(super) use crate::read::unread::UnreadCards;
 
 impl UnreadCards {
     /// Counts a card that isn't read at all.
-    pub fn card(&mut self, name: &str, at: &At) {
+    pub(super) fn card(&mut self, name: &str, at: &At) {
         self.note(name, at, carries(name));
-    }
-
-    /// Counts something of which a part isn't read.
-    pub fn note(&mut self, name: &str, at: &At, carries: Carries) {
-        self.cards
-            .entry(name.to_string())
-            .or_insert_with(|| Unread {
-                name: name.to_string(),
-                count: 0,
-                first: (at.file.to_string(), at.line),
-                carries,
-            })
-            .count += 1;
-    }
-
-    /// All, by name.
-    pub fn into_list(self) -> Vec<Unread> {
-        self.cards.into_values().collect()
     }
 }
 

@@ -1,0 +1,485 @@
+//! An input file becomes parts, instances and what stands outside them.
+
+use std::collections::BTreeMap;
+
+use super::frames::{Motion, NodeSystem, STILL, system};
+use super::lines::{Keyword, Line, Lines, Row, key, squeezed};
+use super::materials::Materials;
+use super::scope::{Block, ElementRow, Member, NodeRow, Scope, SetBlock, label, required_label};
+use super::shapes::Shape;
+use super::unread::{KEPT, carries};
+use crate::error::FileProblem;
+use crate::mesh::Carries;
+use crate::read::Files;
+use crate::read::source::At;
+use crate::read::unread::UnreadCards;
+
+/// An instance as the file gives it.
+#[derive(Debug)]
+pub(super) struct Instance {
+    /// Its name.
+    pub name: String,
+    /// The part it shows.
+    pub part: String,
+    /// Where the part goes.
+    pub motion: Motion,
+    /// What it adds to the part.
+    pub own: Scope,
+    /// Where it stands.
+    pub at: At,
+}
+
+/// What a file holds.
+#[derive(Debug, Default)]
+pub(super) struct Deck {
+    /// Parts by name (capitals).
+    pub parts: BTreeMap<String, Scope>,
+    /// Instances in their order.
+    pub instances: Vec<Instance>,
+    /// What stands in no part.
+    pub root: Scope,
+    /// Materials.
+    pub materials: Materials,
+    /// What isn't read.
+    pub unread: UnreadCards,
+    /// Parts with their places.
+    declared: Vec<(String, At)>,
+    /// The scope that blocks go to.
+    place: Place,
+    /// Behind `*STEP`.
+    in_step: bool,
+    /// What `*SYSTEM` last said.
+    system: Option<Motion>,
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+enum Place {
+    #[default]
+    Root,
+    Part(String),
+    Instance,
+}
+
+/// A block that is being read.
+enum Open {
+    Nodes {
+        system: NodeSystem,
+        set: Option<SetBlock>,
+    },
+    Elements {
+        shape: Shape,
+        name: String,
+        set: Option<SetBlock>,
+        pending: Vec<String>,
+        at: Option<At>,
+    },
+    /// Elements of a type that isn't known.
+    Lost(String),
+    Set(SetBlock, bool),
+    Block(Block),
+    Skipped,
+}
+
+/// Reads a file and all it includes.
+pub(super) fn read(files: &dyn Files, name: &str) -> Result<Deck, FileProblem> {
+    let mut lines = Lines::open(files, name)?;
+    let mut deck = Deck::default();
+    let mut open = None;
+    while let Some(line) = lines.next_line()? {
+        match line {
+            Line::Keyword(keyword) if keyword.key == "INCLUDE" => {
+                // the block before it may go on in the file
+                let file = keyword.require("INPUT", "INPUT")?;
+                if !deck.in_step {
+                    lines.include(file, &keyword.at)?;
+                }
+            }
+            Line::Keyword(keyword) => {
+                if let Some(block) = open.take() {
+                    deck.close(block)?;
+                }
+                let input = keyword.get("INPUT").map(str::to_string);
+                let at = keyword.at.clone();
+                let block = deck.open(keyword)?;
+                if let (Some(file), false) = (input, matches!(block, Open::Skipped)) {
+                    lines.include(&file, &at)?;
+                }
+                open = Some(block);
+            }
+            Line::Row(row) => match &mut open {
+                Some(block) => deck.row(block, row)?,
+                None if row.is_blank() => {}
+                None => {
+                    return Err(row.at.problem(
+                        "the file doesn't begin with a keyword",
+                        "give an Abaqus or CalculiX input file, which begins with *HEADING, *NODE or another keyword",
+                    ));
+                }
+            },
+        }
+    }
+    if let Some(block) = open.take() {
+        deck.close(block)?;
+    }
+    Ok(deck)
+}
+
+impl Deck {
+    fn scope(&mut self) -> &mut Scope {
+        match &self.place {
+            Place::Part(name) => self.parts.entry(name.clone()).or_default(),
+            Place::Instance => match self.instances.last_mut() {
+                Some(instance) => &mut instance.own,
+                None => &mut self.root,
+            },
+            Place::Root => &mut self.root,
+        }
+    }
+
+    fn open(&mut self, keyword: Keyword) -> Result<Open, FileProblem> {
+        if self.in_step {
+            match keyword.key.as_str() {
+                "ENDSTEP" => self.in_step = false,
+                name => {
+                    let lost = match name {
+                        "BOUNDARY" | "MODELCHANGE" => Carries::Structure,
+                        _ => Carries::Nothing,
+                    };
+                    let name = format!("*{} in a *STEP", keyword.name);
+                    self.unread.note(&name, &keyword.at, lost);
+                }
+            }
+            return Ok(Open::Skipped);
+        }
+        Ok(match keyword.key.as_str() {
+            "STEP" => {
+                self.in_step = true;
+                self.unread.note("*STEP", &keyword.at, Carries::Nothing);
+                Open::Skipped
+            }
+            "PART" => {
+                let name = key(keyword.require("NAME", "NAME")?);
+                self.enter(&keyword)?;
+                if self.parts.insert(name.clone(), Scope::default()).is_some() {
+                    return Err(keyword.problem(
+                        &format!("the part {name} is there twice"),
+                        "rename or remove one of them",
+                    ));
+                }
+                self.declared.push((name.clone(), keyword.at.clone()));
+                self.place = Place::Part(name);
+                self.system = None;
+                Open::Skipped
+            }
+            "INSTANCE" => {
+                let name = keyword.require("NAME", "NAME")?.to_string();
+                self.enter(&keyword)?;
+                if self
+                    .instances
+                    .iter()
+                    .any(|other| key(&other.name) == key(&name))
+                {
+                    return Err(keyword.problem(
+                        &format!("the instance {name} is there twice"),
+                        "rename or remove one of them",
+                    ));
+                }
+                self.instances.push(Instance {
+                    name,
+                    part: keyword.get("PART").unwrap_or("").to_string(),
+                    motion: STILL,
+                    own: Scope::default(),
+                    at: keyword.at.clone(),
+                });
+                self.place = Place::Instance;
+                self.system = None;
+                Open::Block(Block {
+                    keyword,
+                    rows: Vec::new(),
+                })
+            }
+            "ENDPART" | "ENDINSTANCE" => {
+                self.place = Place::Root;
+                self.system = None;
+                Open::Skipped
+            }
+            "NODE" => {
+                let system = NodeSystem::of(&keyword, self.system.unwrap_or(STILL))?;
+                Open::Nodes {
+                    system,
+                    set: new_set(&keyword, "NSET", true),
+                }
+            }
+            "ELEMENT" => {
+                let name = squeezed(keyword.require("TYPE", "TYPE")?);
+                let set = new_set(&keyword, "ELSET", false);
+                match Shape::of(&name) {
+                    Some(shape) => Open::Elements {
+                        shape,
+                        name,
+                        set,
+                        pending: Vec::new(),
+                        at: None,
+                    },
+                    None => {
+                        // the set is there, if empty
+                        self.scope().sets.extend(set);
+                        Open::Lost(format!("*ELEMENT, TYPE={name}"))
+                    }
+                }
+            }
+            "NSET" | "ELSET" => {
+                let of_nodes = keyword.key == "NSET";
+                keyword.require(&keyword.key, &keyword.key)?;
+                let generate = keyword.has("GENERATE");
+                match new_set(&keyword, &keyword.key, of_nodes) {
+                    Some(mut set) => {
+                        set.instance = keyword.get("INSTANCE").map(str::to_string);
+                        // CalculiX and Abaqus: an element set as nodes
+                        if let Some(from) = keyword.get("ELSET").filter(|_| of_nodes) {
+                            set.members.push(Member::NodesOf(from.to_string()));
+                        }
+                        Open::Set(set, generate)
+                    }
+                    None => Open::Skipped,
+                }
+            }
+            _ => Open::Block(Block {
+                keyword,
+                rows: Vec::new(),
+            }),
+        })
+    }
+
+    /// Refuses a part or instance inside another.
+    fn enter(&self, keyword: &Keyword) -> Result<(), FileProblem> {
+        if self.place == Place::Root {
+            return Ok(());
+        }
+        Err(keyword.problem(
+            "the part or instance before it isn't ended",
+            "end it with *END PART or *END INSTANCE",
+        ))
+    }
+
+    fn row(&mut self, open: &mut Open, row: Row) -> Result<(), FileProblem> {
+        match open {
+            Open::Nodes { system, set } => {
+                if row.is_blank() {
+                    return Ok(());
+                }
+                let label = required_label(row.text(0), "a node", &row.at)?;
+                let position = system.place(row.vector(1, "a coordinate")?);
+                if position.iter().any(|x| !x.is_finite()) {
+                    return Err(row.at.problem(
+                        format!("node {label} lies at infinity"),
+                        "look at its coordinates",
+                    ));
+                }
+                if let Some(set) = set {
+                    set.add(label);
+                }
+                self.scope().nodes.push(NodeRow {
+                    label,
+                    position,
+                    at: row.at,
+                });
+            }
+            Open::Elements {
+                shape,
+                name,
+                set,
+                pending,
+                at,
+            } => {
+                if row.is_blank() {
+                    return Ok(());
+                }
+                if pending.is_empty() {
+                    *at = Some(row.at.clone());
+                }
+                let fields = row.fields();
+                pending.extend(fields.iter().map(|field| field.to_string()));
+                let needed = 1 + shape.node_count();
+                // a beam may name a node for its direction
+                let spare = usize::from(matches!(shape, Shape::Beam { .. }));
+                if pending.len() > needed + spare {
+                    return Err(row.at.problem(
+                        format!(
+                            "element {} has {} nodes; {name} has {}",
+                            pending.first().map_or("", String::as_str),
+                            pending.len() - 1,
+                            shape.node_count()
+                        ),
+                        "look at the TYPE of *ELEMENT, and for a lost line",
+                    ));
+                }
+                if pending.len() >= needed {
+                    let fields = std::mem::take(pending);
+                    let label = self.element(*shape, &fields, &row.at)?;
+                    if let Some(set) = set {
+                        set.add(label);
+                    }
+                }
+            }
+            Open::Lost(name) => {
+                if !row.is_blank() {
+                    self.unread.note(name, &row.at, Carries::Structure);
+                }
+            }
+            Open::Set(set, generate) => set.row(&row, *generate)?,
+            Open::Block(block) => {
+                if KEPT.contains(&block.keyword.key.as_str()) {
+                    block.rows.push(row);
+                }
+            }
+            Open::Skipped => {}
+        }
+        Ok(())
+    }
+
+    fn element(
+        &mut self,
+        shape: Shape,
+        fields: &[String],
+        at: &At,
+    ) -> Result<u64, FileProblem> {
+        let scope = self.scope();
+        let first = scope.labels.len();
+        let Some((number, nodes)) = fields.split_first() else {
+            return Ok(0); // never without fields
+        };
+        let number = required_label(number, "an element", at)?;
+        for node in nodes {
+            let place = scope.labels.len();
+            match label(node) {
+                Some(node) => scope.labels.push(node),
+                None if node.contains('.') => {
+                    scope.qualified.insert(place, node.clone());
+                    scope.labels.push(0);
+                }
+                None => {
+                    return Err(at.problem(
+                        format!("element {number}: a node is \"{node}\""),
+                        "write whole numbers above zero",
+                    ));
+                }
+            }
+        }
+        scope.elements.push(ElementRow {
+            label: number,
+            shape,
+            first,
+            count: nodes.len(),
+            at: at.clone(),
+        });
+        Ok(number)
+    }
+
+    fn close(&mut self, open: Open) -> Result<(), FileProblem> {
+        match open {
+            Open::Nodes { set, .. } => self.scope().sets.extend(set),
+            Open::Elements {
+                shape,
+                name,
+                set,
+                pending,
+                at,
+            } => {
+                if let (Some(at), Some(label)) = (at, pending.first()) {
+                    return Err(at.problem(
+                        format!(
+                            "element {label} has {} of the {} nodes of {name}",
+                            pending.len() - 1,
+                            shape.node_count()
+                        ),
+                        "look at the TYPE of *ELEMENT, and for a lost line",
+                    ));
+                }
+                self.scope().sets.extend(set);
+            }
+            Open::Set(set, _) => self.scope().sets.push(set),
+            Open::Block(block) => self.block(block)?,
+            Open::Lost(_) | Open::Skipped => {}
+        }
+        Ok(())
+    }
+
+    fn block(&mut self, block: Block) -> Result<(), FileProblem> {
+        if self.materials.read(&block, &mut self.unread)? {
+            return Ok(());
+        }
+        let keyword = &block.keyword;
+        match keyword.key.as_str() {
+            "INSTANCE" => {
+                let motion = Motion::read(&block.rows)?;
+                if let Some(instance) = self.instances.last_mut() {
+                    instance.motion = motion;
+                }
+            }
+            "SYSTEM" => self.system = Some(system(&block.rows, &keyword.at)?),
+            "ASSEMBLY" | "ENDASSEMBLY" | "HEADING" => {}
+            name if KEPT.contains(&name) => self.scope().blocks.push(block),
+            name => {
+                let lost = carries(name);
+                let name = format!("*{}", keyword.name);
+                self.unread.note(&name, &keyword.at, lost);
+            }
+        }
+        Ok(())
+    }
+
+    /// Instances with all that their parts hold; a part that no instance shows is listed.
+    pub fn placed(&mut self) -> Result<Vec<(Instance, Scope)>, FileProblem> {
+        let instances = std::mem::take(&mut self.instances);
+        let mut uses: BTreeMap<String, usize> = BTreeMap::new();
+        for instance in &instances {
+            *uses.entry(key(&instance.part)).or_default() += 1;
+        }
+        let mut placed = Vec::with_capacity(instances.len());
+        for mut instance in instances {
+            let name = key(&instance.part);
+            let left = uses.entry(name.clone()).or_default();
+            *left = left.saturating_sub(1);
+            let part = if *left == 0 {
+                self.parts.remove(&name)
+            } else {
+                self.parts.get(&name).cloned()
+            };
+            let mut scope = match part {
+                Some(part) => part,
+                None if name.is_empty() => Scope::default(),
+                None => {
+                    return Err(instance.at.problem(
+                        format!(
+                            "*INSTANCE {}: the part {} is missing",
+                            instance.name, instance.part
+                        ),
+                        "add its *PART, or *INCLUDE the file that holds it",
+                    ));
+                }
+            };
+            scope.append(std::mem::take(&mut instance.own));
+            placed.push((instance, scope));
+        }
+        for (name, at) in &self.declared {
+            if self.parts.contains_key(name) {
+                let name = "*PART without *INSTANCE";
+                self.unread.note(name, at, Carries::Structure);
+            }
+        }
+        Ok(placed)
+    }
+}
+
+/// The set that a parameter names.
+fn new_set(keyword: &Keyword, parameter: &str, of_nodes: bool) -> Option<SetBlock> {
+    let name = keyword.get(parameter).filter(|name| !name.is_empty())?;
+    Some(SetBlock {
+        of_nodes,
+        name: name.to_string(),
+        instance: None,
+        members: Vec::new(),
+        at: keyword.at.clone(),
+    })
+}

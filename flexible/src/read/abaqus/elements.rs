@@ -1,0 +1,129 @@
+//! Elements of the mesh, with their sections.
+
+use super::materials::Materials;
+use super::model::Model;
+use super::sections::{Family, Sections, direction};
+use super::shapes::Shape;
+use crate::error::FileProblem;
+use crate::mesh::{BeamAxes, Carries, Element, ElementKind, Mesh};
+use crate::read::unread::UnreadCards;
+use crate::read::vector::{beam_axes, minus, rotate};
+
+/// Makes the elements of a mesh of those of a model. A beam of three nodes becomes two beams of the same number.
+pub(super) fn make(
+    model: &mut Model,
+    mesh: &mut Mesh,
+    materials: &Materials,
+    unread: &mut UnreadCards,
+) -> Result<(), FileProblem> {
+    let mut sections = Sections::new(model, unread)?;
+    let mut made = Vec::with_capacity(model.rows.len());
+    for (index, row) in model.rows.iter().enumerate() {
+        let index = index as u32; // counted when they were numbered
+        let start = mesh.elements.len() as u32; // at most two a row
+        let Some(family) = Family::of(row.shape) else {
+            made.push((start, 0));
+            continue;
+        };
+        let Some(property) = sections.property(index, family, model, materials, unread)? else {
+            unread.note("line elements without section", &row.at, Carries::Unknown);
+            made.push((start, 0));
+            continue;
+        };
+        let nodes = model.row_nodes(row);
+        match (row.shape, nodes) {
+            (Shape::Solid(kind) | Shape::Shell(kind) | Shape::Facet(kind), nodes) => {
+                push(mesh, row.id, kind, property, nodes, None)
+                    .ok_or_else(|| row.at.problem("too many elements", "divide the model"))?;
+            }
+            (Shape::Truss, &[a, b]) => {
+                let along = minus(model.position(b), model.position(a)).map(f64::abs);
+                let mut orientation = [0.0, 0.0, 1.0];
+                if along[2] > along[0].min(along[1]) {
+                    orientation = if along[0] <= along[1] {
+                        [1.0, 0.0, 0.0]
+                    } else {
+                        [0.0, 1.0, 0.0]
+                    };
+                }
+                line(model, mesh, row, property, [a, b], orientation)?;
+            }
+            (Shape::Beam { nodes: count, .. }, nodes) => {
+                let (ends, beyond) = nodes.split_at_checked(count).unwrap_or((nodes, &[]));
+                let orientation = match (beyond.first(), ends.first(), sections.block(index)) {
+                    (Some(pointer), Some(first), _) => {
+                        minus(model.position(*pointer), model.position(*first))
+                    }
+                    (None, _, Some((place, block))) => {
+                        let motion = model.places.get(place).map(|placed| placed.motion());
+                        let given = direction(block)?;
+                        motion.map_or(given, |motion| rotate(&motion.rotation, given))
+                    }
+                    _ => continue,
+                };
+                for pair in ends.windows(2) {
+                    if let [a, b] = *pair {
+                        line(model, mesh, row, property, [a, b], orientation)?;
+                    }
+                }
+            }
+            _ => {}
+        }
+        made.push((start, mesh.elements.len() as u32 - start));
+    }
+    mesh.properties = std::mem::take(&mut sections.properties);
+    mesh.materials = std::mem::take(&mut sections.materials);
+    for (row, elements) in model.rows.iter_mut().zip(made) {
+        row.elements = elements;
+    }
+    Ok(())
+}
+
+fn line(
+    model: &Model,
+    mesh: &mut Mesh,
+    row: &super::model::Row,
+    property: u32,
+    ends: [u32; 2],
+    orientation: [f64; 3],
+) -> Result<(), FileProblem> {
+    let [a, b] = ends;
+    let along = minus(model.position(b), model.position(a));
+    if beam_axes(along, orientation).is_none() {
+        return Err(row.at.problem(
+            format!(
+                "element {} has no length, or its axis n1 lies along it",
+                row.label
+            ),
+            "give the direction n1 in the second line of its beam section, across the beam",
+        ));
+    }
+    let beam = mesh.beam_axes.len() as u32; // never more than elements
+    mesh.beam_axes.push(BeamAxes {
+        orientation,
+        offsets: [[0.0; 3]; 2],
+        released: [0; 2],
+    });
+    push(mesh, row.id, ElementKind::Beam2, property, &ends, Some(beam))
+        .ok_or_else(|| row.at.problem("too many elements", "divide the model"))
+}
+
+fn push(
+    mesh: &mut Mesh,
+    id: u64,
+    kind: ElementKind,
+    property: u32,
+    nodes: &[u32],
+    beam: Option<u32>,
+) -> Option<()> {
+    let first = u32::try_from(mesh.connectivity.len()).ok()?;
+    mesh.connectivity.extend_from_slice(nodes);
+    mesh.elements.push(Element {
+        id,
+        kind,
+        property,
+        first,
+        beam,
+    });
+    Some(())
+}

@@ -1,0 +1,279 @@
+//! The lines of an input file: keyword lines with their parameters, data lines, comments passed over.
+
+use crate::error::FileProblem;
+use crate::read::source::{At, Source, Syntax};
+use crate::read::{Files, number};
+
+/// What messages about these files say.
+const INPUT: Syntax = Syntax {
+    include: "*INCLUDE",
+    text: "an Abaqus or CalculiX input file",
+    files: "the input file (.inp)",
+};
+/// Lines a keyword may be spread over.
+const LONGEST_KEYWORD: usize = 200;
+
+/// A keyword line.
+#[derive(Clone, Debug)]
+pub(super) struct Keyword {
+    /// As written but for case and doubled blanks, without asterisk: `SOLID SECTION`.
+    pub name: String,
+    /// The name without blanks, by which it is known.
+    pub key: String,
+    /// Names (capitals, without blanks) and values.
+    parameters: Vec<(String, String)>,
+    /// Where it stands.
+    pub at: At,
+}
+
+impl Keyword {
+    fn parse(text: &str, at: At) -> Self {
+        let mut parts = split(text).into_iter();
+        let words = parts.next().unwrap_or("").trim_start_matches('*');
+        let name = words.split_whitespace().collect::<Vec<_>>().join(" ");
+        let name = name.to_ascii_uppercase();
+        let parameters = parts
+            .filter(|part| !part.is_empty())
+            .map(|part| {
+                let (name, value) = part.split_once('=').unwrap_or((part, ""));
+                (squeezed(name), unquoted(value).to_string())
+            })
+            .collect();
+        Keyword {
+            key: squeezed(&name),
+            name,
+            parameters,
+            at,
+        }
+    }
+
+    /// Value of a parameter; empty where it is given without one.
+    pub fn get(&self, name: &str) -> Option<&str> {
+        self.parameters
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, value)| value.as_str())
+    }
+
+    /// Whether a parameter is given.
+    pub fn has(&self, name: &str) -> bool {
+        self.get(name).is_some()
+    }
+
+    /// Value of a parameter in capitals without blanks; empty where it isn't given.
+    pub fn choice(&self, name: &str) -> String {
+        self.get(name).map(squeezed).unwrap_or_default()
+    }
+
+    /// Value of a parameter that must be there.
+    pub fn require(&self, name: &str, written: &str) -> Result<&str, FileProblem> {
+        self.get(name)
+            .filter(|value| !value.is_empty())
+            .ok_or_else(|| {
+                self.problem(
+                    &format!("the parameter {written} is missing"),
+                    format!("write *{}, {written}=…", self.name),
+                )
+            })
+    }
+
+    /// A problem of this keyword.
+    pub fn problem(&self, problem: &str, advice: impl Into<String>) -> FileProblem {
+        self.at.problem(format!("*{}: {problem}", self.name), advice)
+    }
+}
+
+/// A data line.
+#[derive(Clone, Debug)]
+pub(super) struct Row {
+    text: String,
+    /// Where it stands.
+    pub at: At,
+}
+
+impl Row {
+    /// A line of this text.
+    pub fn new(text: String, at: At) -> Self {
+        Row { text, at }
+    }
+
+    /// The fields, without blanks around them and without empty ones at the end.
+    pub fn fields(&self) -> Vec<&str> {
+        let mut fields = split(&self.text);
+        while fields.last().is_some_and(|field| field.is_empty()) {
+            fields.pop();
+        }
+        fields
+    }
+
+    /// Whether nothing stands in it.
+    pub fn is_blank(&self) -> bool {
+        self.fields().is_empty()
+    }
+
+    /// A field; empty where it isn't there.
+    pub fn text(&self, i: usize) -> &str {
+        split(&self.text).get(i).copied().unwrap_or("")
+    }
+
+    /// A number; `None` for an empty field.
+    pub fn optional_real(&self, i: usize, name: &str) -> Result<Option<f64>, FileProblem> {
+        match self.text(i) {
+            "" => Ok(None),
+            text => number::real(text).map(Some).ok_or_else(|| {
+                self.at.problem(
+                    format!("{name} is \"{text}\", not a number"),
+                    "write a number like 1.5 or 2.1E+11",
+                )
+            }),
+        }
+    }
+
+    /// A number that must be there.
+    pub fn real(&self, i: usize, name: &str) -> Result<f64, FileProblem> {
+        self.optional_real(i, name)?.ok_or_else(|| {
+            self.at.problem(
+                format!("{name} is missing (entry {} of this line)", i + 1),
+                "add it; entries are parted by commas",
+            )
+        })
+    }
+
+    /// A number, zero where the field is empty.
+    pub fn real_or_zero(&self, i: usize, name: &str) -> Result<f64, FileProblem> {
+        Ok(self.optional_real(i, name)?.unwrap_or(0.0))
+    }
+
+    /// Three numbers, zero where a field is empty.
+    pub fn vector(&self, i: usize, name: &str) -> Result<[f64; 3], FileProblem> {
+        Ok([
+            self.real_or_zero(i, name)?,
+            self.real_or_zero(i + 1, name)?,
+            self.real_or_zero(i + 2, name)?,
+        ])
+    }
+
+    /// A freedom 1…6 as 0…5.
+    pub fn freedom(&self, i: usize) -> Result<u8, FileProblem> {
+        match self.text(i).parse::<u8>() {
+            Ok(freedom @ 1..=6) => Ok(freedom - 1),
+            _ => Err(self.at.problem(
+                format!("\"{}\" is no freedom of a structure", self.text(i)),
+                "give one of 1 to 6",
+            )),
+        }
+    }
+
+    /// Freedoms from field `i` to field `i + 1` (or that one only) as bits.
+    pub fn freedom_range(&self, i: usize) -> Result<u8, FileProblem> {
+        let first = self.freedom(i)?;
+        let last = if self.text(i + 1).is_empty() {
+            first
+        } else {
+            self.freedom(i + 1)?
+        };
+        Ok((first..=last).fold(0, |bits, freedom| bits | 1 << freedom))
+    }
+}
+
+/// A line of either kind.
+pub(super) enum Line {
+    /// Begins a block.
+    Keyword(Keyword),
+    /// Belongs to the block before it.
+    Row(Row),
+}
+
+/// Reads an input file line by line.
+pub(super) struct Lines<'f> {
+    source: Source<'f>,
+    ahead: Option<(String, At)>,
+}
+
+impl<'f> Lines<'f> {
+    /// Opens an input file.
+    pub fn open(files: &'f dyn Files, name: &str) -> Result<Self, FileProblem> {
+        Ok(Lines {
+            source: Source::open(files, name, &INPUT)?,
+            ahead: None,
+        })
+    }
+
+    /// The next line that is no comment.
+    pub fn next_line(&mut self) -> Result<Option<Line>, FileProblem> {
+        let Some((text, at)) = self.raw()? else {
+            return Ok(None);
+        };
+        if !text.trim_start().starts_with('*') {
+            return Ok(Some(Line::Row(Row::new(text, at))));
+        }
+        let mut whole = text.trim().to_string();
+        for _ in 0..LONGEST_KEYWORD {
+            if !whole.ends_with(',') {
+                break;
+            }
+            match self.raw()? {
+                Some((more, _)) if !more.trim_start().starts_with('*') => {
+                    whole.push_str(more.trim());
+                }
+                Some(line) => {
+                    self.ahead = Some(line);
+                    break;
+                }
+                None => break,
+            }
+        }
+        Ok(Some(Line::Keyword(Keyword::parse(&whole, at))))
+    }
+
+    /// Goes on with a file that a keyword names.
+    pub fn include(&mut self, name: &str, at: &At) -> Result<(), FileProblem> {
+        self.source.include(name, at)
+    }
+
+    fn raw(&mut self) -> Result<Option<(String, At)>, FileProblem> {
+        if let Some(line) = self.ahead.take() {
+            return Ok(Some(line));
+        }
+        while self.source.is_open() {
+            let Some((bytes, at)) = self.source.line()? else {
+                self.source.end_file();
+                continue;
+            };
+            let text = String::from_utf8_lossy(&bytes).trim_end().to_string();
+            if !text.trim_start().starts_with("**") {
+                return Ok(Some((text, at)));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// Fields between commas that don't stand in quotes, trimmed.
+fn split(text: &str) -> Vec<&str> {
+    let mut quoted = false;
+    text.split(|c: char| {
+        quoted ^= c == '"';
+        c == ',' && !quoted
+    })
+    .map(str::trim)
+    .collect()
+}
+
+/// Without quotes around it.
+pub(super) fn unquoted(text: &str) -> &str {
+    text.trim().trim_matches(|c| c == '"' || c == '\'').trim()
+}
+
+/// Capitals without blanks.
+pub(super) fn squeezed(text: &str) -> String {
+    text.chars()
+        .filter(|c| !c.is_whitespace())
+        .collect::<String>()
+        .to_ascii_uppercase()
+}
+
+/// The form under which a name is looked up: capitals, without quotes.
+pub(super) fn key(name: &str) -> String {
+    unquoted(name).to_uppercase()
+}

@@ -1,0 +1,126 @@
+//! `*MATERIAL` with `*ELASTIC` and `*DENSITY`.
+
+use std::collections::BTreeMap;
+
+use super::lines::key;
+use super::scope::Block;
+use crate::error::FileProblem;
+use crate::mesh::{Carries, Material};
+use crate::read::source::At;
+use crate::read::unread::UnreadCards;
+
+#[derive(Clone, Debug)]
+struct Entry {
+    name: String,
+    /// Young's modulus and Poisson's ratio.
+    elastic: Option<(f64, f64)>,
+    density: Option<f64>,
+    at: At,
+}
+
+/// The materials of a file.
+#[derive(Debug, Default)]
+pub(super) struct Materials {
+    entries: BTreeMap<String, Entry>,
+    open: Option<String>,
+}
+
+/// What a material may hold without being another structure.
+const HARMLESS: &[&str] = &[
+    "PLASTIC", "EXPANSION", "CONDUCTIVITY", "SPECIFICHEAT", "DAMPING", "DEPVAR", "CYCLICHARDENING",
+    "CREEP", "RATEDEPENDENT", "FAILSTRESS", "FAILSTRAIN", "LATENTHEAT", "INELASTICHEATFRACTION",
+    "ELECTRICALCONDUCTIVITY", "DAMAGEINITIATION", "DAMAGEEVOLUTION", "POTENTIAL",
+];
+
+impl Materials {
+    /// Reads a block that belongs to a material; `false` where it doesn't.
+    pub fn read(&mut self, block: &Block, unread: &mut UnreadCards) -> Result<bool, FileProblem> {
+        let keyword = &block.keyword;
+        if keyword.key == "MATERIAL" {
+            let name = keyword.require("NAME", "NAME")?;
+            let entry = Entry {
+                name: name.to_string(),
+                elastic: None,
+                density: None,
+                at: keyword.at.clone(),
+            };
+            if let Some(first) = self.entries.insert(key(name), entry) {
+                return Err(keyword.problem(
+                    &format!(
+                        "{name} is there twice; the first is in {}, line {}",
+                        first.at.file, first.at.line
+                    ),
+                    "rename or remove one of them",
+                ));
+            }
+            self.open = Some(key(name));
+            return Ok(true);
+        }
+        let entry = self
+            .open
+            .as_ref()
+            .and_then(|name| self.entries.get_mut(name));
+        let rows = block.rows.iter().filter(|row| !row.is_blank());
+        let rows = rows.collect::<Vec<_>>();
+        match keyword.key.as_str() {
+            "ELASTIC" | "DENSITY" => {
+                let Some(entry) = entry else {
+                    return Err(keyword.problem(
+                        "it belongs to no material",
+                        "put it behind the *MATERIAL that it describes",
+                    ));
+                };
+                if rows.len() > 1 {
+                    unread.note(
+                        &format!("*{} at further temperatures", keyword.name),
+                        &keyword.at,
+                        Carries::Unknown,
+                    );
+                }
+                let Some(row) = rows.first() else {
+                    return Err(keyword.problem("its data line is missing", "add its values"));
+                };
+                if keyword.key == "DENSITY" {
+                    entry.density = Some(row.real(0, "the density")?);
+                } else if matches!(keyword.choice("TYPE").as_str(), "" | "ISO" | "ISOTROPIC") {
+                    let young = row.real(0, "Young's modulus")?;
+                    entry.elastic = Some((young, row.real_or_zero(1, "Poisson's ratio")?));
+                }
+            }
+            known if entry.is_some() && HARMLESS.contains(&known) => {
+                unread.note(
+                    &format!("*{}", keyword.name),
+                    &keyword.at,
+                    Carries::Nothing,
+                );
+            }
+            _ => {
+                self.open = None;
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// The material of a section.
+    pub fn find(&self, name: &str, user: &Block) -> Result<Material, FileProblem> {
+        let Some(entry) = self.entries.get(&key(name)) else {
+            return Err(user.keyword.problem(
+                &format!("the material {name} is missing"),
+                "add its *MATERIAL, or *INCLUDE the file that holds it",
+            ));
+        };
+        let Some((young, poisson)) = entry.elastic else {
+            return Err(entry.at.problem(
+                format!("the material {name} is used but has no isotropic *ELASTIC"),
+                "give it *ELASTIC with Young's modulus and Poisson's ratio",
+            ));
+        };
+        Ok(Material {
+            name: entry.name.clone(),
+            young,
+            poisson,
+            density: entry.density.unwrap_or(0.0),
+        })
+    }
+}

@@ -1,0 +1,69 @@
+//! Input files of Abaqus and CalculiX (`.inp`): nodes, elements, sections, materials, masses, springs, ties, supports and sets become a
+//! [`Mesh`].
+//!
+//! Keywords and names count without case; `*INCLUDE` is followed. Parts are placed as their instances say: numbers of nodes and elements
+//! stay those of the file unless those of two instances meet; then the k-th instance (from 0, what stands outside all instances last)
+//! adds k times the power of ten above all numbers. Sets of an instance are called `Instance.SET`, and `SET` where that is clear; a
+//! surface is the set of its nodes, `surface:NAME`, and `NAME` where no set is called so.
+//!
+//! Elements are taken by their shape: how a code integrates `C3D8` is none of the mesh's business. Nothing behind `*STEP` is read.
+//!
+//! ```text
+//! lines ─▶ deck (parts, instances, scopes) ─▶ model (numbered through) ─▶ sets, surfaces ─▶ elements, points, ties, supports ─▶ mesh
+//! ```
+
+mod deck;
+mod elements;
+mod frames;
+mod labels;
+mod lines;
+mod materials;
+mod model;
+mod points;
+mod scope;
+mod sections;
+mod sets;
+mod shapes;
+mod supports;
+mod surfaces;
+mod ties;
+mod unread;
+
+use crate::error::FlexibleError;
+use crate::mesh::Mesh;
+use crate::read::Files;
+use crate::read::source::whole;
+use model::Model;
+
+/// Reads an input file of Abaqus or CalculiX with all it includes. Units stay those of the file.
+///
+/// # Errors
+/// With file, line and keyword: a file that can't be read or isn't an input file, a number that is none, an element of too few or too
+/// many nodes, a missing or doubled node, element, set, surface, part or material, a keyword that can't be expressed.
+pub fn read_inp(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
+    let mut deck = deck::read(files, name)?;
+    let mut model = Model::new(&mut deck)?;
+    if model.nodes.is_empty() {
+        return Err(whole(
+            name,
+            "the file has no node",
+            "give an Abaqus or CalculiX input file with *NODE, or one that INCLUDEs it; parts need an *INSTANCE",
+        )
+        .into());
+    }
+    let unread = &mut deck.unread;
+    sets::fill(&mut model, unread)?;
+    let mut mesh = Mesh {
+        frames: supports::transform(&mut model)?,
+        ..Mesh::default()
+    };
+    surfaces::fill(&mut model, unread)?;
+    elements::make(&mut model, &mut mesh, &deck.materials, unread)?;
+    points::make(&model, &mut mesh, unread)?;
+    mesh.ties = ties::ties(&model, unread)?;
+    mesh.supports = supports::supports(&model, unread)?;
+    mesh.sets = sets::sets(&model);
+    mesh.nodes = model.nodes;
+    mesh.unread = deck.unread.into_list();
+    Ok(mesh)
+}

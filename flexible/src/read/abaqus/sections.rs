@@ -1,0 +1,378 @@
+//! `*SOLID SECTION`, `*SHELL SECTION`, `*BEAM SECTION`, `*BEAM GENERAL SECTION`: properties and materials of the mesh.
+
+use std::collections::BTreeMap;
+
+use super::lines::{Row, key};
+use super::materials::Materials;
+use super::model::Model;
+use super::scope::Block;
+use super::shapes::Shape;
+use crate::error::FileProblem;
+use crate::mesh::{Carries, Material, Property, Section};
+use crate::read::nastran::shapes;
+use crate::read::unread::UnreadCards;
+
+/// What an element takes from its section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Family {
+    /// A solid.
+    Solid,
+    /// A shell.
+    Shell,
+    /// A beam with shear flexibility, or without.
+    Beam(bool),
+    /// A truss.
+    Truss,
+    /// A surface without stiffness.
+    Facet,
+}
+
+impl Family {
+    /// The family of a shape; `None` for what is no element of the mesh.
+    pub fn of(shape: Shape) -> Option<Self> {
+        match shape {
+            Shape::Solid(_) => Some(Family::Solid),
+            Shape::Shell(_) => Some(Family::Shell),
+            Shape::Facet(_) => Some(Family::Facet),
+            Shape::Beam { shear, .. } => Some(Family::Beam(shear)),
+            Shape::Truss => Some(Family::Truss),
+            Shape::Mass | Shape::Rotary | Shape::Spring(_) => None,
+        }
+    }
+}
+
+/// Sections of the elements, and the properties made of them.
+#[derive(Debug, Default)]
+pub(super) struct Sections<'m> {
+    /// Section blocks with their places.
+    blocks: Vec<(usize, &'m Block)>,
+    /// Section of each row.
+    of_row: Vec<Option<u32>>,
+    made: BTreeMap<(Option<u32>, Family), u32>,
+    materials_made: BTreeMap<String, u32>,
+    /// Properties of the mesh.
+    pub properties: Vec<Property>,
+    /// Materials of the mesh.
+    pub materials: Vec<Material>,
+}
+
+const KEYWORDS: &[&str] = &[
+    "SOLIDSECTION",
+    "SHELLSECTION",
+    "BEAMSECTION",
+    "BEAMGENERALSECTION",
+];
+
+impl<'m> Sections<'m> {
+    /// Finds the section of every element.
+    pub fn new(model: &'m Model, unread: &mut UnreadCards) -> Result<Self, FileProblem> {
+        let mut sections = Sections {
+            of_row: vec![None; model.rows.len()],
+            ..Sections::default()
+        };
+        for (place, block) in model.blocks() {
+            let keyword = &block.keyword;
+            if !KEYWORDS.contains(&keyword.key.as_str()) {
+                continue;
+            }
+            let index = sections.blocks.len() as u32; // never near 2³² lines
+            sections.blocks.push((place, block));
+            let set = keyword.require("ELSET", "ELSET")?;
+            for row in model.rows_of(place, set, &keyword.at)? {
+                let Some(section) = sections.of_row.get_mut(row as usize) else {
+                    continue;
+                };
+                if section.replace(index).is_some() {
+                    let label = model.rows.get(row as usize).map_or(0, |row| row.label);
+                    return Err(keyword.problem(
+                        &format!("element {label} has a section already"),
+                        "leave it out of one of the two sets",
+                    ));
+                }
+            }
+            for (parameter, written) in [("OFFSET", "OFFSET"), ("NODALTHICKNESS", "NODAL THICKNESS")] {
+                if keyword.has(parameter) {
+                    unread.note(
+                        &format!("*{}, {written}", keyword.name),
+                        &keyword.at,
+                        Carries::Structure,
+                    );
+                }
+            }
+        }
+        Ok(sections)
+    }
+
+    /// The section block of a row.
+    pub fn block(&self, row: u32) -> Option<(usize, &'m Block)> {
+        let section = (*self.of_row.get(row as usize)?)?;
+        self.blocks.get(section as usize).copied()
+    }
+
+    /// Index of the property of a row. Solids without a section get one without material, shells become facets; `None` for beams and
+    /// trusses, which are nothing without one.
+    pub fn property(
+        &mut self,
+        row: u32,
+        family: Family,
+        model: &Model,
+        materials: &Materials,
+        unread: &mut UnreadCards,
+    ) -> Result<Option<u32>, FileProblem> {
+        let section = self.of_row.get(row as usize).copied().flatten();
+        if let Some(made) = self.made.get(&(section, family)) {
+            return Ok(Some(*made));
+        }
+        let block = section.and_then(|section| self.blocks.get(section as usize).copied());
+        let facets = |name: &str| Property {
+            name: name.into(),
+            material: None,
+            section: Section::Shell {
+                thickness: 0.0,
+                mass_per_area: 0.0,
+            },
+        };
+        let Some((place, block)) = block else {
+            let property = match family {
+                Family::Solid => Property {
+                    name: "without section".into(),
+                    material: None,
+                    section: Section::Solid,
+                },
+                Family::Facet => facets("facets"),
+                Family::Shell => {
+                    if let Some(row) = model.rows.get(row as usize) {
+                        unread.note("shells without section", &row.at, Carries::Structure);
+                    }
+                    facets("shells without section")
+                }
+                Family::Beam(_) | Family::Truss => return Ok(None),
+            };
+            return Ok(Some(self.push(section, family, property)));
+        };
+        let keyword = &block.keyword;
+        let name = match model.places.get(place).map(|placed| placed.name.as_str()) {
+            Some(instance) if !instance.is_empty() => {
+                format!("{instance}.{}", keyword.get("ELSET").unwrap_or(""))
+            }
+            _ => keyword.get("ELSET").unwrap_or("").to_string(),
+        };
+        let section_of = match (family, keyword.key.as_str()) {
+            (Family::Solid, "SOLIDSECTION") if !keyword.has("COMPOSITE") => Section::Solid,
+            (Family::Shell, "SHELLSECTION") if !keyword.has("COMPOSITE") => Section::Shell {
+                thickness: first_row(block)?.real(0, "the thickness")?,
+                mass_per_area: 0.0,
+            },
+            (Family::Truss, "SOLIDSECTION") => rod(match first_row(block) {
+                Ok(row) => row.optional_real(0, "the area")?.unwrap_or(1.0),
+                Err(_) => 1.0,
+            }),
+            (Family::Beam(shear), "BEAMSECTION") => shaped(block, shear)?,
+            (Family::Beam(_), "BEAMGENERALSECTION") => {
+                let (section, material) = general(block, &name)?;
+                let material = self.push_material(material);
+                let property = Property {
+                    name,
+                    material: Some(material),
+                    section,
+                };
+                return Ok(Some(self.push(Some(section_index(row, &self.of_row)), family, property)));
+            }
+            (Family::Facet, _) => {
+                unread.note(
+                    &format!("*{} of plane or surface elements", keyword.name),
+                    &keyword.at,
+                    Carries::Structure,
+                );
+                let property = facets(&name);
+                return Ok(Some(self.push(section, family, property)));
+            }
+            (Family::Shell, "SHELLSECTION") => {
+                unread.note("*SHELL SECTION, COMPOSITE", &keyword.at, Carries::Structure);
+                let property = facets(&name);
+                return Ok(Some(self.push(section, family, property)));
+            }
+            _ => {
+                let label = model.rows.get(row as usize).map_or(0, |row| row.label);
+                return Err(keyword.problem(
+                    &format!("it doesn't fit element {label}"),
+                    "solids and trusses take *SOLID SECTION, shells *SHELL SECTION, beams *BEAM SECTION; composites can't be read",
+                ));
+            }
+        };
+        let written = keyword.require("MATERIAL", "MATERIAL")?;
+        let material = match self.materials_made.get(&key(written)) {
+            Some(made) => *made,
+            None => {
+                let index = self.push_material(materials.find(written, block)?);
+                self.materials_made.insert(key(written), index);
+                index
+            }
+        };
+        let property = Property {
+            name,
+            material: Some(material),
+            section: section_of,
+        };
+        Ok(Some(self.push(section, family, property)))
+    }
+
+    fn push(&mut self, section: Option<u32>, family: Family, property: Property) -> u32 {
+        let index = self.properties.len() as u32; // never more than sections times families
+        self.properties.push(property);
+        self.made.insert((section, family), index);
+        index
+    }
+
+    fn push_material(&mut self, material: Material) -> u32 {
+        let index = self.materials.len() as u32; // never more than properties
+        self.materials.push(material);
+        index
+    }
+}
+
+/// The direction of the first axis (n1) of a beam section, in the frame of its part; (0, 0, -1) where it isn't given.
+pub(super) fn direction(block: &Block) -> Result<[f64; 3], FileProblem> {
+    match block.rows.get(1) {
+        Some(row) if !row.is_blank() => row.vector(0, "a direction cosine of n1"),
+        _ => Ok([0.0, 0.0, -1.0]),
+    }
+}
+
+fn section_index(row: u32, of_row: &[Option<u32>]) -> u32 {
+    of_row.get(row as usize).copied().flatten().unwrap_or(0)
+}
+
+fn first_row(block: &Block) -> Result<&Row, FileProblem> {
+    block.rows.first().ok_or_else(|| {
+        block
+            .keyword
+            .problem("its data line is missing", "add its dimensions")
+    })
+}
+
+fn rod(area: f64) -> Section {
+    Section::Beam {
+        area,
+        moment_z: 0.0,
+        moment_y: 0.0,
+        product: 0.0,
+        torsion: 0.0,
+        shear: [0.0; 2],
+        mass_per_length: 0.0,
+    }
+}
+
+/// `*BEAM SECTION`: `RECT` a, b; `CIRC` r; `PIPE` r, t; `BOX` a, b, t1…t4, with a along n1 and b along n2. The element's y is n1, its
+/// z n2. Shear factors are Abaqus's: 0.85 for `RECT`, 0.89 for `CIRC`, 0.53 for `PIPE`, 0.44 for `BOX`.
+fn shaped(block: &Block, shear: bool) -> Result<Section, FileProblem> {
+    let row = first_row(block)?;
+    let keyword = &block.keyword;
+    let positive = |i: usize, name: &str| {
+        row.real(i, name).and_then(|value| {
+            if value > 0.0 {
+                return Ok(value);
+            }
+            Err(row.at.problem(
+                format!("{name} is {value}"),
+                "dimensions of a section must be above zero",
+            ))
+        })
+    };
+    let choice = keyword.choice("SECTION");
+    // the drawings behind these shapes have y up, along n2, and z to the right, along n1
+    let (shape, dimensions, factor) = match choice.as_str() {
+        "RECT" => ("BAR", vec![positive(0, "a")?, positive(1, "b")?], 0.85),
+        "CIRC" => ("ROD", vec![positive(0, "the radius")?], 0.89),
+        "PIPE" => {
+            let (outer, wall) = (positive(0, "the radius")?, positive(1, "the wall")?);
+            ("TUBE", vec![outer, outer - wall], 0.53)
+        }
+        "BOX" => {
+            let walls = [
+                positive(2, "t1")?,
+                positive(3, "t2")?,
+                positive(4, "t3")?,
+                positive(5, "t4")?,
+            ];
+            let [t1, t2, t3, t4] = walls;
+            if t1 != t3 || t2 != t4 {
+                return Err(row.at.problem(
+                    "a BOX of unequal opposite walls",
+                    "give its area and moments in *BEAM GENERAL SECTION",
+                ));
+            }
+            // t1 and t3 are the sides, t2 and t4 the lids
+            ("BOX", vec![positive(0, "a")?, positive(1, "b")?, t2, t1], 0.44)
+        }
+        other => {
+            return Err(keyword.problem(
+                &format!("SECTION={other} can't be read"),
+                "RECT, CIRC, PIPE and BOX can; give others by area and moments in *BEAM GENERAL SECTION",
+            ));
+        }
+    };
+    let Some(found) = shapes::section(shape, &dimensions) else {
+        return Err(row.at.problem(
+            format!("these dimensions make no {choice}"),
+            "look at walls thicker than the section",
+        ));
+    };
+    Ok(Section::Beam {
+        area: found.area,
+        moment_z: found.moment_y,
+        moment_y: found.moment_z,
+        product: found.product,
+        torsion: found.torsion,
+        shear: if shear { [factor; 2] } else { [0.0; 2] },
+        mass_per_length: 0.0,
+    })
+}
+
+/// `*BEAM GENERAL SECTION, SECTION=GENERAL, DENSITY=ρ`: `A, I11, I12, I22, J`, n1, `E, G`. I11 is for bending about n1, I22 about n2.
+/// Poisson's ratio is E / 2 G − 1, without shear flexibility.
+fn general(block: &Block, name: &str) -> Result<(Section, Material), FileProblem> {
+    let keyword = &block.keyword;
+    let choice = keyword.choice("SECTION");
+    if !matches!(choice.as_str(), "" | "GENERAL") {
+        return Err(keyword.problem(
+            &format!("SECTION={choice} can't be read"),
+            "give area and moments with SECTION=GENERAL, or *BEAM SECTION",
+        ));
+    }
+    let row = first_row(block)?;
+    let Some(elastic) = block.rows.get(2) else {
+        return Err(keyword.problem(
+            "its third data line is missing",
+            "the lines are: A, I11, I12, I22, J; n1; E, G",
+        ));
+    };
+    let (young, shear) = (elastic.real(0, "E")?, elastic.real(1, "G")?);
+    if !(young > 0.0 && shear > 0.0) {
+        return Err(elastic
+            .at
+            .problem("E and G must be above zero", "give both moduli"));
+    }
+    let density = match keyword.get("DENSITY") {
+        None => 0.0,
+        Some(text) => crate::read::number::real(text).ok_or_else(|| {
+            keyword.problem(&format!("DENSITY={text} is no number"), "give the density")
+        })?,
+    };
+    let section = Section::Beam {
+        area: row.real(0, "A")?,
+        moment_z: row.real_or_zero(3, "I22")?,
+        moment_y: row.real_or_zero(1, "I11")?,
+        product: row.real_or_zero(2, "I12")?,
+        torsion: row.real_or_zero(4, "J")?,
+        shear: [0.0; 2],
+        mass_per_length: 0.0,
+    };
+    let material = Material {
+        name: name.into(),
+        young,
+        poisson: young / (2.0 * shear) - 1.0,
+        density,
+    };
+    Ok((section, material))
+}

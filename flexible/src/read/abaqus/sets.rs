@@ -1,0 +1,176 @@
+//! Named sets: `*NSET`, `*ELSET`, and the sets of the mesh.
+
+use std::collections::BTreeMap;
+
+use super::lines::key;
+use super::model::{Model, Placed};
+use super::scope::{Member, SetBlock};
+use crate::error::FileProblem;
+use crate::mesh::{Carries, Set};
+use crate::read::unread::UnreadCards;
+
+/// Fills the sets of all places, in the order in which they stand; a set may hold those before it.
+pub(super) fn fill(model: &mut Model, unread: &mut UnreadCards) -> Result<(), FileProblem> {
+    for place in 0..model.places.len() {
+        let Some(placed) = model.places.get_mut(place) else {
+            continue;
+        };
+        let blocks = std::mem::take(&mut placed.scope.sets);
+        for block in &blocks {
+            let mut members = gather(model, place, block, unread)?;
+            let Some(placed) = model.places.get_mut(place) else {
+                continue;
+            };
+            let sets = if block.of_nodes {
+                &mut placed.node_sets
+            } else {
+                &mut placed.element_sets
+            };
+            let entry = sets
+                .entry(key(&block.name))
+                .or_insert_with(|| (block.name.clone(), Vec::new()));
+            entry.1.append(&mut members);
+        }
+        if let Some(placed) = model.places.get_mut(place) {
+            let sets = placed.node_sets.values_mut();
+            for (_, members) in sets.chain(placed.element_sets.values_mut()) {
+                members.sort_unstable();
+                members.dedup();
+            }
+        }
+    }
+    Ok(())
+}
+
+fn gather(
+    model: &Model,
+    place: usize,
+    block: &SetBlock,
+    unread: &mut UnreadCards,
+) -> Result<Vec<u32>, FileProblem> {
+    let place = match &block.instance {
+        Some(name) => model.instance(name, &block.at)?,
+        None => place,
+    };
+    let mut members = Vec::new();
+    for member in &block.members {
+        match member {
+            Member::Numbers(first, last, step) => {
+                let Some(placed) = model.places.get(place) else {
+                    continue;
+                };
+                let labels = if block.of_nodes {
+                    &placed.nodes
+                } else {
+                    &placed.elements
+                };
+                let before = members.len();
+                members.extend(labels.range(*first, *last, *step));
+                if members.len() == before || (*step == 1 && lacks(members.len() - before, *first, *last)) {
+                    unread.note("set members that are missing", &block.at, Carries::Nothing);
+                }
+            }
+            Member::Name(name) if block.of_nodes => {
+                members.extend(model.nodes_of(place, name, &block.at)?);
+            }
+            Member::Name(name) => members.extend(model.rows_of(place, name, &block.at)?),
+            Member::NodesOf(name) => {
+                members.extend(model.nodes_of_rows(&model.rows_of(place, name, &block.at)?));
+            }
+        }
+    }
+    Ok(members)
+}
+
+/// Whether fewer are found than stand from first to last.
+fn lacks(found: usize, first: u64, last: u64) -> bool {
+    (found as u64) <= last - first
+}
+
+/// The sets of the mesh. A set of an instance is called `Instance.SET`, and `SET` too where no other has that name; with instances each
+/// is a set by its own name. A surface is called `surface:NAME`, and `NAME` where no set has that name. Sets of elements hold their
+/// nodes, unless a set of nodes has the same name.
+pub(super) fn sets(model: &Model) -> BTreeMap<String, Set> {
+    let mut sets: BTreeMap<String, Set> = BTreeMap::new();
+    // short name in capitals: how often, and full name
+    let mut short: BTreeMap<String, (usize, String, String)> = BTreeMap::new();
+    for placed in &model.places {
+        let mut own: BTreeMap<String, (String, Set)> = BTreeMap::new();
+        for (name, (written, rows)) in &placed.element_sets {
+            let set = Set {
+                nodes: model.nodes_of_rows(rows),
+                elements: elements(model, rows),
+            };
+            own.insert(name.clone(), (written.clone(), set));
+        }
+        for (name, (written, nodes)) in &placed.node_sets {
+            let entry = own
+                .entry(name.clone())
+                .or_insert_with(|| (written.clone(), Set::default()));
+            entry.1.nodes.clone_from(nodes);
+        }
+        for (name, (written, surface)) in &placed.surfaces {
+            let mut nodes = surface.iter().map(|(node, _)| *node).collect::<Vec<_>>();
+            nodes.sort_unstable();
+            nodes.dedup();
+            let set = Set {
+                nodes,
+                elements: Vec::new(),
+            };
+            if !own.contains_key(name) {
+                own.insert(name.clone(), (written.clone(), set.clone()));
+            }
+            own.insert(
+                format!("surface:{name}"),
+                (format!("surface:{written}"), set),
+            );
+        }
+        for (name, (written, set)) in own {
+            let full = if placed.name.is_empty() {
+                written.clone()
+            } else {
+                format!("{}.{written}", placed.name)
+            };
+            short
+                .entry(name)
+                .or_insert_with(|| (0, written, full.clone()))
+                .0 += 1;
+            sets.insert(full, set);
+        }
+        if !placed.name.is_empty() {
+            sets.entry(placed.name.clone())
+                .or_insert_with(|| whole(model, placed));
+        }
+    }
+    for (count, written, full) in short.into_values() {
+        if count == 1
+            && !sets.contains_key(&written)
+            && let Some(set) = sets.get(&full).cloned()
+        {
+            sets.insert(written, set);
+        }
+    }
+    sets
+}
+
+fn whole(model: &Model, placed: &Placed) -> Set {
+    let mut nodes = placed.nodes.indices().collect::<Vec<_>>();
+    nodes.sort_unstable();
+    let mut rows = placed.elements.indices().collect::<Vec<_>>();
+    rows.sort_unstable();
+    Set {
+        nodes,
+        elements: elements(model, &rows),
+    }
+}
+
+/// Elements of the mesh that rows became, sorted.
+fn elements(model: &Model, rows: &[u32]) -> Vec<u32> {
+    let mut elements = rows
+        .iter()
+        .filter_map(|row| model.rows.get(*row as usize))
+        .flat_map(|row| row.elements.0..row.elements.0 + row.elements.1)
+        .collect::<Vec<_>>();
+    elements.sort_unstable();
+    elements
+}

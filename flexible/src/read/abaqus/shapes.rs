@@ -1,0 +1,140 @@
+//! Types of elements.
+
+use crate::mesh::ElementKind;
+
+/// What an element of a type is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shape {
+    /// A solid.
+    Solid(ElementKind),
+    /// A shell.
+    Shell(ElementKind),
+    /// A surface without stiffness, or a plane element, which has none here.
+    Facet(ElementKind),
+    /// `B31`, `B32` (two beams), `B33`: number of nodes, and whether it bends under shear.
+    Beam {
+        /// Two, or three with the second in the middle.
+        nodes: usize,
+        /// Timoshenko's beam.
+        shear: bool,
+    },
+    /// `T3D2`.
+    Truss,
+    /// `MASS`.
+    Mass,
+    /// `ROTARYI`.
+    Rotary,
+    /// `SPRING1`, `SPRING2`, `SPRINGA`.
+    Spring(SpringKind),
+}
+
+/// Kind of a spring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SpringKind {
+    /// From a freedom to the ground.
+    Ground,
+    /// Between two freedoms.
+    Freedoms,
+    /// Along the line between two nodes.
+    Axial,
+}
+
+impl Shape {
+    /// The shape of a type (capitals).
+    pub fn of(name: &str) -> Option<Shape> {
+        use ElementKind::*;
+        let fixed = match name {
+            "MASS" => Some(Shape::Mass),
+            "ROTARYI" => Some(Shape::Rotary),
+            "SPRING1" => Some(Shape::Spring(SpringKind::Ground)),
+            "SPRING2" => Some(Shape::Spring(SpringKind::Freedoms)),
+            "SPRINGA" => Some(Shape::Spring(SpringKind::Axial)),
+            "T3D2" | "T3D2H" => Some(Shape::Truss),
+            "B31" | "B31H" | "B31R" => Some(Shape::Beam {
+                nodes: 2,
+                shear: true,
+            }),
+            "B32" | "B32H" | "B32R" => Some(Shape::Beam {
+                nodes: 3,
+                shear: true,
+            }),
+            "B33" | "B33H" => Some(Shape::Beam {
+                nodes: 2,
+                shear: false,
+            }),
+            "S3" | "S3R" | "S3RS" | "STRI3" => Some(Shape::Shell(Triangle3)),
+            "S6" | "STRI65" => Some(Shape::Shell(Triangle6)),
+            "S4" | "S4R" | "S4RS" | "S4RSW" | "S4R5" => Some(Shape::Shell(Quadrilateral4)),
+            "S8" | "S8R" | "S8R5" => Some(Shape::Shell(Quadrilateral8)),
+            _ => None,
+        };
+        if fixed.is_some() {
+            return fixed;
+        }
+        if let Some(rest) = name.strip_prefix("C3D") {
+            let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+            let (count, variant) = rest.split_at_checked(digits)?;
+            // reduced, incompatible, hybrid, modified, thermal, stress-improved: the same nodes
+            if !variant.chars().all(|c| "RIHMTSO".contains(c)) {
+                return None;
+            }
+            return Some(Shape::Solid(match count {
+                "4" => Tetrahedron4,
+                "5" => Pyramid5,
+                "6" => Wedge6,
+                "8" => Hexahedron8,
+                "10" => Tetrahedron10,
+                "13" => Pyramid13,
+                "15" => Wedge15,
+                "20" => Hexahedron20,
+                _ => return None,
+            }));
+        }
+        let plane = ["SFM3D", "M3D", "R3D", "CPS", "CPE", "CAX", "DS"];
+        let rest = plane.iter().find_map(|start| name.strip_prefix(start))?;
+        Some(Shape::Facet(match rest {
+            "3" | "3T" => Triangle3,
+            "4" | "4R" | "4I" => Quadrilateral4,
+            "6" | "6M" => Triangle6,
+            "8" | "8R" => Quadrilateral8,
+            _ => return None,
+        }))
+    }
+
+    /// Number of nodes in the file.
+    pub fn node_count(self) -> usize {
+        match self {
+            Shape::Solid(kind) | Shape::Shell(kind) | Shape::Facet(kind) => kind.node_count(),
+            Shape::Beam { nodes, .. } => nodes,
+            Shape::Truss | Shape::Spring(SpringKind::Freedoms | SpringKind::Axial) => 2,
+            Shape::Mass | Shape::Rotary | Shape::Spring(SpringKind::Ground) => 1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn types_and_their_variants() {
+        for (name, count) in [
+            ("C3D4", 4),
+            ("C3D10M", 10),
+            ("C3D10MH", 10),
+            ("C3D20RI", 20),
+            ("C3D8IT", 8),
+            ("C3D15", 15),
+            ("C3D5", 5),
+            ("S4R", 4),
+            ("B32", 3),
+            ("SPRINGA", 2),
+            ("CPS6", 6),
+        ] {
+            assert_eq!(Shape::of(name).map(Shape::node_count), Some(count), "{name}");
+        }
+        for name in ["C3D27", "C3D15V", "C3D", "U1", "CONN3D2", "T3D3", "C3Dé", "", "DS"] {
+            assert_eq!(Shape::of(name), None, "{name}");
+        }
+    }
+}

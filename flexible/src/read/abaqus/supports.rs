@@ -1,0 +1,124 @@
+//! `*BOUNDARY` of the model, and `*TRANSFORM`.
+
+use std::collections::BTreeMap;
+
+use super::frames::Transform;
+use super::model::Model;
+use crate::error::FileProblem;
+use crate::mesh::{Carries, Frame, Support};
+use crate::read::unread::UnreadCards;
+use crate::read::vector::product;
+
+/// Gives nodes their frames, which are returned.
+pub(super) fn transform(model: &mut Model) -> Result<Vec<Frame>, FileProblem> {
+    let mut frames = Vec::new();
+    let mut of_node: BTreeMap<u32, u32> = BTreeMap::new();
+    for (place, block) in model.blocks() {
+        let keyword = &block.keyword;
+        if keyword.key != "TRANSFORM" {
+            continue;
+        }
+        let transform = Transform::read(keyword, &block.rows)?;
+        let motion = model
+            .places
+            .get(place)
+            .map_or(super::frames::STILL, |placed| placed.motion());
+        let mut shared = None;
+        for node in model.nodes_of(place, keyword.require("NSET", "NSET")?, &keyword.at)? {
+            let local = motion.back(model.position(node));
+            let Some(axes) = transform.axes_at(local) else {
+                let id = model.nodes.get(node as usize).map_or(0, |node| node.id);
+                return Err(keyword.problem(
+                    &format!("the axes at node {id} are not determined"),
+                    "the points must make a triangle, and no node may lie on the axis",
+                ));
+            };
+            let index = match shared {
+                Some(index) if transform.is_rectangular() => index,
+                _ => {
+                    let index = frames.len() as u32; // never more than nodes
+                    frames.push(Frame {
+                        rotation: product(&motion.rotation, &axes),
+                    });
+                    index
+                }
+            };
+            shared = Some(index);
+            if of_node.insert(node, index).is_some() {
+                let id = model.nodes.get(node as usize).map_or(0, |node| node.id);
+                return Err(keyword.problem(
+                    &format!("node {id} has a *TRANSFORM already"),
+                    "leave it out of one of the two sets",
+                ));
+            }
+        }
+    }
+    for (node, frame) in of_node {
+        if let Some(node) = model.nodes.get_mut(node as usize) {
+            node.frame = Some(frame);
+        }
+    }
+    Ok(frames)
+}
+
+/// Supports named by a word.
+fn named(word: &str) -> Option<u8> {
+    Some(match word {
+        "ENCASTRE" => 0b11_1111,
+        "PINNED" => 0b00_0111,
+        "XSYMM" => 0b11_0001,
+        "YSYMM" => 0b10_1010,
+        "ZSYMM" => 0b01_1100,
+        "XASYMM" => 0b00_1110,
+        "YASYMM" => 0b01_0101,
+        "ZASYMM" => 0b10_0011,
+        _ => return None,
+    })
+}
+
+/// The freedoms that `*BOUNDARY` holds: `node or set, first, last, value` or `node or set, word`.
+pub(super) fn supports(
+    model: &Model,
+    unread: &mut UnreadCards,
+) -> Result<Vec<Support>, FileProblem> {
+    let mut held: BTreeMap<u32, u8> = BTreeMap::new();
+    for (place, block) in model.blocks() {
+        let keyword = &block.keyword;
+        if keyword.key != "BOUNDARY" {
+            continue;
+        }
+        if keyword.has("SUBMODEL") {
+            unread.note("*BOUNDARY, SUBMODEL", &keyword.at, Carries::Structure);
+            continue;
+        }
+        for row in block.rows.iter().filter(|row| !row.is_blank()) {
+            let word = super::lines::key(row.text(1));
+            let components = match (named(&word), word.parse::<u8>()) {
+                (Some(components), _) => components,
+                // temperature and other fields
+                (None, Ok(7..)) => {
+                    unread.note("*BOUNDARY of other fields", &row.at, Carries::Nothing);
+                    continue;
+                }
+                (None, Ok(_)) => row.freedom_range(1)?,
+                (None, Err(_)) => {
+                    return Err(row.at.problem(
+                        format!("*BOUNDARY: \"{}\" is no freedom or support", row.text(1)),
+                        "give first and last freedom 1 to 6, or ENCASTRE, PINNED, XSYMM, …",
+                    ));
+                }
+            };
+            if row.optional_real(3, "the value")?.unwrap_or(0.0) != 0.0 {
+                let name = "*BOUNDARY values other than zero";
+                unread.note(name, &row.at, Carries::Unknown);
+            }
+            for node in model.nodes_of(place, row.text(0), &row.at)? {
+                *held.entry(node).or_default() |= components;
+            }
+        }
+    }
+    Ok(held
+        .into_iter()
+        .map(|(node, components)| Support { node, components })
+        .collect())
+}

@@ -1,0 +1,197 @@
+//! `*SURFACE`: faces of elements or nodes, as nodes with the areas they stand for.
+
+use std::collections::BTreeMap;
+
+use super::lines::{Row, key};
+use super::model::Model;
+use super::scope::Block;
+use super::shapes::Shape;
+use crate::error::FileProblem;
+use crate::mesh::{Carries, ElementKind};
+use crate::read::faces;
+use crate::read::unread::UnreadCards;
+use crate::read::vector::{minus, norm};
+
+/// Nodes, sorted, and the weight of each: its area, or what `TYPE=NODE` gives.
+pub(super) type Surface = Vec<(u32, f64)>;
+
+/// Corners of a face, sorted, `u32::MAX` for a fourth one that isn't there.
+type FaceKey = [u32; 4];
+
+/// Fills the surfaces of all places.
+pub(super) fn fill(model: &mut Model, unread: &mut UnreadCards) -> Result<(), FileProblem> {
+    let mut inner = None;
+    for place in 0..model.places.len() {
+        let mut made = Vec::new();
+        for (of, block) in model.blocks() {
+            if of != place || block.keyword.key != "SURFACE" {
+                continue;
+            }
+            if let Some(surface) = surface(model, place, block, &mut inner, unread)? {
+                let name = block.keyword.require("NAME", "NAME")?;
+                made.push((key(name), name.to_string(), surface));
+            }
+        }
+        if let Some(placed) = model.places.get_mut(place) {
+            for (name, written, surface) in made {
+                placed.surfaces.insert(name, (written, surface));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn surface(
+    model: &Model,
+    place: usize,
+    block: &Block,
+    inner: &mut Option<Vec<FaceKey>>,
+    unread: &mut UnreadCards,
+) -> Result<Option<Surface>, FileProblem> {
+    let keyword = &block.keyword;
+    let rows = block.rows.iter().filter(|row| !row.is_blank());
+    let mut weights: BTreeMap<u32, f64> = BTreeMap::new();
+    match keyword.choice("TYPE").as_str() {
+        "NODE" => {
+            for row in rows {
+                let weight = row.optional_real(1, "the area")?.unwrap_or(1.0);
+                for node in model.nodes_of(place, row.text(0), &row.at)? {
+                    weights.insert(node, weight);
+                }
+            }
+        }
+        "" | "ELEMENT" if !keyword.has("COMBINE") && !keyword.has("CROP") => {
+            for row in rows {
+                add_faces(model, place, row, inner, &mut weights)?;
+            }
+        }
+        _ => {
+            unread.note(
+                "*SURFACE that is no list of faces or nodes",
+                &keyword.at,
+                Carries::Unknown,
+            );
+            return Ok(None);
+        }
+    }
+    Ok(Some(weights.into_iter().collect()))
+}
+
+/// Adds the faces of a line: an element or set, and which face of each; without a face all those on the outside of the model.
+fn add_faces(
+    model: &Model,
+    place: usize,
+    row: &Row,
+    inner: &mut Option<Vec<FaceKey>>,
+    weights: &mut BTreeMap<u32, f64>,
+) -> Result<(), FileProblem> {
+    let face = key(row.text(1));
+    for index in model.rows_of(place, row.text(0), &row.at)? {
+        let Some(element) = model.rows.get(index as usize) else {
+            continue;
+        };
+        let (kind, solid) = match element.shape {
+            Shape::Solid(kind) => (kind, true),
+            Shape::Shell(kind) | Shape::Facet(kind) => (kind, false),
+            _ => {
+                return Err(row.at.problem(
+                    format!("element {} has no faces", element.label),
+                    "a surface is made of solids, shells or facets",
+                ));
+            }
+        };
+        let nodes = model.row_nodes(element);
+        let all = faces::faces(kind);
+        let wrong = || {
+            row.at.problem(
+                format!("element {} has no face \"{}\"", element.label, row.text(1)),
+                "a solid has S1, S2, …; a shell SPOS and SNEG, and edges E1, E2, …",
+            )
+        };
+        let number = |letter: char| {
+            face.strip_prefix(letter)
+                .and_then(|number| number.parse::<usize>().ok())
+                .and_then(|number| number.checked_sub(1))
+        };
+        if !solid && let Some(edge) = number('E') {
+            let corners = faces::edges(kind).get(edge).ok_or_else(wrong)?;
+            add_edge(model, &faces::around(kind, nodes, corners), weights);
+            continue;
+        }
+        let chosen = match (face.as_str(), solid) {
+            ("", true) => {
+                let inner = inner.get_or_insert_with(|| inner_faces(model));
+                all.iter()
+                    .copied()
+                    .filter(|face| inner.binary_search(&face_key(nodes, face)).is_err())
+                    .collect()
+            }
+            ("" | "SPOS" | "SNEG" | "S1" | "S2", false) => all.to_vec(),
+            _ => vec![*number('S').and_then(|i| all.get(i)).ok_or_else(wrong)?],
+        };
+        for face in chosen {
+            add_face(model, kind, nodes, face, weights);
+        }
+    }
+    Ok(())
+}
+
+fn add_face(
+    model: &Model,
+    kind: ElementKind,
+    nodes: &[u32],
+    corners: &[usize],
+    weights: &mut BTreeMap<u32, f64>,
+) {
+    let ring = faces::around(kind, nodes, corners);
+    for (node, share) in faces::shares(&ring, |node| model.position(node)) {
+        *weights.entry(node).or_insert(0.0) += share;
+    }
+}
+
+/// Shares the length of an edge among its nodes.
+fn add_edge(model: &Model, ring: &[(u32, Option<u32>)], weights: &mut BTreeMap<u32, f64>) {
+    let &[(first, middle), (last, _)] = ring else {
+        return;
+    };
+    let line = [Some(first), middle, Some(last)];
+    let line = line.into_iter().flatten().collect::<Vec<_>>();
+    for pair in line.windows(2) {
+        if let [a, b] = *pair {
+            let half = 0.5 * norm(minus(model.position(b), model.position(a)));
+            for node in [a, b] {
+                *weights.entry(node).or_insert(0.0) += half;
+            }
+        }
+    }
+}
+
+/// Faces between two solids, sorted.
+fn inner_faces(model: &Model) -> Vec<FaceKey> {
+    let mut all = Vec::new();
+    for row in &model.rows {
+        if let Shape::Solid(kind) = row.shape {
+            let nodes = model.row_nodes(row);
+            all.extend(faces::faces(kind).iter().map(|face| face_key(nodes, face)));
+        }
+    }
+    all.sort_unstable();
+    let mut inner = all
+        .windows(2)
+        .filter_map(|pair| match pair {
+            [a, b] if a == b => Some(*a),
+            _ => None,
+        })
+        .collect::<Vec<_>>();
+    inner.dedup();
+    inner
+}
+
+fn face_key(nodes: &[u32], corners: &[usize]) -> FaceKey {
+    let mut key = [u32::MAX; 4];
+    for (place, corner) in key.iter_mut().zip(corners) {
+        *place = nodes.get(*corner).copied().unwrap_or(u32::MAX);
+    }
+    key.sort_unstable();
+    key
+}

@@ -1,0 +1,411 @@
+//! `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`, `*KINEMATIC COUPLING`, `*RIGID BODY`, `*MPC`, `*EQUATION`.
+
+use std::collections::BTreeMap;
+
+use super::lines::{Row, key};
+use super::model::Model;
+use super::scope::{Block, label};
+use super::shapes::Shape;
+use super::surfaces::Surface;
+use crate::error::FileProblem;
+use crate::mesh::{Carries, Tie};
+use crate::read::unread::UnreadCards;
+use crate::read::vector::{minus, norm};
+
+const ALL: u8 = 0b11_1111;
+const TRANSLATIONS: u8 = 0b00_0111;
+const ROTATIONS: u8 = 0b11_1000;
+
+/// Ties as they are found; each gets the next number.
+struct Ties<'m, 'u> {
+    model: &'m Model,
+    unread: &'u mut UnreadCards,
+    /// Nodes whose rotations an element uses.
+    turning: Vec<bool>,
+    made: Vec<Tie>,
+}
+
+/// The ties of a mesh, numbered in the order of the file from 1.
+pub(super) fn ties(model: &Model, unread: &mut UnreadCards) -> Result<Vec<Tie>, FileProblem> {
+    let mut ties = Ties {
+        model,
+        unread,
+        turning: turning(model),
+        made: Vec::new(),
+    };
+    let mut waiting: Option<(usize, &Block)> = None;
+    for (place, block) in model.blocks() {
+        let keyword = &block.keyword;
+        match keyword.key.as_str() {
+            "KINEMATIC" | "DISTRIBUTING" => {
+                let Some((_, coupling)) = waiting.take().filter(|(of, _)| *of == place) else {
+                    return Err(keyword.problem(
+                        "no *COUPLING stands before it",
+                        "put it right behind its *COUPLING",
+                    ));
+                };
+                ties.coupling(place, coupling, block)?;
+                continue;
+            }
+            "COUPLING" => {
+                if let Some((_, coupling)) = waiting.replace((place, block)) {
+                    return Err(bare(coupling));
+                }
+                continue;
+            }
+            "KINEMATICCOUPLING" => ties.kinematic_by_nodes(place, block)?,
+            "RIGIDBODY" => ties.rigid_body(place, block)?,
+            "MPC" => ties.constraints(place, block)?,
+            "EQUATION" => ties.equations(place, block)?,
+            _ => continue,
+        }
+    }
+    match waiting {
+        Some((_, coupling)) => Err(bare(coupling)),
+        None => Ok(ties.made),
+    }
+}
+
+fn bare(coupling: &Block) -> FileProblem {
+    coupling.keyword.problem(
+        "neither *KINEMATIC nor *DISTRIBUTING follows",
+        "add one of them behind it",
+    )
+}
+
+/// Nodes of beams, shells and rotary inertias.
+fn turning(model: &Model) -> Vec<bool> {
+    let mut turning = vec![false; model.nodes.len()];
+    for row in &model.rows {
+        if matches!(
+            row.shape,
+            Shape::Beam { .. } | Shape::Shell(_) | Shape::Rotary
+        ) {
+            for node in model.row_nodes(row) {
+                if let Some(turns) = turning.get_mut(*node as usize) {
+                    *turns = true;
+                }
+            }
+        }
+    }
+    turning
+}
+
+impl Ties<'_, '_> {
+    fn id(&self) -> u64 {
+        self.made.len() as u64 + 1
+    }
+
+    fn coupling(
+        &mut self,
+        place: usize,
+        coupling: &Block,
+        kind: &Block,
+    ) -> Result<(), FileProblem> {
+        let keyword = &coupling.keyword;
+        let reference = keyword.require("REFNODE", "REF NODE")?;
+        let reference = self.model.node_of(place, reference, &keyword.at)?;
+        let name = keyword.require("SURFACE", "SURFACE")?;
+        let mut surface = self.surface(place, name, coupling)?;
+        if let Some(radius) = keyword.get("INFLUENCERADIUS") {
+            let Some(radius) = crate::read::number::real(radius) else {
+                return Err(keyword.problem(
+                    &format!("INFLUENCE RADIUS={radius} is no number"),
+                    "give the radius, or leave it out",
+                ));
+            };
+            let centre = self.model.position(reference);
+            surface
+                .retain(|(node, _)| norm(minus(self.model.position(*node), centre)) <= radius);
+        }
+        surface.retain(|(node, _)| *node != reference);
+        if surface.is_empty() {
+            return Err(keyword.problem(
+                &format!("its surface {name} has no nodes"),
+                "look at the surface, and at the influence radius",
+            ));
+        }
+        let components = components(&kind.rows)?.unwrap_or(ALL);
+        let own_axes = keyword.has("ORIENTATION");
+        if kind.keyword.key == "KINEMATIC" {
+            let nodes = surface.iter().map(|(node, _)| *node).collect::<Vec<_>>();
+            self.spider(reference, &nodes, components, own_axes, coupling);
+            return Ok(());
+        }
+        let method = kind.keyword.choice("WEIGHTINGMETHOD");
+        if !matches!(method.as_str(), "" | "UNIFORM") {
+            let name = "*DISTRIBUTING with weights by distance";
+            self.unread.note(name, &keyword.at, Carries::Structure);
+        }
+        if kind.keyword.choice("COUPLING") == "STRUCTURAL" {
+            let name = "*DISTRIBUTING, COUPLING=STRUCTURAL";
+            self.unread.note(name, &keyword.at, Carries::Unknown);
+        }
+        // all translations always follow; rotations may be released
+        let components = components | TRANSLATIONS;
+        if own_axes && !full(components) {
+            let name = "*COUPLING of some freedoms in own axes";
+            self.unread.note(name, &keyword.at, Carries::Structure);
+            return Ok(());
+        }
+        self.made.push(Tie::Averaging {
+            id: self.id(),
+            reference,
+            reference_components: components,
+            independent: surface
+                .into_iter()
+                .map(|(node, weight)| (node, weight, TRANSLATIONS))
+                .collect(),
+        });
+        Ok(())
+    }
+
+    /// A surface, or a set of nodes of that name.
+    fn surface(&self, place: usize, name: &str, user: &Block) -> Result<Surface, FileProblem> {
+        let found = self.model.search(place, name, |placed, name| {
+            placed
+                .surfaces
+                .get(&key(name))
+                .map(|(_, surface)| surface.clone())
+        });
+        found.ok_or_else(|| {
+            user.keyword.problem(
+                &format!("the surface {name} is missing"),
+                "add its *SURFACE, or *INCLUDE the file that holds it",
+            )
+        })
+    }
+
+    /// Nodes that follow a reference node rigidly. Components are those of the global frame.
+    fn spider(
+        &mut self,
+        reference: u32,
+        nodes: &[u32],
+        components: u8,
+        own_axes: bool,
+        block: &Block,
+    ) {
+        let turned = |node: &u32| {
+            let node = self.model.nodes.get(*node as usize);
+            node.is_some_and(|node| node.frame.is_some())
+        };
+        if !full(components) && (own_axes || nodes.iter().any(turned)) {
+            let name = format!("*{} of some freedoms in own axes", block.keyword.name);
+            self.unread
+                .note(&name, &block.keyword.at, Carries::Structure);
+            return;
+        }
+        let mut dependent = nodes
+            .iter()
+            .filter(|node| **node != reference)
+            .map(|node| (*node, components))
+            .collect::<Vec<_>>();
+        dependent.sort_unstable();
+        dependent.dedup();
+        if dependent.is_empty() {
+            return;
+        }
+        self.made.push(Tie::Rigid {
+            id: self.id(),
+            independent: reference,
+            dependent,
+        });
+    }
+
+    /// `*KINEMATIC COUPLING, REF NODE=n`: `node or set, first, last`.
+    fn kinematic_by_nodes(&mut self, place: usize, block: &Block) -> Result<(), FileProblem> {
+        let keyword = &block.keyword;
+        let reference = keyword.require("REFNODE", "REF NODE")?;
+        let reference = self.model.node_of(place, reference, &keyword.at)?;
+        let mut by_components: BTreeMap<u8, Vec<u32>> = BTreeMap::new();
+        for row in block.rows.iter().filter(|row| !row.is_blank()) {
+            let components = if row.text(1).is_empty() {
+                ALL
+            } else {
+                row.freedom_range(1)?
+            };
+            let nodes = self.model.nodes_of(place, row.text(0), &row.at)?;
+            by_components.entry(components).or_default().extend(nodes);
+        }
+        for (components, nodes) in by_components {
+            let own_axes = keyword.has("ORIENTATION");
+            self.spider(reference, &nodes, components, own_axes, block);
+        }
+        Ok(())
+    }
+
+    /// `*RIGID BODY, REF NODE=n` of `NSET`, `TIE NSET`, `PIN NSET` (translations only) or `ELSET`.
+    fn rigid_body(&mut self, place: usize, block: &Block) -> Result<(), FileProblem> {
+        let keyword = &block.keyword;
+        let model = self.model;
+        let reference = keyword.require("REFNODE", "REF NODE")?;
+        let reference = model.node_of(place, reference, &keyword.at)?;
+        for (parameter, name) in [
+            ("ROTNODE", "*RIGID BODY, ROT NODE"),
+            ("ANALYTICALSURFACE", "*RIGID BODY, ANALYTICAL SURFACE"),
+        ] {
+            if keyword.has(parameter) {
+                self.unread.note(name, &keyword.at, Carries::Structure);
+            }
+        }
+        if keyword.choice("POSITION") == "CENTEROFMASS" {
+            let name = "*RIGID BODY, POSITION=CENTER OF MASS";
+            self.unread.note(name, &keyword.at, Carries::Unknown);
+        }
+        let mut components: BTreeMap<u32, u8> = BTreeMap::new();
+        for (parameter, bits) in [("NSET", ALL), ("TIENSET", ALL), ("PINNSET", TRANSLATIONS)] {
+            if let Some(set) = keyword.get(parameter) {
+                for node in model.nodes_of(place, set, &keyword.at)? {
+                    *components.entry(node).or_default() |= bits;
+                }
+            }
+        }
+        if let Some(set) = keyword.get("ELSET") {
+            for node in model.nodes_of_rows(&model.rows_of(place, set, &keyword.at)?) {
+                *components.entry(node).or_default() |= ALL;
+            }
+        }
+        components.remove(&reference);
+        if components.is_empty() {
+            return Err(keyword.problem(
+                "it has no nodes but its reference",
+                "give NSET, TIE NSET, PIN NSET or ELSET",
+            ));
+        }
+        self.made.push(Tie::Rigid {
+            id: self.id(),
+            independent: reference,
+            dependent: components.into_iter().collect(),
+        });
+        Ok(())
+    }
+
+    /// `*MPC`: `BEAM, a, b`, `TIE, a, b`, `PIN, a, b`: the first node, or each of the first set, depends on the second.
+    fn constraints(&mut self, place: usize, block: &Block) -> Result<(), FileProblem> {
+        for row in block.rows.iter().filter(|row| !row.is_blank()) {
+            let kind = key(row.text(0));
+            if !matches!(kind.as_str(), "BEAM" | "TIE" | "PIN") {
+                let name = format!("*MPC {kind}");
+                self.unread.note(&name, &row.at, Carries::Structure);
+                continue;
+            }
+            let first = self.model.nodes_of(place, row.text(1), &row.at)?;
+            let second = self.model.nodes_of(place, row.text(2), &row.at)?;
+            for (a, b) in pairs(&[first, second], row)?
+                .iter()
+                .filter_map(|nodes| Some((*nodes.first()?, *nodes.get(1)?)))
+            {
+                let apart = norm(minus(self.model.position(a), self.model.position(b)));
+                match kind.as_str() {
+                    "BEAM" => self.spider(b, &[a], ALL, false, block),
+                    // where the nodes coincide all three say the same of translations
+                    "TIE" if apart == 0.0 => self.spider(b, &[a], ALL, false, block),
+                    "TIE" => self.same(a, b, ALL),
+                    _ => self.same(a, b, TRANSLATIONS),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes components of a equal to those of b; rotations only where both nodes turn.
+    fn same(&mut self, a: u32, b: u32, components: u8) {
+        let turns = |node: u32| self.turning.get(node as usize).copied().unwrap_or(false);
+        let both = turns(a) && turns(b);
+        for freedom in 0..6_u8 {
+            if components >> freedom & 1 == 1 && (freedom < 3 || both) {
+                self.made.push(Tie::Equation {
+                    id: self.id(),
+                    terms: vec![(a, freedom, 1.0), (b, freedom, -1.0)],
+                });
+            }
+        }
+    }
+
+    /// `*EQUATION`: number of terms, then `node or set, freedom, coefficient` over as many lines as it takes. With sets there is an
+    /// equation for each node of them.
+    fn equations(&mut self, place: usize, block: &Block) -> Result<(), FileProblem> {
+        let mut rows = block.rows.iter().filter(|row| !row.is_blank());
+        while let Some(head) = rows.next() {
+            let count = label(head.text(0)).ok_or_else(|| {
+                head.at.problem(
+                    format!("*EQUATION: \"{}\" is no number of terms", head.text(0)),
+                    "an equation begins with a line with the number of its terms",
+                )
+            })?;
+            let (mut nodes, mut freedoms) = (Vec::new(), Vec::new());
+            while (freedoms.len() as u64) < count {
+                let Some(row) = rows.next() else {
+                    return Err(head.at.problem(
+                        format!("*EQUATION has {} of its {count} terms", freedoms.len()),
+                        "add the others, or correct the number",
+                    ));
+                };
+                let fields = row.fields().len();
+                for i in (0..fields).step_by(3) {
+                    nodes.push(self.model.nodes_of(place, row.text(i), &row.at)?);
+                    freedoms.push((row.freedom(i + 1)?, row.real(i + 2, "a coefficient")?));
+                }
+            }
+            if freedoms.len() as u64 != count {
+                return Err(head.at.problem(
+                    format!("*EQUATION has {} terms instead of {count}", freedoms.len()),
+                    "correct the number",
+                ));
+            }
+            if freedoms.first().is_none_or(|(_, first)| *first == 0.0) {
+                return Err(head.at.problem(
+                    "*EQUATION: its first coefficient is zero",
+                    "the first freedom is the one that depends on the others",
+                ));
+            }
+            for nodes in pairs(&nodes, head)? {
+                let terms = nodes
+                    .into_iter()
+                    .zip(&freedoms)
+                    .map(|(node, (freedom, coefficient))| (node, *freedom, *coefficient));
+                self.made.push(Tie::Equation {
+                    id: self.id(),
+                    terms: terms.collect(),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether translations and rotations are each taken all or not at all, so that their axes don't matter.
+fn full(components: u8) -> bool {
+    [TRANSLATIONS, ROTATIONS]
+        .iter()
+        .all(|group| components & group == 0 || components & group == *group)
+}
+
+/// Freedoms that lines `first, last` name together; `None` without any.
+fn components(rows: &[Row]) -> Result<Option<u8>, FileProblem> {
+    let mut all = None;
+    for row in rows.iter().filter(|row| !row.text(0).is_empty()) {
+        all = Some(all.unwrap_or(0) | row.freedom_range(0)?);
+    }
+    Ok(all)
+}
+
+/// Nodes that belong together, of lists that are equally long or hold one node for all.
+fn pairs(lists: &[Vec<u32>], row: &Row) -> Result<Vec<Vec<u32>>, FileProblem> {
+    let longest = lists.iter().map(Vec::len).max().unwrap_or(0);
+    let fits = |list: &Vec<u32>| list.len() == longest || list.len() == 1;
+    if !lists.iter().all(fits) {
+        return Err(row.at.problem(
+            "the sets have different numbers of nodes",
+            "give sets of the same size, or one node for all",
+        ));
+    }
+    Ok((0..longest)
+        .map(|i| {
+            lists
+                .iter()
+                .filter_map(|list| list.get(i).or(list.first()).copied())
+                .collect()
+        })
+        .collect())
+}

@@ -1,0 +1,251 @@
+//! Text files that include others: their lines, and where each stands.
+
+use std::io::{BufRead, Read};
+use std::rc::Rc;
+
+use super::Files;
+use crate::error::{FileProblem, Place};
+
+/// Longer lines than this are no text.
+const LONGEST_LINE: u64 = 1 << 16;
+/// Files open in each other.
+const DEEPEST: usize = 60;
+/// Includes in all.
+const MOST_INCLUDES: usize = 10_000;
+
+/// Where something stands.
+#[derive(Clone, Debug)]
+pub(super) struct At {
+    /// The file, as it was asked for.
+    pub file: Rc<str>,
+    /// The line, from 1.
+    pub line: u64,
+}
+
+impl At {
+    /// A problem here.
+    pub fn problem(&self, problem: impl Into<String>, advice: impl Into<String>) -> FileProblem {
+        FileProblem::at_line(&self.file, self.line, problem, advice)
+    }
+}
+
+/// What messages about a kind of files say.
+pub(super) struct Syntax {
+    /// The word that includes a file.
+    pub include: &'static str,
+    /// What the text is: "no text of …".
+    pub text: &'static str,
+    /// Which files are meant: "give …".
+    pub files: &'static str,
+}
+
+struct OpenFile {
+    name: Rc<str>,
+    normal: String,
+    reader: Box<dyn BufRead>,
+    line: u64,
+}
+
+/// A file and those it includes, line by line.
+pub(super) struct Source<'f> {
+    files: &'f dyn Files,
+    syntax: &'static Syntax,
+    stack: Vec<OpenFile>,
+    includes: usize,
+}
+
+impl<'f> Source<'f> {
+    /// Opens a file.
+    pub fn open(
+        files: &'f dyn Files,
+        name: &str,
+        syntax: &'static Syntax,
+    ) -> Result<Self, FileProblem> {
+        let reader = super::open(files, name)?;
+        Ok(Source {
+            files,
+            syntax,
+            stack: vec![OpenFile {
+                name: name.into(),
+                normal: normal(name),
+                reader,
+                line: 0,
+            }],
+            includes: 0,
+        })
+    }
+
+    /// Whether a file is open.
+    pub fn is_open(&self) -> bool {
+        !self.stack.is_empty()
+    }
+
+    /// Ends the innermost file; `false` where that is the outermost one.
+    pub fn end_file(&mut self) -> bool {
+        self.stack.pop();
+        !self.stack.is_empty()
+    }
+
+    /// A line of the innermost file as it stands, with its end; `None` at the end of the file, which stays open.
+    pub fn line(&mut self) -> Result<Option<(Vec<u8>, At)>, FileProblem> {
+        let Some(file) = self.stack.last_mut() else {
+            return Ok(None);
+        };
+        file.line += 1;
+        let at = At {
+            file: Rc::clone(&file.name),
+            line: file.line,
+        };
+        let mut bytes = Vec::with_capacity(96);
+        (&mut file.reader)
+            .take(LONGEST_LINE)
+            .read_until(b'\n', &mut bytes)
+            .map_err(|error| {
+                at.problem(
+                    format!("the file can't be read on: {error}"),
+                    "it may have been cut or damaged on its way here",
+                )
+            })?;
+        if bytes.is_empty() {
+            return Ok(None);
+        }
+        if bytes.len() as u64 == LONGEST_LINE || bytes.contains(&0) {
+            return Err(at.problem(
+                format!("this is no text of {}", self.syntax.text),
+                format!("give {}, not a database or result file", self.syntax.files),
+            ));
+        }
+        Ok(Some((bytes, at)))
+    }
+
+    /// Opens an included file: beside the including file, beside the deck, or beside the model.
+    pub fn include(&mut self, name: &str, at: &At) -> Result<(), FileProblem> {
+        let include = self.syntax.include;
+        self.includes += 1;
+        if self.stack.len() >= DEEPEST || self.includes > MOST_INCLUDES {
+            return Err(at.problem(
+                format!("{include} '{name}': too many files include each other"),
+                "look for files that include themselves",
+            ));
+        }
+        let including = self.stack.last().map_or("", |file| &*file.name).to_string();
+        let deck = self.stack.first().map_or("", |file| &*file.name);
+        let candidates = candidates(&[&including, deck], name);
+        let mut last = None;
+        for candidate in &candidates {
+            if self.stack.iter().any(|file| file.normal == *candidate) {
+                let circle = self
+                    .stack
+                    .iter()
+                    .skip_while(|file| file.normal != *candidate)
+                    .map(|file| &*file.name)
+                    .chain([candidate.as_str()])
+                    .collect::<Vec<_>>()
+                    .join(" → ");
+                return Err(at.problem(
+                    format!("{include} '{name}' goes round in a circle: {circle}"),
+                    format!("remove one of these {include} lines"),
+                ));
+            }
+            match super::open(self.files, candidate) {
+                Ok(reader) => {
+                    self.stack.push(OpenFile {
+                        name: candidate.as_str().into(),
+                        normal: candidate.clone(),
+                        reader,
+                        line: 0,
+                    });
+                    return Ok(());
+                }
+                Err(problem) => last = Some(problem),
+            }
+        }
+        let why = last.map_or_else(String::new, |problem| problem.problem);
+        Err(at.problem(
+            format!("{include} '{name}': {why} (tried {})", candidates.join(", ")),
+            "paths count from the including file, the deck or the folder of the model",
+        ))
+    }
+}
+
+/// A place without line, for a problem of the deck as a whole.
+pub(super) fn whole(name: &str, problem: &str, advice: &str) -> FileProblem {
+    FileProblem {
+        file: name.into(),
+        place: Place::File,
+        problem: problem.into(),
+        advice: advice.into(),
+    }
+}
+
+/// Names under which an included file may be found, best first. A logical prefix (`VAR:file`) can't be known here and is left out.
+fn candidates(beside: &[&str], name: &str) -> Vec<String> {
+    let plain = name.replace('\\', "/");
+    let mut forms = vec![plain.clone()];
+    if let Some((prefix, rest)) = plain.split_once(':')
+        && prefix.len() > 1
+    {
+        forms.push(rest.trim_start_matches('/').to_string());
+    }
+    let folders = beside
+        .iter()
+        .map(|file| match normal(file).rsplit_once('/') {
+            Some((folder, _)) => format!("{folder}/"),
+            None => String::new(),
+        });
+    let folders = folders.chain([String::new()]).collect::<Vec<_>>();
+    let mut names: Vec<String> = Vec::new();
+    for form in forms {
+        let ways = if form.starts_with('/') {
+            vec![normal(&form)]
+        } else {
+            let within = |folder: &String| normal(&format!("{folder}{form}"));
+            folders.iter().map(within).collect()
+        };
+        for way in ways {
+            if !names.contains(&way) {
+                names.push(way);
+            }
+        }
+    }
+    names
+}
+
+/// A path with `/` only, without `.` and without `folder/..`.
+fn normal(path: &str) -> String {
+    let path = path.replace('\\', "/");
+    let mut parts: Vec<&str> = Vec::new();
+    for part in path.split('/') {
+        match part {
+            "" | "." => {}
+            ".." if parts.last().is_some_and(|last| *last != "..") => {
+                parts.pop();
+            }
+            part => parts.push(part),
+        }
+    }
+    let joined = parts.join("/");
+    if path.starts_with('/') {
+        format!("/{joined}")
+    } else {
+        joined
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_included_files() {
+        assert_eq!(normal("./a/../b//c.bdf"), "b/c.bdf");
+        assert_eq!(normal("../a"), "../a");
+        assert_eq!(
+            candidates(&["sub/main.bdf", "m"], "x.bdf"),
+            ["sub/x.bdf", "x.bdf"]
+        );
+        assert_eq!(candidates(&["main.bdf"], "..\\x.bdf"), ["../x.bdf"]);
+        assert_eq!(candidates(&["m"], "DIR:x.bdf"), ["DIR:x.bdf", "x.bdf"]);
+        assert_eq!(candidates(&["a/m", "b/c/m"], "/x/./y"), ["/x/y"]);
+    }
+}

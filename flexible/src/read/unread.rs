@@ -1,0 +1,32 @@
+//! What a file holds and a mesh does not.
+
+use std::collections::BTreeMap;
+
+use super::source::At;
+use crate::mesh::{Carries, Unread};
+
+/// Counts the cards or keywords that were not read.
+#[derive(Debug, Default)]
+pub(super) struct UnreadCards {
+    cards: BTreeMap<String, Unread>,
+}
+
+impl UnreadCards {
+    /// Counts something of which a part isn't read.
+    pub fn note(&mut self, name: &str, at: &At, carries: Carries) {
+        self.cards
+            .entry(name.to_string())
+            .or_insert_with(|| Unread {
+                name: name.to_string(),
+                count: 0,
+                first: (at.file.to_string(), at.line),
+                carries,
+            })
+            .count += 1;
+    }
+
+    /// All, by name.
+    pub fn into_list(self) -> Vec<Unread> {
+        self.cards.into_values().collect()
+    }
+}
