@@ -24,4 +24,4 @@ pub mod units;
 
 pub use error::{FileProblem, FlexibleError, Place};
 pub use mesh::Mesh;
-pub use read::Files;
+pub use read::{Files, MeshFormat, read_mesh};

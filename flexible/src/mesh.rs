@@ -6,6 +6,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::error::FlexibleError;
+
 /// Stands in a connectivity for a mid-side node that is not there: that edge is straight and linear.
 pub const ABSENT: u32 = u32::MAX;
 
@@ -312,6 +314,65 @@ impl Mesh {
         self.connectivity
             .get(first..first + element.kind.node_count())
             .unwrap_or(&[])
+    }
+
+    /// Gives a material to a mesh whose file has none: to all its solids.
+    ///
+    /// # Errors
+    /// When the mesh has a material of its own, nothing that takes one, or the values make no isotropic material (Young's modulus
+    /// positive, Poisson's ratio above -1 and below 1/2, density not negative).
+    pub fn set_material(
+        &mut self,
+        young: f64,
+        poisson: f64,
+        density: f64,
+    ) -> Result<(), FlexibleError> {
+        let wrong = |problem: String, advice: &str| {
+            Err(FlexibleError::Structure {
+                problem,
+                advice: advice.into(),
+            })
+        };
+        if let Some(own) = self.materials.first() {
+            return wrong(
+                format!("the mesh has a material of its own, {}", own.name),
+                "leave the material out, or take it out of the file",
+            );
+        }
+        let sound = young > 0.0
+            && young.is_finite()
+            && poisson > -1.0
+            && poisson < 0.5
+            && density >= 0.0
+            && density.is_finite();
+        if !sound {
+            return wrong(
+                format!(
+                    "Young's modulus {young}, Poisson's ratio {poisson} and density {density} make no material"
+                ),
+                "Young's modulus is above zero, Poisson's ratio between -1 and 0.5, the density not negative",
+            );
+        }
+        let mut taken = false;
+        for property in &mut self.properties {
+            if property.section == Section::Solid && property.material.is_none() {
+                property.material = Some(0);
+                taken = true;
+            }
+        }
+        if !taken {
+            return wrong(
+                "the mesh has no solid that could take a material".into(),
+                "give a mesh of volumes",
+            );
+        }
+        self.materials.push(Material {
+            name: "given".into(),
+            young,
+            poisson,
+            density,
+        });
+        Ok(())
     }
 
     /// Index of each node id.

@@ -57,7 +57,13 @@ pub(super) fn faces(kind: ElementKind) -> &'static [&'static [usize]] {
         Triangle3 | Triangle6 => &[&[0, 1, 2]],
         Quadrilateral4 | Quadrilateral8 => &[&[0, 1, 2, 3]],
         Tetrahedron4 | Tetrahedron10 => &[&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]],
-        Pyramid5 | Pyramid13 => &[&[0, 1, 2, 3], &[0, 4, 1], &[1, 4, 2], &[2, 4, 3], &[3, 4, 0]],
+        Pyramid5 | Pyramid13 => &[
+            &[0, 1, 2, 3],
+            &[0, 4, 1],
+            &[1, 4, 2],
+            &[2, 4, 3],
+            &[3, 4, 0],
+        ],
         Wedge6 | Wedge15 => &[
             &[0, 1, 2],
             &[3, 5, 4],
@@ -78,7 +84,11 @@ pub(super) fn faces(kind: ElementKind) -> &'static [&'static [usize]] {
 
 /// Nodes of the edge or face with these corners: each corner, and after it the mid-side node between it and the next one where
 /// there is one.
-pub(super) fn around(kind: ElementKind, nodes: &[u32], corners: &[usize]) -> Vec<(u32, Option<u32>)> {
+pub(super) fn around(
+    kind: ElementKind,
+    nodes: &[u32],
+    corners: &[usize],
+) -> Vec<(u32, Option<u32>)> {
     let middle = |a: usize, b: usize| {
         let edge = edges(kind)
             .iter()
@@ -168,7 +178,11 @@ mod tests {
             for edge in edges(kind) {
                 let there = directed.contains(&(edge[0], edge[1]));
                 let back = directed.contains(&(edge[1], edge[0]));
-                assert!(if sides == 2 { there && back } else { there != back });
+                assert!(if sides == 2 {
+                    there && back
+                } else {
+                    there != back
+                });
             }
             let middle = kind.node_count() - kind.corner_count();
             assert!(middle == 0 || middle == edges(kind).len());

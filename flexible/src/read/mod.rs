@@ -2,6 +2,8 @@
 
 pub mod abaqus;
 mod faces;
+pub mod gmsh;
+mod labels;
 pub mod nastran;
 mod number;
 mod source;
@@ -10,7 +12,8 @@ mod vector;
 
 use std::io::{self, BufRead, BufReader, Read};
 
-use crate::error::{FileProblem, Place};
+use crate::error::{FileProblem, FlexibleError, Place};
+use crate::mesh::Mesh;
 
 /// Gives the readers their files. Names are as the model writes them; a name inside a file (`INCLUDE`) is looked up relative to the
 /// including file first, then beside the model.
@@ -20,6 +23,49 @@ pub trait Files {
     /// # Errors
     /// As the system gives them.
     fn open(&self, name: &str) -> io::Result<Box<dyn Read>>;
+}
+
+/// A format of finite-element meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MeshFormat {
+    /// Nastran bulk data.
+    Nastran,
+    /// Input of Abaqus.
+    Abaqus,
+    /// Input of CalculiX: read as that of Abaqus.
+    CalculiX,
+    /// A mesh of gmsh.
+    Gmsh,
+}
+
+impl MeshFormat {
+    /// Names that a model can state, with what they stand for.
+    pub const NAMED: &[(&str, MeshFormat)] = &[
+        ("nastran", MeshFormat::Nastran),
+        ("abaqus", MeshFormat::Abaqus),
+        ("calculix", MeshFormat::CalculiX),
+        ("gmsh", MeshFormat::Gmsh),
+    ];
+
+    /// The format of this name.
+    pub fn named(name: &str) -> Option<MeshFormat> {
+        Self::NAMED
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, format)| *format)
+    }
+}
+
+/// Reads a mesh of a stated format with all files it includes. Units stay those of the file.
+///
+/// # Errors
+/// As the reader of the format gives them.
+pub fn read_mesh(files: &dyn Files, name: &str, format: MeshFormat) -> Result<Mesh, FlexibleError> {
+    match format {
+        MeshFormat::Nastran => nastran::read_bulk(files, name),
+        MeshFormat::Abaqus | MeshFormat::CalculiX => abaqus::read_inp(files, name),
+        MeshFormat::Gmsh => gmsh::read_msh(files, name),
+    }
 }
 
 /// Opens a file for reading in a stream; a gzip-compressed one is unpacked as it is read.

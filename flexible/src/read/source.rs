@@ -162,7 +162,10 @@ impl<'f> Source<'f> {
         }
         let why = last.map_or_else(String::new, |problem| problem.problem);
         Err(at.problem(
-            format!("{include} '{name}': {why} (tried {})", candidates.join(", ")),
+            format!(
+                "{include} '{name}': {why} (tried {})",
+                candidates.join(", ")
+            ),
             "paths count from the including file, the deck or the folder of the model",
         ))
     }

@@ -338,12 +338,7 @@ impl Deck {
         Ok(())
     }
 
-    fn element(
-        &mut self,
-        shape: Shape,
-        fields: &[String],
-        at: &At,
-    ) -> Result<u64, FileProblem> {
+    fn element(&mut self, shape: Shape, fields: &[String], at: &At) -> Result<u64, FileProblem> {
         let scope = self.scope();
         let first = scope.labels.len();
         let Some((number, nodes)) = fields.split_first() else {

@@ -104,8 +104,15 @@ fn line(
         offsets: [[0.0; 3]; 2],
         released: [0; 2],
     });
-    push(mesh, row.id, ElementKind::Beam2, property, &ends, Some(beam))
-        .ok_or_else(|| row.at.problem("too many elements", "divide the model"))
+    push(
+        mesh,
+        row.id,
+        ElementKind::Beam2,
+        property,
+        &ends,
+        Some(beam),
+    )
+    .ok_or_else(|| row.at.problem("too many elements", "divide the model"))
 }
 
 fn push(

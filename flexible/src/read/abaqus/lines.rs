@@ -79,7 +79,8 @@ impl Keyword {
 
     /// A problem of this keyword.
     pub fn problem(&self, problem: &str, advice: impl Into<String>) -> FileProblem {
-        self.at.problem(format!("*{}: {problem}", self.name), advice)
+        self.at
+            .problem(format!("*{}: {problem}", self.name), advice)
     }
 }
 

@@ -27,9 +27,23 @@ pub(super) struct Materials {
 
 /// What a material may hold without being another structure.
 const HARMLESS: &[&str] = &[
-    "PLASTIC", "EXPANSION", "CONDUCTIVITY", "SPECIFICHEAT", "DAMPING", "DEPVAR", "CYCLICHARDENING",
-    "CREEP", "RATEDEPENDENT", "FAILSTRESS", "FAILSTRAIN", "LATENTHEAT", "INELASTICHEATFRACTION",
-    "ELECTRICALCONDUCTIVITY", "DAMAGEINITIATION", "DAMAGEEVOLUTION", "POTENTIAL",
+    "PLASTIC",
+    "EXPANSION",
+    "CONDUCTIVITY",
+    "SPECIFICHEAT",
+    "DAMPING",
+    "DEPVAR",
+    "CYCLICHARDENING",
+    "CREEP",
+    "RATEDEPENDENT",
+    "FAILSTRESS",
+    "FAILSTRAIN",
+    "LATENTHEAT",
+    "INELASTICHEATFRACTION",
+    "ELECTRICALCONDUCTIVITY",
+    "DAMAGEINITIATION",
+    "DAMAGEEVOLUTION",
+    "POTENTIAL",
 ];
 
 impl Materials {
@@ -88,11 +102,7 @@ impl Materials {
                 }
             }
             known if entry.is_some() && HARMLESS.contains(&known) => {
-                unread.note(
-                    &format!("*{}", keyword.name),
-                    &keyword.at,
-                    Carries::Nothing,
-                );
+                unread.note(&format!("*{}", keyword.name), &keyword.at, Carries::Nothing);
             }
             _ => {
                 self.open = None;

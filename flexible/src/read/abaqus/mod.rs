@@ -15,7 +15,6 @@
 mod deck;
 mod elements;
 mod frames;
-mod labels;
 mod lines;
 mod materials;
 mod model;

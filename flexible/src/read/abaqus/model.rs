@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use super::deck::Deck;
 use super::frames::{Motion, STILL};
-use super::labels::Labels;
 use super::lines::{key, unquoted};
 use super::scope::{Block, Scope, label};
 use super::shapes::Shape;
 use super::surfaces::Surface;
 use crate::error::FileProblem;
 use crate::mesh::Node;
+use crate::read::labels::Labels;
 use crate::read::source::At;
 
 /// A named thing of a place.
@@ -165,11 +165,8 @@ impl Model {
         let qualified = std::mem::take(&mut placed.scope.qualified);
         let mut pairs = Vec::with_capacity(elements.len());
         for element in elements {
-            let index = u32::try_from(self.rows.len()).map_err(|_| {
-                element
-                    .at
-                    .problem("too many elements", "divide the model")
-            })?;
+            let index = u32::try_from(self.rows.len())
+                .map_err(|_| element.at.problem("too many elements", "divide the model"))?;
             let first = self.row_nodes.len();
             let range = element.first..element.first + element.count;
             for (i, label) in range.clone().zip(labels.get(range).unwrap_or(&[])) {

@@ -137,12 +137,16 @@ fn spring(
         unread.note(name, &row.at, Carries::Structure);
         return Ok(());
     }
-    let [freedoms, values] = block.rows.get(..2).and_then(|rows| <&[_; 2]>::try_from(rows).ok()).ok_or_else(|| {
-        keyword.problem(
-            "it has fewer than two data lines",
-            "give the freedoms (an empty line for SPRINGA), then the stiffness",
-        )
-    })?;
+    let [freedoms, values] = block
+        .rows
+        .get(..2)
+        .and_then(|rows| <&[_; 2]>::try_from(rows).ok())
+        .ok_or_else(|| {
+            keyword.problem(
+                "it has fewer than two data lines",
+                "give the freedoms (an empty line for SPRINGA), then the stiffness",
+            )
+        })?;
     let stiffness = values.real(0, "the stiffness")?;
     let (first, second) = match (kind, model.row_nodes(row)) {
         (SpringKind::Ground, &[node]) if !turned => ((node, freedoms.freedom(0)?), None),

@@ -144,8 +144,12 @@ impl Scope {
                 ..element
             }));
         self.labels.extend(other.labels);
-        self.qualified
-            .extend(other.qualified.into_iter().map(|(i, name)| (i + shift, name)));
+        self.qualified.extend(
+            other
+                .qualified
+                .into_iter()
+                .map(|(i, name)| (i + shift, name)),
+        );
         self.sets.extend(other.sets);
         self.blocks.extend(other.blocks);
     }

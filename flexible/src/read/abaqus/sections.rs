@@ -90,7 +90,9 @@ impl<'m> Sections<'m> {
                     ));
                 }
             }
-            for (parameter, written) in [("OFFSET", "OFFSET"), ("NODALTHICKNESS", "NODAL THICKNESS")] {
+            for (parameter, written) in
+                [("OFFSET", "OFFSET"), ("NODALTHICKNESS", "NODAL THICKNESS")]
+            {
                 if keyword.has(parameter) {
                     unread.note(
                         &format!("*{}, {written}", keyword.name),
@@ -176,7 +178,11 @@ impl<'m> Sections<'m> {
                     material: Some(material),
                     section,
                 };
-                return Ok(Some(self.push(Some(section_index(row, &self.of_row)), family, property)));
+                return Ok(Some(self.push(
+                    Some(section_index(row, &self.of_row)),
+                    family,
+                    property,
+                )));
             }
             (Family::Facet, _) => {
                 unread.note(
@@ -303,7 +309,11 @@ fn shaped(block: &Block, shear: bool) -> Result<Section, FileProblem> {
                 ));
             }
             // t1 and t3 are the sides, t2 and t4 the lids
-            ("BOX", vec![positive(0, "a")?, positive(1, "b")?, t2, t1], 0.44)
+            (
+                "BOX",
+                vec![positive(0, "a")?, positive(1, "b")?, t2, t1],
+                0.44,
+            )
         }
         other => {
             return Err(keyword.problem(

@@ -66,7 +66,9 @@ fn gather(
                 };
                 let before = members.len();
                 members.extend(labels.range(*first, *last, *step));
-                if members.len() == before || (*step == 1 && lacks(members.len() - before, *first, *last)) {
+                if members.len() == before
+                    || (*step == 1 && lacks(members.len() - before, *first, *last))
+                {
                     unread.note("set members that are missing", &block.at, Carries::Nothing);
                 }
             }

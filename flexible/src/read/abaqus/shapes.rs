@@ -131,9 +131,15 @@ mod tests {
             ("SPRINGA", 2),
             ("CPS6", 6),
         ] {
-            assert_eq!(Shape::of(name).map(Shape::node_count), Some(count), "{name}");
+            assert_eq!(
+                Shape::of(name).map(Shape::node_count),
+                Some(count),
+                "{name}"
+            );
         }
-        for name in ["C3D27", "C3D15V", "C3D", "U1", "CONN3D2", "T3D3", "C3Dé", "", "DS"] {
+        for name in [
+            "C3D27", "C3D15V", "C3D", "U1", "CONN3D2", "T3D3", "C3Dé", "", "DS",
+        ] {
             assert_eq!(Shape::of(name), None, "{name}");
         }
     }

@@ -115,8 +115,7 @@ impl Ties<'_, '_> {
                 ));
             };
             let centre = self.model.position(reference);
-            surface
-                .retain(|(node, _)| norm(minus(self.model.position(*node), centre)) <= radius);
+            surface.retain(|(node, _)| norm(minus(self.model.position(*node), centre)) <= radius);
         }
         surface.retain(|(node, _)| *node != reference);
         if surface.is_empty() {

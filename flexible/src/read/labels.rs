@@ -34,6 +34,14 @@ impl Labels {
             .map(|(_, index)| *index)
     }
 
+    /// A number that is there twice.
+    pub fn repeated(&self) -> Option<u64> {
+        self.sorted.windows(2).find_map(|pair| match pair {
+            [(one, _), (other, _)] if one == other => Some(*one),
+            _ => None,
+        })
+    }
+
     /// All indices.
     pub fn indices(&self) -> impl Iterator<Item = u32> {
         self.sorted.iter().map(|(_, index)| *index)

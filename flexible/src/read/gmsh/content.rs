@@ -1,0 +1,230 @@
+//! What a mesh file holds: nodes, volumes, groups.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::shapes::Type;
+use super::stream::Stream;
+use crate::error::FileProblem;
+use crate::mesh::{Carries, Element, ElementKind, Mesh, Node, Property, Section, Set, Unread};
+use crate::read::labels::Labels;
+
+/// Dimension and number of a physical group.
+pub(super) type Group = (u8, i64);
+
+/// What has been read.
+#[derive(Debug, Default)]
+pub(super) struct Content {
+    /// Names of groups.
+    pub names: BTreeMap<Group, String>,
+    /// Groups of each entity (dimension, number).
+    pub groups_of: BTreeMap<(u8, i32), Vec<i64>>,
+    /// The mesh so far.
+    pub mesh: Mesh,
+    labels: Option<Labels>,
+    sets: BTreeMap<Group, Set>,
+    /// Property by the first group.
+    properties: BTreeMap<Option<i64>, u32>,
+    /// Volumes by their nodes, for files that repeat an element for each of its groups.
+    by_nodes: HashMap<Vec<u32>, u32>,
+    lower: Option<Unread>,
+}
+
+impl Content {
+    /// Keeps a node.
+    pub fn node(
+        &mut self,
+        stream: &Stream,
+        tag: u64,
+        position: [f64; 3],
+    ) -> Result<(), FileProblem> {
+        if tag == 0 || u32::try_from(self.mesh.nodes.len()).is_err() {
+            return Err(stream.problem(
+                format!("the number of a node is {tag}, or there are too many"),
+                "numbers begin with 1; divide a model of more than 4e9 nodes",
+            ));
+        }
+        self.mesh.nodes.push(Node {
+            id: tag,
+            position,
+            frame: None,
+        });
+        Ok(())
+    }
+
+    /// Ends the nodes.
+    pub fn end_nodes(&mut self, stream: &Stream) -> Result<(), FileProblem> {
+        let pairs = self.mesh.nodes.iter().zip(0_u32..);
+        let labels = Labels::new(pairs.map(|(node, index)| (node.id, index)).collect());
+        if let Some(tag) = labels.repeated() {
+            return Err(stream.problem(
+                format!("node {tag} is there twice"),
+                "write the file again; numbers of nodes must differ",
+            ));
+        }
+        self.labels = Some(labels);
+        Ok(())
+    }
+
+    /// Keeps an element of these groups with its nodes in the file's order.
+    pub fn element(
+        &mut self,
+        stream: &Stream,
+        tag: u64,
+        (number, kind): (i32, Type),
+        groups: &[i64],
+        tags: &[u64],
+        repeated: bool,
+    ) -> Result<(), FileProblem> {
+        let Some(labels) = &self.labels else {
+            return Err(stream.problem(
+                "it stands before the nodes",
+                "write the file again; $Nodes comes first",
+            ));
+        };
+        let mut nodes = Vec::with_capacity(tags.len());
+        for node in tags {
+            nodes.push(labels.find(*node).ok_or_else(|| {
+                stream.problem(
+                    format!("element {tag} uses node {node}, which is missing"),
+                    "write the whole mesh, with its nodes",
+                )
+            })?);
+        }
+        if kind.dimension < 3 {
+            for group in groups {
+                let set = self.sets.entry((kind.dimension, *group)).or_default();
+                set.nodes.extend(&nodes);
+            }
+            self.lower
+                .get_or_insert_with(|| Unread {
+                    name: "elements of points, lines and surfaces".into(),
+                    count: 0,
+                    first: stream.place(),
+                    carries: Carries::Nothing,
+                })
+                .count += 1;
+            return Ok(());
+        }
+        let Some((kind, order)) = kind.volume else {
+            return Err(stream.problem(
+                format!("element {tag}: volumes of type {number} can't be read"),
+                "mesh with order 1, or with order 2 and Mesh.SecondOrderIncomplete = 1",
+            ));
+        };
+        if let Some(order) = order {
+            nodes = order
+                .iter()
+                .filter_map(|place| nodes.get(*place).copied())
+                .collect();
+        }
+        let index = match self.by_nodes.get(&nodes) {
+            Some(index) if repeated => *index,
+            _ => self.volume(stream, tag, kind, groups, nodes, repeated)?,
+        };
+        for group in groups {
+            self.sets
+                .entry((3, *group))
+                .or_default()
+                .elements
+                .push(index);
+        }
+        Ok(())
+    }
+
+    fn volume(
+        &mut self,
+        stream: &Stream,
+        tag: u64,
+        kind: ElementKind,
+        groups: &[i64],
+        nodes: Vec<u32>,
+        repeated: bool,
+    ) -> Result<u32, FileProblem> {
+        let first = u32::try_from(self.mesh.connectivity.len())
+            .map_err(|_| stream.problem("too many elements", "divide the model"))?;
+        let index = self.mesh.elements.len() as u32; // fewer than nodes of elements
+        let group = groups.first().copied();
+        let names = &self.names;
+        let properties = &mut self.mesh.properties;
+        let property = *self.properties.entry(group).or_insert_with(|| {
+            let name = match group {
+                Some(group) => names
+                    .get(&(3, group))
+                    .cloned()
+                    .unwrap_or_else(|| format!("physical:{group}")),
+                None => "volumes".into(),
+            };
+            properties.push(Property {
+                name,
+                material: None,
+                section: Section::Solid,
+            });
+            (properties.len() - 1) as u32 // fewer than elements
+        });
+        self.mesh.connectivity.extend(&nodes);
+        self.mesh.elements.push(Element {
+            id: tag,
+            kind,
+            property,
+            first,
+            beam: None,
+        });
+        if repeated {
+            self.by_nodes.insert(nodes, index);
+        }
+        Ok(index)
+    }
+
+    /// Lists a section that isn't read.
+    pub fn unread(&mut self, name: &str, place: (String, u64), carries: Carries) {
+        let name = format!("${name}");
+        match self.mesh.unread.iter_mut().find(|known| known.name == name) {
+            Some(known) => known.count += 1,
+            None => self.mesh.unread.push(Unread {
+                name,
+                count: 1,
+                first: place,
+                carries,
+            }),
+        }
+    }
+
+    /// The mesh. A group is a set by its name and `physical:TAG`; groups of several dimensions that share a number are called
+    /// `physical:DIMENSION:TAG`, those that share a name are one set.
+    pub fn into_mesh(mut self) -> Mesh {
+        let mut sets: BTreeMap<String, Set> = BTreeMap::new();
+        let mut used = self.sets.keys().copied().collect::<Vec<_>>();
+        used.extend(self.names.keys());
+        for ((dimension, tag), mut set) in std::mem::take(&mut self.sets) {
+            for element in &set.elements {
+                if let Some(element) = self.mesh.elements.get(*element as usize) {
+                    set.nodes.extend(self.mesh.nodes_of(element));
+                }
+            }
+            let shared = used
+                .iter()
+                .any(|(other, same)| *same == tag && *other != dimension);
+            let number = if shared {
+                format!("physical:{dimension}:{tag}")
+            } else {
+                format!("physical:{tag}")
+            };
+            let name = self.names.get(&(dimension, tag)).cloned();
+            for name in name.into_iter().chain([number]) {
+                let into = sets.entry(name).or_default();
+                into.nodes.extend(&set.nodes);
+                into.elements.extend(&set.elements);
+            }
+        }
+        for set in sets.values_mut() {
+            for list in [&mut set.nodes, &mut set.elements] {
+                list.sort_unstable();
+                list.dedup();
+            }
+        }
+        self.mesh.sets = sets;
+        self.mesh.unread.extend(self.lower);
+        self.mesh.unread.sort_by(|a, b| a.name.cmp(&b.name));
+        self.mesh
+    }
+}

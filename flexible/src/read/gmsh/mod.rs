@@ -1,0 +1,178 @@
+//! Meshes of gmsh (`.msh`): formats 4.1 and 2.2, text and binary.
+//!
+//! Volumes become elements; points, lines and surfaces count for the groups they belong to only. A physical group becomes a set by its
+//! name and `physical:TAG` (`physical:DIMENSION:TAG` where groups of several dimensions share the number). The file knows no material:
+//! properties, one for each group of volumes, come without one, to be set with [`Mesh::set_material`].
+
+mod content;
+mod shapes;
+mod stream;
+mod version2;
+mod version4;
+
+use crate::error::{FileProblem, FlexibleError};
+use crate::mesh::{Carries, Mesh};
+use crate::read::Files;
+use crate::read::source::whole;
+use content::Content;
+use stream::Stream;
+
+/// Reads a mesh of gmsh. Units stay those of the file.
+///
+/// # Errors
+/// With file and line, or byte of a binary file: a file that can't be read or isn't a mesh of gmsh of format 4.1 or 2.2, a number that is
+/// none, a missing node, elements of third order or with nodes inside, a mesh without volumes or in partitions.
+pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
+    let mut stream = Stream::open(files, name)?;
+    let mut content = Content::default();
+    let mut version = None;
+    let mut seen = Vec::new();
+    while let Some(section) = stream.next_section()? {
+        let Some(format) = version else {
+            if section != "MeshFormat" {
+                return Err(stream
+                    .problem(
+                        "the file doesn't begin with $MeshFormat",
+                        "give a mesh file of gmsh (.msh) of format 4.1 or 2.2",
+                    )
+                    .into());
+            }
+            version = Some(read_format(&mut stream)?);
+            continue;
+        };
+        let place = stream.place();
+        if ["Nodes", "Elements", "MeshFormat"].contains(&section.as_str()) {
+            if seen.contains(&section) || section == "MeshFormat" {
+                return Err(stream
+                    .problem("this section is there twice", "write the file again")
+                    .into());
+            }
+            seen.push(section.clone());
+        }
+        match (section.as_str(), format) {
+            ("PhysicalNames", _) => {
+                names(&mut stream, &mut content)?;
+                continue;
+            }
+            ("Entities", Version::Four) => version4::entities(&mut stream, &mut content)?,
+            ("Nodes", Version::Four) => version4::nodes(&mut stream, &mut content)?,
+            ("Nodes", Version::Two) => version2::nodes(&mut stream, &mut content)?,
+            ("Elements", Version::Four) => version4::elements(&mut stream, &mut content)?,
+            ("Elements", Version::Two) => version2::elements(&mut stream, &mut content)?,
+            ("PartitionedEntities" | "GhostElements" | "ParametricNodes", _) => {
+                return Err(stream
+                    .problem(
+                        "a mesh with partitions or parametric nodes can't be read",
+                        "write it without them: unpartition it, Mesh.SaveParametric = 0",
+                    )
+                    .into());
+            }
+            (name, _) => {
+                let lost = match name {
+                    "NodeData"
+                    | "ElementData"
+                    | "ElementNodeData"
+                    | "Comments"
+                    | "Comment"
+                    | "InterpolationScheme"
+                    | "Parametrizations" => Carries::Nothing,
+                    _ => Carries::Unknown,
+                };
+                content.unread(name, place, lost);
+                stream.skip(name)?;
+                continue;
+            }
+        }
+        stream.end(&section)?;
+    }
+    if content.mesh.elements.is_empty() {
+        return Err(whole(
+            name,
+            "the file has no volume elements",
+            "mesh the volumes (gmsh -3) and save them: Mesh.SaveAll = 1, or give them a physical group",
+        )
+        .into());
+    }
+    Ok(content.into_mesh())
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Version {
+    Two,
+    Four,
+}
+
+/// Reads `$MeshFormat`: version, text (0) or binary (1), bytes of a number. A binary one goes on with the integer 1, whose bytes tell
+/// their order.
+fn read_format(stream: &mut Stream) -> Result<Version, FileProblem> {
+    let version = match stream.word()?.as_str() {
+        "4.1" => Version::Four,
+        "2" | "2.0" | "2.1" | "2.2" => Version::Two,
+        other => {
+            let other = other.chars().take(20).collect::<String>();
+            return Err(stream.problem(
+                format!("format {other} can't be read"),
+                "write the mesh with Mesh.MshFileVersion = 4.1 or 2.2",
+            ));
+        }
+    };
+    let binary = stream.integer("whether the file is binary")? != 0;
+    let size = stream.integer("the size of numbers")?;
+    if size != 8 {
+        return Err(stream.problem(
+            format!("numbers of {size} bytes"),
+            "write the mesh on a machine with numbers of 8 bytes",
+        ));
+    }
+    if binary {
+        stream.text_line()?;
+        stream.binary = true;
+        match stream.integer("the integer 1")? {
+            1 => {}
+            0x0100_0000 => stream.swapped = true,
+            _ => {
+                return Err(stream.problem(
+                    "the order of bytes can't be told",
+                    "it may have been sent as text on its way here; send it as binary",
+                ));
+            }
+        }
+    }
+    stream.end("MeshFormat")?;
+    Ok(version)
+}
+
+/// Reads `$PhysicalNames`, text in binary files too: `dimension number "name"`.
+fn names(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> {
+    let mut left = None;
+    loop {
+        let Some(line) = stream.text_line()? else {
+            return stream.end("PhysicalNames");
+        };
+        if line == "$EndPhysicalNames" {
+            return Ok(());
+        }
+        if left.is_none() {
+            left = Some(line);
+            continue;
+        }
+        let mut words = line.splitn(3, char::is_whitespace);
+        let mut number = || words.next().and_then(|word| word.parse::<i64>().ok());
+        let (dimension, tag) = (number(), number());
+        let (Some(dimension @ 0..=3), Some(tag)) = (dimension, tag) else {
+            return Err(stream.problem(
+                format!(
+                    "\"{}\" names no group",
+                    line.chars().take(40).collect::<String>()
+                ),
+                "a line is: dimension, number, name in quotes",
+            ));
+        };
+        let name = words.next().unwrap_or("").trim().trim_matches('"').trim();
+        if !name.is_empty() {
+            content
+                .names
+                .insert((dimension as u8, tag.abs()), name.to_string()); // 0 to 3
+        }
+    }
+}
