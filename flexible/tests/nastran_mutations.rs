@@ -2,10 +2,9 @@
 
 mod nastran_deck;
 
-use eng_flexible::mesh::{ABSENT, Mesh};
 use eng_flexible::read::nastran::read_bulk;
 use eng_flexible::{FlexibleError, Place};
-use nastran_deck::Memory;
+use nastran_deck::{Memory, is_consistent};
 use proptest::prelude::*;
 
 /// A deck with every card that is read.
@@ -77,38 +76,6 @@ ENDDATA
 ";
 
 const MORE: &str = "GRID,20,,0.,0.,0.\nCTRIA3,20,2,1,2,20\n";
-
-/// What must hold of every mesh.
-fn is_consistent(mesh: &Mesh) {
-    let count = mesh.nodes.len();
-    for element in &mesh.elements {
-        let nodes = mesh.nodes_of(element);
-        assert_eq!(nodes.len(), element.kind.node_count());
-        for (place, node) in nodes.iter().enumerate() {
-            let absent = *node == ABSENT && place >= element.kind.corner_count();
-            assert!(absent || (*node as usize) < count);
-        }
-        let property = &mesh.properties[element.property as usize];
-        assert!(
-            property
-                .material
-                .is_none_or(|m| (m as usize) < mesh.materials.len())
-        );
-        assert!(
-            element
-                .beam
-                .is_none_or(|b| (b as usize) < mesh.beam_axes.len())
-        );
-    }
-    for node in &mesh.nodes {
-        assert!(node.position.iter().all(|x| x.is_finite()));
-        assert!(node.frame.is_none_or(|f| (f as usize) < mesh.frames.len()));
-    }
-    for set in mesh.sets.values() {
-        assert!(set.nodes.is_sorted() && set.nodes.iter().all(|n| (*n as usize) < count));
-        assert!(set.elements.is_sorted());
-    }
-}
 
 /// Reads a deck; a refusal names a file and a line, and says what to do.
 fn try_read(deck: &[u8], more: &[u8]) {

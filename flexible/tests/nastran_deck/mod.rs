@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Read};
 
-use eng_flexible::mesh::{Carries, Mesh, Set};
+use eng_flexible::mesh::{ABSENT, Carries, Mesh, Set};
 use eng_flexible::read::nastran::read_bulk;
 use eng_flexible::{FileProblem, Files, FlexibleError};
 
@@ -123,5 +123,39 @@ pub fn close3(found: [f64; 3], expected: [f64; 3], scale: f64) {
             (found_one - expected_one).abs() <= 1e-13 * scale,
             "{found:?} is not {expected:?}"
         );
+    }
+}
+
+/// What must hold of every mesh.
+pub fn is_consistent(mesh: &Mesh) {
+    let count = mesh.nodes.len();
+    for element in &mesh.elements {
+        let nodes = mesh.nodes_of(element);
+        assert_eq!(nodes.len(), element.kind.node_count());
+        for (place, node) in nodes.iter().enumerate() {
+            let absent = *node == ABSENT && place >= element.kind.corner_count();
+            assert!(absent || (*node as usize) < count);
+        }
+        let property = &mesh.properties[element.property as usize];
+        assert!(
+            property
+                .material
+                .is_none_or(|m| (m as usize) < mesh.materials.len())
+        );
+        assert!(
+            element
+                .beam
+                .is_none_or(|b| (b as usize) < mesh.beam_axes.len())
+        );
+    }
+    for node in &mesh.nodes {
+        assert!(node.position.iter().all(|x| x.is_finite()));
+        assert!(node.frame.is_none_or(|f| (f as usize) < mesh.frames.len()));
+    }
+    for set in mesh.sets.values() {
+        assert!(set.nodes.is_sorted() && set.nodes.iter().all(|n| (*n as usize) < count));
+        assert!(set.elements.is_sorted());
+        let elements = mesh.elements.len();
+        assert!(set.elements.iter().all(|e| (*e as usize) < elements));
     }
 }

@@ -90,7 +90,10 @@ pub(super) fn read(files: &dyn Files, name: &str) -> Result<Deck, FileProblem> {
             Line::Keyword(keyword) if keyword.key == "INCLUDE" => {
                 // the block before it may go on in the file
                 let file = keyword.require("INPUT", "INPUT")?;
-                if !deck.in_step {
+                if deck.in_step {
+                    let name = "*INCLUDE in a *STEP";
+                    deck.unread.note(name, &keyword.at, Carries::Nothing);
+                } else {
                     lines.include(file, &keyword.at)?;
                 }
             }

@@ -31,7 +31,7 @@ pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
         let Some(format) = version else {
             if section != "MeshFormat" {
                 return Err(stream
-                    .problem(
+                    .problem_of_line(
                         "the file doesn't begin with $MeshFormat",
                         "give a mesh file of gmsh (.msh) of format 4.1 or 2.2",
                     )
@@ -44,7 +44,7 @@ pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
         if ["Nodes", "Elements", "MeshFormat"].contains(&section.as_str()) {
             if seen.contains(&section) || section == "MeshFormat" {
                 return Err(stream
-                    .problem("this section is there twice", "write the file again")
+                    .problem_of_line("this section is there twice", "write the file again")
                     .into());
             }
             seen.push(section.clone());
@@ -61,7 +61,7 @@ pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
             ("Elements", Version::Two) => version2::elements(&mut stream, &mut content)?,
             ("PartitionedEntities" | "GhostElements" | "ParametricNodes", _) => {
                 return Err(stream
-                    .problem(
+                    .problem_of_line(
                         "a mesh with partitions or parametric nodes can't be read",
                         "write it without them: unpartition it, Mesh.SaveParametric = 0",
                     )
@@ -160,7 +160,7 @@ fn names(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> 
         let mut number = || words.next().and_then(|word| word.parse::<i64>().ok());
         let (dimension, tag) = (number(), number());
         let (Some(dimension @ 0..=3), Some(tag)) = (dimension, tag) else {
-            return Err(stream.problem(
+            return Err(stream.problem_of_line(
                 format!(
                     "\"{}\" names no group",
                     line.chars().take(40).collect::<String>()

@@ -15,6 +15,8 @@ pub(super) struct Stream {
     reader: Box<dyn BufRead>,
     file: String,
     line: u64,
+    /// Where the line that was read last began.
+    line_before: u64,
     byte: u64,
     section: u64,
     section_name: String,
@@ -31,6 +33,7 @@ impl Stream {
             reader: crate::read::open(files, name)?,
             file: name.into(),
             line: 1,
+            line_before: 1,
             byte: 0,
             section: 0,
             section_name: String::new(),
@@ -41,15 +44,27 @@ impl Stream {
 
     /// A problem here.
     pub fn problem(&self, problem: impl Into<String>, advice: impl Into<String>) -> FileProblem {
+        self.problem_at(self.line, problem.into(), advice.into())
+    }
+
+    /// A problem of the line that was read last.
+    pub fn problem_of_line(
+        &self,
+        problem: impl Into<String>,
+        advice: impl Into<String>,
+    ) -> FileProblem {
+        self.problem_at(self.line_before, problem.into(), advice.into())
+    }
+
+    fn problem_at(&self, line: u64, problem: String, advice: String) -> FileProblem {
         let place = if self.binary {
             Place::Record {
                 record: self.section,
                 byte: self.byte,
             }
         } else {
-            Place::Line(self.line)
+            Place::Line(line)
         };
-        let problem = problem.into();
         FileProblem {
             file: self.file.clone(),
             place,
@@ -58,13 +73,13 @@ impl Stream {
             } else {
                 format!("${}: {problem}", self.section_name)
             },
-            advice: advice.into(),
+            advice,
         }
     }
 
-    /// The place in the file, for a list of what is not read.
+    /// The place of the line that was read last, for a list of what is not read.
     pub fn place(&self) -> (String, u64) {
-        (self.file.clone(), self.line)
+        (self.file.clone(), self.line_before)
     }
 
     fn unreadable(&self, error: &std::io::Error) -> FileProblem {
@@ -89,6 +104,7 @@ impl Stream {
             .read_until(b'\n', &mut bytes);
         let count = read.map_err(|error| self.unreadable(&error))?;
         self.byte += count as u64;
+        self.line_before = self.line;
         self.line += u64::from(bytes.ends_with(b"\n"));
         Ok((count > 0).then_some(bytes))
     }
@@ -116,10 +132,8 @@ impl Stream {
                     return Ok(Some(name.to_string()));
                 }
                 _ => {
-                    // the line has been passed
-                    self.line = self.line.saturating_sub(1).max(1);
                     let found = line.chars().take(40).collect::<String>();
-                    return Err(self.problem(
+                    return Err(self.problem_of_line(
                         format!("\"{found}\" stands where a section should begin"),
                         "give a mesh file of gmsh (.msh); its sections begin with $ and a name",
                     ));

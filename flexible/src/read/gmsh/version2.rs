@@ -62,7 +62,7 @@ fn count(stream: &mut Stream) -> Result<u64, FileProblem> {
     let line = stream.text_line()?.unwrap_or_default();
     line.parse().map_err(|_| {
         let found = line.chars().take(40).collect::<String>();
-        stream.problem(
+        stream.problem_of_line(
             format!("its count is \"{found}\", not a whole number"),
             "the file is damaged; write it again",
         )

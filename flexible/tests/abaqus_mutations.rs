@@ -1,0 +1,186 @@
+//! Input files damaged in all ways: the Abaqus reader may refuse them, with a place, but never fall over.
+
+mod nastran_deck;
+
+use eng_flexible::read::abaqus::read_inp;
+use eng_flexible::{FlexibleError, Place};
+use nastran_deck::{Memory, is_consistent};
+use proptest::prelude::*;
+
+/// A file with every keyword that is read.
+const DECK: &str = "\
+*HEADING
+all
+*SYSTEM
+0.,0.,0.,1.,0.,0.
+0.,1.,0.
+*PART, NAME=P
+*NODE, NSET=N
+1,0.,0.,0.
+2,1.,0.,0.
+3,1.,1.,0.
+4,0.,1.,0.
+5,0.,0.,1.
+6,1.,0.,1.
+7,1.,1.,1.
+8,0.,1.,1.
+*ELEMENT, TYPE=C3D8, ELSET=E
+1,1,2,3,4,5,
+6,7,8
+*ELEMENT, TYPE=C3D4, ELSET=T
+2,1,2,3,5
+*ELEMENT, TYPE=B32, ELSET=B
+3,1,2,3
+*ELEMENT, TYPE=S4, ELSET=S
+4,1,2,3,4
+*NSET, NSET=G, GENERATE
+1,8,2
+*ELSET, ELSET=ET
+E,T
+*SURFACE, NAME=F
+E,S2
+E
+*SOLID SECTION, ELSET=ET, MATERIAL=M
+*BEAM SECTION, SECTION=BOX, ELSET=B, MATERIAL=M
+1.,2.,.1,.2,.1,.2
+0.,0.,1.
+*SHELL SECTION, ELSET=S, MATERIAL=M
+.1
+*END PART
+*ASSEMBLY, NAME=A
+*INSTANCE, NAME=I, PART=P
+1.,0.,0.
+0.,0.,0.,0.,0.,1.,30.
+*END INSTANCE
+*INSTANCE, NAME=J, PART=P
+*END INSTANCE
+*NODE, SYSTEM=C
+10,1.,20.,0.
+*ELEMENT, TYPE=MASS, ELSET=MS
+11,10
+*MASS, ELSET=MS
+1.
+*ELEMENT, TYPE=ROTARYI, ELSET=RI
+12,10
+*ROTARY INERTIA, ELSET=RI
+1.,2.,3.
+*ELEMENT, TYPE=SPRING2, ELSET=SP
+13,I.1,J.2
+*SPRING, ELSET=SP
+1,2
+100.
+*NSET, NSET=X, INSTANCE=I
+1,N
+*NSET, NSET=Y
+I.G,J.2
+*COUPLING, REF NODE=10, SURFACE=I.F, INFLUENCE RADIUS=9.
+*DISTRIBUTING
+1,4
+*COUPLING, REF NODE=10, SURFACE=J.F
+*KINEMATIC
+1,3
+*RIGID BODY, REF NODE=10, NSET=Y
+*MPC
+BEAM,I.1,10
+PIN,X,10
+*EQUATION
+2
+I.1,1,1.,J.2,2,-1.
+*TRANSFORM, NSET=Y, TYPE=C
+5.,5.,0.,5.,5.,1.
+*BOUNDARY
+Y,1,3
+10,ENCASTRE
+*END ASSEMBLY
+*MATERIAL, NAME=M
+*ELASTIC
+2.1E11,.3
+*DENSITY
+7850.
+*INCLUDE, INPUT=more.inp
+*STEP
+*STATIC
+*END STEP
+";
+
+const MORE: &str = "*NODE\n20,0.,0.,0.\n*NSET, NSET=Z\n20\n";
+
+/// Reads a file; a refusal names a file and a line, and says what to do.
+fn try_read(deck: &[u8], more: &[u8]) {
+    let mut files = Memory::default();
+    files.0.insert("deck.inp".into(), deck.to_vec());
+    files.0.insert("more.inp".into(), more.to_vec());
+    match read_inp(&files, "deck.inp") {
+        Ok(mesh) => is_consistent(&mesh),
+        Err(FlexibleError::File(problem)) => {
+            assert!(["deck.inp", "more.inp"].contains(&problem.file.as_str()));
+            assert!(!problem.advice.is_empty(), "{problem}");
+            assert!(
+                matches!(problem.place, Place::Line(1..))
+                    || problem.problem.contains("has no node"),
+                "{problem}"
+            );
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+#[test]
+fn the_file_itself_is_read() {
+    let files = Memory::new(&[("deck.inp", DECK), ("more.inp", MORE)]);
+    let mesh = read_inp(&files, "deck.inp").unwrap_or_else(|error| panic!("{error}"));
+    is_consistent(&mesh);
+    assert_eq!((mesh.nodes.len(), mesh.elements.len()), (18, 10));
+    assert_eq!(mesh.point_masses.len(), 2);
+    assert_eq!(mesh.ties.len(), 3 + 1 + 8 * 3 + 1);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1500))]
+
+    #[test]
+    fn bytes_changed(changes in prop::collection::vec((0..DECK.len(), any::<u8>()), 1..6)) {
+        let mut deck = DECK.as_bytes().to_vec();
+        for (place, byte) in changes {
+            deck[place] = byte;
+        }
+        try_read(&deck, MORE.as_bytes());
+    }
+
+    #[test]
+    fn characters_of_files_put_anywhere(
+        changes in prop::collection::vec((0..DECK.len(), prop::sample::select(b"0123456789.+-*,E\"=\t \nIJ".to_vec())), 1..6)
+    ) {
+        let mut deck = DECK.as_bytes().to_vec();
+        for (place, byte) in changes {
+            deck[place] = byte;
+        }
+        try_read(&deck, MORE.as_bytes());
+    }
+
+    #[test]
+    fn lines_lost_doubled_and_exchanged(
+        changes in prop::collection::vec((0..200_usize, 0..200_usize, 0..3_u8), 1..5)
+    ) {
+        let mut lines = DECK.lines().collect::<Vec<_>>();
+        for (from, to, what) in changes {
+            let (from, to) = (from % lines.len(), to % lines.len());
+            match what {
+                0 => drop(lines.remove(from)),
+                1 => lines.insert(to, lines[from]),
+                _ => lines.swap(from, to),
+            }
+        }
+        try_read(lines.join("\n").as_bytes(), MORE.as_bytes());
+    }
+
+    #[test]
+    fn cut_anywhere(end in 0..DECK.len(), more in 0..MORE.len()) {
+        try_read(&DECK.as_bytes()[..end], &MORE.as_bytes()[..more]);
+    }
+
+    #[test]
+    fn any_text(text in "[ -~\n\t]{0,400}") {
+        try_read(text.as_bytes(), text.as_bytes());
+    }
+}

@@ -1,0 +1,699 @@
+//! What the reader of Abaqus and CalculiX input makes of keywords, by hand.
+
+mod nastran_deck;
+
+use eng_flexible::mesh::{Carries, ElementKind, Mesh, Section, Support, Tie};
+use eng_flexible::read::abaqus::read_inp;
+use eng_flexible::{FileProblem, FlexibleError, Place};
+use nastran_deck::{
+    Memory, close, close3, element_ids, ids, index, position, set, set_ids, unread,
+};
+
+fn mesh_of(files: &[(&str, &str)]) -> Mesh {
+    match read_inp(&Memory::new(files), "deck.inp") {
+        Ok(mesh) => mesh,
+        Err(error) => panic!("{error} ({})", error.advice()),
+    }
+}
+
+fn mesh(deck: &str) -> Mesh {
+    mesh_of(&[("deck.inp", deck)])
+}
+
+fn problem(deck: &str) -> FileProblem {
+    match read_inp(&Memory::new(&[("deck.inp", deck)]), "deck.inp") {
+        Err(FlexibleError::File(problem)) => problem,
+        Err(error) => panic!("no problem of a file: {error}"),
+        Ok(mesh) => panic!("read without a problem: {mesh:?}"),
+    }
+}
+
+/// A cube of side 2 (nodes 1 to 8) with a second one on top (9 to 12).
+const CUBES: &str = "\
+*HEADING
+ two cubes
+** a comment
+*Node, nset=All Nodes
+1, 0., 0., 0.
+2, 2., 0., 0.
+3, 2., 2., 0.
+4, 0., 2., 0.
+5, 0., 0., 2.
+6, 2., 0., 2.
+7, 2., 2., 2.
+8, 0., 2., 2.
+9, 0., 0., 4.
+10, 2., 0., 4.
+11, 2., 2., 4.
+12, 0., 2., 4.
+*Element, Type = C3D8R, ElSet=\"Low\"
+1, 1,2,3,4,
+5,6,7,8
+*ELEMENT, TYPE=c3d8,
+ELSET=High
+2, 5,6,7,8,9,10,11,12
+*NODE
+100, 1., 1., 5.
+";
+
+#[test]
+fn keywords_continuations_and_sets() {
+    let mesh = mesh(&format!(
+        "{CUBES}*NSET, NSET=odd, GENERATE
+1, 12, 2
+*NSET, NSET=some
+ODD, 100,
+2
+*nset, nset=Some
+4
+*ELSET, ELSET=Both
+LOW, high
+*NSET, NSET=of elements, ELSET=High
+*NSET, NSET=lost
+1, 77
+"
+    ));
+    assert_eq!((mesh.nodes.len(), mesh.elements.len()), (13, 2));
+    assert_eq!(element_ids(&mesh, 1), [1, 2, 3, 4, 5, 6, 7, 8]);
+    assert_eq!(mesh.elements[1].kind, ElementKind::Hexahedron8);
+    assert_eq!(set_ids(&mesh, "odd"), [1, 3, 5, 7, 9, 11]);
+    assert_eq!(set_ids(&mesh, "some"), [1, 2, 3, 4, 5, 7, 9, 11, 100]);
+    assert_eq!(set(&mesh, "Both").elements, [0, 1]);
+    assert_eq!(set(&mesh, "Both").nodes.len(), 12);
+    assert_eq!(set_ids(&mesh, "of elements"), [5, 6, 7, 8, 9, 10, 11, 12]);
+    assert_eq!(set_ids(&mesh, "All Nodes").len(), 12);
+    assert_eq!(set(&mesh, "Low").elements, [0]);
+    assert_eq!(
+        unread(&mesh),
+        [("set members that are missing", 1, Carries::Nothing)]
+    );
+    // no section: a property without material
+    assert_eq!(mesh.properties.len(), 1);
+    assert_eq!(mesh.properties[0].material, None);
+}
+
+#[test]
+fn surfaces_and_couplings() {
+    let mesh = mesh(&format!(
+        "{CUBES}*SURFACE, NAME=Top
+HIGH, S2
+*SURFACE, NAME=Sides, TYPE=ELEMENT
+2, S3
+1, S3
+*SURFACE, NAME=Skin
+LOW
+*SURFACE, NAME=Points, TYPE=NODE
+1, 2.5
+2,
+*COUPLING, REF NODE=100, SURFACE=TOP, CONSTRAINT NAME=a
+*KINEMATIC
+1, 3
+*COUPLING, REF NODE=100, SURFACE=sides, CONSTRAINT NAME=b
+*DISTRIBUTING
+*COUPLING, REF NODE=100, SURFACE=Points, CONSTRAINT NAME=c
+*DISTRIBUTING
+1,3
+5
+"
+    ));
+    assert_eq!(set_ids(&mesh, "Top"), [9, 10, 11, 12]);
+    assert_eq!(set_ids(&mesh, "surface:Sides"), [1, 2, 5, 6, 9, 10]);
+    // the face between the cubes is inside, but its corners are on other faces
+    assert_eq!(set_ids(&mesh, "Skin"), [1, 2, 3, 4, 5, 6, 7, 8]);
+    let nodes = |list: &[u32]| ids(&mesh, list);
+    let [
+        Tie::Rigid {
+            id: 1,
+            independent,
+            dependent,
+        },
+        Tie::Averaging {
+            reference_components: 63,
+            independent: sides,
+            ..
+        },
+        Tie::Averaging {
+            reference_components: 0b01_0111,
+            independent: points,
+            ..
+        },
+    ] = mesh.ties.as_slice()
+    else {
+        panic!("{:?}", mesh.ties);
+    };
+    assert_eq!(nodes(&[*independent]), [100]);
+    assert!(dependent.iter().all(|(_, components)| *components == 7));
+    // quarters of two faces of area 4
+    let areas = sides
+        .iter()
+        .map(|(node, weight, components)| (nodes(&[*node])[0], *weight, *components));
+    assert_eq!(
+        areas.collect::<Vec<_>>(),
+        [
+            (1, 1.0, 7),
+            (2, 1.0, 7),
+            (5, 2.0, 7),
+            (6, 2.0, 7),
+            (9, 1.0, 7),
+            (10, 1.0, 7)
+        ]
+    );
+    assert_eq!(points[0].1, 2.5);
+    assert_eq!(points[1].1, 1.0);
+}
+
+#[test]
+fn rigid_bodies_constraints_and_equations() {
+    let mesh = mesh(&format!(
+        "{CUBES}*NODE\n101, 0., 0., 4.
+*NSET, NSET=A\n1, 2\n*NSET, NSET=B\n5, 6
+*RIGID BODY, REF NODE=100, PIN NSET=A, TIE NSET=B
+*MPC
+BEAM, 9, 100
+TIE, 101, 9
+PIN, A, B
+LINK, 3, 7
+*EQUATION
+3
+3, 1, 1., 7, 2, -2.,
+11, 3, 0.5
+2
+A, 2, 1., 100, 2, -1.
+"
+    ));
+    let Tie::Rigid { dependent, .. } = &mesh.ties[0] else {
+        panic!("no rigid body");
+    };
+    let found = dependent
+        .iter()
+        .map(|(node, bits)| (ids(&mesh, &[*node])[0], *bits));
+    assert_eq!(
+        found.collect::<Vec<_>>(),
+        [(1, 7), (2, 7), (5, 63), (6, 63)]
+    );
+    let rigid = |tie: &Tie| match tie {
+        Tie::Rigid {
+            independent,
+            dependent,
+            ..
+        } => (
+            ids(&mesh, &[*independent])[0],
+            ids(&mesh, &[dependent[0].0])[0],
+        ),
+        _ => panic!("{tie:?}"),
+    };
+    assert_eq!(rigid(&mesh.ties[1]), (100, 9));
+    // the nodes coincide
+    assert_eq!(rigid(&mesh.ties[2]), (9, 101));
+    let equations = mesh.ties[3..]
+        .iter()
+        .map(|tie| match tie {
+            Tie::Equation { terms, .. } => terms
+                .iter()
+                .map(|(node, freedom, c)| (ids(&mesh, &[*node])[0], *freedom, *c))
+                .collect::<Vec<_>>(),
+            _ => panic!("{tie:?}"),
+        })
+        .collect::<Vec<_>>();
+    assert_eq!(equations.len(), 6 + 1 + 2);
+    assert_eq!(equations[0], [(1, 0, 1.0), (5, 0, -1.0)]);
+    assert_eq!(equations[5], [(2, 2, 1.0), (6, 2, -1.0)]);
+    assert_eq!(equations[6], [(3, 0, 1.0), (7, 1, -2.0), (11, 2, 0.5)]);
+    assert_eq!(equations[8], [(2, 1, 1.0), (100, 1, -1.0)]);
+    let numbers = mesh.ties.iter().map(|tie| match tie {
+        Tie::Rigid { id, .. } | Tie::Averaging { id, .. } | Tie::Equation { id, .. } => *id,
+    });
+    assert!(numbers.eq(1..=12));
+    assert_eq!(unread(&mesh), [("*MPC LINK", 1, Carries::Structure)]);
+}
+
+#[test]
+fn supports_in_their_frames_and_nothing_of_steps() {
+    let mesh = mesh(&format!(
+        "{CUBES}*TRANSFORM, NSET=C, TYPE=C
+0.,0.,0., 0.,0.,1.
+*NSET, NSET=C\n2, 3\n*NSET, NSET=R\n6, 7\n*NSET, NSET=S\n10
+*TRANSFORM, NSET=R
+0., 2., 0., -1., 1., 0.
+*TRANSFORM, NSET=S, TYPE=S
+0.,0.,4., 0.,0.,5.
+*BOUNDARY
+C, 1
+4, 2, 3
+4, ENCASTRE
+7, XSYMM
+8, 11, 11, 20.
+*STEP
+*STATIC
+*INCLUDE, INPUT=missing.inp
+*BOUNDARY
+1, 1, 6
+*CLOAD
+1, 1, 5.
+*END STEP
+*TIE, NAME=t
+a, b
+*FANCY NEW KEYWORD
+1, 2
+"
+    ));
+    let held = |id: u64, components: u8| Support {
+        node: index(&mesh, id),
+        components,
+    };
+    assert_eq!(
+        mesh.supports,
+        [held(2, 1), held(3, 1), held(4, 63), held(7, 0b11_0001)]
+    );
+    let frame = |id: u64| {
+        let node = mesh.nodes[index(&mesh, id) as usize];
+        mesh.frames[node.frame.expect("a frame") as usize].rotation
+    };
+    let column = |id: u64, j: usize| frame(id).map(|row| row[j]);
+    let r = 0.5_f64.sqrt();
+    close3(column(3, 0), [r, r, 0.0], 1.0);
+    close3(column(3, 1), [-r, r, 0.0], 1.0);
+    close3(column(2, 1), [0.0, 1.0, 0.0], 1.0);
+    close3(column(6, 0), [0.0, 1.0, 0.0], 1.0);
+    close3(column(6, 1), [-1.0, 0.0, 0.0], 1.0);
+    assert_eq!(mesh.nodes[5].frame, mesh.nodes[6].frame);
+    // radial, tangential, meridional towards the pole
+    close3(column(10, 0), [1.0, 0.0, 0.0], 1.0);
+    close3(column(10, 1), [0.0, 1.0, 0.0], 1.0);
+    close3(column(10, 2), [0.0, 0.0, 1.0], 1.0);
+    assert_eq!(
+        unread(&mesh),
+        [
+            ("*BOUNDARY in a *STEP", 1, Carries::Structure),
+            ("*BOUNDARY of other fields", 1, Carries::Nothing),
+            ("*CLOAD in a *STEP", 1, Carries::Nothing),
+            ("*FANCY NEW KEYWORD", 1, Carries::Unknown),
+            ("*INCLUDE in a *STEP", 1, Carries::Nothing),
+            ("*STATIC in a *STEP", 1, Carries::Nothing),
+            ("*STEP", 1, Carries::Nothing),
+            ("*TIE", 1, Carries::Structure),
+        ]
+    );
+}
+
+#[test]
+fn sections_and_materials() {
+    let mesh = mesh(&format!(
+        "{CUBES}*MATERIAL, NAME=Steel
+*ELASTIC, TYPE=ISOTROPIC
+2.1E11, 0.3
+*EXPANSION
+1.2E-5
+*DENSITY
+7850.
+*SOLID SECTION, ELSET=LOW, MATERIAL=STEEL
+*SOLID SECTION, ELSET=HIGH, MATERIAL=Steel
+*ELEMENT, TYPE=B31, ELSET=beams
+10, 1, 2
+*ELEMENT, TYPE=B32, ELSET=bows
+11, 1, 4, 3
+*ELEMENT, TYPE=B33, ELSET=pipes
+12, 1, 5, 100
+*ELEMENT, TYPE=S4R, ELSET=shells
+13, 1, 2, 3, 4
+*ELEMENT, TYPE=SFM3D4, ELSET=skins
+14, 1, 2, 3, 4
+*ELEMENT, TYPE=T3D2, ELSET=rods
+15, 1, 5
+*ELEMENT, TYPE=T3D2, ELSET=nothing
+16, 2, 6
+*ELEMENT, TYPE=CONN3D2
+17, 2, 6
+*BEAM SECTION, SECTION=RECT, ELSET=beams, MATERIAL=STEEL
+.2, .1
+0., 1., 0.
+*BEAM SECTION, SECTION=CIRC, ELSET=bows, MATERIAL=STEEL
+.1
+*BEAM GENERAL SECTION, SECTION=GENERAL, ELSET=pipes, DENSITY=1000.
+1., 2., .5, 3., 4.
+0., 1., 0.
+2.6E11, 1.E11
+*SHELL SECTION, ELSET=shells, MATERIAL=STEEL
+.01, 5
+*SOLID SECTION, ELSET=rods, MATERIAL=STEEL
+.5
+"
+    ));
+    let kinds = mesh
+        .elements
+        .iter()
+        .map(|element| (element.id, element.kind));
+    assert_eq!(
+        kinds.collect::<Vec<_>>(),
+        [
+            (1, ElementKind::Hexahedron8),
+            (2, ElementKind::Hexahedron8),
+            (10, ElementKind::Beam2),
+            (11, ElementKind::Beam2),
+            (11, ElementKind::Beam2),
+            (12, ElementKind::Beam2),
+            (13, ElementKind::Quadrilateral4),
+            (14, ElementKind::Quadrilateral4),
+            (15, ElementKind::Beam2),
+        ]
+    );
+    assert_eq!(ids(&mesh, mesh.nodes_of(&mesh.elements[4])), [4, 3]);
+    assert_eq!(set(&mesh, "bows").elements, [3, 4]);
+    assert_eq!(set_ids(&mesh, "bows"), [1, 3, 4]);
+    let property = |i: usize| &mesh.properties[mesh.elements[i].property as usize];
+    let material = |i: usize| property(i).material.map(|m| &mesh.materials[m as usize]);
+    let steel = material(0).expect("steel");
+    assert_eq!((steel.young, steel.density), (2.1e11, 7850.0));
+    assert_eq!(property(0).material, property(1).material);
+    let Section::Beam {
+        area,
+        moment_z,
+        moment_y,
+        shear,
+        ..
+    } = property(2).section
+    else {
+        panic!("no beam");
+    };
+    // a along n1, which is y: bending about z is the stiff one
+    close(area, 0.02, 1.0);
+    close(moment_z, 0.1 * 0.008 / 12.0, 1e-3);
+    close(moment_y, 0.2 * 0.001 / 12.0, 1e-3);
+    assert_eq!(shear, [0.85, 0.85]);
+    let axes = |i: usize| mesh.beam_axes[mesh.elements[i].beam.expect("axes") as usize];
+    assert_eq!(axes(2).orientation, [0.0, 1.0, 0.0]);
+    assert_eq!(axes(3).orientation, [0.0, 0.0, -1.0]);
+    // the third node points
+    assert_eq!(axes(5).orientation, [1.0, 1.0, 5.0]);
+    let Section::Beam {
+        moment_z,
+        moment_y,
+        product,
+        torsion,
+        ..
+    } = property(5).section
+    else {
+        panic!("no beam");
+    };
+    assert_eq!((moment_y, product, moment_z, torsion), (2.0, 0.5, 3.0, 4.0));
+    close(material(5).expect("a material").poisson, 0.3, 1.0);
+    assert_eq!(material(5).expect("a material").density, 1000.0);
+    assert!(matches!(property(6).section, Section::Shell { thickness, .. } if thickness == 0.01));
+    assert_eq!(property(7).material, None);
+    assert!(matches!(property(8).section, Section::Beam { area, .. } if area == 0.5));
+    assert_eq!(
+        unread(&mesh),
+        [
+            ("*ELEMENT, TYPE=CONN3D2", 1, Carries::Structure),
+            ("*EXPANSION", 1, Carries::Nothing),
+            ("line elements without section", 1, Carries::Unknown),
+        ]
+    );
+}
+
+#[test]
+fn masses_inertias_and_springs() {
+    let mesh = mesh(&format!(
+        "{CUBES}*ELEMENT, TYPE=MASS, ELSET=m
+20, 100
+*MASS, ELSET=m
+3.
+*ELEMENT, TYPE=ROTARYI, ELSET=r
+21, 100
+*ROTARY INERTIA, ELSET=r
+1., 2., 3., -.1, -.2, -.3
+*ELEMENT, TYPE=SPRING1, ELSET=s1
+22, 1
+*SPRING, ELSET=s1
+2
+100.
+*ELEMENT, TYPE=SPRING2, ELSET=s2
+23, 1, 2
+*SPRING, ELSET=s2
+1, 3
+200.
+*ELEMENT, TYPE=SPRINGA, ELSET=sa
+24, 1, 4
+25, 1, 3
+*SPRING, ELSET=sa
+
+300.
+*ELEMENT, TYPE=MASS
+26, 1
+"
+    ));
+    let mass = &mesh.point_masses[0];
+    assert_eq!(
+        (mass.id, mass.matrix[1][1], mass.matrix[3][3]),
+        (20, 3.0, 0.0)
+    );
+    let inertia = &mesh.point_masses[1].matrix;
+    assert_eq!(inertia[3][3..], [1.0, -0.1, -0.2]);
+    assert_eq!(inertia[5][3..], [-0.2, -0.3, 3.0]);
+    let springs = mesh
+        .springs
+        .iter()
+        .map(|spring| (spring.id, spring.stiffness, spring.first, spring.second));
+    let (one, two, four) = (index(&mesh, 1), index(&mesh, 2), index(&mesh, 4));
+    assert_eq!(
+        springs.collect::<Vec<_>>(),
+        [
+            (22, 100.0, (one, 1), None),
+            (23, 200.0, (one, 0), Some((two, 2))),
+            (24, 300.0, (one, 1), Some((four, 1))),
+        ]
+    );
+    assert_eq!(
+        unread(&mesh),
+        [
+            ("MASS elements without *MASS", 1, Carries::Structure),
+            ("SPRINGA along no axis", 1, Carries::Structure),
+        ]
+    );
+}
+
+#[test]
+fn instances_are_placed_and_told_apart() {
+    let part = CUBES.replace("*HEADING\n two cubes\n", "");
+    let mesh = mesh(&format!(
+        "*PART, NAME=Block
+{part}*NSET, NSET=Foot\n1, 2, 3, 4
+*SURFACE, NAME=Head\nHIGH, S2
+*ELEMENT, TYPE=ROTARYI, ELSET=spin\n30, 100
+*ROTARY INERTIA, ELSET=spin\n1., 2., 3.
+*SOLID SECTION, ELSET=Low, MATERIAL=M
+*SOLID SECTION, ELSET=High, MATERIAL=M
+*END PART
+*ASSEMBLY, NAME=Assembly
+*INSTANCE, NAME=Left-1, PART=Block
+*END INSTANCE
+*INSTANCE, NAME=Right-1, PART=BLOCK
+10., 0., 0.
+10., 0., 0., 10., 0., 1., 90.
+*END INSTANCE
+*NODE
+1, 5., 5., 5.
+*NSET, NSET=Corner, INSTANCE=Right-1
+2, 3
+*NSET, NSET=Mixed
+Left-1.1, Right-1.Foot, 1
+*COUPLING, REF NODE=1, SURFACE=Right-1.Head, CONSTRAINT NAME=c
+*KINEMATIC
+*END ASSEMBLY
+*MATERIAL, NAME=M
+*ELASTIC
+2.E11, .3
+*DENSITY
+7800.
+*BOUNDARY
+Left-1.Foot, 1, 3
+"
+    ));
+    assert_eq!((mesh.nodes.len(), mesh.elements.len()), (27, 4));
+    // numbers meet: 1000 is the power of ten above 100
+    assert_eq!(mesh.nodes[0].id, 1);
+    assert_eq!(position(&mesh, 1002), [10.0, 2.0, 0.0]);
+    assert_eq!(position(&mesh, 1003), [8.0, 2.0, 0.0]);
+    assert_eq!(position(&mesh, 2001), [5.0, 5.0, 5.0]);
+    assert_eq!(element_ids(&mesh, 1001)[..4], [1001, 1002, 1003, 1004]);
+    assert_eq!(set_ids(&mesh, "Corner"), [1002, 1003]);
+    assert_eq!(set_ids(&mesh, "Mixed"), [1, 1001, 1002, 1003, 1004, 2001]);
+    assert_eq!(set_ids(&mesh, "Left-1.Foot"), [1, 2, 3, 4]);
+    assert!(!mesh.sets.contains_key("Foot"));
+    assert_eq!(set(&mesh, "Right-1").nodes.len(), 13);
+    assert_eq!(set(&mesh, "Right-1").elements, [2, 3]);
+    let Tie::Rigid { dependent, .. } = &mesh.ties[0] else {
+        panic!("no rigid tie");
+    };
+    let nodes = dependent.iter().map(|(node, _)| *node).collect::<Vec<_>>();
+    assert_eq!(ids(&mesh, &nodes), [1009, 1010, 1011, 1012]);
+    assert_eq!(mesh.supports.len(), 4);
+    // the quarter turn about z exchanges the moments about x and y
+    let turned = &mesh.point_masses[1].matrix;
+    assert_eq!([turned[3][3], turned[4][4], turned[5][5]], [2.0, 1.0, 3.0]);
+    assert_eq!(mesh.materials.len(), 1);
+    assert!(mesh.unread.is_empty(), "{:?}", mesh.unread);
+}
+
+#[test]
+fn one_instance_keeps_names_and_numbers() {
+    let part = CUBES.replace("*HEADING\n two cubes\n", "");
+    let mesh = mesh(&format!(
+        "*PART, NAME=P\n*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P\n0., 0., 1.\n{part}*NSET, NSET=N\n1\n*END INSTANCE\n*END ASSEMBLY\n"
+    ));
+    assert_eq!(position(&mesh, 1), [0.0, 0.0, 1.0]);
+    assert_eq!(mesh.sets["N"], mesh.sets["I.N"]);
+    assert_eq!(set_ids(&mesh, "N"), [1]);
+}
+
+#[test]
+fn systems_of_nodes() {
+    let mesh = mesh(
+        "*SYSTEM
+1., 0., 0., 1., 1., 0.
+0., 0., 0.
+*NODE
+1, 2., 3., 4.
+*NODE, SYSTEM=C
+2, 2., 90., 5.
+*SYSTEM
+*NODE
+3, 1., 2., 3.
+",
+    );
+    // x is y, y is -x
+    close3(position(&mesh, 1), [-2.0, 2.0, 4.0], 4.0);
+    close3(position(&mesh, 2), [-1.0, 0.0, 5.0], 5.0);
+    assert_eq!(position(&mesh, 3), [1.0, 2.0, 3.0]);
+}
+
+#[test]
+fn included_files_and_files_of_nodes() {
+    let files = [
+        (
+            "sub/deck.inp",
+            "*INCLUDE, INPUT=nodes.inp\n*ELEMENT, TYPE=C3D4, INPUT=e.txt, ELSET=E\n",
+        ),
+        (
+            "sub/nodes.inp",
+            "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n",
+        ),
+        ("e.txt", "1, 1, 2, 3, 4\n"),
+    ];
+    let mesh = match read_inp(&Memory::new(&files), "sub/deck.inp") {
+        Ok(mesh) => mesh,
+        Err(error) => panic!("{error}"),
+    };
+    assert_eq!(element_ids(&mesh, 1), [1, 2, 3, 4]);
+    assert_eq!(set(&mesh, "E").elements, [0]);
+}
+
+#[test]
+fn problems_tell_their_place() {
+    let lines = CUBES.lines().count() as u64;
+    for (deck, line, text) in [
+        ("*NODE\n1, 0., x, 0.\n", 2, "a coordinate is \"x\""),
+        ("*NODE\n0, 0., 0.\n", 2, "the number of a node is \"0\""),
+        ("1, 2\n", 1, "doesn't begin with a keyword"),
+        (
+            "*NODE\n1,0,0,0\n*ELEMENT, TYPE=C3D4\n1, 1,1,1\n*NSET, NSET=a\n",
+            4,
+            "has 3 of the 4 nodes",
+        ),
+        (
+            "*NODE\n1,0,0,0\n*ELEMENT, TYPE=C3D4\n1, 1,1,1,1,1\n",
+            4,
+            "has 5 nodes; C3D4 has 4",
+        ),
+        (
+            "*NODE\n1,0,0,0\n*ELEMENT, TYPE=C3D4\n1, 1,1,1,9\n",
+            4,
+            "uses node 9, which is missing",
+        ),
+        (
+            "*NODE\n1,0,0,0\n1,0,0,1\n",
+            3,
+            "node 1 is there twice; the first is in deck.inp, line 2",
+        ),
+        (
+            "*NODE\n1,0,0,0\n*NSET, NSET=a\nb\n",
+            3,
+            "the node set b is missing",
+        ),
+        (
+            "*NODE\n1,0,0,0\n*NSET\n1\n",
+            3,
+            "the parameter NSET is missing",
+        ),
+        (
+            "*NODE\n1,0,0,0\n*NSET, NSET=a, GENERATE\n5, 1\n",
+            4,
+            "runs backwards",
+        ),
+        ("*NODE\n1,0,0,0\n*BOUNDARY\n1, 0\n", 4, "no freedom"),
+        (
+            "*NODE\n1,0,0,0\n*KINEMATIC\n1, 3\n",
+            3,
+            "no *COUPLING stands before it",
+        ),
+        (
+            "*NODE\n1,0,0,0\n*EQUATION\n2\n1, 1, 1.\n",
+            4,
+            "1 of its 2 terms",
+        ),
+        (
+            "*NODE\n1,0,0,0\n*ELASTIC\n1., .3\n",
+            3,
+            "belongs to no material",
+        ),
+        (
+            "*NODE\n1,0,0,0\n*INSTANCE, NAME=i, PART=p\n",
+            3,
+            "the part p is missing",
+        ),
+        (
+            "*NODE\n1,0,0,0\n*INCLUDE, INPUT=x.inp\n",
+            3,
+            "can't be opened",
+        ),
+        ("*NODE\n1,0,0,0\n*INCLUDE, INPUT=deck.inp\n", 3, "circle"),
+    ] {
+        let problem = problem(deck);
+        assert_eq!(problem.place, Place::Line(line), "{problem}");
+        assert!(problem.problem.contains(text), "{problem}");
+        assert!(!problem.advice.is_empty());
+    }
+    for (more, line, text) in [
+        (
+            "*SOLID SECTION, ELSET=LOW, MATERIAL=Q\n",
+            1,
+            "the material Q is missing",
+        ),
+        (
+            "*SOLID SECTION, ELSET=Nowhere\n",
+            1,
+            "the element set Nowhere is missing",
+        ),
+        (
+            "*SHELL SECTION, ELSET=LOW\n1.\n",
+            1,
+            "doesn't fit element 1",
+        ),
+        ("*SURFACE, NAME=a\nLOW, S7\n", 2, "no face \"S7\""),
+        (
+            "*COUPLING, REF NODE=100, SURFACE=z\n*KINEMATIC\n",
+            1,
+            "the surface z is missing",
+        ),
+        (
+            "*NSET, NSET=a\n100\n*TRANSFORM, NSET=a, TYPE=C\n1.,1.,0.,1.,1.,1.\n",
+            3,
+            "not determined",
+        ),
+    ] {
+        let problem = problem(&format!("{CUBES}{more}"));
+        assert_eq!(problem.place, Place::Line(lines + line), "{problem}");
+        assert!(problem.problem.contains(text), "{problem}");
+    }
+    assert_eq!(problem("*HEADING\nempty\n").place, Place::File);
+}
