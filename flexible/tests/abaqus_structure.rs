@@ -547,6 +547,28 @@ fn one_instance_keeps_names_and_numbers() {
 }
 
 #[test]
+fn numbers_too_large_to_tell_apart() {
+    let node = "*NODE\n18446744073709551615, 0., 0., 0.\n";
+    let problem = problem(&format!(
+        "*PART, NAME=P\n{node}*END PART\n*INSTANCE, NAME=I, PART=P\n*END INSTANCE\n{node}"
+    ));
+    assert!(problem.problem.contains("too large"), "{problem}");
+    assert_eq!(
+        (problem.file.as_str(), problem.place),
+        ("deck.inp", Place::File)
+    );
+}
+
+#[test]
+fn a_material_may_hold_what_is_not_known() {
+    let mesh = mesh(&format!(
+        "{CUBES}*MATERIAL, NAME=M\n*ELASTIC\n1., .3\n*NEW LAW\n1.\n*DENSITY\n2.\n*SOLID SECTION, ELSET=LOW, MATERIAL=M\n"
+    ));
+    assert_eq!(mesh.materials[0].density, 2.0);
+    assert_eq!(unread(&mesh), [("*NEW LAW", 1, Carries::Unknown)]);
+}
+
+#[test]
 fn systems_of_nodes() {
     let mesh = mesh(
         "*SYSTEM
@@ -631,6 +653,7 @@ fn problems_tell_their_place() {
             "runs backwards",
         ),
         ("*NODE\n1,0,0,0\n*BOUNDARY\n1, 0\n", 4, "no freedom"),
+        ("*NODE\n1,0,0,0\n*BOUNDARY\n1, 6, 1\n", 4, "run backwards"),
         (
             "*NODE\n1,0,0,0\n*KINEMATIC\n1, 3\n",
             3,

@@ -30,7 +30,7 @@ impl Labels {
             .unwrap_or(&[])
             .iter()
             .take_while(move |(label, _)| *label <= last)
-            .filter(move |(label, _)| (label - first) % step.max(1) == 0)
+            .filter(move |(label, _)| (label - first).is_multiple_of(step.max(1)))
             .map(|(_, index)| *index)
     }
 

@@ -187,6 +187,10 @@ impl Deck {
                         "rename or remove one of them",
                     ));
                 }
+                if keyword.has("LIBRARY") {
+                    let name = "*INSTANCE of a LIBRARY";
+                    self.unread.note(name, &keyword.at, Carries::Structure);
+                }
                 self.instances.push(Instance {
                     name,
                     part: keyword.get("PART").unwrap_or("").to_string(),

@@ -173,6 +173,12 @@ impl Row {
         } else {
             self.freedom(i + 1)?
         };
+        if last < first {
+            return Err(self.at.problem(
+                format!("freedoms {} to {} run backwards", first + 1, last + 1),
+                "write the smaller number first",
+            ));
+        }
         Ok((first..=last).fold(0, |bits, freedom| bits | 1 << freedom))
     }
 }

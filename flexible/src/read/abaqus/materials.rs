@@ -104,10 +104,8 @@ impl Materials {
             known if entry.is_some() && HARMLESS.contains(&known) => {
                 unread.note(&format!("*{}", keyword.name), &keyword.at, Carries::Nothing);
             }
-            _ => {
-                self.open = None;
-                return Ok(false);
-            }
+            // what else describes the material is listed with the rest
+            _ => return Ok(false),
         }
         Ok(true)
     }

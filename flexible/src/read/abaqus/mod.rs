@@ -41,7 +41,7 @@ use model::Model;
 /// many nodes, a missing or doubled node, element, set, surface, part or material, a keyword that can't be expressed.
 pub fn read_inp(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
     let mut deck = deck::read(files, name)?;
-    let mut model = Model::new(&mut deck)?;
+    let mut model = Model::new(&mut deck, name)?;
     if model.nodes.is_empty() {
         return Err(whole(
             name,

@@ -11,7 +11,7 @@ use super::surfaces::Surface;
 use crate::error::FileProblem;
 use crate::mesh::Node;
 use crate::read::labels::Labels;
-use crate::read::source::At;
+use crate::read::source::{At, whole};
 
 /// A named thing of a place.
 pub(super) type Named<T> = BTreeMap<String, (String, T)>;
@@ -79,8 +79,8 @@ pub(super) struct Model {
 }
 
 impl Model {
-    /// Numbers nodes and elements through.
-    pub fn new(deck: &mut Deck) -> Result<Self, FileProblem> {
+    /// Numbers nodes and elements of a file through.
+    pub fn new(deck: &mut Deck, file: &str) -> Result<Self, FileProblem> {
         let mut model = Model::default();
         for (instance, scope) in deck.placed()? {
             model.places.push(Placed {
@@ -100,7 +100,7 @@ impl Model {
         for place in 0..model.places.len() {
             model.number_elements(place)?;
         }
-        model.offset()?;
+        model.offset(file)?;
         Ok(model)
     }
 
@@ -229,7 +229,7 @@ impl Model {
 
     /// Makes numbers of nodes and elements differ among places. Where those of two places meet, the k-th place (from 0) adds k times
     /// the power of ten above all numbers.
-    fn offset(&mut self) -> Result<(), FileProblem> {
+    fn offset(&mut self, file: &str) -> Result<(), FileProblem> {
         let meets = self.places.iter().enumerate().any(|(i, one)| {
             self.places
                 .iter()
@@ -245,22 +245,18 @@ impl Model {
             .map(|placed| placed.nodes.largest().max(placed.elements.largest()))
             .max()
             .unwrap_or(0);
-        let mut step = 10_u64;
-        while step <= largest {
-            step = step.saturating_mul(10);
-        }
-        let fits = step
-            .checked_mul(self.places.len() as u64)
-            .is_some_and(|end| end < u64::MAX / 2);
-        if !fits {
-            let at = self.rows.first().map(|row| row.at.clone());
-            let advice = "renumber nodes and elements to below 1e12";
-            let problem = "numbers of nodes or elements are too large to tell instances apart";
-            return Err(match at {
-                Some(at) => at.problem(problem, advice),
-                None => crate::read::source::whole("", problem, advice),
-            });
-        }
+        let step = (1..19).map(|n| 10_u64.pow(n)).find(|step| *step > largest);
+        let step = step.filter(|step| {
+            step.checked_mul(self.places.len() as u64)
+                .is_some_and(|end| end < u64::MAX / 2)
+        });
+        let Some(step) = step else {
+            return Err(whole(
+                file,
+                "numbers of nodes or elements are too large to tell instances apart",
+                "renumber nodes and elements to below 1e12",
+            ));
+        };
         for (k, placed) in self.places.iter_mut().enumerate() {
             placed.offset = step * k as u64;
             for index in placed.nodes.indices() {

@@ -88,8 +88,8 @@ fn mass(
     let mut matrix = [[0.0; 6]; 6];
     if row.shape == Shape::Mass {
         let mass = values.real(0, "the mass")?;
-        for i in 0..3 {
-            matrix[i][i] = mass;
+        for (i, line) in matrix.iter_mut().take(3).enumerate() {
+            line[i] = mass;
         }
     } else {
         let [i11, i22, i33] = values.vector(0, "a moment of inertia")?;

@@ -81,6 +81,9 @@ fn gather(
             }
         }
     }
+    // sets of sets must not grow with every mention
+    members.sort_unstable();
+    members.dedup();
     Ok(members)
 }
 
