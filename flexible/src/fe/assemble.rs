@@ -89,7 +89,8 @@ pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structu
         .filter(|node| freedoms.of(*node).is_empty())
         .collect();
     let mass = Mass::new(freedoms.clone(), solid, general)?;
-    if !(mass.rigid(mesh).mass > 0.0) {
+    let total = mass.rigid(mesh).mass;
+    if total.is_nan() || total <= 0.0 {
         return Err(wrong(
             "the structure has no mass".into(),
             "give its materials a density",

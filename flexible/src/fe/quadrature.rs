@@ -290,7 +290,7 @@ mod tests {
         for n in 1..=5 {
             let degree = 2 * n as u32 - 1;
             let even = |d: u32| {
-                if d % 2 == 0 {
+                if d.is_multiple_of(2) {
                     2.0 / f64::from(d + 1)
                 } else {
                     0.0

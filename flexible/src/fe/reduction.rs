@@ -343,7 +343,9 @@ impl Reduction {
         let loose: Vec<String> = diagonal
             .iter()
             .zip(&self.names)
-            .filter(|(x, (_, component))| !(**x > 1e-14 * largest[usize::from(component / 3)]))
+            .filter(|(x, (_, component))| {
+                x.is_nan() || **x <= 1e-14 * largest[usize::from(component / 3)]
+            })
             .map(|(_, (id, component))| format!("component {} of node {id}", component + 1))
             .collect();
         if loose.is_empty() {

@@ -162,6 +162,8 @@ pub(super) fn samples(kind: ElementKind, points: &[Point]) -> Vec<Sample> {
 /// Samples of one kind of element.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
+    /// The element of the corners alone, in the middle of a solid.
+    pub(super) corners: Option<Shape>,
     pub(super) stiffness: Vec<Sample>,
     pub(super) mass: Vec<Sample>,
     pub(super) spread: Spread,
@@ -169,7 +171,15 @@ pub(super) struct Table {
 
 impl Table {
     pub(super) fn new(kind: ElementKind, rules: &Rules) -> Self {
+        let centre = match shape::linear(kind) {
+            ElementKind::Tetrahedron4 => Some([0.25; 3]),
+            ElementKind::Hexahedron8 => Some([0.0; 3]),
+            ElementKind::Wedge6 => Some([1.0 / 3.0, 1.0 / 3.0, 0.0]),
+            ElementKind::Pyramid5 => Some([0.0, 0.0, 0.25]),
+            _ => None,
+        };
         Table {
+            corners: centre.map(|at| Shape::at(shape::linear(kind), at)),
             stiffness: samples(kind, &stiffness_points(kind, rules.stiffness)),
             mass: samples(kind, &mass_points(kind, rules.mass)),
             spread: spread(kind, rules.mass),

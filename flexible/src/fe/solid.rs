@@ -107,9 +107,9 @@ pub(super) fn tangents(
     count: usize,
 ) -> [[f64; 3]; 3] {
     let mut rows = [[0.0; 3]; 3];
-    for node in 0..count {
-        for (row, slope) in rows.iter_mut().zip(shape.slopes[node]) {
-            for (x, place) in row.iter_mut().zip(places[node]) {
+    for (slopes, place) in shape.slopes.iter().zip(places).take(count) {
+        for (row, slope) in rows.iter_mut().zip(slopes) {
+            for (x, place) in row.iter_mut().zip(place) {
                 *x += slope * place;
             }
         }
@@ -129,8 +129,7 @@ pub(super) fn gradients(
     let rows = tangents(shape, places, count);
     let jacobian = determinant(&rows);
     let size = norm(rows[0]) * norm(rows[1]) * norm(rows[2]);
-    // the negated comparison refuses what is not a number, too
-    if !(jacobian > 1e-12 * size) {
+    if jacobian.is_nan() || jacobian <= 1e-12 * size {
         return Err(jacobian);
     }
     // ∂N/∂x = Σ ∂N/∂ξ_i (r_j × r_k)/det for the rows r of ∂x/∂ξ
@@ -140,9 +139,8 @@ pub(super) fn gradients(
         cross(rows[0], rows[1]),
     ];
     let mut slope = [[0.0; 3]; MOST_NODES];
-    for node in 0..count {
-        let [r, s, t] = shape.slopes[node];
-        for (axis, x) in slope[node].iter_mut().enumerate() {
+    for (slope, [r, s, t]) in slope.iter_mut().zip(shape.slopes).take(count) {
+        for (axis, x) in slope.iter_mut().enumerate() {
             *x = (r * dual[0][axis] + s * dual[1][axis] + t * dual[2][axis]) / jacobian;
         }
     }
@@ -155,7 +153,7 @@ pub(super) fn gradients(
 /// principle of virtual work for σ = λ tr ε I + 2 μ ε.
 ///
 /// # Errors
-/// The Jacobian [m³] at the first point of the stiffness where it is not positive.
+/// The Jacobian [m³] where it is not positive: that of the corners alone, or at the first such point of the stiffness.
 pub(super) fn add_matrices(
     table: &Table,
     present: &Present,
@@ -164,6 +162,10 @@ pub(super) fn add_matrices(
     blocks: &mut [f64],
 ) -> Result<(), f64> {
     let count = present.count;
+    // corners in the wrong order can hide behind mid-side nodes in the right places
+    if let Some(corners) = &table.corners {
+        gradients(corners, places, present.kind.corner_count())?;
+    }
     for sample in &table.stiffness {
         let shape = present.shape(&sample.shape);
         let gradients = gradients(&shape, places, count)?;

@@ -24,7 +24,7 @@ pub(super) fn add_matrices(
             let shape = present.shape(&sample.shape);
             let [r, s, _] = tangents(&shape, places, present.count);
             let area = norm(cross(r, s));
-            if !(area > 1e-12 * norm(r) * norm(s)) {
+            if area.is_nan() || area <= 1e-12 * norm(r) * norm(s) {
                 fault.get_or_insert(area);
             }
             (shape.values, mass_per_area * sample.weight * area)

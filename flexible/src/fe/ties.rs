@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::averaging;
+use super::averaging::{self, Follower};
 use super::check::{list, wrong};
 use super::freedoms::{FreedomMap, direction};
 use super::residual;
@@ -132,7 +132,7 @@ fn rigid(
     id: u64,
     independent: u32,
     dependent: &[(u32, u8)],
-) -> Result<Vec<(u32, Vec<(u32, f64)>)>, FlexibleError> {
+) -> Result<Vec<Follower>, FlexibleError> {
     let leader = freedoms.of(independent).start as u32;
     let axes: Vec<[f64; 3]> = (0..3u8)
         .map(|component| direction(mesh, independent, component))

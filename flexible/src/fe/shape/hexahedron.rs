@@ -51,12 +51,12 @@ pub(super) fn quadratic(
     let corner_count = 1 << dimension;
     for (node, corner) in CORNERS.iter().take(corner_count).enumerate() {
         let mut sum = 1.0 - dimension as f64;
-        for axis in 0..dimension {
-            sum += point[axis] * corner[axis];
+        for (x, sign) in point.iter().zip(corner).take(dimension) {
+            sum += x * sign;
         }
         let value = shape.values[node];
-        for axis in 0..dimension {
-            shape.slopes[node][axis] = shape.slopes[node][axis] * sum + value * corner[axis];
+        for (slope, sign) in shape.slopes[node].iter_mut().zip(corner).take(dimension) {
+            *slope = *slope * sum + value * sign;
         }
         shape.values[node] = value * sum;
     }

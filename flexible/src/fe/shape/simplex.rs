@@ -26,10 +26,8 @@ fn barycentric(point: [f64; 3], dimension: usize) -> ([f64; 4], [[f64; 3]; 4]) {
 /// N = L.
 pub(super) fn linear(shape: &mut Shape, point: [f64; 3], dimension: usize) {
     let (value, slope) = barycentric(point, dimension);
-    for node in 0..=dimension {
-        shape.values[node] = value[node];
-        shape.slopes[node] = slope[node];
-    }
+    shape.values[..=dimension].copy_from_slice(&value[..=dimension]);
+    shape.slopes[..=dimension].copy_from_slice(&slope[..=dimension]);
 }
 
 /// Corners L (2L − 1), edges 4 L_a L_b.
@@ -47,8 +45,7 @@ pub(super) fn quadratic(
     for (k, &[a, b]) in edges.iter().enumerate() {
         let node = dimension + 1 + k;
         shape.values[node] = 4.0 * value[a] * value[b];
-        for i in 0..3 {
-            shape.slopes[node][i] = 4.0 * (slope[a][i] * value[b] + value[a] * slope[b][i]);
-        }
+        shape.slopes[node] =
+            [0, 1, 2].map(|i: usize| 4.0 * (slope[a][i] * value[b] + value[a] * slope[b][i]));
     }
 }

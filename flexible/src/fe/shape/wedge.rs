@@ -58,11 +58,10 @@ pub(super) fn quadratic(shape: &mut Shape, point: [f64; 3]) {
             let edge = 6 + 3 * layer + i;
             let pair = 4.0 * area[i] * area[next];
             shape.values[edge] = pair * along;
-            for axis in 0..2 {
-                shape.slopes[edge][axis] =
-                    4.0 * (SLOPES[i][axis] * area[next] + area[i] * SLOPES[next][axis]) * along;
-            }
-            shape.slopes[edge][2] = pair * 0.5 * sign;
+            let across = |axis: usize| {
+                4.0 * (SLOPES[i][axis] * area[next] + area[i] * SLOPES[next][axis]) * along
+            };
+            shape.slopes[edge] = [across(0), across(1), pair * 0.5 * sign];
         }
         let vertical = 12 + i;
         shape.values[vertical] = area[i] * bubble;
