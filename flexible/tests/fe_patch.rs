@@ -54,7 +54,7 @@ fn patch(mesh: &Mesh, rules: &Rules, what: &str) {
         }
         for strain in strains {
             for (x, y) in strain.iter().zip(STRAIN) {
-                assert!((x - y).abs() < 1e-12 * 2e-4 * 10.0, "{what}: {strain:?}");
+                assert!((x - y).abs() < 1e-12 * 2e-4, "{what}: {strain:?}");
             }
         }
         energy += recovery.energy(&displacements);
@@ -74,14 +74,7 @@ fn patch(mesh: &Mesh, rules: &Rules, what: &str) {
 #[test]
 fn constant_strain_is_exact_in_distorted_patches_of_every_solid() {
     for kind in SOLIDS {
-        let mut mesh = distorted(kind, false);
-        if kind == ElementKind::Hexahedron8 || kind == ElementKind::Hexahedron20 {
-            assert!(mesh.nodes.iter().any(|node| !on_cube(node.position)));
-        }
-        // off the origin, where digits would be lost
-        for node in &mut mesh.nodes {
-            assert!(node.position.iter().all(|x| (-0.001..1.001).contains(x)));
-        }
+        let mesh = distorted(kind, false);
         patch(&mesh, &Rules::default(), &format!("{kind:?}"));
     }
     let reduced = Rules {

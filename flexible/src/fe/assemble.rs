@@ -25,7 +25,7 @@ const BLOCK: usize = 1024;
 pub struct Structure {
     /// Where each node's freedoms are.
     pub freedoms: FreedomMap,
-    /// Stiffness over full freedoms, basic axes [N/m, N, N m].
+    /// Stiffness over full freedoms, basic axes (N/m, N, N m).
     pub stiffness: SymmetricMatrix,
     /// Mass over full freedoms.
     pub mass: Mass,

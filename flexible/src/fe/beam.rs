@@ -22,7 +22,7 @@ use crate::mesh::{BeamAxes, Material, Section};
 pub type EndMatrix = [[f64; 12]; 12];
 
 /// Stiffness and mass over the nodes' twelve freedoms (translations and rotations of the first node, then of the second) in
-/// basic axes [N/m, N, N m; kg, kg m, kg m²].
+/// basic axes (N/m, N, N m; kg, kg m, kg m²).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamMatrices {
     /// Stiffness.
@@ -37,16 +37,16 @@ const BENDING: [usize; 4] = [1, 2, 4, 5];
 /// A section's constants.
 struct Beam {
     length: f64,
-    /// EA [N] and GJ [N m²].
+    /// EA (N) and GJ (N m²).
     axial: f64,
     torsional: f64,
-    /// Section flexibilities 1/(k GA) [1/N] for y and z.
+    /// Section flexibilities 1/(k GA) (1/N) for y and z.
     shear: [f64; 2],
-    /// Inverse of the bending stiffness for (M_y, M_z) [1/(N m²)]; zero where there is none.
+    /// Inverse of the bending stiffness for (M_y, M_z) (1/(N m²)); zero where there is none.
     bending: [[f64; 2]; 2],
     /// Which of v, w, θ_y, θ_z bending holds together.
     active: [bool; 4],
-    /// Mass a length [kg/m] and inertia of the section a length about y, z, with their product [kg m].
+    /// Mass a length (kg/m) and inertia of the section a length about y, z, with their product (kg m).
     mass: f64,
     inertia: [[f64; 2]; 2],
 }

@@ -34,7 +34,7 @@ const BROKEN: &str = "the mesh refers to something it does not hold; read it aga
 pub(super) enum Role<'a> {
     /// Stiffness and mass of a volume.
     Solid(&'a Material),
-    /// Mass an area [kg/m²], no stiffness.
+    /// Mass an area (kg/m²), no stiffness.
     Shell(f64),
     /// A beam.
     Beam(&'a Material),

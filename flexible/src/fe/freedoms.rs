@@ -4,7 +4,7 @@ use super::check::{Role, role};
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, ElementKind, Mesh, PointMass, Tie};
 
-/// Where each node's freedoms stand in a full vector: translations x, y, z [m], then rotations x, y, z [rad], in basic axes.
+/// Where each node's freedoms stand in a full vector: translations x, y, z (m), then rotations x, y, z (rad), in basic axes.
 ///
 /// Nodes turn (have rotations) at beams, at the independent node of a rigid tie, at the reference of an averaging one, at point
 /// masses with rotary inertia or an offset, and where a spring or an equation names a rotation. A node that nothing uses

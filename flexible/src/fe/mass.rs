@@ -10,32 +10,32 @@ use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mass {
     freedoms: FreedomMap,
-    /// M_s over nodes [kg].
+    /// M_s over nodes (kg).
     pub solid: SymmetricMatrix,
-    /// M_g over full freedoms [kg, kg m, kg m²]: beams, offset point masses, rotary inertia.
+    /// M_g over full freedoms (kg, kg m, kg m²): beams, offset point masses, rotary inertia.
     pub general: Option<SymmetricMatrix>,
 }
 
 /// Mass properties of a structure that moves as a rigid body, about the origin of the basic frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidMass {
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass: f64,
-    /// First moment ∫ r dm [kg m].
+    /// First moment ∫ r dm (kg m).
     pub first_moment: [f64; 3],
-    /// Inertia ∫ (r·r I − r rᵀ) dm [kg m²].
+    /// Inertia ∫ (r·r I − r rᵀ) dm (kg m²).
     pub inertia: [[f64; 3]; 3],
 }
 
 impl RigidMass {
-    /// Centre of mass [m]; not finite for a structure without mass.
+    /// Centre of mass (m); not finite for a structure without mass.
     pub fn centre(&self) -> [f64; 3] {
         self.first_moment.map(|x| x / self.mass)
     }
 }
 
-/// The six rigid motions as full vectors one after the other: unit translations [m/m] along x, y, z, then small unit rotations
-/// [m/rad, rad/rad] about axes x, y, z through the origin of the basic frame, e × r.
+/// The six rigid motions as full vectors one after the other: unit translations (m/m) along x, y, z, then small unit rotations
+/// (m/rad, rad/rad) about axes x, y, z through the origin of the basic frame, e × r.
 pub fn rigid_motions(mesh: &Mesh, freedoms: &FreedomMap) -> Vec<f64> {
     let size = freedoms.size();
     let mut motions = vec![0.0; 6 * size];

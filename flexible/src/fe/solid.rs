@@ -15,7 +15,7 @@ pub(super) fn pair(a: usize, b: usize) -> usize {
     b * (b + 1) / 2 + a
 }
 
-/// Lamé's constants λ and μ [Pa] of a material.
+/// Lamé's constants λ and μ (Pa) of a material.
 pub fn lame(material: &Material) -> (f64, f64) {
     let (young, poisson) = (material.young, material.poisson);
     (
@@ -81,7 +81,7 @@ impl Present {
         shape
     }
 
-    /// Places of the nodes from the first one (small numbers: fewer digits are lost) [m].
+    /// Places of the nodes from the first one (small numbers: fewer digits are lost) (m).
     pub(super) fn places(&self, mesh: &Mesh) -> [[f64; 3]; MOST_NODES] {
         let origin = mesh.nodes[self.nodes[0] as usize].position;
         let mut places = [[0.0; 3]; MOST_NODES];
@@ -94,13 +94,13 @@ impl Present {
 
 /// Derivatives of the shape functions in space, and the volume of the reference domain's unit.
 pub(super) struct Gradients {
-    /// ∂N/∂x [1/m].
+    /// ∂N/∂x (1/m).
     pub(super) slope: [[f64; 3]; MOST_NODES],
-    /// det ∂x/∂ξ [m³].
+    /// det ∂x/∂ξ (m³).
     pub(super) jacobian: f64,
 }
 
-/// Rows ∂x/∂ξ_i [m].
+/// Rows ∂x/∂ξ_i (m).
 pub(super) fn tangents(
     shape: &Shape,
     places: &[[f64; 3]; MOST_NODES],
@@ -120,7 +120,7 @@ pub(super) fn tangents(
 /// Gradients in space at a point.
 ///
 /// # Errors
-/// The Jacobian's determinant [m³], where it is not above zero (by more than rounding).
+/// The Jacobian's determinant (m³), where it is not above zero (by more than rounding).
 pub(super) fn gradients(
     shape: &Shape,
     places: &[[f64; 3]; MOST_NODES],
@@ -149,11 +149,11 @@ pub(super) fn gradients(
 
 /// Adds stiffness and mass of an element to zeroed `blocks` ([`PAIR`] numbers a pair of its nodes, see [`pair`]):
 ///
-/// K_ab = ∫ λ g_a g_bᵀ + μ g_b g_aᵀ + μ (g_a·g_b) I dV [N/m], m_ab = ∫ ρ N_a N_b dV [kg] (M = m ⊗ I₃), with g = ∂N/∂x: the
+/// K_ab = ∫ λ g_a g_bᵀ + μ g_b g_aᵀ + μ (g_a·g_b) I dV (N/m), m_ab = ∫ ρ N_a N_b dV (kg) (M = m ⊗ I₃), with g = ∂N/∂x: the
 /// principle of virtual work for σ = λ tr ε I + 2 μ ε.
 ///
 /// # Errors
-/// The Jacobian [m³] where it is not positive: that of the corners alone, or at the first such point of the stiffness.
+/// The Jacobian (m³) where it is not positive: that of the corners alone, or at the first such point of the stiffness.
 pub(super) fn add_matrices(
     table: &Table,
     present: &Present,
@@ -206,7 +206,7 @@ pub(super) fn add_matrices(
     Ok(())
 }
 
-/// Adds the mass ∫ N_a N_b dm, given the values and the mass dm [kg] of each sample, in the table's form.
+/// Adds the mass ∫ N_a N_b dm, given the values and the mass dm (kg) of each sample, in the table's form.
 pub(super) fn add_mass(
     table: &Table,
     count: usize,
@@ -249,7 +249,7 @@ pub(super) fn add_mass(
     }
 }
 
-/// The error for elements that are turned inside out or flat: their ids and Jacobians [m³].
+/// The error for elements that are turned inside out or flat: their ids and Jacobians (m³).
 pub(super) fn inverted(faults: &[(u64, f64)]) -> FlexibleError {
     wrong(
         format!(

@@ -11,22 +11,22 @@ use super::vector::add;
 use crate::error::FlexibleError;
 use crate::mesh::{Element, ElementKind, Material, Mesh};
 
-/// Six components of a strain [–] or a stress [Pa].
+/// Six components of a strain (–) or a stress (Pa).
 pub type Components = [f64; 6];
 
 /// Strain at a point as a function of the displacements of the element's nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrainPoint {
-    /// Place in the basic frame [m].
+    /// Place in the basic frame (m).
     pub place: [f64; 3],
-    /// Volume that the point stands for [m³]; zero for points that are not integration points.
+    /// Volume that the point stands for (m³); zero for points that are not integration points.
     pub volume: f64,
-    /// ∂N/∂x of each node [1/m].
+    /// ∂N/∂x of each node (1/m).
     pub gradients: Vec<[f64; 3]>,
 }
 
 impl StrainPoint {
-    /// ε = ½ (∇u + ∇uᵀ) for displacements [m] of the nodes.
+    /// ε = ½ (∇u + ∇uᵀ) for displacements (m) of the nodes.
     pub fn strain(&self, displacements: &[[f64; 3]]) -> Components {
         let mut strain = [0.0; 6];
         for (g, u) in self.gradients.iter().zip(displacements) {
@@ -41,7 +41,7 @@ impl StrainPoint {
     }
 }
 
-/// Stress [Pa] of a strain: σ = λ tr ε I + 2 μ ε.
+/// Stress (Pa) of a strain: σ = λ tr ε I + 2 μ ε.
 pub fn stress(material: &Material, strain: &Components) -> Components {
     let (lambda, mu) = lame(material);
     let volumetric = lambda * (strain[0] + strain[1] + strain[2]);
@@ -55,7 +55,7 @@ pub fn stress(material: &Material, strain: &Components) -> Components {
     ]
 }
 
-/// Von Mises' equivalent stress [Pa], √(3/2 s:s) of the deviator s.
+/// Von Mises' equivalent stress (Pa), √(3/2 s:s) of the deviator s.
 pub fn von_mises(stress: &Components) -> f64 {
     let [x, y, z, xy, yz, zx] = *stress;
     let normal = (x - y) * (x - y) + (y - z) * (y - z) + (z - x) * (z - x);
@@ -143,7 +143,7 @@ impl ElementRecovery {
             .collect()
     }
 
-    /// Stresses [Pa] at the integration points.
+    /// Stresses (Pa) at the integration points.
     pub fn stresses(&self, displacements: &[[f64; 3]]) -> Vec<Components> {
         self.strains(displacements)
             .iter()
@@ -168,7 +168,7 @@ impl ElementRecovery {
             .collect()
     }
 
-    /// Strain energy ½ ∫ σ:ε dV [J].
+    /// Strain energy ½ ∫ σ:ε dV (J).
     pub fn energy(&self, displacements: &[[f64; 3]]) -> f64 {
         self.points
             .iter()
@@ -272,7 +272,7 @@ fn extrapolation(kind: ElementKind, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Stress [Pa] at each node from a full vector of displacements: integration points carried to the nodes, the mean of the
+/// Stress (Pa) at each node from a full vector of displacements: integration points carried to the nodes, the mean of the
 /// elements of one material that meet there; where materials meet, those of the first element's material. `None` for nodes of
 /// no solid.
 ///

@@ -5,10 +5,10 @@ use super::shape::MOST_NODES;
 use super::solid::{Present, add_mass, tangents};
 use super::vector::{cross, norm};
 
-/// Adds ∫ N_a N_b m dA to the masses of zeroed `blocks`, as [`super::solid::add_matrices`] does; `mass_per_area` [kg/m²].
+/// Adds ∫ N_a N_b m dA to the masses of zeroed `blocks`, as [`super::solid::add_matrices`] does; `mass_per_area` (kg/m²).
 ///
 /// # Errors
-/// The area a unit of the reference domain [m²] at the first point where it vanishes.
+/// The area a unit of the reference domain (m²) at the first point where it vanishes.
 pub(super) fn add_matrices(
     table: &Table,
     present: &Present,

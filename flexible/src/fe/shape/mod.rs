@@ -16,9 +16,9 @@ pub const MOST_NODES: usize = 20;
 /// Shape functions at a point: one entry a node of the element, zero behind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
-    /// Values [–].
+    /// Values (–).
     pub values: [f64; MOST_NODES],
-    /// Derivatives in the reference coordinates [–]; for a pyramid in ξ, η, ζ, not in the collapsed ones.
+    /// Derivatives in the reference coordinates (–); for a pyramid in ξ, η, ζ, not in the collapsed ones.
     pub slopes: [[f64; 3]; MOST_NODES],
 }
 
