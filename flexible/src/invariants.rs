@@ -81,10 +81,10 @@ pub fn invariants(full: &Full, shapes: &[f64]) -> Invariants {
     out.rotation = block(&momentum, 6, 3, 3);
     let turned: [Vec<f64>; 3] = std::array::from_fn(|k| turned(full.freedoms, k, shapes));
     let turned_inertial: [Vec<f64>; 3] = std::array::from_fn(|k| applied(full.mass, &turned[k]));
-    for k in 0..3 {
-        let by_shape = products(size, full.rigid, &turned_inertial[k]);
+    for (k, inertial) in turned_inertial.iter().enumerate() {
+        let by_shape = products(size, full.rigid, inertial);
         out.rotation_by_shape[k] = block(&by_shape, 6, 3, 3);
-        let coriolis = products(size, shapes, &turned_inertial[k]);
+        let coriolis = products(size, shapes, inertial);
         out.coriolis[k] = block(&coriolis, n, 0, n);
     }
     for (p, (j, k)) in PAIRS.into_iter().enumerate() {
