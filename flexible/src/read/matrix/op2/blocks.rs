@@ -2,8 +2,8 @@
 //! below zero ends a record of the block and counts it, zero ends the block.
 //!
 //! ```text
-//! 3 date 7 title 2 version -1 0                            head of the file, or nothing
-//! 2 name -1 7 trailer -2 1 0 n head -3                     head of a block
+//! 3 date 7 title 2 version [6 release] -1 0                head of the file, or nothing
+//! 2 name [6 release] -1 7 trailer -2 1 0 n head -3         head of a block; MSC adds its release from 2014
 //! 1 0 n data [n data…] -4                                  a record of a table
 //! 1 1 n row+values [n row+values…] -5                      a column of a matrix; its n leaves out the row
 //! 1 0 0                                                    end of the block
@@ -204,11 +204,7 @@ impl Blocks {
                 Some(0) => {}
                 Some(3) => {
                     self.words(3, 0)?;
-                    for key in [7, 2] {
-                        self.expect(key)?;
-                        self.words(key, 0)?;
-                    }
-                    self.expect(-1)?;
+                    self.whole_record(-1)?;
                     self.expect(0)?;
                 }
                 Some(2) => break,
@@ -222,7 +218,7 @@ impl Blocks {
         }
         let name = self.words(2, 0)?;
         self.name = text(&name, self.key_bytes);
-        self.expect(-1)?;
+        self.whole_record(-1)?;
         let trailer = self.whole_record(-2)?;
         self.expect(1)?;
         self.expect(0)?;
