@@ -37,14 +37,18 @@ fn converts(matrix: &ForeignMatrix, expected: &Dense, within: f64) {
         .to_symmetric(MatrixKind::Mass)
         .unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(symmetric.size(), expected.rows);
-    let mut found = vec![vec![0.0; expected.rows]; expected.rows];
-    for column in 0..symmetric.size() {
-        let (rows, values) = symmetric.column(column);
-        for (row, value) in rows.iter().zip(values) {
-            found[column][*row as usize] = *value;
-            found[*row as usize][column] = *value;
-        }
-    }
+    let lower = ForeignMatrix {
+        symmetric: true,
+        entries: (0..symmetric.size())
+            .flat_map(|column| {
+                let (rows, values) = symmetric.column(column);
+                let entries = rows.iter().zip(values);
+                entries.map(move |(row, value)| (*row, column as u32, *value))
+            })
+            .collect(),
+        ..matrix.clone()
+    };
+    let found = Dense::read(&lower);
     assert!(difference(&found, &expected.columns) <= within);
 }
 

@@ -34,19 +34,15 @@ impl Dense {
                 .wrapping_add(1442695040888963407);
             (state >> 11) as f64 / (1_u64 << 53) as f64
         };
-        for i in 0..size {
-            for j in 0..=i {
-                if i == 3 || j == 3 {
-                    continue;
-                }
-                let value = match (random(), random()) {
-                    (value, _) if i == j => 1e7 * (1.0 + value),
-                    (value, third) if third < 0.34 => 1e6 * (value - 0.5),
-                    _ => 0.0,
-                };
-                columns[i][j] = value;
-                columns[j][i] = value;
-            }
+        let places = (0..size).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        for (i, j) in places.filter(|(i, j)| *i != 3 && *j != 3) {
+            let value = match (random(), random()) {
+                (value, _) if i == j => 1e7 * (1.0 + value),
+                (value, third) if third < 0.34 => 1e6 * (value - 0.5),
+                _ => 0.0,
+            };
+            columns[i][j] = value;
+            columns[j][i] = value;
         }
         Dense {
             name,

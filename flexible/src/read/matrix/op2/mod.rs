@@ -14,6 +14,9 @@ use crate::read::Files;
 use blocks::{Block, Blocks, Step};
 use points::Points;
 
+/// Trailer, behind its first word, of a table of matrices as cards.
+const POOLED: [i64; 6] = [32768, 0, 0, 0, 0, 0];
+
 /// Reads the matrix of this name, or the only one where `name` is empty. Its freedoms are known where it has a row for each freedom of
 /// all points (`KGG`, `MGG`) and the file holds `EQEXIN`; rows of a reduced matrix (`KAA`) must be told apart by what the model says.
 ///
@@ -28,11 +31,15 @@ pub fn read_op2_matrix(
     let mut blocks = Blocks::open(files, file)?;
     let mut held = Vec::new();
     let mut found = None;
+    let mut pooled = Vec::new();
     let mut points = Points::default();
     while let Some(block) = blocks.next_block()? {
         if points.wants(&block) {
             points.read(&mut blocks, &block)?;
             continue;
+        }
+        if block.trailer.get(1..) == Some(&POOLED) {
+            pooled.push(block.name.clone());
         }
         let mut matrix = None;
         let mut is_matrix = false;
@@ -67,7 +74,16 @@ pub fn read_op2_matrix(
             found = Some(matrix);
         }
     }
-    let mut matrix = chosen(file, name, &held, found)?;
+    let chosen = chosen(file, name, &held, found);
+    let mut matrix = chosen.map_err(|mut problem| {
+        if !pooled.is_empty() {
+            problem.advice += &format!(
+                "; {} are tables of DMIG cards: write them with OUTPUT4 or as matrices",
+                pooled.join(", ")
+            );
+        }
+        problem
+    })?;
     if matrix.rows == matrix.columns {
         matrix.freedoms = points
             .rows()
