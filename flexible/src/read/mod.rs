@@ -1,6 +1,8 @@
 //! Readers of finite-element files. One module a family of formats; what they give is a [`crate::Mesh`] or matrices.
 
+pub mod matrix;
 pub mod nastran;
+mod number;
 
 use std::io::{self, BufRead, BufReader, Read};
 
