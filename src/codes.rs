@@ -1,6 +1,6 @@
 //! The message codes of assembling and running (`07`), and all codes with their explanations.
 //!
-//! The compiler's codes stand in [`eng_compiler::codes`], those of the grammar in [`eng_grammar::codes`].
+//! The compiler's codes stand in [`eng_compiler::codes`], those of the grammar in [`mod@eng_grammar::codes`].
 
 pub use eng_compiler::codes::INTERNAL;
 pub use eng_grammar::Code;

@@ -15,9 +15,12 @@
 
 pub mod error;
 pub mod fe;
+pub mod invariants;
+pub mod markers;
 pub mod mesh;
 pub mod modes;
 pub mod read;
+pub mod reduce;
 pub mod solve;
 pub mod sparse;
 pub mod units;

@@ -109,7 +109,7 @@ impl AccelerationSystem {
         for (index, (body, block)) in model.bodies.iter().zip(&self.bodies).enumerate() {
             let mass = &mut self.mass[..body.width() * body.width()];
             mass.fill(0.0);
-            body.add_mass(&dynamics.frame(model, index), mass);
+            dynamics.add_mass(model, index, mass);
             block.add(
                 &mut self.values,
                 mass,

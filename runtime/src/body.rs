@@ -3,7 +3,7 @@
 //! Velocity of a body: `v = [ṙ (inertial, m/s); ω (body axes, rad/s); ȧ (modal)]`. Everything that depends on the
 //! kind of a body is a match here or in [`crate::chain`].
 
-use crate::flexible::Flexible;
+use crate::flexible::{Flexible, Work};
 use crate::rotation::{M3, V3, matrix, skew};
 use eng_system::system::Origin;
 
@@ -128,6 +128,7 @@ impl BodyModel {
         v: &[f64],
         rate: &[f64],
         gravity: &V3,
+        work: &mut Work,
         out: &mut [f64],
     ) {
         match &self.kind {
@@ -147,12 +148,12 @@ impl BodyModel {
                     out[3 + i] += torque[i];
                 }
             }
-            BodyKind::Flexible(b) => b.add_inertia(frame, v, rate, gravity, out),
+            BodyKind::Flexible(b) => b.add_inertia(frame, v, rate, gravity, work, out),
         }
     }
 
     /// Adds the mass matrix, row-major width × width.
-    pub fn add_mass(&self, frame: &BodyFrame, out: &mut [f64]) {
+    pub fn add_mass(&self, frame: &BodyFrame, work: &mut Work, out: &mut [f64]) {
         let width = self.width();
         match &self.kind {
             BodyKind::Rigid(b) => {
@@ -162,7 +163,7 @@ impl BodyModel {
                 put(out, width, 3, 0, &(-coupling.transpose()));
                 put(out, width, 3, 3, &b.inertia);
             }
-            BodyKind::Flexible(b) => b.add_mass(frame, 1.0, out),
+            BodyKind::Flexible(b) => b.add_mass(frame, 1.0, work, out),
         }
     }
 
@@ -177,6 +178,7 @@ impl BodyModel {
         gravity: &V3,
         weights: Weights,
         turn: &M3,
+        work: &mut Work,
         out: &mut [f64],
     ) {
         let width = self.width();
@@ -225,14 +227,14 @@ impl BodyModel {
                 );
             }
             BodyKind::Flexible(b) => {
-                b.add_inertia_matrix(frame, v, rate, gravity, weights, turn, out);
+                b.add_inertia_matrix(frame, v, rate, gravity, weights, turn, work, out);
             }
         }
     }
 
     /// Kinetic energy, potential of gravity (zero at the inertial origin), strain energy (J), power lost in the body's own damping
     /// (W).
-    pub fn energy(&self, frame: &BodyFrame, v: &[f64], gravity: &V3) -> [f64; 4] {
+    pub fn energy(&self, frame: &BodyFrame, v: &[f64], gravity: &V3, work: &mut Work) -> [f64; 4] {
         match &self.kind {
             BodyKind::Rigid(b) => {
                 let velocity = vector(v);
@@ -244,7 +246,7 @@ impl BodyModel {
                 let center = frame.position + frame.rotation * b.center;
                 [kinetic, -b.mass * gravity.dot(&center), 0.0, 0.0]
             }
-            BodyKind::Flexible(b) => b.energy(frame, v, gravity),
+            BodyKind::Flexible(b) => b.energy(frame, v, gravity, work),
         }
     }
 }

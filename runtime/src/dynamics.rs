@@ -9,6 +9,7 @@ use crate::body::{BodyFrame, BodyModel};
 use crate::chain::{self, MarkerKinematics};
 use crate::elements::{self, Batch, Inputs, Scratch};
 use crate::error::{Moment, RuntimeError};
+use crate::flexible::Work;
 use crate::model::Model;
 use crate::rotation::{M3, V3};
 use eng_system::code::Function;
@@ -46,6 +47,8 @@ pub struct Dynamics {
     twist_columns: Vec<f64>,
     block: Vec<f64>,
     columns: Vec<f64>,
+    /// Room of the flexible bodies.
+    bending: Work,
     time: f64,
 }
 
@@ -109,6 +112,7 @@ impl Dynamics {
             twist_columns: vec![0.0; total],
             block: vec![0.0; size],
             columns: vec![0.0; size],
+            bending: Work::default(),
             time: 0.0,
         }
     }
@@ -116,6 +120,13 @@ impl Dynamics {
     /// Frame and shape of a body where the dynamics stand.
     pub fn frame(&self, model: &Model, body: usize) -> BodyFrame<'_> {
         frame_of(&self.pose, &self.frames, &model.bodies[body], body)
+    }
+
+    /// Adds the mass matrix of a body where the dynamics stand, row-major width × width.
+    pub fn add_mass(&mut self, model: &Model, index: usize, out: &mut [f64]) {
+        let body = &model.bodies[index];
+        let frame = frame_of(&self.pose, &self.frames, body, index);
+        body.add_mass(&frame, &mut self.bending, out);
     }
 
     /// Sets frames, markers and marker Jacobians.
@@ -230,7 +241,7 @@ impl Dynamics {
 
     /// `out += M v̇ − Q_v − Q_g`.
     pub fn add_inertia(
-        &self,
+        &mut self,
         model: &Model,
         velocity: &[f64],
         acceleration: &[f64],
@@ -239,10 +250,11 @@ impl Dynamics {
         for (index, body) in model.bodies.iter().enumerate() {
             let range = body.velocity..body.velocity + body.width();
             body.add_inertia(
-                &self.frame(model, index),
+                &frame_of(&self.pose, &self.frames, body, index),
                 &velocity[range.clone()],
                 &acceleration[range.clone()],
                 &model.gravity,
+                &mut self.bending,
                 &mut out[range],
             );
         }
@@ -381,13 +393,14 @@ impl Dynamics {
     }
 
     /// Kinetic energy, gravity's potential, strain energy (J), power lost in the bodies' own damping (W).
-    pub fn energy(&self, model: &Model, velocity: &[f64]) -> [f64; 4] {
+    pub fn energy(&mut self, model: &Model, velocity: &[f64]) -> [f64; 4] {
         let mut total = [0.0; 4];
         for (index, body) in model.bodies.iter().enumerate() {
             let own = body.energy(
-                &self.frame(model, index),
+                &frame_of(&self.pose, &self.frames, body, index),
                 &velocity[body.velocity..],
                 &model.gravity,
+                &mut self.bending,
             );
             for (t, x) in total.iter_mut().zip(own) {
                 *t += x;

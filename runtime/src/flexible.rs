@@ -36,8 +36,20 @@ pub struct Flexible {
     inertia: M3,
 }
 
+/// Room for what inertia needs of a deformed body, kept from step to step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Work {
+    shape: Shape,
+    modal: Vec<f64>,
+    zeros: Vec<f64>,
+    along_alpha: Vec<f64>,
+    along_omega: Vec<f64>,
+    by_rates: Vec<f64>,
+    turned: Vec<f64>,
+}
+
 /// What inertia needs of a deformed body.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default, PartialEq)]
 struct Shape {
     /// S(a).
     moment: V3,
@@ -49,6 +61,12 @@ struct Shape {
     by_shape: [Vec<f64>; 6],
     /// P ȧ.
     momentum: V3,
+}
+
+/// Sets a length and zeros, in the room that is there.
+fn clear(vector: &mut Vec<f64>, length: usize) {
+    vector.clear();
+    vector.resize(length, 0.0);
 }
 
 fn rows(block: &[f64], n: usize, x: &[f64]) -> V3 {
@@ -105,42 +123,37 @@ impl Flexible {
         &self.inertia
     }
 
-    fn shape(&self, a: &[f64], rates: &[f64]) -> Shape {
+    fn shape(&self, a: &[f64], rates: &[f64], shape: &mut Shape) {
         let c = &*self.constants;
         let n = c.modes;
-        let mut coupling = c.rotation.clone();
+        shape.coupling.clear();
+        shape.coupling.extend_from_slice(&c.rotation);
         for (k, block) in c.coriolis.iter().enumerate() {
-            add_product(&mut coupling[k * n..(k + 1) * n], 1.0, block, a);
+            add_product(&mut shape.coupling[k * n..(k + 1) * n], 1.0, block, a);
         }
-        let mut inertia = self.inertia;
-        let by_shape = std::array::from_fn(|p| {
-            let (i, k) = PAIRS[p];
-            let mut row = vec![0.0; n];
-            add_product(&mut row, 2.0, &c.centrifugal[p], a);
-            let quadratic = 0.5 * dot(&row, a);
+        shape.inertia = self.inertia;
+        for (p, (i, k)) in PAIRS.into_iter().enumerate() {
+            let row = &mut shape.by_shape[p];
+            clear(row, n);
+            add_product(row, 2.0, &c.centrifugal[p], a);
+            let quadratic = 0.5 * dot(row, a);
             for (j, x) in row.iter_mut().enumerate() {
                 *x += c.rotation_by_shape[k][i * n + j] + c.rotation_by_shape[i][k * n + j];
             }
-            let value = dot(&row, a) - quadratic;
-            inertia[(i, k)] += value;
+            let value = dot(row, a) - quadratic;
+            shape.inertia[(i, k)] += value;
             if i != k {
-                inertia[(k, i)] += value;
+                shape.inertia[(k, i)] += value;
             }
-            row
-        });
-        Shape {
-            moment: self.first_moment + rows(&c.translation, n, a),
-            inertia,
-            coupling,
-            by_shape,
-            momentum: rows(&c.translation, n, rates),
         }
+        shape.moment = self.first_moment + rows(&c.translation, n, a);
+        shape.momentum = rows(&c.translation, n, rates);
     }
 
     /// `∂(J x)/∂a`, 3 × n: the rows `Σ_k x_k ∂J_ik/∂a`.
-    fn inertia_by_shape(&self, shape: &Shape, x: &V3) -> Vec<f64> {
+    fn inertia_by_shape(&self, shape: &Shape, x: &V3, out: &mut Vec<f64>) {
         let n = self.modes();
-        let mut out = vec![0.0; 3 * n];
+        clear(out, 3 * n);
         for (p, (i, k)) in PAIRS.into_iter().enumerate() {
             let mut add = |row: usize, factor: f64| {
                 for (y, j) in out[row * n..(row + 1) * n]
@@ -155,7 +168,6 @@ impl Flexible {
                 add(k, x[i]);
             }
         }
-        out
     }
 
     /// `J̇` at the rates.
@@ -176,6 +188,7 @@ impl Flexible {
         v: &[f64],
         rate: &[f64],
         gravity: &V3,
+        work: &mut Work,
         out: &mut [f64],
     ) {
         let (c, a) = (&*self.constants, frame.amplitudes);
@@ -185,7 +198,8 @@ impl Flexible {
             V3::new(rate[3], rate[4], rate[5]),
         );
         let (rates, second) = (&v[6..6 + n], &rate[6..6 + n]);
-        let shape = self.shape(a, rates);
+        let Work { shape, modal, .. } = work;
+        self.shape(a, rates, shape);
         let acceleration = V3::new(rate[0], rate[1], rate[2]) - gravity;
         let beta = frame.rotation.transpose() * acceleration;
         let bent = alpha.cross(&shape.moment)
@@ -197,14 +211,13 @@ impl Flexible {
         let mut torque = shape.moment.cross(&beta)
             + shape.inertia * alpha
             + rows(&shape.coupling, n, second)
-            + Self::inertia_rate(&shape, rates) * omega
+            + Self::inertia_rate(shape, rates) * omega
             + omega.cross(&internal);
-        let mut scratch = vec![0.0; n];
         for k in 0..3 {
-            scratch.fill(0.0);
-            add_product(&mut scratch, 1.0, &c.coriolis[k], rates);
-            torque[k] += dot(&scratch, rates);
-            for (y, g) in out[6..6 + n].iter_mut().zip(&scratch) {
+            clear(modal, n);
+            add_product(modal, 1.0, &c.coriolis[k], rates);
+            torque[k] += dot(modal, rates);
+            for (y, g) in out[6..6 + n].iter_mut().zip(modal.iter()) {
                 *y += omega[k] * g;
             }
             // − ω_k G_kᵀ ȧ
@@ -233,11 +246,13 @@ impl Flexible {
     }
 
     /// Adds the mass matrix, row-major width × width.
-    pub fn add_mass(&self, frame: &BodyFrame, factor: f64, out: &mut [f64]) {
+    pub fn add_mass(&self, frame: &BodyFrame, factor: f64, work: &mut Work, out: &mut [f64]) {
         let c = &*self.constants;
         let n = c.modes;
         let width = 6 + n;
-        let shape = self.shape(frame.amplitudes, &vec![0.0; n]);
+        let Work { shape, zeros, .. } = work;
+        clear(zeros, n);
+        self.shape(frame.amplitudes, zeros, shape);
         let cross = frame.rotation * skew(&shape.moment) * factor;
         for i in 0..3 {
             out[i * width + i] += factor * c.mass;
@@ -275,6 +290,7 @@ impl Flexible {
         gravity: &V3,
         weights: Weights,
         turn: &M3,
+        work: &mut Work,
         out: &mut [f64],
     ) {
         let (c, a) = (&*self.constants, frame.amplitudes);
@@ -285,11 +301,20 @@ impl Flexible {
             V3::new(rate[3], rate[4], rate[5]),
         );
         let (rates, second) = (&v[6..6 + n], &rate[6..6 + n]);
-        let shape = self.shape(a, rates);
+        self.add_mass(frame, weights.acceleration, work, out);
+        let Work {
+            shape,
+            modal: product,
+            along_alpha: by_shape,
+            along_omega,
+            by_rates,
+            turned,
+            ..
+        } = work;
+        self.shape(a, rates, shape);
         let acceleration = V3::new(rate[0], rate[1], rate[2]) - gravity;
         let rotation = &frame.rotation;
         let beta = rotation.transpose() * acceleration;
-        self.add_mass(frame, weights.acceleration, out);
         let speed = weights.velocity;
         let mut put = |row: usize, column: usize, block: &M3| {
             for i in 0..3 {
@@ -309,7 +334,7 @@ impl Flexible {
             * (-speed);
         put(0, 3, &(rotation * (force_by_omega - skew(&bent) * turn)));
         let internal = shape.inertia * omega + rows(&shape.coupling, n, rates);
-        let inertia_rate = Self::inertia_rate(&shape, rates);
+        let inertia_rate = Self::inertia_rate(shape, rates);
         let torque_by_omega = (inertia_rate + w * shape.inertia - skew(&internal)) * speed;
         put(
             3,
@@ -329,12 +354,13 @@ impl Flexible {
             }
         }
         // torque by a and ȧ
-        let along_alpha = self.inertia_by_shape(&shape, &alpha);
-        let along_omega = self.inertia_by_shape(&shape, &omega);
-        let mut by_rates = along_omega.clone(); // ∂(J̇ω)/∂ȧ
-        let mut by_shape = along_alpha;
-        let mut turned = vec![0.0; 3 * n]; // ∂(Jω + Bȧ)/∂a
-        turned.copy_from_slice(&along_omega);
+        self.inertia_by_shape(shape, &alpha, by_shape);
+        self.inertia_by_shape(shape, &omega, along_omega);
+        // ∂(J̇ω)/∂ȧ, and ∂(Jω + Bȧ)/∂a
+        by_rates.clear();
+        by_rates.extend_from_slice(along_omega);
+        turned.clear();
+        turned.extend_from_slice(along_omega);
         for k in 0..3 {
             let g = &c.coriolis[k];
             for j in 0..n {
@@ -350,10 +376,9 @@ impl Flexible {
             }
         }
         // ∂(J̇ω)/∂a: rows Σ_k ω_k 2 H_ik ȧ
-        let mut product = vec![0.0; n];
         for (p, (i, k)) in PAIRS.into_iter().enumerate() {
-            product.fill(0.0);
-            add_product(&mut product, 2.0, &c.centrifugal[p], rates);
+            clear(product, n);
+            add_product(product, 2.0, &c.centrifugal[p], rates);
             for (j, x) in product.iter().enumerate() {
                 by_shape[i * n + j] += omega[k] * x;
                 if i != k {
@@ -407,26 +432,31 @@ impl Flexible {
     }
 
     /// Kinetic energy, potential of gravity (zero at the inertial origin), strain energy (J), power lost in damping (W).
-    pub fn energy(&self, frame: &BodyFrame, v: &[f64], gravity: &V3) -> [f64; 4] {
+    pub fn energy(&self, frame: &BodyFrame, v: &[f64], gravity: &V3, work: &mut Work) -> [f64; 4] {
         let (c, a) = (&*self.constants, frame.amplitudes);
         let n = c.modes;
         let omega = V3::new(v[3], v[4], v[5]);
         let rates = &v[6..6 + n];
-        let shape = self.shape(a, rates);
+        let Work {
+            shape,
+            modal: product,
+            ..
+        } = work;
+        self.shape(a, rates, shape);
         let velocity = V3::new(v[0], v[1], v[2]);
         let momentum = frame.rotation * (omega.cross(&shape.moment) + shape.momentum);
-        let mut product = vec![0.0; n];
-        add_product(&mut product, 0.5, &c.modal_mass, rates);
+        clear(product, n);
+        add_product(product, 0.5, &c.modal_mass, rates);
         let kinetic = 0.5 * c.mass * velocity.norm_squared()
             + velocity.dot(&momentum)
             + omega.dot(&(shape.inertia * omega * 0.5 + rows(&shape.coupling, n, rates)))
-            + dot(&product, rates);
+            + dot(product, rates);
         let gravity = -gravity.dot(&(frame.position * c.mass + frame.rotation * shape.moment));
         product.fill(0.0);
-        add_product(&mut product, 0.5, &c.stiffness, a);
-        let strain = dot(&product, a);
+        add_product(product, 0.5, &c.stiffness, a);
+        let strain = dot(product, a);
         product.fill(0.0);
-        add_product(&mut product, 1.0, &c.damping, rates);
-        [kinetic, gravity, strain, dot(&product, rates)]
+        add_product(product, 1.0, &c.damping, rates);
+        [kinetic, gravity, strain, dot(product, rates)]
     }
 }

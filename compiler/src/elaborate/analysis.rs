@@ -10,6 +10,9 @@ use eng_system::Dimension;
 use eng_system::host::Host;
 use eng_system::system::{Analysis, AnalysisKind, Extent, Origin, StepControl, Transient};
 
+/// Samples an analysis may take: all are kept in memory until it ends.
+const MOST_SAMPLES: f64 = 1e7;
+
 /// An analysis and the model that it needs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnalysisPlan {
@@ -95,7 +98,27 @@ impl<'a> Elaborator<'a, '_> {
             };
             let duration = self.extent("duration", duration)?;
             let sample = match sample {
-                Some(s) => self.extent("sample", s)?,
+                Some(s) => {
+                    let extent = self.extent("sample", s)?;
+                    let many = match (duration, extent) {
+                        (Extent::Time(whole), Extent::Time(part))
+                        | (Extent::Angle(whole), Extent::Angle(part)) => {
+                            whole / part > MOST_SAMPLES
+                        }
+                        _ => false,
+                    };
+                    if many {
+                        return Err(self.report(
+                            Diagnostic::error(
+                                codes::ANALYSIS_VALUE,
+                                "`sample` must be at least a ten-millionth of `duration`",
+                            )
+                            .at(s.2, "more samples than memory holds")
+                            .with_help("sample more coarsely, or run for a shorter time"),
+                        ));
+                    }
+                    extent
+                }
                 None => return Err(self.internal(value.span, "no distance of samples")),
             };
             let step = match (step, tolerance) {

@@ -1,1 +1,33 @@
 //! The finite-element kernel: a mesh becomes stiffness and mass.
+//!
+//! ```text
+//! Mesh (SI) ──check──▶ freedoms ──assemble──▶ Structure { stiffness, mass } ──ties──▶ Reduction (full = T · free)
+//! ```
+//!
+//! Everything is in SI and in the basic frame; analysis frames are turned in where supports, ties and springs are read.
+
+pub mod assemble;
+mod averaging;
+pub mod beam;
+mod check;
+mod connection;
+pub mod freedoms;
+pub mod mass;
+mod pattern;
+pub mod quadrature;
+pub mod reduction;
+mod residual;
+pub mod rules;
+pub mod shape;
+pub mod solid;
+pub mod stress;
+mod surface;
+pub mod ties;
+mod vector;
+
+pub use assemble::{Structure, assemble, assemble_on};
+pub use freedoms::FreedomMap;
+pub use mass::{Mass, RigidMass};
+pub use reduction::Reduction;
+pub use rules::{MassRule, Rules, StiffnessRule};
+pub use ties::Constraints;

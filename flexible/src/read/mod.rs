@@ -4,6 +4,7 @@ pub mod abaqus;
 mod faces;
 pub mod gmsh;
 mod labels;
+pub mod matrix;
 pub mod nastran;
 mod number;
 mod source;

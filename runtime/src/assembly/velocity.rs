@@ -3,6 +3,7 @@
 use super::at;
 use super::rows::{Along, Rows, smallest_solution};
 use crate::error::RuntimeError;
+use crate::flexible::Work;
 use crate::model::Model;
 use crate::state::State;
 use eng_system::system::Role;
@@ -130,7 +131,7 @@ fn inverse_roots(model: &Model, state: &State) -> DMatrix<f64> {
     for body in &model.bodies {
         let width = body.width();
         let mut mass = vec![0.0; width * width];
-        body.add_mass(&body.frame(&state.pose), &mut mass);
+        body.add_mass(&body.frame(&state.pose), &mut Work::default(), &mut mass);
         let mut matrix = DMatrix::from_row_slice(width, width, &mass);
         let floor = 1e-9 * model.mass * model.length * model.length;
         for i in 3..6 {

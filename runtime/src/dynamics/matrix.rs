@@ -163,6 +163,7 @@ impl MatrixPlan {
                 &model.gravity,
                 weights,
                 &turn(index),
+                &mut dynamics.bending,
                 block,
             );
             self.table.get(self.bodies[index]).add(values, block, 1.0);

@@ -281,7 +281,7 @@ impl Integrator {
             let width = body.width();
             let mass = &mut self.mass_block[..width * width];
             mass.fill(0.0);
-            body.add_mass(&dynamics.frame(model, index), mass);
+            dynamics.add_mass(model, index, mass);
             for i in 0..width {
                 let product: f64 = (0..width)
                     .map(|j| mass[i * width + j] * self.estimate[body.velocity + j])

@@ -4,7 +4,7 @@ use crate::jacobian;
 use crate::support::classes::*;
 use crate::support::*;
 use eng_runtime::body::{BodyFrame, Weights};
-use eng_runtime::flexible::Flexible;
+use eng_runtime::flexible::{Flexible, Work};
 use eng_runtime::{Options, Simulation};
 use eng_system::code::Compiled;
 use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
@@ -251,7 +251,14 @@ fn inertia_is_the_sum_over_the_nodes() {
         for _ in 0..5 {
             let m = Moving::new(modes, &mut draw);
             let mut found = vec![0.0; 6 + modes];
-            body.add_inertia(&m.frame(), &m.v, &m.rate, &m.gravity, &mut found);
+            body.add_inertia(
+                &m.frame(),
+                &m.v,
+                &m.rate,
+                &m.gravity,
+                &mut Work::default(),
+                &mut found,
+            );
             let expected = by_sums(&nodes, &m, &k, &c);
             let miss = (DVector::from_vec(found) - &expected).amax() / expected.amax();
             assert!(miss < 1e-13, "{modes} modes: {miss:e}");
@@ -292,7 +299,14 @@ fn power_of_inertia_is_the_rate_of_the_energy() {
         let central = |h: f64| (kinetic(h) - kinetic(-h)) / (2.0 * h);
         let rate = (4.0 * central(h) - central(2.0 * h)) / 3.0;
         let mut force = vec![0.0; 6 + modes];
-        body.add_inertia(&m.frame(), &m.v, &m.rate, &m.gravity, &mut force);
+        body.add_inertia(
+            &m.frame(),
+            &m.v,
+            &m.rate,
+            &m.gravity,
+            &mut Work::default(),
+            &mut force,
+        );
         let rates = DVector::from_row_slice(&m.v[6..]);
         let lost = (&c * &rates).dot(&rates);
         let power: f64 = force.iter().zip(&m.v).map(|(f, v)| f * v).sum::<f64>() - lost;
@@ -300,7 +314,8 @@ fn power_of_inertia_is_the_rate_of_the_energy() {
             (power - rate).abs() < 1e-9 * (1.0 + power.abs()),
             "{power} {rate}"
         );
-        let [found, _, strain, damped] = body.energy(&m.frame(), &m.v, &m.gravity);
+        let [found, _, strain, damped] =
+            body.energy(&m.frame(), &m.v, &m.gravity, &mut Work::default());
         assert!((found + strain - kinetic(0.0)).abs() < 1e-12 * found);
         assert!((damped - lost).abs() < 1e-12 * lost.abs());
     }
@@ -327,6 +342,7 @@ fn matrix_of_inertia_is_its_derivative() {
         &m.gravity,
         weights,
         &Matrix3::identity(),
+        &mut Work::default(),
         &mut exact,
     );
     for column in 0..n {
@@ -353,6 +369,7 @@ fn matrix_of_inertia_is_its_derivative() {
                 &moved.v,
                 &moved.rate,
                 &moved.gravity,
+                &mut Work::default(),
                 &mut out,
             );
             DVector::from_vec(out)

@@ -1,0 +1,560 @@
+//! Stiffness and mass of a mesh.
+//!
+//! The matrices are laid out first; then blocks of elements are computed by all threads, and added by all threads, each into
+//! its own columns and in the order of the elements. So a sum has the same order, and the same bits, for any number of threads,
+//! and memory is the matrices and a few megabytes.
+
+use super::beam;
+use super::check::{self, Role, role, wrong};
+use super::connection;
+use super::freedoms::{FreedomMap, direction, is_isotropic};
+use super::mass::Mass;
+use super::pattern::{Layout, Pattern};
+use super::rules::{Rules, Table};
+use super::solid::{self, PAIR, Present, pair};
+use super::surface;
+use crate::error::FlexibleError;
+use crate::mesh::{Element, ElementKind, Mesh};
+use crate::sparse::SymmetricMatrix;
+
+/// Elements computed at a time.
+const BLOCK: usize = 1024;
+
+/// Stiffness and mass of a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Structure {
+    /// Where each node's freedoms are.
+    pub freedoms: FreedomMap,
+    /// Stiffness over full freedoms, basic axes (N/m, N, N m).
+    pub stiffness: SymmetricMatrix,
+    /// Mass over full freedoms.
+    pub mass: Mass,
+    /// Indices of elements that carry mass but no stiffness here: shells.
+    pub without_stiffness: Vec<u32>,
+    /// Indices of nodes that nothing uses; they have no freedoms.
+    pub unused_nodes: Vec<u32>,
+}
+
+/// Assembles a mesh in SI on as many threads as the machine has.
+///
+/// # Errors
+/// What makes no sense, by the file's ids: see [`assemble_on`].
+pub fn assemble(mesh: &Mesh, rules: &Rules) -> Result<Structure, FlexibleError> {
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    assemble_on(mesh, rules, threads)
+}
+
+/// Assembles a mesh in SI on so many threads; the result does not depend on how many.
+///
+/// # Errors
+/// Places that are not numbers, indices out of range, missing or senseless sections and materials, inverted or flat elements
+/// (Jacobian at or below zero at an integration point of the stiffness), beams without length or orientation, nodes with mass
+/// but without stiffness, parts that nothing connects, no mass at all.
+pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structure, FlexibleError> {
+    check::check(mesh)?;
+    let freedoms = FreedomMap::new(mesh)?;
+    connection::check(mesh, &freedoms)?;
+    let parts = Parts::new(mesh);
+    let pattern = parts.pattern(mesh, &freedoms);
+    let mut system = System {
+        layout: pattern.freedom_layout(&freedoms),
+        stiffness: Vec::new(),
+        mass: Vec::new(),
+        pattern,
+        freedoms: &freedoms,
+        mesh,
+    };
+    system.stiffness = vec![0.0; system.layout.row.len()];
+    system.mass = vec![0.0; system.pattern.diagonal(mesh.nodes.len() as u32)];
+    system.add_areas(&parts.areas, rules, threads.clamp(1, 64))?;
+    let mut general = Vec::new();
+    system.add_beams(&parts.beams, &mut general)?;
+    system.add_springs();
+    system.add_point_masses(&mut general);
+    let node_layout = system.pattern.node_layout();
+    let System {
+        layout,
+        stiffness,
+        mass,
+        ..
+    } = system;
+    let solid = node_layout.with(mass)?;
+    let general = if general.is_empty() {
+        None
+    } else {
+        Some(SymmetricMatrix::from_triplets(freedoms.size(), &general)?)
+    };
+    let stiffness = layout.with(stiffness)?;
+    let unused_nodes = (0..mesh.nodes.len() as u32)
+        .filter(|node| freedoms.of(*node).is_empty())
+        .collect();
+    let mass = Mass::new(freedoms.clone(), solid, general)?;
+    let total = mass.rigid(mesh).mass;
+    if total.is_nan() || total <= 0.0 {
+        return Err(wrong(
+            "the structure has no mass".into(),
+            "give its materials a density",
+        ));
+    }
+    Ok(Structure {
+        freedoms,
+        stiffness,
+        mass,
+        without_stiffness: parts.shells,
+        unused_nodes,
+    })
+}
+
+/// The mesh's elements by how they are assembled: indices.
+struct Parts {
+    /// Solids, and shells with mass.
+    areas: Vec<u32>,
+    beams: Vec<u32>,
+    shells: Vec<u32>,
+}
+
+impl Parts {
+    fn new(mesh: &Mesh) -> Self {
+        let (mut areas, mut beams, mut shells) = (Vec::new(), Vec::new(), Vec::new());
+        for (index, element) in mesh.elements.iter().enumerate() {
+            let index = index as u32;
+            match role(mesh, element) {
+                Some(Role::Solid(_)) => areas.push(index),
+                Some(Role::Shell(_)) => {
+                    areas.push(index);
+                    shells.push(index);
+                }
+                Some(Role::Beam(_)) => beams.push(index),
+                Some(Role::Facet) | None => {}
+            }
+        }
+        Parts {
+            areas,
+            beams,
+            shells,
+        }
+    }
+
+    fn pattern(&self, mesh: &Mesh, freedoms: &FreedomMap) -> Pattern {
+        let (mut start, mut nodes) = (vec![0], Vec::new());
+        for &index in self.areas.iter().chain(&self.beams) {
+            let element = &mesh.elements[index as usize];
+            nodes.extend_from_slice(Present::new(element.kind, mesh.nodes_of(element)).nodes());
+            start.push(nodes.len());
+        }
+        for spring in &mesh.springs {
+            if let Some((second, _)) = spring.second {
+                nodes.extend([spring.first.0, second]);
+                start.push(nodes.len());
+            }
+        }
+        Pattern::new(freedoms, &start, &nodes)
+    }
+}
+
+/// The matrices being assembled.
+struct System<'a> {
+    mesh: &'a Mesh,
+    freedoms: &'a FreedomMap,
+    pattern: Pattern,
+    layout: Layout,
+    stiffness: Vec<f64>,
+    mass: Vec<f64>,
+}
+
+/// Computed matrices of an element.
+struct Computed {
+    present: Present,
+    /// Where its pairs start in the block's numbers.
+    start: usize,
+    stiff: bool,
+}
+
+impl System<'_> {
+    /// Adds solids and shells.
+    fn add_areas(
+        &mut self,
+        elements: &[u32],
+        rules: &Rules,
+        threads: usize,
+    ) -> Result<(), FlexibleError> {
+        let tables = Tables::new(self.mesh, elements, rules);
+        let columns = self.split(threads);
+        let mut faults = Vec::new();
+        let mut numbers = Vec::new();
+        for block in elements.chunks(BLOCK) {
+            let mut computed = Vec::with_capacity(block.len());
+            let mut total = 0;
+            for &index in block {
+                let element = &self.mesh.elements[index as usize];
+                let present = Present::new(element.kind, self.mesh.nodes_of(element));
+                let pairs = pair(0, present.count);
+                computed.push(Computed {
+                    present,
+                    start: total,
+                    stiff: super::shape::is_solid(element.kind),
+                });
+                total += PAIR * pairs;
+            }
+            numbers.clear();
+            numbers.resize(total, 0.0);
+            self.compute(
+                block,
+                &computed,
+                &tables,
+                &mut numbers,
+                threads,
+                &mut faults,
+            );
+            if faults.is_empty() {
+                self.scatter(&computed, &numbers, &columns);
+            }
+        }
+        if faults.is_empty() {
+            Ok(())
+        } else {
+            Err(solid::inverted(&faults))
+        }
+    }
+
+    /// Computes the elements of a block, each thread a run of them.
+    fn compute(
+        &self,
+        block: &[u32],
+        computed: &[Computed],
+        tables: &Tables,
+        numbers: &mut [f64],
+        threads: usize,
+        faults: &mut Vec<(u64, f64)>,
+    ) {
+        let share = block.len().div_ceil(threads).max(1);
+        let mesh = self.mesh;
+        std::thread::scope(|scope| {
+            let mut rest = numbers;
+            let mut running = Vec::with_capacity(threads);
+            for (indices, computed) in block.chunks(share).zip(computed.chunks(share)) {
+                let size: usize = computed
+                    .iter()
+                    .map(|element| PAIR * pair(0, element.present.count))
+                    .sum();
+                let (own, others) = rest.split_at_mut(size);
+                rest = others;
+                running
+                    .push(scope.spawn(move || compute_run(mesh, indices, computed, tables, own)));
+            }
+            for thread in running {
+                match thread.join() {
+                    Ok(found) => faults.extend(found),
+                    Err(panic) => std::panic::resume_unwind(panic),
+                }
+            }
+        });
+    }
+
+    /// Bounds of nodes between which the matrix has about the same number of entries, for so many threads.
+    fn split(&self, threads: usize) -> Vec<u32> {
+        let nodes = self.mesh.nodes.len();
+        let entries = self.layout.row.len();
+        let mut bounds = vec![0];
+        for thread in 1..threads {
+            let target = entries / threads * thread;
+            let column = self
+                .layout
+                .column_start
+                .partition_point(|start| *start < target);
+            let node = self
+                .freedoms
+                .owner(column)
+                .map_or(nodes as u32, |(node, _)| node);
+            bounds.push(node);
+        }
+        bounds.push(nodes as u32);
+        bounds
+    }
+
+    /// Adds computed elements, each thread into its own columns.
+    fn scatter(&mut self, computed: &[Computed], numbers: &[f64], bounds: &[u32]) {
+        let (pattern, layout, freedoms) = (&self.pattern, &self.layout, self.freedoms);
+        let mut stiffness = self.stiffness.as_mut_slice();
+        let mut mass = self.mass.as_mut_slice();
+        std::thread::scope(|scope| {
+            for range in bounds.windows(2) {
+                let first = |node: u32| layout.column_start[freedoms.of(node).start];
+                let end = |node: u32| {
+                    if node as usize == freedoms.node_count() {
+                        layout.row.len()
+                    } else {
+                        first(node)
+                    }
+                };
+                let (stiffness_base, mass_base) = (end(range[0]), pattern.diagonal(range[0]));
+                let (own, others) =
+                    std::mem::take(&mut stiffness).split_at_mut(end(range[1]) - stiffness_base);
+                stiffness = others;
+                let (own_mass, others) =
+                    std::mem::take(&mut mass).split_at_mut(pattern.diagonal(range[1]) - mass_base);
+                mass = others;
+                let mut columns = Columns {
+                    pattern,
+                    layout,
+                    freedoms,
+                    stiffness: own,
+                    stiffness_base,
+                    mass: own_mass,
+                    mass_base,
+                };
+                let nodes = range[0]..range[1];
+                if nodes.is_empty() {
+                    continue;
+                }
+                scope.spawn(move || {
+                    for element in computed {
+                        columns.add(element, numbers, &nodes);
+                    }
+                });
+            }
+        });
+    }
+
+    fn add_beams(
+        &mut self,
+        beams: &[u32],
+        mass: &mut Vec<(u32, u32, f64)>,
+    ) -> Result<(), FlexibleError> {
+        for &index in beams {
+            let element = self.mesh.elements[index as usize];
+            let matrices = beam_matrices(self.mesh, &element)?;
+            let nodes = self.mesh.nodes_of(&element);
+            let freedoms: Vec<usize> = nodes
+                .iter()
+                .flat_map(|&node| self.freedoms.of(node))
+                .collect();
+            for (i, &row) in freedoms.iter().enumerate() {
+                for (j, &column) in freedoms.iter().enumerate() {
+                    // one triangle; a beam from a node to itself puts both halves of a pair there
+                    if row < column {
+                        continue;
+                    }
+                    self.add_stiffness(row, column, matrices.stiffness[i][j]);
+                    if matrices.mass[i][j] != 0.0 {
+                        mass.push((row as u32, column as u32, matrices.mass[i][j]));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn add_stiffness(&mut self, row: usize, column: usize, value: f64) {
+        if let Some(entry) = self.layout.entry(row, column) {
+            self.stiffness[entry] += value;
+        }
+    }
+
+    /// Springs k (d₁·q₁ − d₂·q₂) along the components' directions d in basic axes.
+    fn add_springs(&mut self) {
+        for spring in &self.mesh.springs {
+            let mut terms: Vec<(usize, f64)> = Vec::with_capacity(6);
+            let ends = [(Some(spring.first), 1.0), (spring.second, -1.0)];
+            for (end, sign) in ends {
+                let Some((node, component)) = end else {
+                    continue;
+                };
+                let direction = direction(self.mesh, node, component);
+                let first = self.freedoms.of(node).start + 3 * usize::from(component / 3);
+                for (axis, x) in direction.into_iter().enumerate() {
+                    let freedom = first + axis;
+                    match terms.iter_mut().find(|(known, _)| *known == freedom) {
+                        Some((_, sum)) => *sum += sign * x,
+                        None => terms.push((freedom, sign * x)),
+                    }
+                }
+            }
+            for (i, &(row, x)) in terms.iter().enumerate() {
+                for &(column, y) in &terms[..=i] {
+                    self.add_stiffness(row, column, spring.stiffness * x * y);
+                }
+            }
+        }
+    }
+
+    fn add_point_masses(&mut self, general: &mut Vec<(u32, u32, f64)>) {
+        for point in &self.mesh.point_masses {
+            if is_isotropic(point) {
+                self.mass[self.pattern.diagonal(point.node)] += point.matrix[0][0];
+                continue;
+            }
+            let first = self.freedoms.of(point.node).start as u32;
+            for i in 0..6u32 {
+                for j in 0..=i {
+                    let (i, j) = (i as usize, j as usize);
+                    let value = 0.5 * (point.matrix[i][j] + point.matrix[j][i]);
+                    if value != 0.0 {
+                        general.push((first + i as u32, first + j as u32, value));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Matrices of a beam of a checked mesh.
+fn beam_matrices(mesh: &Mesh, element: &Element) -> Result<beam::BeamMatrices, FlexibleError> {
+    let fault = |what: String| {
+        wrong(
+            format!("beam {}: {what}", element.id),
+            "check its nodes, offsets, orientation and releases",
+        )
+    };
+    let property = &mesh.properties[element.property as usize];
+    let (Some(Role::Beam(material)), Some(axes), &[first, second]) = (
+        role(mesh, element),
+        element
+            .beam
+            .and_then(|index| mesh.beam_axes.get(index as usize)),
+        mesh.nodes_of(element),
+    ) else {
+        return Err(fault("it lacks nodes, axes or a material".into()));
+    };
+    if first == second {
+        return Err(fault("it begins and ends at the same node".into()));
+    }
+    let positions = [first, second].map(|node| mesh.nodes[node as usize].position);
+    beam::matrices(positions, axes, &property.section, material).map_err(fault)
+}
+
+/// Shape functions at the integration points of the kinds a mesh has.
+struct Tables {
+    tables: Vec<(ElementKind, Table)>,
+}
+
+impl Tables {
+    fn new(mesh: &Mesh, elements: &[u32], rules: &Rules) -> Self {
+        let mut tables: Vec<(ElementKind, Table)> = Vec::new();
+        for &index in elements {
+            let kind = mesh.elements[index as usize].kind;
+            if tables.iter().all(|(known, _)| *known != kind) {
+                tables.push((kind, Table::new(kind, rules)));
+            }
+        }
+        Tables { tables }
+    }
+
+    fn of(&self, kind: ElementKind) -> Option<&Table> {
+        self.tables
+            .iter()
+            .find(|(known, _)| *known == kind)
+            .map(|(_, table)| table)
+    }
+}
+
+/// Computes a run of elements; the ids and Jacobians of those that are inverted.
+fn compute_run(
+    mesh: &Mesh,
+    indices: &[u32],
+    computed: &[Computed],
+    tables: &Tables,
+    numbers: &mut [f64],
+) -> Vec<(u64, f64)> {
+    let mut faults = Vec::new();
+    let mut rest = numbers;
+    for (&index, computed) in indices.iter().zip(computed) {
+        let element = &mesh.elements[index as usize];
+        let present = &computed.present;
+        let (blocks, others) =
+            std::mem::take(&mut rest).split_at_mut(PAIR * pair(0, present.count));
+        rest = others;
+        let Some(table) = tables.of(element.kind) else {
+            continue;
+        };
+        let places = present.places(mesh);
+        let result = match role(mesh, element) {
+            Some(Role::Solid(material)) => {
+                solid::add_matrices(table, present, &places, material, blocks)
+            }
+            Some(Role::Shell(mass)) => surface::add_matrices(table, present, &places, mass, blocks),
+            _ => Ok(()),
+        };
+        if let Err(jacobian) = result {
+            faults.push((element.id, jacobian));
+        }
+    }
+    faults
+}
+
+/// The columns of some nodes.
+struct Columns<'a> {
+    pattern: &'a Pattern,
+    layout: &'a Layout,
+    freedoms: &'a FreedomMap,
+    stiffness: &'a mut [f64],
+    /// Index of the first entry in the whole matrix.
+    stiffness_base: usize,
+    mass: &'a mut [f64],
+    mass_base: usize,
+}
+
+impl Columns<'_> {
+    /// Adds what an element has in the columns of these nodes.
+    fn add(&mut self, element: &Computed, numbers: &[f64], nodes: &std::ops::Range<u32>) {
+        let own = element.present.nodes();
+        for (b, &second) in own.iter().enumerate() {
+            for (a, &first) in own[..=b].iter().enumerate() {
+                let low = first.min(second);
+                if !nodes.contains(&low) {
+                    continue;
+                }
+                let block = &numbers[element.start + PAIR * pair(a, b)..][..PAIR];
+                if first == second {
+                    self.add_diagonal(first, block, a == b, element.stiff);
+                } else {
+                    self.add_pair(first, second, block, element.stiff);
+                }
+            }
+        }
+    }
+
+    fn add_diagonal(&mut self, node: u32, block: &[f64], same: bool, stiff: bool) {
+        // two corners at one node: both halves of their pair fall on the node's own block
+        let factor = if same { 1.0 } else { 2.0 };
+        self.mass[self.pattern.diagonal(node) - self.mass_base] += factor * block[9];
+        if !stiff {
+            return;
+        }
+        let freedom = self.freedoms.of(node).start;
+        for column in 0..3 {
+            let start = self.layout.column_start[freedom + column] - self.stiffness_base;
+            for row in column..3 {
+                let mirrored = if same { 0.0 } else { block[3 * column + row] };
+                self.stiffness[start + row - column] += block[3 * row + column] + mirrored;
+            }
+        }
+    }
+
+    fn add_pair(&mut self, first: u32, second: u32, block: &[f64], stiff: bool) {
+        let low = first.min(second);
+        let Some(pair) = self.pattern.pair(low, first.max(second)) else {
+            return;
+        };
+        self.mass[pair.entry - self.mass_base] += block[9];
+        if !stiff {
+            return;
+        }
+        let freedoms = self.freedoms.of(low);
+        for column in 0..3 {
+            let start = self.layout.column_start[freedoms.start + column] - self.stiffness_base
+                + freedoms.len()
+                - column
+                + pair.before;
+            let entries = &mut self.stiffness[start..start + 3];
+            for (row, entry) in entries.iter_mut().enumerate() {
+                // the block's rows are the first node's
+                *entry += if first < second {
+                    block[3 * column + row]
+                } else {
+                    block[3 * row + column]
+                };
+            }
+        }
+    }
+}

@@ -1,0 +1,387 @@
+//! Three-dimensional Timoshenko beams: stiffness from the flexibility of a cantilever, mass from the displacements that the
+//! stiffness' own deformation gives.
+//!
+//! Element axes: x from the first end to the second (offsets included), y in the plane of x and the orientation vector, z = x × y.
+//! A section at (y, z) moves by u_x = u + z θ_y − y θ_z; section forces and strains are
+//!
+//! ```text
+//! N = EA u'    T = GJ θ_x'    V_y = k_y GA (v' − θ_z)    V_z = k_z GA (w' + θ_y)
+//! ⎡M_y⎤     ⎡ I_y  −I_yz⎤ ⎡θ_y'⎤
+//! ⎣M_z⎦ = E ⎣−I_yz  I_z ⎦ ⎣θ_z'⎦      I_y = ∫ z² dA, I_z = ∫ y² dA, I_yz = ∫ y z dA
+//! ```
+//!
+//! (J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968, ch. 5 and 11, is the case without a product of moments).
+//! With a shear factor of zero the section does not shear. A section without a second moment carries no bending in that plane,
+//! one without a torsion constant no torque: rods and cables.
+
+use super::quadrature::unit_interval;
+use super::vector::{add, cross, norm, scale, subtract};
+use crate::mesh::{BeamAxes, Material, Section};
+
+/// A matrix over the twelve freedoms of two ends.
+pub type EndMatrix = [[f64; 12]; 12];
+
+/// Stiffness and mass over the nodes' twelve freedoms (translations and rotations of the first node, then of the second) in
+/// basic axes (N/m, N, N m; kg, kg m, kg m²).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeamMatrices {
+    /// Stiffness.
+    pub stiffness: EndMatrix,
+    /// Consistent mass, with the rotary inertia of the sections.
+    pub mass: EndMatrix,
+}
+
+/// Freedoms of an end that bending moves: v, w, θ_y, θ_z.
+const BENDING: [usize; 4] = [1, 2, 4, 5];
+
+/// A section's constants.
+struct Beam {
+    length: f64,
+    /// EA (N) and GJ (N m²).
+    axial: f64,
+    torsional: f64,
+    /// Section flexibilities 1/(k GA) (1/N) for y and z.
+    shear: [f64; 2],
+    /// Inverse of the bending stiffness for (M_y, M_z) (1/(N m²)); zero where there is none.
+    bending: [[f64; 2]; 2],
+    /// Which of v, w, θ_y, θ_z bending holds together.
+    active: [bool; 4],
+    /// Mass a length (kg/m) and inertia of the section a length about y, z, with their product (kg m).
+    mass: f64,
+    inertia: [[f64; 2]; 2],
+}
+
+impl Beam {
+    fn new(length: f64, section: &Section, material: &Material) -> Option<Self> {
+        let Section::Beam {
+            area,
+            moment_z,
+            moment_y,
+            product,
+            torsion,
+            shear,
+            mass_per_length,
+        } = *section
+        else {
+            return None;
+        };
+        let modulus = material.young / (2.0 * (1.0 + material.poisson));
+        let inverse = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
+        let bending = if product == 0.0 {
+            [
+                [inverse(material.young * moment_y), 0.0],
+                [0.0, inverse(material.young * moment_z)],
+            ]
+        } else {
+            let determinant = material.young * (moment_y * moment_z - product * product);
+            [
+                [moment_z / determinant, product / determinant],
+                [product / determinant, moment_y / determinant],
+            ]
+        };
+        let (about_y, about_z) = (moment_y > 0.0, moment_z > 0.0);
+        Some(Beam {
+            length,
+            axial: material.young * area,
+            torsional: modulus * torsion,
+            shear: shear.map(|factor| inverse(factor * modulus * area)),
+            bending,
+            active: [about_z, about_y, about_y, about_z],
+            mass: material.density * area + mass_per_length,
+            inertia: [
+                [material.density * moment_y, -material.density * product],
+                [-material.density * product, material.density * moment_z],
+            ],
+        })
+    }
+
+    /// Displacement (v, w, θ_y, θ_z) at `s` of a cantilever clamped at the first end, a unit of each force (F_y, F_z, M_y, M_z)
+    /// at the second: columns are the forces.
+    fn cantilever(&self, s: f64) -> [[f64; 4]; 4] {
+        let mut displacement = [[0.0; 4]; 4];
+        // the integrands are quadratic: two points are exact
+        for (t, weight) in unit_interval(2) {
+            let (at, weight) = (t * s, weight * s);
+            let arm = self.length - at;
+            // section forces V_y, V_z, M_y, M_z: M = M_B + (L − s) e_x × F
+            let moments = [[0.0, -arm, 1.0, 0.0], [arm, 0.0, 0.0, 1.0]];
+            for force in 0..4 {
+                let (my, mz) = (moments[0][force], moments[1][force]);
+                let curvature_y = self.bending[0][0] * my + self.bending[0][1] * mz;
+                let curvature_z = self.bending[1][0] * my + self.bending[1][1] * mz;
+                let shear = |axis: usize| if force == axis { self.shear[axis] } else { 0.0 };
+                let rest = s - at;
+                displacement[0][force] += weight * (shear(0) + curvature_z * rest);
+                displacement[1][force] += weight * (shear(1) - curvature_y * rest);
+                displacement[2][force] += weight * curvature_y;
+                displacement[3][force] += weight * curvature_z;
+            }
+        }
+        displacement
+    }
+
+    /// Forces (F_y, F_z, M_y, M_z) at the second end a unit of its displacements, the first clamped.
+    fn end_stiffness(&self) -> [[f64; 4]; 4] {
+        let flexibility = self.cantilever(self.length);
+        let index: Vec<usize> = (0..4).filter(|i| self.active[*i]).collect();
+        // Gauss–Jordan without pivoting: the matrix is positive definite
+        let n = index.len();
+        let mut work = [[0.0; 8]; 4];
+        for (i, &row) in index.iter().enumerate() {
+            for (j, &column) in index.iter().enumerate() {
+                work[i][j] = 0.5 * (flexibility[row][column] + flexibility[column][row]);
+            }
+            work[i][4 + i] = 1.0;
+        }
+        for pivot in 0..n {
+            let divisor = work[pivot][pivot];
+            let line = work[pivot].map(|x| x / divisor);
+            work[pivot] = line;
+            for (row, values) in work.iter_mut().enumerate().take(n) {
+                let factor = values[pivot];
+                if row != pivot {
+                    for (x, y) in values.iter_mut().zip(line) {
+                        *x -= factor * y;
+                    }
+                }
+            }
+        }
+        let mut stiffness = [[0.0; 4]; 4];
+        for (i, &row) in index.iter().enumerate() {
+            for (j, &column) in index.iter().enumerate() {
+                stiffness[row][column] = 0.5 * (work[i][4 + j] + work[j][4 + i]);
+            }
+        }
+        stiffness
+    }
+
+    /// How the bending freedoms at distance `s` from the first end follow it rigidly: v += s θ_z, w −= s θ_y.
+    fn transfer(s: f64) -> [[f64; 4]; 4] {
+        [
+            [1.0, 0.0, 0.0, s],
+            [0.0, 1.0, -s, 0.0],
+            [0.0, 0.0, 1.0, 0.0],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    }
+
+    /// Deformation of the second end against the first: 4 × 8 over (v, w, θ_y, θ_z) of both.
+    fn deformation(&self) -> [[f64; 8]; 4] {
+        let rigid = Self::transfer(self.length);
+        let mut deformation = [[0.0; 8]; 4];
+        for (i, row) in deformation.iter_mut().enumerate() {
+            for j in 0..4 {
+                row[j] = -rigid[i][j];
+            }
+            row[4 + i] = 1.0;
+        }
+        deformation
+    }
+
+    fn stiffness(&self) -> EndMatrix {
+        let end = self.end_stiffness();
+        let deformation = self.deformation();
+        let mut stiffness = [[0.0; 12]; 12];
+        for i in 0..8 {
+            for j in 0..8 {
+                let mut sum = 0.0;
+                for k in 0..4 {
+                    for l in 0..4 {
+                        sum += deformation[k][i] * end[k][l] * deformation[l][j];
+                    }
+                }
+                stiffness[bending(i)][bending(j)] = sum;
+            }
+        }
+        for (freedom, value) in [(0, self.axial), (3, self.torsional)] {
+            let value = value / self.length;
+            stiffness[freedom][freedom] = value;
+            stiffness[freedom + 6][freedom + 6] = value;
+            stiffness[freedom][freedom + 6] = -value;
+            stiffness[freedom + 6][freedom] = -value;
+        }
+        stiffness
+    }
+
+    /// Displacements and rotations of the section at `s`: 6 × 12.
+    fn section_shape(&self, s: f64, force: &[[f64; 8]; 4]) -> [[f64; 12]; 6] {
+        let mut shape = [[0.0; 12]; 6];
+        let share = s / self.length;
+        for freedom in [0, 3] {
+            shape[freedom][freedom] = 1.0 - share;
+            shape[freedom][freedom + 6] = share;
+        }
+        let (rigid, cantilever) = (Self::transfer(s), self.cantilever(s));
+        for i in 0..4 {
+            if !self.active[i] {
+                // nothing bends here: the ends' translations share the mass between them
+                if i < 2 {
+                    shape[BENDING[i]][BENDING[i]] = 1.0 - share;
+                    shape[BENDING[i]][BENDING[i] + 6] = share;
+                }
+                continue;
+            }
+            for j in 0..8 {
+                let mut sum = if j < 4 { rigid[i][j] } else { 0.0 };
+                for k in 0..4 {
+                    sum += cantilever[i][k] * force[k][j];
+                }
+                shape[BENDING[i]][bending(j)] = sum;
+            }
+        }
+        shape
+    }
+
+    fn mass(&self) -> EndMatrix {
+        let (end, deformation) = (self.end_stiffness(), self.deformation());
+        let mut force = [[0.0; 8]; 4];
+        for (row, line) in force.iter_mut().enumerate() {
+            for (column, x) in line.iter_mut().enumerate() {
+                *x = (0..4).map(|k| end[row][k] * deformation[k][column]).sum();
+            }
+        }
+        let mut mass = [[0.0; 12]; 12];
+        // cubic displacements: products of degree 6, exact with four points
+        for (t, weight) in unit_interval(4) {
+            let shape = self.section_shape(t * self.length, &force);
+            let weight = weight * self.length;
+            for (i, row) in mass.iter_mut().enumerate() {
+                for (j, x) in row.iter_mut().enumerate() {
+                    let translation: f64 = (0..3).map(|k| shape[k][i] * shape[k][j]).sum();
+                    let mut sum = self.mass * translation
+                        + (self.inertia[0][0] + self.inertia[1][1]) * shape[3][i] * shape[3][j];
+                    for k in 0..2 {
+                        for l in 0..2 {
+                            sum += shape[4 + k][i] * self.inertia[k][l] * shape[4 + l][j];
+                        }
+                    }
+                    *x += weight * sum;
+                }
+            }
+        }
+        mass
+    }
+}
+
+/// Index among twelve of the bending freedom 0…7 of both ends.
+fn bending(index: usize) -> usize {
+    6 * (index / 4) + BENDING[index % 4]
+}
+
+/// Lets a freedom of an end go: no force passes through it, so it follows the others, K ← K − k kᵀ/K_rr and M ← Tᵀ M T with
+/// the same T (static condensation, R. J. Guyan, AIAA J. 3, 1965).
+fn release(matrices: &mut BeamMatrices, freedom: usize, whole: f64) -> Result<(), String> {
+    let row = matrices.stiffness[freedom];
+    let pivot = row[freedom];
+    if pivot <= 1e-12 * whole {
+        // carried nothing in the first place, or the other releases left nothing to carry
+        return if whole == 0.0 {
+            Ok(())
+        } else {
+            Err("its released freedoms leave it a mechanism".into())
+        };
+    }
+    let mut follow = row.map(|x| -x / pivot);
+    follow[freedom] = 0.0;
+    for i in 0..12 {
+        for j in 0..12 {
+            matrices.stiffness[i][j] -= row[i] * row[j] / pivot;
+        }
+    }
+    for i in 0..12 {
+        matrices.stiffness[i][freedom] = 0.0;
+        matrices.stiffness[freedom][i] = 0.0;
+    }
+    let old = matrices.mass;
+    for i in 0..12 {
+        for j in 0..12 {
+            matrices.mass[i][j] = if i == freedom || j == freedom {
+                0.0
+            } else {
+                old[i][j]
+                    + follow[i] * old[freedom][j]
+                    + old[i][freedom] * follow[j]
+                    + follow[i] * old[freedom][freedom] * follow[j]
+            };
+        }
+    }
+    Ok(())
+}
+
+/// Stiffness and mass of a beam between two nodes.
+///
+/// # Errors
+/// In words: no length, an orientation along the beam, releases that leave a mechanism, a section that isn't a beam's.
+pub fn matrices(
+    positions: [[f64; 3]; 2],
+    axes: &BeamAxes,
+    section: &Section,
+    material: &Material,
+) -> Result<BeamMatrices, String> {
+    let ends = [
+        add(positions[0], axes.offsets[0]),
+        add(positions[1], axes.offsets[1]),
+    ];
+    let along = subtract(ends[1], ends[0]);
+    let length = norm(along);
+    if !(length > 0.0 && length.is_finite()) {
+        return Err("it has no length".into());
+    }
+    let x = scale(1.0 / length, along);
+    let normal = cross(x, axes.orientation);
+    let across = norm(normal);
+    if across <= 1e-6 * norm(axes.orientation) {
+        return Err("its orientation vector is zero or along the beam".into());
+    }
+    let z = scale(1.0 / across, normal);
+    let frame = [x, cross(z, x), z];
+    let beam = Beam::new(length, section, material).ok_or("its section isn't a beam's")?;
+    let mut local = BeamMatrices {
+        stiffness: beam.stiffness(),
+        mass: beam.mass(),
+    };
+    let whole: [f64; 12] = std::array::from_fn(|i| local.stiffness[i][i]);
+    for (end, released) in axes.released.into_iter().enumerate() {
+        for component in 0..6 {
+            if released >> component & 1 == 1 {
+                let freedom = 6 * end + component;
+                release(&mut local, freedom, whole[freedom])?;
+            }
+        }
+    }
+    // end freedoms in element axes from node freedoms in basic ones: e·(u + θ × o) = e·u + (o × e)·θ
+    let mut transformation = [[0.0; 12]; 12];
+    for (end, offset) in axes.offsets.into_iter().enumerate() {
+        for (i, axis) in frame.into_iter().enumerate() {
+            let arm = cross(offset, axis);
+            for k in 0..3 {
+                transformation[6 * end + i][6 * end + k] = axis[k];
+                transformation[6 * end + i][6 * end + 3 + k] = arm[k];
+                transformation[6 * end + 3 + i][6 * end + 3 + k] = axis[k];
+            }
+        }
+    }
+    Ok(BeamMatrices {
+        stiffness: turned(&local.stiffness, &transformation),
+        mass: turned(&local.mass, &transformation),
+    })
+}
+
+/// Tᵀ A T, symmetric to the bit.
+fn turned(matrix: &EndMatrix, transformation: &EndMatrix) -> EndMatrix {
+    let mut half = [[0.0; 12]; 12];
+    for (i, row) in half.iter_mut().enumerate() {
+        for (j, x) in row.iter_mut().enumerate() {
+            *x = (0..12).map(|k| matrix[i][k] * transformation[k][j]).sum();
+        }
+    }
+    let mut result = [[0.0; 12]; 12];
+    for i in 0..12 {
+        for j in 0..=i {
+            let sum: f64 = (0..12).map(|k| transformation[k][i] * half[k][j]).sum();
+            result[i][j] = sum;
+            result[j][i] = sum;
+        }
+    }
+    result
+}

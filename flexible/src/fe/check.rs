@@ -1,0 +1,374 @@
+//! What a mesh must be before anything is computed from it. After [`check`] every index of the mesh is in range, every place
+//! is finite, and every element has the section and the constants it needs: the kernel indexes without asking again.
+
+use super::shape;
+use crate::error::FlexibleError;
+use crate::mesh::{ABSENT, Element, ElementKind, Material, Mesh, Section, Tie};
+
+/// How many ids a message names.
+const NAMED: usize = 10;
+
+/// Some ids, and how many there are beyond.
+pub(super) fn list(ids: impl IntoIterator<Item = String>) -> String {
+    let mut ids = ids.into_iter();
+    let named: Vec<String> = ids.by_ref().take(NAMED).collect();
+    let rest = ids.count();
+    if rest == 0 {
+        named.join(", ")
+    } else {
+        format!("{} and {rest} more", named.join(", "))
+    }
+}
+
+pub(super) fn wrong(problem: String, advice: &str) -> FlexibleError {
+    FlexibleError::Structure {
+        problem,
+        advice: advice.into(),
+    }
+}
+
+const BROKEN: &str = "the mesh refers to something it does not hold; read it again from its file";
+
+/// What an element is to the assembly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Role<'a> {
+    /// Stiffness and mass of a volume.
+    Solid(&'a Material),
+    /// Mass an area (kg/m²), no stiffness.
+    Shell(f64),
+    /// A beam.
+    Beam(&'a Material),
+    /// Shape only.
+    Facet,
+}
+
+/// The role of a checked element; `None` where its property does not fit it.
+pub(super) fn role<'a>(mesh: &'a Mesh, element: &Element) -> Option<Role<'a>> {
+    let property = mesh.properties.get(element.property as usize)?;
+    let material = match property.material {
+        Some(index) => Some(mesh.materials.get(index as usize)?),
+        None => None,
+    };
+    match (element.kind, property.section, material) {
+        (kind, Section::Solid, Some(material)) if shape::is_solid(kind) => {
+            Some(Role::Solid(material))
+        }
+        (ElementKind::Beam2, Section::Beam { .. }, Some(material)) => Some(Role::Beam(material)),
+        (kind, section, material) if !shape::is_solid(kind) && kind != ElementKind::Beam2 => {
+            match (section, material) {
+                (
+                    Section::Shell {
+                        thickness,
+                        mass_per_area,
+                    },
+                    material,
+                ) => {
+                    let mass = material.map_or(0.0, |m| m.density * thickness) + mass_per_area;
+                    Some(if material.is_none() && mass == 0.0 {
+                        Role::Facet
+                    } else {
+                        Role::Shell(mass)
+                    })
+                }
+                (Section::Solid, None) => Some(Role::Facet),
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+fn material_fault(material: &Material) -> Option<String> {
+    let (young, poisson, density) = (material.young, material.poisson, material.density);
+    if !(young > 0.0 && young.is_finite()) {
+        Some(format!("Young's modulus {young} Pa; it must be above zero"))
+    } else if !(poisson > -1.0 && poisson < 0.5) {
+        Some(format!(
+            "Poisson's ratio {poisson}; it must lie between -1 and 0.5, both excluded"
+        ))
+    } else if !(density >= 0.0 && density.is_finite()) {
+        Some(format!("density {density} kg/m³; it can't be negative"))
+    } else {
+        None
+    }
+}
+
+fn section_fault(section: &Section, role: Role) -> Option<String> {
+    match *section {
+        Section::Solid => None,
+        Section::Shell {
+            thickness,
+            mass_per_area,
+        } => {
+            let needed = matches!(role, Role::Shell(_));
+            if needed && !(mass_per_area >= 0.0 && mass_per_area.is_finite()) {
+                Some(format!("a mass an area of {mass_per_area} kg/m²"))
+            } else if needed && !(thickness.is_finite() && (thickness > 0.0 || mass_per_area > 0.0))
+            {
+                Some(format!(
+                    "a thickness of {thickness} m; it must be above zero"
+                ))
+            } else {
+                None
+            }
+        }
+        Section::Beam {
+            area,
+            moment_z,
+            moment_y,
+            product,
+            torsion,
+            shear,
+            mass_per_length,
+        } => {
+            let moments = [
+                moment_z,
+                moment_y,
+                torsion,
+                shear[0],
+                shear[1],
+                mass_per_length,
+            ];
+            if !(area > 0.0 && area.is_finite()) {
+                Some(format!("an area of {area} m²; it must be above zero"))
+            } else if !moments.iter().all(|x| *x >= 0.0 && x.is_finite()) || !product.is_finite() {
+                Some("a moment, torsion constant, shear factor or mass a length that is negative or not a number".into())
+            } else if product != 0.0 && product * product >= moment_y * moment_z {
+                Some(format!(
+                    "a product of second moments {product} m⁴ beyond the moments {moment_z} and {moment_y} m⁴"
+                ))
+            } else {
+                None
+            }
+        }
+    }
+}
+
+/// Checks a mesh.
+///
+/// # Errors
+/// By id, the first kind of fault found: a place that is not a number; an index out of range; a corner that is missing; a
+/// section or constant that the element can't do with.
+pub(super) fn check(mesh: &Mesh) -> Result<(), FlexibleError> {
+    let bad: Vec<u64> = mesh
+        .nodes
+        .iter()
+        .filter(|node| !node.position.iter().all(|x| x.is_finite()))
+        .map(|node| node.id)
+        .collect();
+    if !bad.is_empty() {
+        return Err(wrong(
+            format!(
+                "coordinates that are not numbers at {} nodes: {}",
+                bad.len(),
+                list(bad.iter().map(u64::to_string))
+            ),
+            "check the mesh file",
+        ));
+    }
+    for node in &mesh.nodes {
+        let Some(index) = node.frame else { continue };
+        let known = mesh.frames.get(index as usize);
+        if !known.is_some_and(|frame| is_rotation(&frame.rotation)) {
+            return Err(wrong(
+                format!("the analysis frame of node {} is not a rotation", node.id),
+                BROKEN,
+            ));
+        }
+    }
+    let mut seen = vec![false; mesh.materials.len()];
+    for element in &mesh.elements {
+        check_element(mesh, element)?;
+        let property = &mesh.properties[element.property as usize];
+        let Some(role) = role(mesh, element) else {
+            let advice = "give solids a solid property, beams a beam section, shells a shell section, each with a material";
+            return Err(wrong(
+                format!(
+                    "element {} ({:?}) has the property “{}”, which does not fit it or names no material",
+                    element.id, element.kind, property.name
+                ),
+                advice,
+            ));
+        };
+        if role == Role::Facet {
+            continue;
+        }
+        if let Some(fault) = section_fault(&property.section, role) {
+            return Err(wrong(
+                format!(
+                    "element {}: the property “{}” has {fault}",
+                    element.id, property.name
+                ),
+                "check the section and the units",
+            ));
+        }
+        if let Some(index) = property.material
+            && let Some(seen) = seen.get_mut(index as usize)
+            && !*seen
+        {
+            let material = &mesh.materials[index as usize];
+            if let Some(fault) = material_fault(material) {
+                return Err(wrong(
+                    format!(
+                        "element {}: the material “{}” has {fault}",
+                        element.id, material.name
+                    ),
+                    "check the material and the units",
+                ));
+            }
+            *seen = true;
+        }
+    }
+    check_attachments(mesh)
+}
+
+fn is_rotation(rotation: &[[f64; 3]; 3]) -> bool {
+    (0..3).all(|i| {
+        (0..3).all(|j| {
+            let product: f64 = (0..3).map(|k| rotation[i][k] * rotation[j][k]).sum();
+            (product - if i == j { 1.0 } else { 0.0 }).abs() < 1e-9
+        })
+    })
+}
+
+pub(super) fn check_element(mesh: &Mesh, element: &Element) -> Result<(), FlexibleError> {
+    let first = element.first as usize;
+    let count = element.kind.node_count();
+    let Some(nodes) = mesh.connectivity.get(first..first + count) else {
+        return Err(wrong(
+            format!("element {} has no nodes", element.id),
+            BROKEN,
+        ));
+    };
+    for (local, &node) in nodes.iter().enumerate() {
+        let absent = node == ABSENT && local >= element.kind.corner_count();
+        if !absent && node as usize >= mesh.nodes.len() {
+            return Err(wrong(
+                format!("node {} of element {} is missing", local + 1, element.id),
+                "corner nodes must all be there; only mid-side nodes may be left out",
+            ));
+        }
+    }
+    if element.property as usize >= mesh.properties.len() {
+        return Err(wrong(
+            format!("element {} has no property", element.id),
+            "give every element a section and a material",
+        ));
+    }
+    if element.kind == ElementKind::Beam2 {
+        let axes = element
+            .beam
+            .and_then(|index| mesh.beam_axes.get(index as usize));
+        let finite = axes.is_some_and(|axes| {
+            let offsets = axes.offsets.iter().flatten();
+            axes.orientation
+                .iter()
+                .chain(offsets)
+                .all(|x| x.is_finite())
+        });
+        if !finite {
+            return Err(wrong(
+                format!("beam {} has no orientation", element.id),
+                "give the direction of the section's first axis",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
+    let known = |node: u32| (node as usize) < mesh.nodes.len();
+    let missing = |what: &str, id: u64| {
+        wrong(
+            format!("{what} {id} refers to a node or freedom that is not there"),
+            BROKEN,
+        )
+    };
+    for point in &mesh.point_masses {
+        if !known(point.node) {
+            return Err(missing("point mass", point.id));
+        }
+        let matrix = &point.matrix;
+        let largest = (0..6).map(|i| matrix[i][i].abs()).fold(0.0, f64::max);
+        let fits = (0..6).all(|i| {
+            matrix[i][i] >= 0.0
+                && (0..6).all(|j| {
+                    matrix[i][j].is_finite()
+                        && (matrix[i][j] - matrix[j][i]).abs() <= 1e-9 * largest
+                })
+        });
+        if !fits {
+            return Err(wrong(
+                format!(
+                    "point mass {} is negative, not symmetric or not a number",
+                    point.id
+                ),
+                "check the mass card",
+            ));
+        }
+    }
+    for spring in &mesh.springs {
+        let ends = [Some(spring.first), spring.second];
+        if !ends
+            .iter()
+            .flatten()
+            .all(|&(node, freedom)| known(node) && freedom < 6)
+        {
+            return Err(missing("spring", spring.id));
+        }
+        if !(spring.stiffness >= 0.0 && spring.stiffness.is_finite()) {
+            return Err(wrong(
+                format!(
+                    "spring {} has a stiffness of {}",
+                    spring.id, spring.stiffness
+                ),
+                "a stiffness can't be negative",
+            ));
+        }
+    }
+    for tie in &mesh.ties {
+        let (id, good) = match tie {
+            Tie::Rigid {
+                id,
+                independent,
+                dependent,
+            } => (
+                *id,
+                known(*independent) && dependent.iter().all(|&(node, _)| known(node)),
+            ),
+            Tie::Averaging {
+                id,
+                reference,
+                independent,
+                ..
+            } => (
+                *id,
+                known(*reference)
+                    && independent
+                        .iter()
+                        .all(|&(node, weight, _)| known(node) && weight.is_finite()),
+            ),
+            Tie::Equation { id, terms } => (
+                *id,
+                terms.iter().all(|&(node, freedom, coefficient)| {
+                    known(node) && freedom < 6 && coefficient.is_finite()
+                }),
+            ),
+        };
+        if !good {
+            return Err(missing("tie", id));
+        }
+    }
+    if !mesh
+        .supports
+        .iter()
+        .chain(&mesh.interface)
+        .all(|support| known(support.node))
+    {
+        return Err(wrong(
+            "a support refers to a node that is not there".into(),
+            BROKEN,
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,200 @@
+//! The mass of a structure: as an operator, assembled, and as a rigid body.
+
+use super::freedoms::FreedomMap;
+use crate::error::FlexibleError;
+use crate::mesh::Mesh;
+use crate::sparse::{SymmetricMatrix, SymmetricOperator};
+
+/// The mass matrix over full freedoms, M = M_s ⊗ I₃ + M_g: solids, shells and plain point masses are the same in all
+/// directions and need one number a pair of nodes; the rest is general.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mass {
+    freedoms: FreedomMap,
+    /// M_s over nodes (kg).
+    pub solid: SymmetricMatrix,
+    /// M_g over full freedoms (kg, kg m, kg m²): beams, offset point masses, rotary inertia.
+    pub general: Option<SymmetricMatrix>,
+}
+
+/// Mass properties of a structure that moves as a rigid body, about the origin of the basic frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidMass {
+    /// Mass (kg).
+    pub mass: f64,
+    /// First moment ∫ r dm (kg m).
+    pub first_moment: [f64; 3],
+    /// Inertia ∫ (r·r I − r rᵀ) dm (kg m²).
+    pub inertia: [[f64; 3]; 3],
+}
+
+impl RigidMass {
+    /// Centre of mass (m); not finite for a structure without mass.
+    pub fn centre(&self) -> [f64; 3] {
+        self.first_moment.map(|x| x / self.mass)
+    }
+}
+
+/// The six rigid motions as full vectors one after the other: unit translations (m/m) along x, y, z, then small unit rotations
+/// (m/rad, rad/rad) about axes x, y, z through the origin of the basic frame, e × r.
+pub fn rigid_motions(mesh: &Mesh, freedoms: &FreedomMap) -> Vec<f64> {
+    let size = freedoms.size();
+    let mut motions = vec![0.0; 6 * size];
+    for (node, range) in mesh
+        .nodes
+        .iter()
+        .zip((0..freedoms.node_count()).map(|node| freedoms.of(node as u32)))
+    {
+        let [x, y, z] = node.position;
+        let turned = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+        for freedom in range.clone() {
+            let component = freedom - range.start;
+            if component < 3 {
+                motions[component * size + freedom] = 1.0;
+                for (axis, displacement) in turned.iter().enumerate() {
+                    motions[(3 + axis) * size + freedom] = displacement[component];
+                }
+            } else {
+                motions[component * size + freedom] = 1.0;
+            }
+        }
+    }
+    motions
+}
+
+impl Mass {
+    /// From its parts.
+    ///
+    /// # Errors
+    /// When the sizes don't fit the freedoms.
+    pub fn new(
+        freedoms: FreedomMap,
+        solid: SymmetricMatrix,
+        general: Option<SymmetricMatrix>,
+    ) -> Result<Self, FlexibleError> {
+        let fits = solid.size() == freedoms.node_count()
+            && general
+                .as_ref()
+                .is_none_or(|general| general.size() == freedoms.size());
+        if !fits {
+            return Err(FlexibleError::Matrix {
+                problem: "the mass matrix has another size than the mesh".into(),
+                advice: String::new(),
+            });
+        }
+        Ok(Mass {
+            freedoms,
+            solid,
+            general,
+        })
+    }
+
+    /// The whole matrix over full freedoms.
+    ///
+    /// # Errors
+    /// None that a mass from [`Mass::new`] gives.
+    pub fn assembled(&self) -> Result<SymmetricMatrix, FlexibleError> {
+        let size = self.freedoms.size();
+        let general = self.general.as_ref();
+        let (mut column_start, mut row, mut value) = (vec![0usize], Vec::new(), Vec::new());
+        for node in 0..self.solid.size() {
+            let own = self.freedoms.of(node as u32);
+            let (others, masses) = self.solid.column(node);
+            for column in own.clone() {
+                let component = column - own.start;
+                let (rows, values) = general.map_or((&[][..], &[][..]), |g| g.column(column));
+                let mut extra = rows.iter().copied().zip(values.iter().copied()).peekable();
+                if component < 3 {
+                    for (&other, &mass) in others.iter().zip(masses) {
+                        let target = (self.freedoms.of(other).start + component) as u32;
+                        while let Some((before, x)) = extra.next_if(|(r, _)| *r < target) {
+                            row.push(before);
+                            value.push(x);
+                        }
+                        let same = extra.next_if(|(r, _)| *r == target).map_or(0.0, |(_, x)| x);
+                        row.push(target);
+                        value.push(mass + same);
+                    }
+                }
+                for (r, x) in extra {
+                    row.push(r);
+                    value.push(x);
+                }
+                column_start.push(row.len());
+            }
+        }
+        SymmetricMatrix::from_parts(size, column_start, row, value)
+    }
+
+    /// Mass properties of the structure moving as a rigid body, exactly as its matrix has them: Rᵀ M R with R of
+    /// [`rigid_motions`].
+    pub fn rigid(&self, mesh: &Mesh) -> RigidMass {
+        let size = self.freedoms.size();
+        let motions = rigid_motions(mesh, &self.freedoms);
+        let mut inertial = vec![0.0; motions.len()];
+        self.apply(6, &motions, &mut inertial);
+        let entry = |i: usize, j: usize| -> f64 {
+            motions[i * size..(i + 1) * size]
+                .iter()
+                .zip(&inertial[j * size..(j + 1) * size])
+                .map(|(x, y)| x * y)
+                .sum()
+        };
+        // e_k × r moves, m (e_k × c) is its momentum: c from the entries (y; rotation x) and so on
+        let mut inertia = [[0.0; 3]; 3];
+        for (i, line) in inertia.iter_mut().enumerate() {
+            for (j, x) in line.iter_mut().enumerate() {
+                *x = entry(3 + i.min(j), 3 + i.max(j));
+            }
+        }
+        RigidMass {
+            mass: (entry(0, 0) + entry(1, 1) + entry(2, 2)) / 3.0,
+            first_moment: [entry(1, 5), entry(2, 3), entry(0, 4)],
+            inertia,
+        }
+    }
+}
+
+impl SymmetricOperator for Mass {
+    fn size(&self) -> usize {
+        self.freedoms.size()
+    }
+
+    fn apply(&self, columns: usize, x: &[f64], y: &mut [f64]) {
+        let size = self.freedoms.size();
+        match &self.general {
+            Some(general) => general.apply(columns, x, y),
+            None => y.fill(0.0),
+        }
+        if size == 0 {
+            return;
+        }
+        for (x, y) in x
+            .chunks_exact(size)
+            .zip(y.chunks_exact_mut(size))
+            .take(columns)
+        {
+            for node in 0..self.solid.size() {
+                let first = self.freedoms.of(node as u32);
+                if first.is_empty() {
+                    continue;
+                }
+                let first = first.start;
+                let own = [x[first], x[first + 1], x[first + 2]];
+                let mut sum = [0.0; 3];
+                let (others, masses) = self.solid.column(node);
+                for (&other, &mass) in others.iter().zip(masses) {
+                    let second = self.freedoms.of(other).start;
+                    for axis in 0..3 {
+                        sum[axis] += mass * x[second + axis];
+                        if second != first {
+                            y[second + axis] += mass * own[axis];
+                        }
+                    }
+                }
+                for axis in 0..3 {
+                    y[first + axis] += sum[axis];
+                }
+            }
+        }
+    }
+}

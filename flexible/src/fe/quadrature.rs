@@ -1,0 +1,321 @@
+//! Points and weights for integrating over the elements' reference domains.
+//!
+//! | domain | coordinates | size |
+//! | --- | --- | --- |
+//! | hexahedron | ξ, η, ζ ∈ [−1, 1] | 8 |
+//! | wedge | r, s ≥ 0, r + s ≤ 1; t ∈ [−1, 1] | 1 |
+//! | tetrahedron | r, s, t ≥ 0, r + s + t ≤ 1 | 1/6 |
+//! | pyramid | x, y ∈ [−1, 1], ζ ∈ [0, 1]; ξ = x (1 − ζ), η = y (1 − ζ) | 4/3 |
+//! | quadrilateral | ξ, η ∈ [−1, 1] | 4 |
+//! | triangle | r, s ≥ 0, r + s ≤ 1 | 1/2 |
+//!
+//! Simplices and pyramids of any degree come from Gauss–Jacobi rules on collapsed coordinates (A. H. Stroud, Approximate
+//! Calculation of Multiple Integrals, 1971, §2.4–2.5): all weights are positive, all points inside.
+
+/// A point of a rule.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Place in the reference domain; unused coordinates are zero.
+    pub at: [f64; 3],
+    /// Weight; the weights sum to the size of the domain.
+    pub weight: f64,
+}
+
+/// A place on the unit interval and its weight.
+type LinePoint = (f64, f64);
+
+/// Value and derivative of the Jacobi polynomial P_n^(α,0) at `x`, by the three-term recurrence (Abramowitz and Stegun
+/// 22.7.1).
+fn jacobi(n: usize, alpha: f64, x: f64) -> (f64, f64) {
+    let (mut previous, mut previous_slope) = (1.0, 0.0);
+    if n == 0 {
+        return (previous, previous_slope);
+    }
+    let mut value = alpha + 1.0 + (alpha + 2.0) * (x - 1.0) / 2.0;
+    let mut slope = (alpha + 2.0) / 2.0;
+    for k in 2..=n {
+        let k = k as f64;
+        let double = 2.0 * k + alpha;
+        let left = 2.0 * k * (k + alpha) * (double - 2.0);
+        let factor = (double - 1.0) * (double * (double - 2.0) * x + alpha * alpha);
+        let factor_slope = (double - 1.0) * double * (double - 2.0);
+        let back = 2.0 * (k + alpha - 1.0) * (k - 1.0) * double;
+        let next = (factor * value - back * previous) / left;
+        let next_slope = (factor_slope * value + factor * slope - back * previous_slope) / left;
+        (previous, previous_slope) = (value, slope);
+        (value, slope) = (next, next_slope);
+    }
+    (value, slope)
+}
+
+/// The `n`-point Gauss–Jacobi rule for ∫₀¹ (1 − t)^α f(t) dt, exact for polynomials f up to degree 2n − 1. Roots are isolated
+/// by signs on a fine grid (n ≤ 10 is far from its resolution) and polished by Newton; weights are 1/((1 − x²) P′(x)²).
+fn gauss_jacobi(n: usize, alpha: f64) -> Vec<LinePoint> {
+    const CELLS: usize = 400;
+    let mut points = Vec::with_capacity(n);
+    // shifted by an irrational part of a cell, so that no root (0 among them) falls on the grid
+    let grid = |i: usize| (-1.0 + 2.0 * (i as f64 - 0.382_966) / CELLS as f64).clamp(-1.0, 1.0);
+    for i in 0..=CELLS {
+        let (mut low, mut high) = (grid(i), grid(i + 1));
+        let sign = jacobi(n, alpha, low).0 > 0.0;
+        if (jacobi(n, alpha, high).0 > 0.0) == sign {
+            continue;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if (jacobi(n, alpha, middle).0 > 0.0) == sign {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let mut x = 0.5 * (low + high);
+        for _ in 0..2 {
+            let (value, slope) = jacobi(n, alpha, x);
+            x -= value / slope;
+        }
+        let slope = jacobi(n, alpha, x).1;
+        points.push((0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * slope * slope)));
+    }
+    points
+}
+
+/// The Gauss–Legendre rule of `n` points on [−1, 1].
+fn legendre(n: usize) -> Vec<LinePoint> {
+    gauss_jacobi(n, 0.0)
+        .into_iter()
+        .map(|(t, weight)| (2.0 * t - 1.0, 2.0 * weight))
+        .collect()
+}
+
+/// The Gauss–Legendre rule of `n` points on [0, 1]: place and weight, exact to degree 2n − 1.
+pub fn unit_interval(n: usize) -> Vec<(f64, f64)> {
+    gauss_jacobi(n, 0.0)
+}
+
+/// `n`³ Gauss points of the hexahedron: exact to degree 2n − 1 in each coordinate.
+pub fn hexahedron(n: usize) -> Vec<Point> {
+    let line = legendre(n);
+    let mut points = Vec::with_capacity(n * n * n);
+    for &(z, wz) in &line {
+        for &(y, wy) in &line {
+            for &(x, wx) in &line {
+                points.push(Point {
+                    at: [x, y, z],
+                    weight: wx * wy * wz,
+                });
+            }
+        }
+    }
+    points
+}
+
+/// `n`² Gauss points of the quadrilateral: exact to degree 2n − 1 in each coordinate.
+pub fn quadrilateral(n: usize) -> Vec<Point> {
+    let line = legendre(n);
+    let mut points = Vec::with_capacity(n * n);
+    for &(y, wy) in &line {
+        for &(x, wx) in &line {
+            points.push(Point {
+                at: [x, y, 0.0],
+                weight: wx * wy,
+            });
+        }
+    }
+    points
+}
+
+/// The symmetric triangle rule of three inner points, exact to degree 2.
+pub fn triangle_3() -> Vec<Point> {
+    let (near, far) = (1.0 / 6.0, 2.0 / 3.0);
+    [[near, near, 0.0], [far, near, 0.0], [near, far, 0.0]]
+        .map(|at| Point {
+            at,
+            weight: 1.0 / 6.0,
+        })
+        .to_vec()
+}
+
+/// A triangle rule of `n`² points, exact to degree 2n − 1.
+pub fn triangle(n: usize) -> Vec<Point> {
+    let mut points = Vec::with_capacity(n * n);
+    for &(r, wr) in &gauss_jacobi(n, 1.0) {
+        for &(s, ws) in &gauss_jacobi(n, 0.0) {
+            points.push(Point {
+                at: [r, s * (1.0 - r), 0.0],
+                weight: wr * ws,
+            });
+        }
+    }
+    points
+}
+
+/// The centre of the tetrahedron, exact to degree 1.
+pub fn tetrahedron_1() -> Vec<Point> {
+    vec![Point {
+        at: [0.25; 3],
+        weight: 1.0 / 6.0,
+    }]
+}
+
+/// The symmetric tetrahedron rule of four points, exact to degree 2: barycentric (5 + 3√5)/20 and (5 − √5)/20.
+pub fn tetrahedron_4() -> Vec<Point> {
+    let root = 5.0f64.sqrt();
+    let (far, near) = ((5.0 + 3.0 * root) / 20.0, (5.0 - root) / 20.0);
+    [
+        [near, near, near],
+        [far, near, near],
+        [near, far, near],
+        [near, near, far],
+    ]
+    .map(|at| Point {
+        at,
+        weight: 1.0 / 24.0,
+    })
+    .to_vec()
+}
+
+/// A tetrahedron rule of `n`³ points, exact to degree 2n − 1.
+pub fn tetrahedron(n: usize) -> Vec<Point> {
+    let mut points = Vec::with_capacity(n * n * n);
+    for &(r, wr) in &gauss_jacobi(n, 2.0) {
+        for &(s, ws) in &gauss_jacobi(n, 1.0) {
+            for &(t, wt) in &gauss_jacobi(n, 0.0) {
+                let rest = 1.0 - r;
+                points.push(Point {
+                    at: [r, s * rest, t * (1.0 - s) * rest],
+                    weight: wr * ws * wt,
+                });
+            }
+        }
+    }
+    points
+}
+
+/// The wedge: a triangle rule times `n` Gauss points along t.
+pub fn wedge(triangle: &[Point], n: usize) -> Vec<Point> {
+    let mut points = Vec::with_capacity(triangle.len() * n);
+    for &(t, wt) in &legendre(n) {
+        for point in triangle {
+            points.push(Point {
+                at: [point.at[0], point.at[1], t],
+                weight: point.weight * wt,
+            });
+        }
+    }
+    points
+}
+
+/// The pyramid: `n`³ points, exact to degree 2n − 1 in each of the collapsed coordinates; the weights hold the map's
+/// (1 − ζ)².
+pub fn pyramid(n: usize) -> Vec<Point> {
+    let line = legendre(n);
+    let mut points = Vec::with_capacity(n * n * n);
+    for &(z, wz) in &gauss_jacobi(n, 2.0) {
+        for &(y, wy) in &line {
+            for &(x, wx) in &line {
+                points.push(Point {
+                    at: [x, y, z],
+                    weight: wx * wy * wz,
+                });
+            }
+        }
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn integral(points: &[Point], f: impl Fn([f64; 3]) -> f64) -> f64 {
+        points.iter().map(|p| p.weight * f(p.at)).sum()
+    }
+
+    fn power(x: f64, n: u32) -> f64 {
+        (0..n).fold(1.0, |product, _| product * x)
+    }
+
+    fn factorial(n: u32) -> f64 {
+        (1..=n).map(f64::from).product()
+    }
+
+    #[test]
+    fn line_rules_integrate_powers() {
+        for n in 1..=6 {
+            let points = unit_interval(n);
+            assert_eq!(points.len(), n);
+            for degree in 0..2 * n as u32 {
+                let sum: f64 = points.iter().map(|&(t, w)| w * power(t, degree)).sum();
+                assert!(
+                    (sum - 1.0 / f64::from(degree + 1)).abs() < 1e-15,
+                    "{n} {degree}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn simplex_rules_integrate_monomials_to_their_degree() {
+        let mut rules: Vec<(Vec<Point>, u32)> = (1..=5)
+            .map(|n| (tetrahedron(n), 2 * n as u32 - 1))
+            .collect();
+        rules.push((tetrahedron_1(), 1));
+        rules.push((tetrahedron_4(), 2));
+        for (rule, degree) in rules {
+            for (a, b, c) in (0..=degree)
+                .flat_map(|a| (0..=degree - a).map(move |b| (a, b)))
+                .flat_map(|(a, b)| (0..=degree - a - b).map(move |c| (a, b, c)))
+            {
+                // ∫ rᵃ sᵇ tᶜ = a! b! c! / (a + b + c + 3)!
+                let exact = factorial(a) * factorial(b) * factorial(c) / factorial(a + b + c + 3);
+                let sum = integral(&rule, |[r, s, t]| power(r, a) * power(s, b) * power(t, c));
+                assert!((sum - exact).abs() < 1e-15, "{degree}: {a} {b} {c}");
+            }
+        }
+        let mut rules: Vec<(Vec<Point>, u32)> =
+            (1..=5).map(|n| (triangle(n), 2 * n as u32 - 1)).collect();
+        rules.push((triangle_3(), 2));
+        for (rule, degree) in rules {
+            for (a, b) in (0..=degree).flat_map(|a| (0..=degree - a).map(move |b| (a, b))) {
+                let exact = factorial(a) * factorial(b) / factorial(a + b + 2);
+                let sum = integral(&rule, |[r, s, _]| power(r, a) * power(s, b));
+                assert!((sum - exact).abs() < 1e-15, "{degree}: {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn product_rules_have_their_degree() {
+        for n in 1..=5 {
+            let degree = 2 * n as u32 - 1;
+            let even = |d: u32| {
+                if d.is_multiple_of(2) {
+                    2.0 / f64::from(d + 1)
+                } else {
+                    0.0
+                }
+            };
+            for d in 0..=degree {
+                let e = degree - d;
+                let sum = integral(&hexahedron(n), |[x, y, z]| {
+                    power(x, d) * power(y, e) * power(z, d)
+                });
+                assert!((sum - even(d) * even(e) * even(d)).abs() < 1e-14);
+                let sum = integral(&quadrilateral(n), |[x, y, _]| power(x, d) * power(y, e));
+                assert!((sum - even(d) * even(e)).abs() < 1e-14);
+                // ∫ xᵈ yᵉ ζᵈ (1 − ζ)² : the last factor is 2 d!/(d + 3)!
+                let sum = integral(&pyramid(n), |[x, y, z]| {
+                    power(x, d) * power(y, e) * power(z, d)
+                });
+                let exact = even(d) * even(e) * 2.0 * factorial(d) / factorial(d + 3);
+                assert!((sum - exact).abs() < 1e-14);
+                let sum = integral(&wedge(&triangle(n), n), |[r, _, t]| {
+                    power(r, d) * power(t, e)
+                });
+                let exact = factorial(d) / factorial(d + 2) * even(e);
+                assert!((sum - exact).abs() < 1e-14);
+            }
+        }
+    }
+}

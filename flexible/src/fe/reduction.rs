@@ -1,0 +1,406 @@
+//! From full freedoms to free ones: full = T · free, with ties and supports eliminated.
+
+use super::assemble::Structure;
+use super::check::{list, wrong};
+use super::freedoms::{FreedomMap, direction};
+use super::mass::Mass;
+use super::ties::{Constraints, Sum};
+use crate::error::FlexibleError;
+use crate::mesh::{Mesh, Support};
+use crate::sparse::SymmetricMatrix;
+
+/// The transformation T, by rows.
+///
+/// Free freedoms are the independent ones in the order of the full ones. At nodes with an analysis frame that a tie or a support
+/// names they are in that frame's axes; everywhere else in basic ones. Full vectors always are in basic axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reduction {
+    /// Index of the full freedom of each free one.
+    free: Vec<u32>,
+    /// Id of the node and component of each free freedom, for messages.
+    names: Vec<(u64, u8)>,
+    /// Terms of each full freedom.
+    start: Vec<usize>,
+    column: Vec<u32>,
+    coefficient: Vec<f64>,
+}
+
+impl Reduction {
+    /// Eliminates the ties of the mesh that `structure` was assembled from, with `held` freedoms at zero (the file's own
+    /// supports, [`Mesh::supports`], are held only where they are among them).
+    ///
+    /// # Errors
+    /// As [`Constraints::new`].
+    pub fn new(
+        mesh: &Mesh,
+        structure: &Structure,
+        held: &[Support],
+    ) -> Result<Self, FlexibleError> {
+        let freedoms = &structure.freedoms;
+        Self::of_freedoms(mesh, freedoms, held)
+    }
+
+    /// As [`Reduction::new`], for freedoms whose matrices come from elsewhere.
+    ///
+    /// # Errors
+    /// As [`Constraints::new`], and freedoms of another mesh.
+    pub fn of_freedoms(
+        mesh: &Mesh,
+        freedoms: &FreedomMap,
+        held: &[Support],
+    ) -> Result<Self, FlexibleError> {
+        if freedoms.node_count() != mesh.nodes.len() {
+            return Err(wrong("the freedoms are another mesh's".into(), ""));
+        }
+        let constraints = Constraints::new(mesh, freedoms, held)?;
+        let mut index = vec![None; freedoms.size()];
+        let (mut free, mut names) = (Vec::new(), Vec::new());
+        for (node, place) in mesh.nodes.iter().enumerate() {
+            for (component, freedom) in freedoms.of(node as u32).enumerate() {
+                if !constraints.dependent.contains_key(&(freedom as u32)) {
+                    index[freedom] = Some(free.len() as u32);
+                    free.push(freedom as u32);
+                    names.push((place.id, component as u8));
+                }
+            }
+        }
+        let local = |freedom: usize| -> Sum {
+            match (index[freedom], constraints.dependent.get(&(freedom as u32))) {
+                (Some(free), _) => vec![(free, 1.0)],
+                (None, Some(sum)) => sum
+                    .iter()
+                    .filter_map(|&(f, x)| index[f as usize].map(|free| (free, x)))
+                    .collect(),
+                (None, None) => Sum::new(),
+            }
+        };
+        let (mut start, mut column, mut coefficient) = (vec![0], Vec::new(), Vec::new());
+        for node in 0..mesh.nodes.len() as u32 {
+            let range = freedoms.of(node);
+            for freedom in range.clone() {
+                if !constraints.turned[node as usize] {
+                    for (free, x) in local(freedom) {
+                        column.push(free);
+                        coefficient.push(x);
+                    }
+                } else {
+                    let component = freedom - range.start;
+                    let first = component / 3 * 3;
+                    let mut sum: std::collections::BTreeMap<u32, f64> = Default::default();
+                    for k in first..first + 3 {
+                        let axis = direction(mesh, node, k as u8)[component % 3];
+                        for (free, x) in local(range.start + k) {
+                            *sum.entry(free).or_insert(0.0) += axis * x;
+                        }
+                    }
+                    for (free, x) in sum {
+                        if x != 0.0 {
+                            column.push(free);
+                            coefficient.push(x);
+                        }
+                    }
+                }
+                start.push(column.len());
+            }
+        }
+        Ok(Reduction {
+            free,
+            names,
+            start,
+            column,
+            coefficient,
+        })
+    }
+
+    /// Number of free freedoms.
+    pub fn size(&self) -> usize {
+        self.free.len()
+    }
+
+    /// Number of full freedoms.
+    pub fn full_size(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// Index of the full freedom of each free one (in the axes told at [`Reduction`]).
+    pub fn free(&self) -> &[u32] {
+        &self.free
+    }
+
+    /// A full freedom as a sum over free ones: their indices and coefficients. Empty where held, or unknown.
+    pub fn row(&self, freedom: usize) -> (&[u32], &[f64]) {
+        match (self.start.get(freedom), self.start.get(freedom + 1)) {
+            (Some(&first), Some(&end)) => (&self.column[first..end], &self.coefficient[first..end]),
+            _ => (&[], &[]),
+        }
+    }
+
+    /// The free freedom that a full one simply is.
+    fn plain(&self, freedom: usize) -> Option<u32> {
+        match self.row(freedom) {
+            (&[free], &[1.0]) if self.free[free as usize] as usize == freedom => Some(free),
+            _ => None,
+        }
+    }
+
+    /// Full vectors from free ones, T x: `columns` vectors one after the other.
+    pub fn expand(&self, columns: usize, free: &[f64]) -> Vec<f64> {
+        let mut full = vec![0.0; columns * self.full_size()];
+        if self.size() == 0 || full.is_empty() {
+            return full;
+        }
+        for (x, y) in free
+            .chunks_exact(self.size())
+            .zip(full.chunks_exact_mut(self.full_size()))
+        {
+            for (freedom, y) in y.iter_mut().enumerate() {
+                let (columns, coefficients) = self.row(freedom);
+                *y = columns
+                    .iter()
+                    .zip(coefficients)
+                    .map(|(column, c)| c * x[*column as usize])
+                    .sum();
+            }
+        }
+        full
+    }
+
+    /// Forces on free freedoms from forces on full ones, Tᵀ f: `columns` vectors one after the other.
+    pub fn gather(&self, columns: usize, full: &[f64]) -> Vec<f64> {
+        let mut free = vec![0.0; columns * self.size()];
+        if free.is_empty() {
+            return free;
+        }
+        for (f, g) in full
+            .chunks_exact(self.full_size())
+            .zip(free.chunks_exact_mut(self.size()))
+        {
+            for (freedom, force) in f.iter().enumerate() {
+                let (columns, coefficients) = self.row(freedom);
+                for (column, c) in columns.iter().zip(coefficients) {
+                    g[*column as usize] += c * force;
+                }
+            }
+        }
+        free
+    }
+
+    /// Tᵀ A T of a matrix over full freedoms.
+    ///
+    /// With plain freedoms p (free as they are) and others d = G f: A_pp + H Gᵀ + G Hᵀ with H = A_pd + ½ Gᵀ A_dd, both n × d,
+    /// so that nothing but the result and two thin matrices is held.
+    ///
+    /// # Errors
+    /// When the matrix has another size.
+    pub fn reduce(&self, matrix: &SymmetricMatrix) -> Result<SymmetricMatrix, FlexibleError> {
+        if matrix.size() != self.full_size() {
+            return Err(FlexibleError::Matrix {
+                problem: format!(
+                    "a matrix of {} rows does not fit {} freedoms",
+                    matrix.size(),
+                    self.full_size()
+                ),
+                advice: String::new(),
+            });
+        }
+        let plain: Vec<Option<u32>> = (0..self.full_size()).map(|f| self.plain(f)).collect();
+        if self.size() == self.full_size() && plain.iter().all(Option::is_some) {
+            return Ok(matrix.clone());
+        }
+        let others: Vec<usize> = (0..plain.len()).filter(|f| plain[*f].is_none()).collect();
+        let mut place = vec![u32::MAX; plain.len()];
+        for (index, freedom) in others.iter().enumerate() {
+            place[*freedom] = index as u32;
+        }
+        let thin = self.coupling(matrix, &plain, &others, &place);
+        let lead = Transposed::new(
+            self.size(),
+            others.iter().map(|freedom| {
+                let (columns, coefficients) = self.row(*freedom);
+                columns.iter().copied().zip(coefficients.iter().copied())
+            }),
+        );
+        let back = Transposed::new(self.size(), thin.iter().map(|sum| sum.iter().copied()));
+        let (mut column_start, mut row, mut value) = (vec![0usize], Vec::new(), Vec::new());
+        let mut sums = vec![0.0; self.size()];
+        let mut seen = vec![u32::MAX; self.size()];
+        let mut touched: Vec<u32> = Vec::new();
+        for (column, &freedom) in self.free.iter().enumerate() {
+            let column = column as u32;
+            let mut add = |r: u32, x: f64| {
+                if r < column {
+                    return;
+                }
+                let at = r as usize;
+                if seen[at] != column {
+                    seen[at] = column;
+                    sums[at] = 0.0;
+                    touched.push(r);
+                }
+                sums[at] += x;
+            };
+            if plain[freedom as usize] == Some(column) {
+                let (rows, values) = matrix.column(freedom as usize);
+                for (r, x) in rows.iter().zip(values) {
+                    if let Some(r) = plain[*r as usize] {
+                        add(r, *x);
+                    }
+                }
+            }
+            for (other, g) in lead.of(column) {
+                for &(r, h) in &thin[other as usize] {
+                    add(r, g * h);
+                }
+            }
+            for (other, h) in back.of(column) {
+                let (columns, coefficients) = self.row(others[other as usize]);
+                for (r, g) in columns.iter().zip(coefficients) {
+                    add(*r, g * h);
+                }
+            }
+            // the diagonal is always there: whoever factors the matrix expects it
+            add(column, 0.0);
+            touched.sort_unstable();
+            for r in touched.drain(..) {
+                row.push(r);
+                value.push(sums[r as usize]);
+            }
+            column_start.push(row.len());
+        }
+        SymmetricMatrix::from_parts(self.size(), column_start, row, value)
+    }
+
+    /// H of [`Reduction::reduce`], a sum over free freedoms for each freedom that isn't plain.
+    fn coupling(
+        &self,
+        matrix: &SymmetricMatrix,
+        plain: &[Option<u32>],
+        others: &[usize],
+        place: &[u32],
+    ) -> Vec<Sum> {
+        let mut thin: Vec<Sum> = vec![Sum::new(); others.len()];
+        let half = |to: &mut Sum, freedom: usize, x: f64| {
+            let (columns, coefficients) = self.row(freedom);
+            let terms = columns.iter().zip(coefficients);
+            to.extend(terms.map(|(column, c)| (*column, 0.5 * x * c)));
+        };
+        for i in 0..plain.len() {
+            let (rows, values) = matrix.column(i);
+            for (&j, &x) in rows.iter().zip(values) {
+                let j = j as usize;
+                if x == 0.0 {
+                    continue;
+                }
+                match (plain[i], plain[j]) {
+                    (Some(_), Some(_)) => {}
+                    (Some(free), None) => thin[place[j] as usize].push((free, x)),
+                    (None, Some(free)) => thin[place[i] as usize].push((free, x)),
+                    (None, None) => {
+                        half(&mut thin[place[i] as usize], j, x);
+                        if i != j {
+                            half(&mut thin[place[j] as usize], i, x);
+                        }
+                    }
+                }
+            }
+        }
+        for sum in &mut thin {
+            // stable: equal freedoms are added in the order of the matrix
+            sum.sort_by_key(|(freedom, _)| *freedom);
+            let mut merged: Sum = Sum::with_capacity(sum.len());
+            for &(freedom, x) in sum.iter() {
+                match merged.last_mut() {
+                    Some((last, y)) if *last == freedom => *y += x,
+                    _ => merged.push((freedom, x)),
+                }
+            }
+            *sum = merged;
+        }
+        thin
+    }
+
+    /// Stiffness over free freedoms, Tᵀ K T.
+    ///
+    /// # Errors
+    /// Freedoms without any stiffness, by node and component; a matrix of another size.
+    pub fn reduce_stiffness(
+        &self,
+        stiffness: &SymmetricMatrix,
+    ) -> Result<SymmetricMatrix, FlexibleError> {
+        let reduced = self.reduce(stiffness)?;
+        let diagonal: Vec<f64> = (0..reduced.size())
+            .map(|column| match reduced.column(column) {
+                (&[row, ..], &[x, ..]) if row as usize == column => x,
+                _ => 0.0,
+            })
+            .collect();
+        // translations and rotations have different units, so each is compared with its own kind
+        let mut largest = [0.0f64; 2];
+        for (x, (_, component)) in diagonal.iter().zip(&self.names) {
+            let kind = usize::from(component / 3);
+            largest[kind] = largest[kind].max(*x);
+        }
+        let loose: Vec<String> = diagonal
+            .iter()
+            .zip(&self.names)
+            .filter(|(x, (_, component))| {
+                x.is_nan() || **x <= 1e-14 * largest[usize::from(component / 3)]
+            })
+            .map(|(_, (id, component))| format!("component {} of node {id}", component + 1))
+            .collect();
+        if loose.is_empty() {
+            return Ok(reduced);
+        }
+        Err(wrong(
+            format!(
+                "{} freedoms have no stiffness: {}",
+                loose.len(),
+                list(loose)
+            ),
+            "solids do not hold rotations: tie the node to several others, hold the freedom, or give it a spring",
+        ))
+    }
+
+    /// Mass over free freedoms, Tᵀ M T.
+    ///
+    /// # Errors
+    /// A mass of another size.
+    pub fn reduce_mass(&self, mass: &Mass) -> Result<SymmetricMatrix, FlexibleError> {
+        self.reduce(&mass.assembled()?)
+    }
+}
+
+/// A thin matrix by the other index.
+struct Transposed {
+    start: Vec<usize>,
+    entry: Vec<(u32, f64)>,
+}
+
+impl Transposed {
+    fn new<I>(size: usize, lines: impl Iterator<Item = I> + Clone) -> Self
+    where
+        I: Iterator<Item = (u32, f64)>,
+    {
+        let mut start = vec![0usize; size + 1];
+        for (free, _) in lines.clone().flatten() {
+            start[free as usize + 1] += 1;
+        }
+        for free in 0..size {
+            start[free + 1] += start[free];
+        }
+        let mut next = start.clone();
+        let mut entry = vec![(0, 0.0); start[size]];
+        for (index, line) in lines.enumerate() {
+            for (free, x) in line {
+                entry[next[free as usize]] = (index as u32, x);
+                next[free as usize] += 1;
+            }
+        }
+        Transposed { start, entry }
+    }
+
+    fn of(&self, free: u32) -> impl Iterator<Item = (u32, f64)> {
+        let range = self.start[free as usize]..self.start[free as usize + 1];
+        self.entry[range].iter().copied()
+    }
+}

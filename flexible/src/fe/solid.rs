@@ -1,0 +1,266 @@
+//! Stiffness and mass of one solid: isotropic, linear elastic, small displacements.
+
+use super::check::wrong;
+use super::rules::{Sample, Spread, Table};
+use super::shape::{MOST_NODES, Shape};
+use super::vector::{cross, determinant, norm, subtract};
+use crate::error::FlexibleError;
+use crate::mesh::{ABSENT, ElementKind, Material, Mesh};
+
+/// Numbers a pair of nodes: the nine of its stiffness block by rows, then its mass.
+pub(super) const PAIR: usize = 10;
+
+/// Index of a pair of local nodes, `a` ≤ `b`.
+pub(super) fn pair(a: usize, b: usize) -> usize {
+    b * (b + 1) / 2 + a
+}
+
+/// Lamé's constants λ and μ (Pa) of a material.
+pub fn lame(material: &Material) -> (f64, f64) {
+    let (young, poisson) = (material.young, material.poisson);
+    (
+        young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)),
+        young / (2.0 * (1.0 + poisson)),
+    )
+}
+
+/// The nodes that are there of an element's connectivity.
+#[derive(Clone, Debug)]
+pub(super) struct Present {
+    kind: ElementKind,
+    /// Local numbers of mid-side nodes that are not.
+    absent: Vec<usize>,
+    /// Local numbers of those that are, ascending.
+    local: [u8; MOST_NODES],
+    pub(super) nodes: [u32; MOST_NODES],
+    pub(super) count: usize,
+}
+
+impl Present {
+    pub(super) fn new(kind: ElementKind, connectivity: &[u32]) -> Self {
+        let mut present = Present {
+            kind,
+            absent: Vec::new(),
+            local: [0; MOST_NODES],
+            nodes: [ABSENT; MOST_NODES],
+            count: 0,
+        };
+        for (local, &node) in connectivity.iter().take(MOST_NODES).enumerate() {
+            if node == ABSENT {
+                present.absent.push(local);
+            } else {
+                present.local[present.count] = local as u8;
+                present.nodes[present.count] = node;
+                present.count += 1;
+            }
+        }
+        present
+    }
+
+    pub(super) fn nodes(&self) -> &[u32] {
+        &self.nodes[..self.count]
+    }
+
+    /// The functions of the nodes that are there, in their order.
+    pub(super) fn shape(&self, full: &Shape) -> Shape {
+        let mut shape = *full;
+        if self.absent.is_empty() {
+            return shape;
+        }
+        for &local in &self.absent {
+            shape.remove_midside(self.kind, local);
+        }
+        for (place, &local) in self.local.iter().enumerate().take(self.count) {
+            shape.values[place] = shape.values[usize::from(local)];
+            shape.slopes[place] = shape.slopes[usize::from(local)];
+        }
+        for place in self.count..MOST_NODES {
+            shape.values[place] = 0.0;
+            shape.slopes[place] = [0.0; 3];
+        }
+        shape
+    }
+
+    /// Places of the nodes from the first one (small numbers: fewer digits are lost) (m).
+    pub(super) fn places(&self, mesh: &Mesh) -> [[f64; 3]; MOST_NODES] {
+        let origin = mesh.nodes[self.nodes[0] as usize].position;
+        let mut places = [[0.0; 3]; MOST_NODES];
+        for (place, &node) in places.iter_mut().zip(self.nodes()) {
+            *place = subtract(mesh.nodes[node as usize].position, origin);
+        }
+        places
+    }
+}
+
+/// Derivatives of the shape functions in space, and the volume of the reference domain's unit.
+pub(super) struct Gradients {
+    /// ∂N/∂x (1/m).
+    pub(super) slope: [[f64; 3]; MOST_NODES],
+    /// det ∂x/∂ξ (m³).
+    pub(super) jacobian: f64,
+}
+
+/// Rows ∂x/∂ξ_i (m).
+pub(super) fn tangents(
+    shape: &Shape,
+    places: &[[f64; 3]; MOST_NODES],
+    count: usize,
+) -> [[f64; 3]; 3] {
+    let mut rows = [[0.0; 3]; 3];
+    for (slopes, place) in shape.slopes.iter().zip(places).take(count) {
+        for (row, slope) in rows.iter_mut().zip(slopes) {
+            for (x, place) in row.iter_mut().zip(place) {
+                *x += slope * place;
+            }
+        }
+    }
+    rows
+}
+
+/// Gradients in space at a point.
+///
+/// # Errors
+/// The Jacobian's determinant (m³), where it is not above zero (by more than rounding).
+pub(super) fn gradients(
+    shape: &Shape,
+    places: &[[f64; 3]; MOST_NODES],
+    count: usize,
+) -> Result<Gradients, f64> {
+    let rows = tangents(shape, places, count);
+    let jacobian = determinant(&rows);
+    let size = norm(rows[0]) * norm(rows[1]) * norm(rows[2]);
+    if jacobian.is_nan() || jacobian <= 1e-12 * size {
+        return Err(jacobian);
+    }
+    // ∂N/∂x = Σ ∂N/∂ξ_i (r_j × r_k)/det for the rows r of ∂x/∂ξ
+    let dual = [
+        cross(rows[1], rows[2]),
+        cross(rows[2], rows[0]),
+        cross(rows[0], rows[1]),
+    ];
+    let mut slope = [[0.0; 3]; MOST_NODES];
+    for (slope, [r, s, t]) in slope.iter_mut().zip(shape.slopes).take(count) {
+        for (axis, x) in slope.iter_mut().enumerate() {
+            *x = (r * dual[0][axis] + s * dual[1][axis] + t * dual[2][axis]) / jacobian;
+        }
+    }
+    Ok(Gradients { slope, jacobian })
+}
+
+/// Adds stiffness and mass of an element to zeroed `blocks` ([`PAIR`] numbers a pair of its nodes, see [`pair`]):
+///
+/// K_ab = ∫ λ g_a g_bᵀ + μ g_b g_aᵀ + μ (g_a·g_b) I dV (N/m), m_ab = ∫ ρ N_a N_b dV (kg) (M = m ⊗ I₃), with g = ∂N/∂x: the
+/// principle of virtual work for σ = λ tr ε I + 2 μ ε.
+///
+/// # Errors
+/// The Jacobian (m³) where it is not positive: that of the corners alone, or at the first such point of the stiffness.
+pub(super) fn add_matrices(
+    table: &Table,
+    present: &Present,
+    places: &[[f64; 3]; MOST_NODES],
+    material: &Material,
+    blocks: &mut [f64],
+) -> Result<(), f64> {
+    let count = present.count;
+    // corners in the wrong order can hide behind mid-side nodes in the right places
+    if let Some(corners) = &table.corners {
+        gradients(corners, places, present.kind.corner_count())?;
+    }
+    for sample in &table.stiffness {
+        let shape = present.shape(&sample.shape);
+        let gradients = gradients(&shape, places, count)?;
+        let volume = sample.weight * gradients.jacobian;
+        for b in 0..count {
+            let second = gradients.slope[b].map(|x| volume * x);
+            for a in 0..=b {
+                let first = gradients.slope[a];
+                let block = &mut blocks[PAIR * pair(a, b)..][..9];
+                for i in 0..3 {
+                    for j in 0..3 {
+                        block[3 * i + j] += first[i] * second[j];
+                    }
+                }
+            }
+        }
+    }
+    let (lambda, mu) = lame(material);
+    for block in blocks.chunks_exact_mut(PAIR) {
+        let mut product = [0.0; 9];
+        product.copy_from_slice(&block[..9]);
+        let trace = mu * (product[0] + product[4] + product[8]);
+        for i in 0..3 {
+            for j in 0..3 {
+                let isotropic = if i == j { trace } else { 0.0 };
+                block[3 * i + j] =
+                    lambda * product[3 * i + j] + mu * product[3 * j + i] + isotropic;
+            }
+        }
+    }
+    let mass = |sample: &Sample| {
+        let shape = present.shape(&sample.shape);
+        // a curved element may be folded at its very edge: the signed volume is still the right one
+        let jacobian = determinant(&tangents(&shape, places, count));
+        (shape.values, material.density * sample.weight * jacobian)
+    };
+    add_mass(table, count, mass, blocks);
+    Ok(())
+}
+
+/// Adds the mass ∫ N_a N_b dm, given the values and the mass dm (kg) of each sample, in the table's form.
+pub(super) fn add_mass(
+    table: &Table,
+    count: usize,
+    mut sampled: impl FnMut(&Sample) -> ([f64; MOST_NODES], f64),
+    blocks: &mut [f64],
+) {
+    let mut total = 0.0;
+    for sample in &table.mass {
+        let (values, mass) = sampled(sample);
+        total += mass;
+        for b in 0..count {
+            let second = mass * values[b];
+            for a in 0..=b {
+                blocks[PAIR * pair(a, b) + 9] += values[a] * second;
+            }
+        }
+    }
+    if table.spread == Spread::Consistent {
+        return;
+    }
+    let mut diagonal = [0.0; MOST_NODES];
+    let entry = |a: usize, b: usize| PAIR * pair(a.min(b), a.max(b)) + 9;
+    for (a, sum) in diagonal.iter_mut().enumerate().take(count) {
+        *sum = match table.spread {
+            Spread::RowSum => (0..count).map(|b| blocks[entry(a, b)]).sum(),
+            _ => blocks[entry(a, a)],
+        };
+    }
+    if table.spread == Spread::ScaledDiagonal {
+        let sum: f64 = diagonal.iter().sum();
+        for x in diagonal.iter_mut() {
+            *x *= total / sum;
+        }
+    }
+    for block in blocks.chunks_exact_mut(PAIR) {
+        block[9] = 0.0;
+    }
+    for (a, mass) in diagonal.iter().enumerate().take(count) {
+        blocks[entry(a, a)] = *mass;
+    }
+}
+
+/// The error for elements that are turned inside out or flat: their ids and Jacobians (m³).
+pub(super) fn inverted(faults: &[(u64, f64)]) -> FlexibleError {
+    wrong(
+        format!(
+            "{} elements are inverted or degenerate: {}",
+            faults.len(),
+            super::check::list(
+                faults
+                    .iter()
+                    .map(|(id, jacobian)| format!("element {id} (Jacobian {jacobian:.3e} m³)"))
+            )
+        ),
+        "repair the mesh; if all elements are inverted, the order of their nodes is another program's",
+    )
+}

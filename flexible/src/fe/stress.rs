@@ -1,0 +1,315 @@
+//! Strain, stress and strain energy of solids from the displacements of their nodes.
+//!
+//! Components are in the order xx, yy, zz, xy, yz, zx, in basic axes; shear strains are engineering ones (γ = 2 ε).
+
+use super::check::{self, Role, role, wrong};
+use super::freedoms::FreedomMap;
+use super::rules::{self, Rules};
+use super::shape::{self, MOST_NODES, Shape};
+use super::solid::{Present, gradients, inverted, lame};
+use super::vector::add;
+use crate::error::FlexibleError;
+use crate::mesh::{Element, ElementKind, Material, Mesh};
+
+/// Six components of a strain (–) or a stress (Pa).
+pub type Components = [f64; 6];
+
+/// Strain at a point as a function of the displacements of the element's nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StrainPoint {
+    /// Place in the basic frame (m).
+    pub place: [f64; 3],
+    /// Volume that the point stands for (m³); zero for points that are not integration points.
+    pub volume: f64,
+    /// ∂N/∂x of each node (1/m).
+    pub gradients: Vec<[f64; 3]>,
+}
+
+impl StrainPoint {
+    /// ε = ½ (∇u + ∇uᵀ) for displacements (m) of the nodes.
+    pub fn strain(&self, displacements: &[[f64; 3]]) -> Components {
+        let mut strain = [0.0; 6];
+        for (g, u) in self.gradients.iter().zip(displacements) {
+            strain[0] += g[0] * u[0];
+            strain[1] += g[1] * u[1];
+            strain[2] += g[2] * u[2];
+            strain[3] += g[1] * u[0] + g[0] * u[1];
+            strain[4] += g[2] * u[1] + g[1] * u[2];
+            strain[5] += g[0] * u[2] + g[2] * u[0];
+        }
+        strain
+    }
+}
+
+/// Stress (Pa) of a strain: σ = λ tr ε I + 2 μ ε.
+pub fn stress(material: &Material, strain: &Components) -> Components {
+    let (lambda, mu) = lame(material);
+    let volumetric = lambda * (strain[0] + strain[1] + strain[2]);
+    [
+        volumetric + 2.0 * mu * strain[0],
+        volumetric + 2.0 * mu * strain[1],
+        volumetric + 2.0 * mu * strain[2],
+        mu * strain[3],
+        mu * strain[4],
+        mu * strain[5],
+    ]
+}
+
+/// Von Mises' equivalent stress (Pa), √(3/2 s:s) of the deviator s.
+pub fn von_mises(stress: &Components) -> f64 {
+    let [x, y, z, xy, yz, zx] = *stress;
+    let normal = (x - y) * (x - y) + (y - z) * (y - z) + (z - x) * (z - x);
+    (0.5 * normal + 3.0 * (xy * xy + yz * yz + zx * zx)).sqrt()
+}
+
+/// A solid element, ready for recovery.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ElementRecovery {
+    /// Indices of its nodes.
+    pub nodes: Vec<u32>,
+    /// Its material.
+    pub material: Material,
+    /// Integration points of its stiffness.
+    pub points: Vec<StrainPoint>,
+    /// A line for each node: values at the integration points, times these, are the node's.
+    pub extrapolation: Vec<Vec<f64>>,
+    kind: ElementKind,
+}
+
+impl ElementRecovery {
+    /// For an element of a mesh in SI that passes the assembly's checks; `None` for other elements than solids.
+    ///
+    /// # Errors
+    /// As the assembly: a mesh that is not sound, an inverted element.
+    pub fn new(
+        mesh: &Mesh,
+        element: &Element,
+        rules: &Rules,
+    ) -> Result<Option<Self>, FlexibleError> {
+        check::check_element(mesh, element)?;
+        let Some(Role::Solid(material)) = role(mesh, element) else {
+            return Ok(None);
+        };
+        let present = Present::new(element.kind, mesh.nodes_of(element));
+        let integration = rules::stiffness_points(element.kind, rules.stiffness);
+        let samples: Vec<([f64; 3], f64)> = integration
+            .iter()
+            .map(|point| (point.at, point.weight))
+            .collect();
+        let points = strain_points(mesh, element, &present, &samples)?;
+        let at: Vec<[f64; 3]> = integration.iter().map(|point| point.at).collect();
+        let corner = extrapolation(element.kind, &at);
+        let edges = shape::edges(element.kind);
+        let corners = element.kind.corner_count();
+        let lines = mesh
+            .nodes_of(element)
+            .iter()
+            .enumerate()
+            .filter(|(_, node)| **node != crate::mesh::ABSENT)
+            .map(|(local, _)| match local.checked_sub(corners) {
+                None => corner[local].clone(),
+                Some(edge) => {
+                    let [a, b] = edges[edge];
+                    let pairs = corner[a].iter().zip(&corner[b]);
+                    pairs.map(|(x, y)| 0.5 * (x + y)).collect()
+                }
+            })
+            .collect();
+        Ok(Some(ElementRecovery {
+            nodes: present.nodes().to_vec(),
+            material: material.clone(),
+            points,
+            extrapolation: lines,
+            kind: element.kind,
+        }))
+    }
+
+    /// The nodes' displacements out of a full vector.
+    pub fn displacements(&self, freedoms: &FreedomMap, full: &[f64]) -> Vec<[f64; 3]> {
+        self.nodes
+            .iter()
+            .map(|&node| {
+                let first = freedoms.of(node).start;
+                [0, 1, 2].map(|axis| full.get(first + axis).copied().unwrap_or(0.0))
+            })
+            .collect()
+    }
+
+    /// Strains at the integration points.
+    pub fn strains(&self, displacements: &[[f64; 3]]) -> Vec<Components> {
+        self.points
+            .iter()
+            .map(|point| point.strain(displacements))
+            .collect()
+    }
+
+    /// Stresses (Pa) at the integration points.
+    pub fn stresses(&self, displacements: &[[f64; 3]]) -> Vec<Components> {
+        self.strains(displacements)
+            .iter()
+            .map(|strain| stress(&self.material, strain))
+            .collect()
+    }
+
+    /// Values at the integration points carried to the nodes: by the linear functions of the corners that fit them best, and
+    /// as means of the corners at mid-side nodes.
+    pub fn at_nodes(&self, values: &[Components]) -> Vec<Components> {
+        self.extrapolation
+            .iter()
+            .map(|line| {
+                let mut sum = [0.0; 6];
+                for (factor, value) in line.iter().zip(values) {
+                    for (x, y) in sum.iter_mut().zip(value) {
+                        *x += factor * y;
+                    }
+                }
+                sum
+            })
+            .collect()
+    }
+
+    /// Strain energy ½ ∫ σ:ε dV (J).
+    pub fn energy(&self, displacements: &[[f64; 3]]) -> f64 {
+        self.points
+            .iter()
+            .map(|point| {
+                let strain = point.strain(displacements);
+                let stress = stress(&self.material, &strain);
+                let work: f64 = strain.iter().zip(stress).map(|(x, y)| x * y).sum();
+                0.5 * point.volume * work
+            })
+            .sum()
+    }
+
+    /// Strains as the shape functions have them at the nodes themselves (less exact than [`ElementRecovery::at_nodes`] of the
+    /// integration points, but without a fit). At a pyramid's apex the limit along its axis.
+    ///
+    /// # Errors
+    /// Where the element is folded at a node, so that there is no strain.
+    pub fn evaluated_at_nodes(
+        &self,
+        mesh: &Mesh,
+        element: &Element,
+    ) -> Result<Vec<StrainPoint>, FlexibleError> {
+        check::check_element(mesh, element)?;
+        let present = Present::new(self.kind, mesh.nodes_of(element));
+        let samples: Vec<([f64; 3], f64)> = shape::node_places(self.kind)
+            .into_iter()
+            .zip(mesh.nodes_of(element))
+            .filter(|(_, node)| **node != crate::mesh::ABSENT)
+            .map(|(place, _)| (place, 0.0))
+            .collect();
+        strain_points(mesh, element, &present, &samples)
+    }
+}
+
+fn strain_points(
+    mesh: &Mesh,
+    element: &Element,
+    present: &Present,
+    samples: &[([f64; 3], f64)],
+) -> Result<Vec<StrainPoint>, FlexibleError> {
+    let places = present.places(mesh);
+    let origin = mesh.nodes[present.nodes()[0] as usize].position;
+    let count = present.count;
+    samples
+        .iter()
+        .map(|&(at, weight)| {
+            let shape = present.shape(&Shape::at(element.kind, at));
+            let gradients = gradients(&shape, &places, count)
+                .map_err(|jacobian| inverted(&[(element.id, jacobian)]))?;
+            let mut place = origin;
+            for (value, node) in shape.values.iter().zip(&places).take(count) {
+                place = add(place, node.map(|x| value * x));
+            }
+            Ok(StrainPoint {
+                place,
+                volume: weight * gradients.jacobian,
+                gradients: gradients.slope[..count].to_vec(),
+            })
+        })
+        .collect()
+}
+
+/// For each corner the factors of the values at points: the least-squares fit of the corners' linear functions, or the mean
+/// where there are fewer points than corners.
+fn extrapolation(kind: ElementKind, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
+    let corners = kind.corner_count();
+    if points.len() < corners {
+        return vec![vec![1.0 / points.len().max(1) as f64; points.len()]; corners];
+    }
+    let linear = shape::linear(kind);
+    let values: Vec<[f64; MOST_NODES]> = points
+        .iter()
+        .map(|point| Shape::at(linear, *point).values)
+        .collect();
+    // (Nᵀ N) x = Nᵀ, by Gauss–Jordan: at most eight unknowns, positive definite
+    let width = corners + points.len();
+    let mut work = vec![vec![0.0; width]; corners];
+    for (i, row) in work.iter_mut().enumerate() {
+        for (point, n) in values.iter().enumerate() {
+            for j in 0..corners {
+                row[j] += n[i] * n[j];
+            }
+            row[corners + point] = n[i];
+        }
+    }
+    for pivot in 0..corners {
+        let divisor = work[pivot][pivot];
+        let line: Vec<f64> = work[pivot].iter().map(|x| x / divisor).collect();
+        for (index, row) in work.iter_mut().enumerate() {
+            let factor = row[pivot];
+            if index != pivot {
+                for (x, y) in row.iter_mut().zip(&line) {
+                    *x -= factor * y;
+                }
+            }
+        }
+        work[pivot] = line;
+    }
+    work.into_iter()
+        .map(|row| row[corners..].to_vec())
+        .collect()
+}
+
+/// Stress (Pa) at each node from a full vector of displacements: integration points carried to the nodes, the mean of the
+/// elements of one material that meet there; where materials meet, those of the first element's material. `None` for nodes of
+/// no solid.
+///
+/// # Errors
+/// As [`ElementRecovery::new`]; a vector of another length.
+pub fn nodal_stress(
+    mesh: &Mesh,
+    freedoms: &FreedomMap,
+    rules: &Rules,
+    full: &[f64],
+) -> Result<Vec<Option<Components>>, FlexibleError> {
+    if full.len() != freedoms.size() || freedoms.node_count() != mesh.nodes.len() {
+        return Err(wrong("the displacements are another mesh's".into(), ""));
+    }
+    let mut sums: Vec<Option<(Option<u32>, f64, Components)>> = vec![None; mesh.nodes.len()];
+    for element in &mesh.elements {
+        let Some(recovery) = ElementRecovery::new(mesh, element, rules)? else {
+            continue;
+        };
+        let material = mesh
+            .properties
+            .get(element.property as usize)
+            .and_then(|property| property.material);
+        let displacements = recovery.displacements(freedoms, full);
+        let values = recovery.at_nodes(&recovery.stresses(&displacements));
+        for (&node, value) in recovery.nodes.iter().zip(values) {
+            let (own, count, sum) = sums[node as usize].get_or_insert((material, 0.0, [0.0; 6]));
+            if *own == material {
+                *count += 1.0;
+                for (x, y) in sum.iter_mut().zip(value) {
+                    *x += y;
+                }
+            }
+        }
+    }
+    Ok(sums
+        .into_iter()
+        .map(|sum| sum.map(|(_, count, sum)| sum.map(|x| x / count)))
+        .collect())
+}

@@ -1,0 +1,189 @@
+//! Markers on a mesh: a node, or nodes gathered around a place and tied to a centre.
+
+use crate::error::FlexibleError;
+use crate::mesh::{Mesh, Node, Tie};
+
+/// Where a marker is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Place {
+    /// The node of this id.
+    Node(u64),
+    /// Nodes, tied to a centre.
+    Gathered {
+        /// Which nodes.
+        nodes: Selection,
+        /// How they are tied.
+        tie: Spider,
+        /// Where the centre is (m); else the mean place of the nodes, or the middle of a ring.
+        center: Option<[f64; 3]>,
+    },
+}
+
+/// How nodes are tied to a marker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Spider {
+    /// The marker follows the mean motion of the nodes (least squares) and adds no stiffness: RBE3.
+    #[default]
+    Averaging,
+    /// The nodes follow the marker as a rigid piece: RBE2.
+    Rigid,
+}
+
+/// Nodes of a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Selection {
+    /// A named set of the file.
+    Set(String),
+    /// The nodes on a cylinder's surface.
+    Ring {
+        /// Middle of the axis (m).
+        center: [f64; 3],
+        /// Direction of the axis.
+        axis: [f64; 3],
+        /// Radius (m).
+        radius: f64,
+        /// Length along the axis (m).
+        width: f64,
+        /// Distance from the surface within which a node counts (m).
+        tolerance: f64,
+    },
+}
+
+/// A marker to be made on a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkerRequest {
+    /// Its name in the model: `main[2]`.
+    pub name: String,
+    /// Where it is.
+    pub place: Place,
+}
+
+fn refuse(problem: String, advice: &str) -> FlexibleError {
+    FlexibleError::Structure {
+        problem,
+        advice: advice.into(),
+    }
+}
+
+/// Indices of the nodes of a selection, ascending.
+///
+/// # Errors
+/// A set that the mesh does not have (its sets are named); a ring without an axis, or with fewer than three nodes.
+pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>, FlexibleError> {
+    match selection {
+        Selection::Set(set) => match mesh.sets.get(set) {
+            Some(found) if !found.nodes.is_empty() => Ok(found.nodes.clone()),
+            _ => {
+                let known: Vec<&str> = mesh.sets.keys().map(String::as_str).take(20).collect();
+                Err(refuse(
+                    format!("{name}: the mesh has no set {set} with nodes"),
+                    &format!("its sets are {}", known.join(", ")),
+                ))
+            }
+        },
+        Selection::Ring {
+            center,
+            axis,
+            radius,
+            width,
+            tolerance,
+        } => {
+            let length = libm::sqrt(dot(axis, axis));
+            if length.is_nan() || length <= 0.0 {
+                return Err(refuse(
+                    format!("{name}: the ring has no axis"),
+                    "give a direction",
+                ));
+            }
+            let along = axis.map(|x| x / length);
+            let nodes: Vec<u32> = (0..mesh.nodes.len())
+                .filter(|i| {
+                    let p = mesh.nodes[*i].position;
+                    let from = [p[0] - center[0], p[1] - center[1], p[2] - center[2]];
+                    let height = dot(&from, &along);
+                    let square = dot(&from, &from) - height * height;
+                    let distance = libm::sqrt(square.max(0.0));
+                    (distance - radius).abs() <= *tolerance
+                        && height.abs() <= 0.5 * width + tolerance
+                })
+                .map(|i| i as u32)
+                .collect();
+            if nodes.len() < 3 {
+                return Err(refuse(
+                    format!(
+                        "{name}: {} nodes lie on the ring of radius {radius} m and width {width} m around {center:?} m",
+                        nodes.len()
+                    ),
+                    "check place, axis and the units of the mesh, or widen the tolerance",
+                ));
+            }
+            Ok(nodes)
+        }
+    }
+}
+
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Adds what the markers need to a mesh (in SI), centres and ties, and gives the node of each marker.
+///
+/// # Errors
+/// Nodes and sets that are not there; fewer than three nodes to be averaged.
+pub fn place(mesh: &mut Mesh, markers: &[MarkerRequest]) -> Result<Vec<u32>, FlexibleError> {
+    let index = mesh.node_index();
+    let mut next = mesh.nodes.iter().map(|node| node.id).max().unwrap_or(0);
+    let mut found = Vec::with_capacity(markers.len());
+    for marker in markers {
+        let name = &marker.name;
+        match &marker.place {
+            Place::Node(id) => match index.get(id) {
+                Some(node) => found.push(*node),
+                None => {
+                    return Err(refuse(
+                        format!("{name}: the mesh has no node {id}"),
+                        "check the number; or gather nodes by a ring or a set",
+                    ));
+                }
+            },
+            Place::Gathered { nodes, tie, center } => {
+                let gathered = select(mesh, name, nodes)?;
+                let middle = match (center, nodes) {
+                    (Some(center), _) => *center,
+                    (None, Selection::Ring { center, .. }) => *center,
+                    (None, Selection::Set(_)) => {
+                        let mut mean = [0.0; 3];
+                        for node in &gathered {
+                            for (m, x) in mean.iter_mut().zip(mesh.nodes[*node as usize].position) {
+                                *m += x / gathered.len() as f64;
+                            }
+                        }
+                        mean
+                    }
+                };
+                next += 1;
+                let node = mesh.nodes.len() as u32;
+                mesh.nodes.push(Node {
+                    id: next,
+                    position: middle,
+                    frame: None,
+                });
+                mesh.ties.push(match tie {
+                    Spider::Averaging => Tie::Averaging {
+                        id: next,
+                        reference: node,
+                        reference_components: 0b11_1111,
+                        independent: gathered.into_iter().map(|n| (n, 1.0, 0b111)).collect(),
+                    },
+                    Spider::Rigid => Tie::Rigid {
+                        id: next,
+                        independent: node,
+                        dependent: gathered.into_iter().map(|n| (n, 0b111)).collect(),
+                    },
+                });
+                found.push(node);
+            }
+        }
+    }
+    Ok(found)
+}

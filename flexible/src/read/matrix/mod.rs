@@ -1,0 +1,221 @@
+//! Matrices and mode shapes that other codes wrote: OP2, OP4, DMIG and punch files of Nastran, `.mtx` of Abaqus, `.sti`, `.mas`,
+//! `.dof` and `.frd` of CalculiX.
+//!
+//! Each reader gives a [`ForeignMatrix`] as the file holds it; [`ForeignMatrix::to_symmetric`] checks and completes it. Values stay in
+//! the units of the file, rows in the order of the file; [`ForeignFreedoms`] says which freedom a row is where the file says so.
+//!
+//! ```text
+//! bytes (Fortran records) ─▶ op4, op2 ─┐
+//! text (lines) ─▶ op4, coordinate      ├─▶ ForeignMatrix ─▶ SymmetricMatrix
+//! cards ─▶ DMIG ───────────────────────┘
+//! op2, punch, frd ─▶ ForeignModes
+//! ```
+
+mod bytes;
+mod check;
+mod coordinate;
+mod frd;
+mod modes;
+mod op2;
+mod op4;
+mod punch;
+mod text;
+
+pub use super::nastran::read_dmig;
+pub use coordinate::{read_abaqus_matrix, read_calculix_freedoms, read_calculix_matrix};
+pub use frd::read_frd_modes;
+pub use modes::{ForeignMode, ForeignModes, ShapeFrame};
+pub use op2::{read_op2_matrix, read_op2_modes, read_op2_nodes};
+pub use op4::read_op4;
+pub use punch::read_punch_modes;
+
+use super::Files;
+use crate::error::{FileProblem, FlexibleError, Place};
+
+/// What a matrix is, for its checks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MatrixKind {
+    /// Stiffness.
+    Stiffness,
+    /// Mass: its diagonal is not negative.
+    Mass,
+}
+
+/// Which freedom each row of a matrix is.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct ForeignFreedoms {
+    /// For each row the node's number and the freedom 1…6 in its analysis frame; 0 for a scalar (modal) point.
+    pub rows: Vec<(u64, u8)>,
+}
+
+/// A matrix as a file holds it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForeignMatrix {
+    /// The file it is from.
+    pub file: String,
+    /// Its name in the file; empty where the format has no names.
+    pub name: String,
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of columns.
+    pub columns: usize,
+    /// Whether the file holds one triangle of a symmetric matrix. The other one is its mirror image.
+    pub symmetric: bool,
+    /// Row and column from 0, value; in the order of the file. Entries at the same place add; those of one triangle may lie on
+    /// either side of the diagonal.
+    pub entries: Vec<(u32, u32, f64)>,
+    /// Which freedoms the rows are, where the file says it.
+    pub freedoms: Option<ForeignFreedoms>,
+}
+
+impl ForeignMatrix {
+    /// The matrix with its freedoms from elsewhere.
+    ///
+    /// # Errors
+    /// When there is not one freedom a row.
+    pub fn with_freedoms(mut self, freedoms: ForeignFreedoms) -> Result<Self, FlexibleError> {
+        if freedoms.rows.len() != self.rows {
+            return Err(self.problem(
+                format!(
+                    "has {} rows, but {} freedoms are listed for them",
+                    self.rows,
+                    freedoms.rows.len()
+                ),
+                "matrix and list of freedoms must come from the same run",
+            ));
+        }
+        self.freedoms = Some(freedoms);
+        Ok(self)
+    }
+
+    /// What messages call it.
+    fn title(&self) -> String {
+        if self.name.is_empty() {
+            format!("{}: the matrix", self.file)
+        } else {
+            format!("{}: matrix {}", self.file, self.name)
+        }
+    }
+
+    fn problem(&self, problem: impl std::fmt::Display, advice: &str) -> FlexibleError {
+        FlexibleError::Matrix {
+            problem: format!("{} {problem}", self.title()),
+            advice: advice.into(),
+        }
+    }
+
+    /// A row, from 0, as messages name it.
+    fn row_name(&self, row: usize) -> String {
+        match self
+            .freedoms
+            .as_ref()
+            .and_then(|freedoms| freedoms.rows.get(row))
+        {
+            Some((point, 0)) => format!("row {} (point {point})", row + 1),
+            Some((node, freedom)) => format!("row {} (node {node}, freedom {freedom})", row + 1),
+            None => format!("row {}", row + 1),
+        }
+    }
+}
+
+/// Reads a matrix from a file of any kind that is told by the end of its name (`.gz` after it or not): `.op4`, `.op2`, `.mtx` (Abaqus),
+/// `.sti`, `.mas` (CalculiX), or cards (`.pch`, `.bdf`, `.dat`, `.nas`). `name` is looked for where a format has names, and may be
+/// empty where the file holds a single one.
+///
+/// # Errors
+/// As the readers give them; when the file name ends otherwise.
+pub fn read_matrix(
+    files: &dyn Files,
+    file: &str,
+    name: &str,
+) -> Result<ForeignMatrix, FileProblem> {
+    let lower = file.to_ascii_lowercase();
+    let plain = lower.strip_suffix(".gz").unwrap_or(&lower);
+    match plain.rsplit_once('.').map_or("", |(_, ending)| ending) {
+        "op4" => read_op4(files, file, name),
+        "op2" => read_op2_matrix(files, file, name),
+        "mtx" => read_abaqus_matrix(files, file),
+        "sti" | "mas" => read_calculix_matrix(files, file),
+        "pch" | "bdf" | "dat" | "nas" => read_dmig(files, file, name),
+        _ => Err(whole(
+            file,
+            "can't be told to be a file of matrices by the end of its name",
+            "matrices are read from .op4, .op2, .pch (DMIG), .mtx (Abaqus), .sti and .mas (CalculiX)",
+        )),
+    }
+}
+
+/// A matrix that a file holds, for lists.
+pub(super) struct Held {
+    /// Name.
+    pub name: String,
+    /// Rows and columns.
+    pub size: (usize, usize),
+}
+
+/// Takes the matrix asked for from those of a file: by name, or the only one where the name is empty.
+pub(super) fn chosen(
+    file: &str,
+    name: &str,
+    held: &[Held],
+    found: Option<ForeignMatrix>,
+) -> Result<ForeignMatrix, FileProblem> {
+    let list = held
+        .iter()
+        .map(|matrix| format!("{} ({} × {})", matrix.name, matrix.size.0, matrix.size.1))
+        .collect::<Vec<_>>()
+        .join(", ");
+    let advice = if held.is_empty() {
+        "the file holds no matrix".to_string()
+    } else {
+        format!("the file holds {list}")
+    };
+    let times = held
+        .iter()
+        .filter(|matrix| name.is_empty() || matrix.name.eq_ignore_ascii_case(name))
+        .count();
+    match found {
+        Some(matrix) if times == 1 => Ok(matrix),
+        Some(_) if name.is_empty() => Err(whole(
+            file,
+            "holds several matrices and none is named",
+            format!("name one: {advice}"),
+        )),
+        Some(_) => Err(whole(
+            file,
+            format!("holds {times} matrices called {name}"),
+            "write each under a name or into a file of its own",
+        )),
+        None => Err(whole(
+            file,
+            if name.is_empty() {
+                "holds no matrix".to_string()
+            } else {
+                format!("holds no matrix {name}")
+            },
+            advice,
+        )),
+    }
+}
+
+/// Why a complex matrix isn't read, and what to do.
+pub(super) const COMPLEX: &str = "write the real stiffness and mass: remove structural damping (GE, PARAM G), \
+     aerodynamics and fluid from the run, damping is given to the body here";
+
+/// What to do about a file that ends too early.
+pub(super) const CUT: &str =
+    "the file was cut, or the run that wrote it was stopped; copy or write it again";
+
+/// A problem of a file as a whole.
+pub(super) fn whole(
+    file: &str,
+    problem: impl Into<String>,
+    advice: impl Into<String>,
+) -> FileProblem {
+    FileProblem {
+        file: file.into(),
+        place: Place::File,
+        problem: problem.into(),
+        advice: advice.into(),
+    }
+}

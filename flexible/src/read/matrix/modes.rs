@@ -1,0 +1,104 @@
+//! Mode shapes as files hold them.
+
+use super::{CUT, whole};
+use crate::error::FileProblem;
+
+/// In which frame shapes are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShapeFrame {
+    /// Each node's analysis frame.
+    Analysis,
+    /// The basic frame.
+    Basic,
+}
+
+/// A mode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForeignMode {
+    /// The file's number.
+    pub number: u64,
+    /// Square of the angular frequency, in the file's unit of time; `None` where the file doesn't say it.
+    pub eigenvalue: Option<f64>,
+    /// For each node its three translations and three rotations, in the file's units and scaling.
+    pub shape: Vec<[f64; 6]>,
+}
+
+/// The modes of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForeignModes {
+    /// The file they are from.
+    pub file: String,
+    /// Numbers of the nodes in the order of the shapes.
+    pub nodes: Vec<u64>,
+    /// Modes in the order of the file.
+    pub modes: Vec<ForeignMode>,
+    /// In which frame the shapes are.
+    pub frame: ShapeFrame,
+    /// Significant decimal digits of the shapes.
+    pub digits: u32,
+    /// What a reader of these should know: few digits, what was passed over.
+    pub warnings: Vec<String>,
+}
+
+impl ForeignModes {
+    /// None yet.
+    pub(super) fn new(file: &str, frame: ShapeFrame, digits: u32) -> Self {
+        ForeignModes {
+            file: file.into(),
+            nodes: Vec::new(),
+            modes: Vec::new(),
+            frame,
+            digits,
+            warnings: vec![format!(
+                "{file}: shapes have {digits} digits; invariants and orthogonality of modes are no better"
+            )],
+        }
+    }
+
+    /// Adds a mode with the node of each row; all modes must be on the same nodes.
+    pub(super) fn push(
+        &mut self,
+        number: u64,
+        eigenvalue: Option<f64>,
+        rows: Vec<(u64, [f64; 6])>,
+    ) -> Result<(), FileProblem> {
+        let nodes = rows.iter().map(|(node, _)| *node);
+        if self.modes.is_empty() {
+            self.nodes = nodes.collect();
+        } else if !nodes.eq(self.nodes.iter().copied()) {
+            return Err(whole(
+                &self.file,
+                format!(
+                    "mode {number} has {} nodes that are not the {} of the modes before",
+                    rows.len(),
+                    self.nodes.len()
+                ),
+                format!("ask for the shapes of all nodes in every mode; or {CUT}"),
+            ));
+        }
+        self.modes.push(ForeignMode {
+            number,
+            eigenvalue,
+            shape: rows.into_iter().map(|(_, shape)| shape).collect(),
+        });
+        Ok(())
+    }
+
+    /// These, where there are any.
+    pub(super) fn finish(self, advice: &str) -> Result<Self, FileProblem> {
+        if self.nodes.is_empty() || self.modes.is_empty() {
+            return Err(whole(&self.file, "holds no mode shape", advice));
+        }
+        let mut sorted = self.nodes.clone();
+        sorted.sort_unstable();
+        let twice = sorted.windows(2).find(|pair| pair.first() == pair.last());
+        if let Some([node, ..]) = twice {
+            return Err(whole(
+                &self.file,
+                format!("gives node {node} twice in a mode"),
+                "the file is damaged, or written in parts",
+            ));
+        }
+        Ok(self)
+    }
+}

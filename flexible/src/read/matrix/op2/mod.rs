@@ -1,0 +1,233 @@
+//! Nastran's OP2 (`PARAM,POST,-1`, `OUTPUT2`), of 32-bit and 64-bit codes: matrices, mode shapes, places of grid points.
+//!
+//! Tables read: `EQEXIN` (numbers of points and their rows), `BGPDT` or `GEOM1` (places), `LAMA` (eigenvalues), `OUGV1` and its kin (mode
+//! shapes, single precision in 32-bit files: 7 digits). Any matrix is read by its name. Other tables are passed over. Sources: MSC
+//! Nastran DMAP guide (data blocks), NX Nastran DMAP guide, files of MYSTRAN.
+
+mod blocks;
+mod points;
+mod shapes;
+
+use super::{COMPLEX, ForeignFreedoms, ForeignMatrix, ForeignModes, Held, chosen};
+use crate::error::FileProblem;
+use crate::read::Files;
+use blocks::{Block, Blocks, Step};
+use points::Points;
+
+/// Trailer, behind its first word, of a table of matrices as cards.
+const POOLED: [i64; 6] = [32768, 0, 0, 0, 0, 0];
+
+/// Reads the matrix of this name, or the only one where `name` is empty. Its freedoms are known where it has a row for each freedom of
+/// all points (`KGG`, `MGG`) and the file holds `EQEXIN`; rows of a reduced matrix (`KAA`) must be told apart by what the model says.
+///
+/// # Errors
+/// With file and record: a file that is none, is cut or damaged, a complex matrix, an entry that is no finite number; a name that the
+/// file doesn't hold, with those it does.
+pub fn read_op2_matrix(
+    files: &dyn Files,
+    file: &str,
+    name: &str,
+) -> Result<ForeignMatrix, FileProblem> {
+    let mut blocks = Blocks::open(files, file)?;
+    let mut held = Vec::new();
+    let mut found = None;
+    let mut pooled = Vec::new();
+    let mut points = Points::default();
+    while let Some(block) = blocks.next_block()? {
+        if points.wants(&block) {
+            points.read(&mut blocks, &block)?;
+            continue;
+        }
+        if block.trailer.get(1..) == Some(&POOLED) {
+            pooled.push(block.name.clone());
+        }
+        let mut matrix = None;
+        let mut is_matrix = false;
+        let mut column = 0;
+        while let Some(step) = blocks.next_step()? {
+            match step {
+                Step::Table => {}
+                Step::Column => {
+                    if !is_matrix {
+                        is_matrix = true;
+                        matrix = head(&blocks, &block, file, name, &mut held, found.is_none())?;
+                    }
+                    column += 1;
+                }
+                Step::Data(data) => {
+                    if let Some(matrix) = &mut matrix {
+                        entries(&blocks, &block, matrix, column, &data)?;
+                    }
+                }
+            }
+        }
+        if let Some(matrix) = matrix {
+            if column != matrix.columns {
+                return Err(blocks.problem(
+                    format!(
+                        "matrix {} has {column} columns, its head says {}",
+                        matrix.name, matrix.columns
+                    ),
+                    "the file is damaged",
+                ));
+            }
+            found = Some(matrix);
+        }
+    }
+    let chosen = chosen(file, name, &held, found);
+    let mut matrix = chosen.map_err(|mut problem| {
+        if !pooled.is_empty() {
+            problem.advice += &format!(
+                "; {} are tables of DMIG cards: write them with OUTPUT4 or as matrices",
+                pooled.join(", ")
+            );
+        }
+        problem
+    })?;
+    if matrix.rows == matrix.columns {
+        matrix.freedoms = points
+            .rows()
+            .filter(|rows| rows.len() == matrix.rows)
+            .map(|rows| ForeignFreedoms { rows });
+    }
+    Ok(matrix)
+}
+
+/// Notes a matrix, and begins it where it is asked for.
+fn head(
+    blocks: &Blocks,
+    block: &Block,
+    file: &str,
+    name: &str,
+    held: &mut Vec<Held>,
+    first: bool,
+) -> Result<Option<ForeignMatrix>, FileProblem> {
+    let size = |i: usize| {
+        block
+            .trailer
+            .get(i)
+            .and_then(|count| u32::try_from(*count).ok())
+    };
+    let (columns, rows) = (size(1), size(2));
+    let kind = block.trailer.get(4).copied().unwrap_or(0);
+    held.push(Held {
+        name: block.name.clone(),
+        size: (rows.unwrap_or(0) as usize, columns.unwrap_or(0) as usize),
+    });
+    if !first || !(name.is_empty() || block.name.eq_ignore_ascii_case(name)) {
+        return Ok(None);
+    }
+    match (rows, columns, kind) {
+        (Some(rows), Some(columns), 1 | 2) => Ok(Some(ForeignMatrix {
+            file: file.into(),
+            name: block.name.clone(),
+            rows: rows as usize,
+            columns: columns as usize,
+            symmetric: false,
+            entries: Vec::new(),
+            freedoms: None,
+        })),
+        (Some(_), Some(_), 3 | 4) => Err(blocks.problem(
+            format!("matrix {} is complex (type {kind})", block.name),
+            COMPLEX,
+        )),
+        _ => Err(blocks.problem(
+            format!(
+                "matrix {} has the trailer {:?}, which gives no size and type",
+                block.name, block.trailer
+            ),
+            "write it with OUTPUT4, or with OUTPUT2 as a matrix",
+        )),
+    }
+}
+
+/// The entries of a string: its first row, and values one below the other.
+fn entries(
+    blocks: &Blocks,
+    block: &Block,
+    matrix: &mut ForeignMatrix,
+    column: usize,
+    data: &[u8],
+) -> Result<(), FileProblem> {
+    let key = blocks.key_bytes();
+    let damaged = |problem: String| {
+        blocks.problem(
+            format!("in column {column} of matrix {}: {problem}", matrix.name),
+            "the file is damaged",
+        )
+    };
+    let single = block.trailer.get(4) == Some(&1);
+    let real = if single { key } else { 8 };
+    let (first, values) = data.split_at_checked(key).unwrap_or((&[], &[]));
+    let first = blocks.integer(first);
+    if values.is_empty() || !values.len().is_multiple_of(real) {
+        return Err(damaged(format!("a string of {} bytes", data.len())));
+    }
+    let count = values.len() / real;
+    let start = match u32::try_from(first.saturating_sub(1)) {
+        Ok(start) if start as usize + count <= matrix.rows => start,
+        _ => {
+            return Err(damaged(format!(
+                "{count} entries from row {first} of {}",
+                matrix.rows
+            )));
+        }
+    };
+    let place = match column.checked_sub(1) {
+        Some(place) if place < matrix.columns => place as u32, // as many as the head says, which fit
+        _ => {
+            return Err(damaged(format!(
+                "there are only {} columns",
+                matrix.columns
+            )));
+        }
+    };
+    for (row, bytes) in (start..).zip(values.chunks_exact(real)) {
+        let value = blocks.real(bytes);
+        if !value.is_finite() {
+            return Err(blocks.problem(
+                format!(
+                    "matrix {} holds {value} at row {}, column {column}",
+                    matrix.name,
+                    u64::from(row) + 1
+                ),
+                "the run that wrote it failed; look into its messages",
+            ));
+        }
+        if value != 0.0 {
+            matrix.entries.push((row, place, value));
+        }
+    }
+    Ok(())
+}
+
+/// Reads the real mode shapes of a run of SOL 103, with the eigenvalues of the table `LAMA`.
+///
+/// # Errors
+/// With file and record: a file that is none, is cut or damaged, complex shapes or shapes sorted by point; modes on different nodes, or
+/// none.
+pub fn read_op2_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, FileProblem> {
+    let mut blocks = Blocks::open(files, file)?;
+    let mut shapes = shapes::Shapes::default();
+    while let Some(block) = blocks.next_block()? {
+        shapes.read(&mut blocks, &block)?;
+    }
+    shapes.finish(file, blocks.key_bytes())
+}
+
+/// Reads numbers and places of the grid points, in the basic frame, in the order of the file.
+///
+/// # Errors
+/// With file and record: a file that is none, is cut or damaged, holds no places, or holds them in frames other than the basic one only.
+pub fn read_op2_nodes(files: &dyn Files, file: &str) -> Result<Vec<(u64, [f64; 3])>, FileProblem> {
+    let mut blocks = Blocks::open(files, file)?;
+    let mut points = Points::default();
+    while let Some(block) = blocks.next_block()? {
+        if points.wants(&block) {
+            points.read(&mut blocks, &block)?;
+        } else {
+            while blocks.next_step()?.is_some() {}
+        }
+    }
+    points.places(file)
+}
