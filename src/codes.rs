@@ -67,6 +67,24 @@ eng_grammar::codes! {
         "The limits after `in` are open: the value lies strictly between them.",
         "param length: Length = 3 m in (1 mm, 2 m)",
         "param length: Length = 1 m in (1 mm, 2 m)";
+    MESH = "E0730", "a mesh cannot be read",
+        "The file is not there, not what its format says, or its elements make no structure. The message names the line, the card or the element.",
+        "flexible crank { mesh = nastran(\"crnk.bdf\", units: mm_tonne_s) }",
+        "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s) }";
+    MESH_MARKER = "E0731", "a marker does not stand on its mesh as it should",
+        "The node, set or ring is not there, or an element turns a marker that stands on the node of a solid, which has no rotation. Gathered nodes have one.",
+        "flexible rod { marker big = node(17) }",
+        "flexible rod { marker big = ring(center: [0, 0, 0] mm, axis: z, radius: 24 mm, width: 20 mm) }";
+    REDUCTION = "E0732", "a flexible body cannot be reduced",
+        "A part of the mesh hangs together with nothing, a matrix makes no sense, or modes of that number do not exist. The message says which.",
+        "", "";
+    MESH_UNITS = "W0730", "with the stated units, size or material make no engine part",
+        "Finite-element files don't state their units. Length, density and stiffness are compared with those of solids that exist.",
+        "flexible crank { mesh = nastran(\"crank.bdf\", units: si) }",
+        "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s) }";
+    UNREAD = "W0731", "cards of a mesh were not read that may matter",
+        "They carry mass, stiffness or a constraint that the reduced body does not have. Replace them in the file by what is read, or take matrices of the code that reads them.",
+        "", "";
     ADVISED = "W0711", "an `advise` fails during the run",
         "The run goes on, but its class takes this for doubtful. It is said once for each element, at the first moment. The text is its author's.",
         "", "";

@@ -49,6 +49,53 @@ impl Sources {
     }
 }
 
+impl Sources {
+    /// Opens a data file of any kind, under the rules of [`Host::read_text`].
+    pub(crate) fn open_data(&self, path: &str) -> Result<Box<dyn std::io::Read>, HostError> {
+        match &self.kind {
+            Kind::Texts(texts) => match texts.get(path) {
+                Some(text) => Ok(Box::new(std::io::Cursor::new(text.clone().into_bytes()))),
+                None => Err(HostError::NotFound(path.into())),
+            },
+            Kind::Folder(folder) => {
+                let file = std::fs::File::open(inside(folder, path)?)
+                    .map_err(|error| refused(path, &error))?;
+                Ok(Box::new(file))
+            }
+        }
+    }
+}
+
+/// The real place of a file of a folder.
+fn inside(folder: &Path, path: &str) -> Result<PathBuf, HostError> {
+    let relative = Path::new(path);
+    let stays = relative
+        .components()
+        .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+    if !stays {
+        return Err(HostError::Outside(path.into()));
+    }
+    // a link may point outside: what counts is where it ends
+    let real = folder
+        .join(relative)
+        .canonicalize()
+        .map_err(|error| refused(path, &error))?;
+    if !real.starts_with(folder) {
+        return Err(HostError::Outside(path.into()));
+    }
+    Ok(real)
+}
+
+fn refused(path: &str, error: &std::io::Error) -> HostError {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => HostError::NotFound(path.into()),
+        _ => HostError::System {
+            path: path.into(),
+            message: error.to_string(),
+        },
+    }
+}
+
 impl Host for Sources {
     fn read_text(&self, path: &str) -> Result<String, HostError> {
         match &self.kind {
@@ -57,26 +104,8 @@ impl Host for Sources {
                 .cloned()
                 .ok_or_else(|| HostError::NotFound(path.into())),
             Kind::Folder(folder) => {
-                let relative = Path::new(path);
-                let inside = relative
-                    .components()
-                    .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
-                if !inside {
-                    return Err(HostError::Outside(path.into()));
-                }
-                let system = |error: std::io::Error| match error.kind() {
-                    std::io::ErrorKind::NotFound => HostError::NotFound(path.into()),
-                    _ => HostError::System {
-                        path: path.into(),
-                        message: error.to_string(),
-                    },
-                };
-                // a link may point outside: what counts is where it ends
-                let real = folder.join(relative).canonicalize().map_err(system)?;
-                if !real.starts_with(folder) {
-                    return Err(HostError::Outside(path.into()));
-                }
-                let bytes = std::fs::read(&real).map_err(system)?;
+                let bytes = std::fs::read(inside(folder, path)?)
+                    .map_err(|error| refused(path, &error))?;
                 String::from_utf8(bytes).map_err(|_| HostError::System {
                     path: path.into(),
                     message: "the file is not UTF-8 text".into(),

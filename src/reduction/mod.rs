@@ -1,0 +1,143 @@
+//! Flexible bodies between the compiler and the runtime: meshes are looked at for `check`, reduced for a run.
+
+mod request;
+mod sense;
+mod table;
+
+use crate::Sources;
+use crate::codes;
+use eng_flexible::markers::select;
+use eng_flexible::mesh::Mesh;
+use eng_flexible::reduce::Reduced;
+use eng_flexible::units::MeshUnits;
+use eng_flexible::{Files, FlexibleError, MeshFormat, read_mesh};
+use eng_grammar::{Diagnostic, SourceId, Span};
+use eng_system::flexible::{FlexibleSource, MarkerPlace};
+use eng_system::system::Location;
+use std::io::Read;
+use std::sync::Arc;
+
+/// A flexible body that has been reduced.
+#[derive(Clone, Debug)]
+pub struct Reduction {
+    /// Path of the body.
+    pub path: String,
+    /// What the runtime computes with; damping is in it.
+    pub(crate) body: Arc<eng_system::reduced::ReducedBody>,
+    /// With shapes on the mesh.
+    pub(crate) reduced: Arc<Reduced>,
+    /// What is doubtful about it.
+    pub(crate) warnings: Vec<Diagnostic>,
+}
+
+impl Files for Sources {
+    fn open(&self, name: &str) -> std::io::Result<Box<dyn Read>> {
+        self.open_data(name).map_err(|error| match error {
+            eng_system::host::HostError::NotFound(_) => {
+                std::io::Error::new(std::io::ErrorKind::NotFound, "there is no such file")
+            }
+            other => std::io::Error::other(other.to_string()),
+        })
+    }
+}
+
+/// Reads a mesh into SI, with its material.
+fn mesh_of(sources: &Sources, source: &FlexibleSource) -> Result<Mesh, Diagnostic> {
+    let at = source.mesh.at;
+    let (Some(format), Some(units)) = (
+        MeshFormat::named(&source.mesh.format),
+        MeshUnits::named(&source.mesh.units),
+    ) else {
+        return Err(Diagnostic::error(
+            codes::INTERNAL,
+            "the compiler contradicts itself: a mesh of no known format or units",
+        )
+        .at(span(at), "this mesh"));
+    };
+    let mut mesh = read_mesh(sources, &source.mesh.file, format)
+        .map_err(|e| failed(codes::MESH, &e, at, "this mesh"))?;
+    mesh.convert(&units);
+    if let Some(material) = &source.material {
+        mesh.set_material(material.young, material.poisson, material.density)
+            .map_err(|e| failed(codes::MESH, &e, material.at, "this material"))?;
+    }
+    Ok(mesh)
+}
+
+/// What is wrong or doubtful with mesh and markers, without reducing.
+pub(crate) fn inspect(sources: &Sources, source: &FlexibleSource) -> Vec<Diagnostic> {
+    let mesh = match mesh_of(sources, source) {
+        Ok(mesh) => mesh,
+        Err(diagnostic) => return vec![diagnostic],
+    };
+    let mut found = sense::doubts(&mesh, source);
+    let index = mesh.node_index();
+    for marker in &source.markers {
+        let wrong = match &marker.place {
+            MarkerPlace::Node(id) if index.contains_key(id) => None,
+            MarkerPlace::Node(id) => Some(FlexibleError::Structure {
+                problem: format!("{}: the mesh has no node {id}", marker.name),
+                advice: "check the number; or gather nodes by a ring or a set".into(),
+            }),
+            _ => match request::marker(marker).place {
+                eng_flexible::markers::Place::Gathered { nodes, .. } => {
+                    select(&mesh, &marker.name, &nodes).err()
+                }
+                eng_flexible::markers::Place::Node(_) => None,
+            },
+        };
+        if let Some(error) = wrong {
+            found.push(failed(codes::MESH_MARKER, &error, marker.at, "this marker"));
+        }
+    }
+    found
+}
+
+/// Reduces. `turned` says which markers an element turns.
+pub(crate) fn reduce(
+    sources: &Sources,
+    source: &FlexibleSource,
+    turned: &[bool],
+) -> Result<Reduction, Diagnostic> {
+    let mesh = mesh_of(sources, source)?;
+    let mut warnings = sense::doubts(&mesh, source);
+    let mut reduced = eng_flexible::reduce::reduce(mesh, &request::request(source))
+        .map_err(|e| reduction_failed(&e, source))?;
+    reduced.body.damp(&source.damping);
+    warnings.extend(sense::bare_markers(&reduced.body, source, turned)?);
+    Ok(Reduction {
+        path: source.origin.path.clone(),
+        body: Arc::new(reduced.body.clone()),
+        reduced: Arc::new(reduced),
+        warnings,
+    })
+}
+
+/// A failure at the marker that its text begins with, else at the mode set.
+fn reduction_failed(error: &FlexibleError, source: &FlexibleSource) -> Diagnostic {
+    let text = error.to_string();
+    let marker = source
+        .markers
+        .iter()
+        .find(|m| text.starts_with(&format!("{}:", m.name)) || text.starts_with(&format!("{}.", m.name)));
+    match marker {
+        Some(marker) => failed(codes::MESH_MARKER, error, marker.at, "this marker"),
+        None => failed(codes::REDUCTION, error, source.modes_at, "while these modes were computed"),
+    }
+}
+
+fn failed(code: &'static str, error: &FlexibleError, at: Location, label: &str) -> Diagnostic {
+    let message = Diagnostic::error(code, error.to_string()).at(span(at), label);
+    match error.advice() {
+        "" => message,
+        advice => message.with_help(advice),
+    }
+}
+
+pub(crate) fn span(at: Location) -> Span {
+    Span {
+        source: SourceId(at.source),
+        start: at.start,
+        end: at.end,
+    }
+}
