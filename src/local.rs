@@ -59,6 +59,23 @@ impl Engine for Local {
         })
     }
 
+    fn reduce(&mut self) -> Result<Vec<String>, EngineError> {
+        let Some(program) = &self.program else {
+            return Err(EngineError::System("no model was checked".into()));
+        };
+        let mut texts = Vec::new();
+        for name in program.models() {
+            let model = program.model(name).map_err(engine_error)?;
+            for reduction in model.reductions() {
+                let text = reduction.text();
+                if !texts.contains(&text) {
+                    texts.push(text);
+                }
+            }
+        }
+        Ok(texts)
+    }
+
     fn assemble(&mut self) -> Result<AssemblyOutcome, EngineError> {
         let Some(program) = &self.program else {
             return Err(EngineError::System("no model was checked".into()));

@@ -101,6 +101,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             plans,
             texts: Arc::clone(&texts),
             file: file.to_owned(),
+            reducer: crate::reduction::Reducer::default(),
         }),
     });
     Checked {
@@ -155,6 +156,7 @@ struct Inner {
     plans: Vec<AnalysisPlan>,
     texts: Arc<SourceMap>,
     file: String,
+    reducer: crate::reduction::Reducer,
 }
 
 /// A checked program: models and analyses.
@@ -262,7 +264,10 @@ impl Program {
         let mut reductions = Vec::with_capacity(elaborated.flexible.len());
         for (index, source) in (0..).zip(&elaborated.flexible) {
             let turned = elaborated.turned_markers(index);
-            let reduction = crate::reduction::reduce(&self.inner.sources, source, &turned)
+            let reduction = self
+                .inner
+                .reducer
+                .reduce(&self.inner.sources, source, &turned)
                 .map_err(|diagnostic| {
                     let mut diagnostics = Diagnostics::new();
                     diagnostics.push(diagnostic);

@@ -104,8 +104,8 @@ impl Host for Sources {
                 .cloned()
                 .ok_or_else(|| HostError::NotFound(path.into())),
             Kind::Folder(folder) => {
-                let bytes = std::fs::read(inside(folder, path)?)
-                    .map_err(|error| refused(path, &error))?;
+                let bytes =
+                    std::fs::read(inside(folder, path)?).map_err(|error| refused(path, &error))?;
                 String::from_utf8(bytes).map_err(|_| HostError::System {
                     path: path.into(),
                     message: "the file is not UTF-8 text".into(),

@@ -289,10 +289,7 @@ pub(crate) const WORDS: &[Word] = &[
     Word {
         word: "shapes",
         place: Place::Modes,
-        arguments: &[
-            FILE,
-            named("format", Takes::Word(&["op2", "punch", "frd"])),
-        ],
+        arguments: &[FILE, named("format", Takes::Word(&["op2", "punch", "frd"]))],
         example: "shapes(\"crank.op2\", format: op2)",
     },
     Word {
@@ -344,11 +341,23 @@ pub(crate) fn argument<'e>(
     let by_name = arguments
         .iter()
         .find(|a| a.name.as_ref().is_some_and(|n| n.text == name));
-    let by_position = || {
-        arguments
-            .iter()
-            .filter(|a| a.name.is_none())
-            .nth(place?)
-    };
+    let by_position = || arguments.iter().filter(|a| a.name.is_none()).nth(place?);
     by_name.or_else(by_position).map(|a| &a.value)
+}
+
+/// The text between the quotes of a text in its raw form, with its place.
+pub(crate) fn inside_quotes(
+    sources: &eng_grammar::SourceMap,
+    span: eng_grammar::Span,
+) -> eng_grammar::ast::Name {
+    let raw = sources.text(span);
+    let inner = raw
+        .strip_prefix('"')
+        .and_then(|t| t.strip_suffix('"'))
+        .unwrap_or(raw);
+    let start = span.start as usize + usize::from(raw.len() > inner.len());
+    eng_grammar::ast::Name {
+        text: inner.to_owned(),
+        span: eng_grammar::Span::new(span.source, start, start + inner.len()),
+    }
 }

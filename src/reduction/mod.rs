@@ -15,7 +15,7 @@ use eng_grammar::{Diagnostic, SourceId, Span};
 use eng_system::flexible::{FlexibleSource, MarkerPlace};
 use eng_system::system::Location;
 use std::io::Read;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A flexible body that has been reduced.
 #[derive(Clone, Debug)]
@@ -26,8 +26,6 @@ pub struct Reduction {
     pub(crate) body: Arc<eng_system::reduced::ReducedBody>,
     /// With shapes on the mesh.
     pub(crate) reduced: Arc<Reduced>,
-    /// What is doubtful about it.
-    pub(crate) warnings: Vec<Diagnostic>,
 }
 
 impl Files for Sources {
@@ -93,36 +91,76 @@ pub(crate) fn inspect(sources: &Sources, source: &FlexibleSource) -> Vec<Diagnos
     found
 }
 
-/// Reduces. `turned` says which markers an element turns.
-pub(crate) fn reduce(
-    sources: &Sources,
-    source: &FlexibleSource,
-    turned: &[bool],
-) -> Result<Reduction, Diagnostic> {
-    let mesh = mesh_of(sources, source)?;
-    let mut warnings = sense::doubts(&mesh, source);
-    let mut reduced = eng_flexible::reduce::reduce(mesh, &request::request(source))
-        .map_err(|e| reduction_failed(&e, source))?;
-    reduced.body.damp(&source.damping);
-    warnings.extend(sense::bare_markers(&reduced.body, source, turned)?);
-    Ok(Reduction {
-        path: source.origin.path.clone(),
-        body: Arc::new(reduced.body.clone()),
-        reduced: Arc::new(reduced),
-        warnings,
-    })
+/// Reduces each body of a program once, however many models and analyses use it.
+#[derive(Debug, Default)]
+pub(crate) struct Reducer {
+    /// By what was asked, without the place in the text.
+    known: Mutex<Vec<(String, Arc<Reduced>)>>,
+}
+
+impl Reducer {
+    /// Reduces. `turned` says which markers an element turns.
+    pub(crate) fn reduce(
+        &self,
+        sources: &Sources,
+        source: &FlexibleSource,
+        turned: &[bool],
+    ) -> Result<Reduction, Diagnostic> {
+        let request = request::request(source);
+        let key = format!(
+            "{} {} {} {:?} {:?}",
+            source.mesh.format,
+            source.mesh.units,
+            source.mesh.file,
+            source.material.map(|m| (m.young, m.poisson, m.density)),
+            request
+        );
+        let known = self
+            .known
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .iter()
+            .find(|(k, _)| *k == key)
+            .map(|(_, reduced)| Arc::clone(reduced));
+        let reduced = match known {
+            Some(reduced) => reduced,
+            None => {
+                let mesh = mesh_of(sources, source)?;
+                let reduced = eng_flexible::reduce::reduce(mesh, &request)
+                    .map_err(|e| reduction_failed(&e, source))?;
+                let reduced = Arc::new(reduced);
+                self.known
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .push((key, Arc::clone(&reduced)));
+                reduced
+            }
+        };
+        sense::bare_markers(&reduced.body, source, turned)?;
+        let mut body = reduced.body.clone();
+        body.damp(&source.damping);
+        Ok(Reduction {
+            path: source.origin.path.clone(),
+            body: Arc::new(body),
+            reduced,
+        })
+    }
 }
 
 /// A failure at the marker that its text begins with, else at the mode set.
 fn reduction_failed(error: &FlexibleError, source: &FlexibleSource) -> Diagnostic {
     let text = error.to_string();
-    let marker = source
-        .markers
-        .iter()
-        .find(|m| text.starts_with(&format!("{}:", m.name)) || text.starts_with(&format!("{}.", m.name)));
+    let marker = source.markers.iter().find(|m| {
+        text.starts_with(&format!("{}:", m.name)) || text.starts_with(&format!("{}.", m.name))
+    });
     match marker {
         Some(marker) => failed(codes::MESH_MARKER, error, marker.at, "this marker"),
-        None => failed(codes::REDUCTION, error, source.modes_at, "while these modes were computed"),
+        None => failed(
+            codes::REDUCTION,
+            error,
+            source.modes_at,
+            "while these modes were computed",
+        ),
     }
 }
 

@@ -99,7 +99,9 @@ fn term(term: &text::ModeTerm, source: &text::FlexibleSource) -> Term {
         text::ModeTerm::Normal { count, fixed } => Term::Normal {
             modes: match count {
                 text::ModeCount::Number(n) => Modes::Count(*n as usize),
-                text::ModeCount::UpTo(frequency) => Modes::UpTo(angular(*frequency) * angular(*frequency)),
+                text::ModeCount::UpTo(frequency) => {
+                    Modes::UpTo(angular(*frequency) * angular(*frequency))
+                }
             },
             fixed: at(fixed),
         },
@@ -117,9 +119,8 @@ fn along_mesh(freedoms: text::Freedoms, axes: &[f64; 9]) -> u8 {
     let mut components = 0;
     for (kind, shift) in [(freedoms & 0b111, 0), (freedoms >> 3, 3)] {
         for row in 0..3 {
-            let touched = (0..3).any(|column| {
-                kind & (1 << column) != 0 && axes[3 * row + column].abs() > 1e-9
-            });
+            let touched = (0..3)
+                .any(|column| kind & (1 << column) != 0 && axes[3 * row + column].abs() > 1e-9);
             if touched {
                 components |= 1 << (row + shift);
             }

@@ -26,7 +26,11 @@ pub(super) fn doubts(mesh: &Mesh, source: &FlexibleSource) -> Vec<Diagnostic> {
             *h = h.max(x);
         }
     }
-    let size = low.iter().zip(&high).map(|(l, h)| h - l).fold(0.0, f64::max);
+    let size = low
+        .iter()
+        .zip(&high)
+        .map(|(l, h)| h - l)
+        .fold(0.0, f64::max);
     let outside = |x: f64, (least, most): (f64, f64)| x.is_nan() || x < least || x > most;
     let mut odd = Vec::new();
     if outside(size, SIZES) {
@@ -58,7 +62,9 @@ pub(super) fn doubts(mesh: &Mesh, source: &FlexibleSource) -> Vec<Diagnostic> {
                 ),
             )
             .at(span(source.mesh.at), "are these the units of the file?")
-            .with_help("finite-element files don't state their units; common are mm_tonne_s and m_kg_s"),
+            .with_help(
+                "finite-element files don't state their units; common are mm_tonne_s and m_kg_s",
+            ),
         );
     }
     for unread in &mesh.unread {
@@ -88,7 +94,7 @@ pub(super) fn bare_markers(
     body: &ReducedBody,
     source: &FlexibleSource,
     turned: &[bool],
-) -> Result<Vec<Diagnostic>, Diagnostic> {
+) -> Result<(), Diagnostic> {
     for ((marker, reduced), turned) in source.markers.iter().zip(&body.markers).zip(turned) {
         let bare = matches!(marker.place, MarkerPlace::Node(_))
             && reduced.rotation.iter().all(|x| *x == 0.0)
@@ -108,5 +114,5 @@ pub(super) fn bare_markers(
             ));
         }
     }
-    Ok(Vec::new())
+    Ok(())
 }

@@ -31,7 +31,11 @@ impl Reduction {
         let c = constants.first_moment.map(|x| x / mass);
         let square: f64 = c.iter().map(|x| x * x).sum();
         let about = |i: usize, j: usize| {
-            let shift = if i == j { square - c[i] * c[j] } else { -c[i] * c[j] };
+            let shift = if i == j {
+                square - c[i] * c[j]
+            } else {
+                -c[i] * c[j]
+            };
             constants.inertia[i][j] - mass * shift
         };
         writeln!(

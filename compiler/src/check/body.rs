@@ -7,10 +7,10 @@ use super::types::{Quantity, Type};
 use crate::codes;
 use crate::resolve::suggest::nearest;
 use crate::words::{Place, word};
-use eng_grammar::{Diagnostic, Span};
 use eng_grammar::ast::{
     Argument, Declaration, Expr, ExprKind, Form, Item, ItemKind, Kind, Name, Statement,
 };
+use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
 const ATTRIBUTES: [&str; 4] = ["mass", "inertia", "products_of_inertia", "center_of_mass"];

@@ -66,8 +66,7 @@ impl<'p> Checker<'p> {
             {
                 return self.built_in(scope, name, span, arguments);
             }
-            if !found
-                && let Some(ty) = self.call_of_word(scope, name, callee.span, span, arguments)
+            if !found && let Some(ty) = self.call_of_word(scope, name, callee.span, span, arguments)
             {
                 return ty;
             }

@@ -149,7 +149,10 @@ impl<'p> Checker<'p> {
                 "the index stands at a use",
             );
         }
-        if matches!(kind, Kind::Body | Kind::Flexible | Kind::Marker | Kind::Part | Kind::Cycle) {
+        if matches!(
+            kind,
+            Kind::Body | Kind::Flexible | Kind::Marker | Kind::Part | Kind::Cycle
+        ) {
             self.misplaced(
                 declaration.kind_span,
                 &with_article(kind_word(kind)),

@@ -68,6 +68,16 @@ impl<'p> Checker<'p> {
                 }
                 ItemKind::Declaration(marker) if marker.kind == Kind::Marker => {
                     self.marker_name(&mut markers, marker);
+                    if marker.name.text == "support" {
+                        self.report(
+                            Diagnostic::error(
+                                codes::DEFINED_TWICE,
+                                "`support` is the joint that holds a body on the ground",
+                            )
+                            .at(marker.name.span, "another one")
+                            .with_help("give the marker a name of its own, such as `mount`"),
+                        );
+                    }
                     self.marker_on_mesh(&inner, marker);
                 }
                 ItemKind::Statement(
@@ -121,8 +131,9 @@ impl<'p> Checker<'p> {
                 )
                 .at(name.span, "not known");
                 message = match (name.text.as_str(), nearest(&name.text, ATTRIBUTES)) {
-                    ("inertia" | "center_of_mass" | "products_of_inertia", _) => message
-                        .with_help("mass and inertia follow from the mesh; leave them out"),
+                    ("inertia" | "center_of_mass" | "products_of_inertia", _) => {
+                        message.with_help("mass and inertia follow from the mesh; leave them out")
+                    }
                     (_, Some(near)) => message
                         .with_help(format!("did you mean `{near}`?"))
                         .with_fix(format!("write `{near}`"), name.span, near),
@@ -255,10 +266,7 @@ impl<'p> Checker<'p> {
                 Some(name) => word.arguments.iter().find(|a| a.name == name.text),
                 None => {
                     position += 1;
-                    word.arguments
-                        .iter()
-                        .filter(|a| !a.named)
-                        .nth(position - 1)
+                    word.arguments.iter().filter(|a| !a.named).nth(position - 1)
                 }
             };
             let Some(slot) = slot else {
@@ -351,27 +359,22 @@ impl<'p> Checker<'p> {
     }
 
     /// An argument of a word.
-    fn taken(
-        &mut self,
-        scope: &Scope<'p>,
-        word: &Word,
-        name: &str,
-        takes: Takes,
-        value: &Expr,
-    ) {
+    fn taken(&mut self, scope: &Scope<'p>, word: &Word, name: &str, takes: Takes, value: &Expr) {
         let mut due = Due::new(format!("`{name}` of `{}`", word.word));
         let per_time = || Dimension::ONE.over(Dimension::TIME);
         let (ty, unit) = match takes {
-            Takes::Text => (Type::Text, None),
+            Takes::Text => {
+                // `"MAIN{j}"` shows values as a message does
+                if matches!(value.kind, ExprKind::Text(_)) {
+                    let shown = crate::words::inside_quotes(self.sources, value.span);
+                    self.message(scope, &shown);
+                    return;
+                }
+                (Type::Text, None)
+            }
             Takes::Count => (Type::Int, None),
-            Takes::Length => (
-                Type::Scalar(Quantity::hard(Dimension::LENGTH)),
-                Some("mm"),
-            ),
-            Takes::Place => (
-                Type::vector(Quantity::hard(Dimension::LENGTH)),
-                Some("mm"),
-            ),
+            Takes::Length => (Type::Scalar(Quantity::hard(Dimension::LENGTH)), Some("mm")),
+            Takes::Place => (Type::vector(Quantity::hard(Dimension::LENGTH)), Some("mm")),
             Takes::Direction => (Type::vector(Quantity::one()), None),
             Takes::Axis => {
                 if matches!(&value.kind, ExprKind::Name(n) if ["x", "y", "z"].contains(&n.as_str()))
@@ -416,12 +419,10 @@ impl<'p> Checker<'p> {
         if known.contains(&name.as_str()) {
             return;
         }
-        let mut message = Diagnostic::error(
-            codes::FLEXIBLE,
-            format!("`{name}` is not known for {what}"),
-        )
-        .at(value.span, "not known")
-        .with_note(format!("known are {}", listing(known.iter().copied(), 12)));
+        let mut message =
+            Diagnostic::error(codes::FLEXIBLE, format!("`{name}` is not known for {what}"))
+                .at(value.span, "not known")
+                .with_note(format!("known are {}", listing(known.iter().copied(), 12)));
         if let Some(near) = nearest(name, known.iter().copied()) {
             message = message
                 .with_help(format!("did you mean `{near}`?"))
@@ -575,4 +576,14 @@ fn called(callee: &Expr, place: Place) -> Option<&'static Word> {
         ExprKind::Name(name) => word(place, name),
         _ => None,
     }
+}
+
+/// Whether a body stands on the ground.
+pub(super) fn has_support(body: &Declaration) -> bool {
+    body.kind == Kind::Flexible
+        && block_of(body).is_some_and(|block| {
+            block.items.iter().any(
+                |item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == "support"),
+            )
+        })
 }

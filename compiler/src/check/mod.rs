@@ -183,7 +183,7 @@ impl<'p> Checker<'p> {
                 "a value that all may use is a `const`",
             ),
             ItemKind::Declaration(declaration) => match (&declaration.form, declaration.kind) {
-                                (_, Kind::Default) => self.not_built(declaration.kind_span, "`default` blocks"),
+                (_, Kind::Default) => self.not_built(declaration.kind_span, "`default` blocks"),
                 (_, Kind::Analysis) => self.analysis(&scope, declaration),
                 (Form::Class { .. }, _)
                 | (

@@ -559,11 +559,11 @@ pub(super) fn marker_of<'p>(body: &'p Declaration, name: &str) -> Option<&'p Dec
 fn has_mass(body: &Declaration) -> bool {
     body.kind == Kind::Body
         && block_of(body).is_some_and(|block| {
-        block
-            .items
-            .iter()
-            .any(|item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == "mass"))
-    })
+            block
+                .items
+                .iter()
+                .any(|item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == "mass"))
+        })
 }
 
 /// kg m/s².

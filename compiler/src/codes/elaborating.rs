@@ -113,7 +113,7 @@ eng_grammar::codes! {
         "flexible crank { marker main = node(12); modes = static(at: mian) }",
         "flexible crank { marker main = node(12); modes = static(at: main) }";
     UNSERVED = "W0505", "a load on a flexible body has no static mode",
-        "Normal modes alone converge slowly under a load at one place: the body seems too stiff there. A static mode at that marker answers the load exactly.",
+        "Normal modes alone converge slowly under a load at one place: the body seems too stiff there. A static mode at that marker answers the load exactly. A term that lists its freedoms is taken as it is.",
         "flexible crank { modes = normal(16) }",
         "flexible crank { modes = static(at: [main, pin]) + normal(16) }";
     UNUSED_MARKER = "W0501", "a marker is not used",

@@ -53,6 +53,8 @@ pub(crate) struct FlexibleDraft {
     pub markers: Vec<u32>,
     /// Marker at the frame's origin.
     pub origin: u32,
+    /// Names of the body.
+    pub scope: ScopeId,
     pub support_span: Option<Span>,
 }
 
@@ -112,7 +114,14 @@ impl<'a> Elaborator<'a, '_> {
                 && d.kind == Kind::Marker
             {
                 // a marker's own message does not hide those of its neighbours
-                let entry = match self.markers_on_mesh(d, reference, own, &path, &mut markers, &mut known) {
+                let entry = match self.markers_on_mesh(
+                    d,
+                    reference,
+                    own,
+                    &path,
+                    &mut markers,
+                    &mut known,
+                ) {
                     Ok(marker) => Entry::Value(marker),
                     Err(_) => Entry::Failed,
                 };
@@ -142,6 +151,11 @@ impl<'a> Elaborator<'a, '_> {
                     let names = self.marker_names(value, own)?;
                     for name in names {
                         support.extend(self.found(&name, &known, &path)?);
+                    }
+                    for index in &support {
+                        if let Some((_, marker)) = markers.get(*index as usize) {
+                            self.used_marker(*marker);
+                        }
                     }
                 }
                 "modes" => {
@@ -198,6 +212,7 @@ impl<'a> Elaborator<'a, '_> {
             terms,
             markers: indices,
             origin,
+            scope: own,
             support_span,
         });
         for item in &block.items {
@@ -299,11 +314,7 @@ impl<'a> Elaborator<'a, '_> {
             ))
         };
         let text = |e: &mut Self, name: &str| -> Eval<String> {
-            match get(name).map(|x| (e.evaluate(x, scope), x.span)) {
-                Some((Ok(Value::Text(t)), _)) => Ok(t),
-                Some((Ok(other), span)) => Err(e.unfit(span, "a text", &other)),
-                _ => Err(Reported),
-            }
+            e.text_of(get(name), scope)?.ok_or(Reported)
         };
         let center = vector(self, "center")?;
         let rigid = get("tie").is_some_and(|t| bare_word(t) == "rigid");
@@ -433,10 +444,36 @@ impl<'a> Elaborator<'a, '_> {
         let Some(expr) = expr else {
             return Ok(None);
         };
-        match self.evaluate(expr, scope)? {
-            Value::Text(text) => Ok(Some(text)),
-            other => Err(self.unfit(expr.span, "a text", &other)),
+        if !matches!(expr.kind, ExprKind::Text(_)) {
+            return match self.evaluate(expr, scope)? {
+                Value::Text(text) => Ok(Some(text)),
+                other => Err(self.unfit(expr.span, "a text", &other)),
+            };
         }
+        let written = crate::words::inside_quotes(self.sources, expr.span);
+        let mut text = String::new();
+        for part in eng_grammar::parse_message(&written, self.diagnostics) {
+            match part {
+                eng_grammar::MessagePart::Text(t) => text.push_str(&t),
+                eng_grammar::MessagePart::Value { value, .. } => {
+                    match self.evaluate_owned(&value, scope)? {
+                        Value::Int(i) => text.push_str(&i.to_string()),
+                        Value::Text(t) => text.push_str(&t),
+                        other => {
+                            let found = other.kind();
+                            return Err(self.report(
+                                Diagnostic::error(
+                                    codes::MESSAGE_FORM,
+                                    "a name is made of texts and whole numbers",
+                                )
+                                .at(value.span, format!("this is {found}")),
+                            ));
+                        }
+                    }
+                }
+            }
+        }
+        Ok(Some(text))
     }
 
     fn mesh_source(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<MeshSource> {
@@ -537,8 +574,11 @@ impl<'a> Elaborator<'a, '_> {
             let (ratio, up_to) = (number("ratio")?, number("up_to")?);
             if up_to.is_nan() || up_to <= 0.0 {
                 return Err(self.report(
-                    Diagnostic::error(codes::FLEXIBLE_NUMBER, "`up_to` of `modal` must be positive")
-                        .at(value.span, "a ratio up to which frequency?"),
+                    Diagnostic::error(
+                        codes::FLEXIBLE_NUMBER,
+                        "`up_to` of `modal` must be positive",
+                    )
+                    .at(value.span, "a ratio up to which frequency?"),
                 ));
             }
             Ok(Damping::Modal {
@@ -615,8 +655,11 @@ impl<'a> Elaborator<'a, '_> {
             return match u32::try_from(n) {
                 Ok(n) if (1..=2000).contains(&n) => Ok(ModeCount::Number(n)),
                 _ => Err(self.report(
-                    Diagnostic::error(codes::FLEXIBLE_NUMBER, "a number of modes is from 1 to 2000")
-                        .at(expr.span, format!("this is {n}")),
+                    Diagnostic::error(
+                        codes::FLEXIBLE_NUMBER,
+                        "a number of modes is from 1 to 2000",
+                    )
+                    .at(expr.span, format!("this is {n}")),
                 )),
             };
         }
@@ -686,8 +729,7 @@ impl<'a> Elaborator<'a, '_> {
         let of_name = |(i, (name, position)): (usize, &(String, Vec<usize>))| {
             (*name == wanted.name).then(|| (i as u32, position.clone()))
         };
-        let family: Vec<(u32, Vec<usize>)> =
-            known.iter().enumerate().filter_map(of_name).collect();
+        let family: Vec<(u32, Vec<usize>)> = known.iter().enumerate().filter_map(of_name).collect();
         if family.is_empty() {
             let names = || known.iter().map(|(name, _)| name.as_str());
             let mut message = Diagnostic::error(
@@ -760,22 +802,19 @@ impl<'a> Elaborator<'a, '_> {
 
     /// Bodies with supports stand on the ground: their frames are welded to it where they are at the start.
     pub fn weld_supports(&mut self) {
-        let welds: Vec<(String, u32, Span)> = self
+        let welds: Vec<(String, u32, ScopeId, Span)> = self
             .flexible
             .iter()
             .flatten()
             .filter_map(|d| {
-                Some((d.source.origin.path.clone(), d.origin, d.support_span?))
+                let path = d.source.origin.path.clone();
+                Some((path, d.origin, d.scope, d.support_span?))
             })
             .collect();
-        let module = self
-            .program
-            .modules
-            .iter()
-            .position(|m| m.path == crate::resolve::WELD.0);
-        for (path, origin, span) in welds {
-            let class = module
-                .and_then(|m| self.program.lookup(m as u32, crate::resolve::WELD.1))
+        for (path, origin, scope, span) in welds {
+            let class = self
+                .program
+                .weld()
                 .map_or(Err(Reported), |id| self.class_of(id, span));
             let Ok(class) = class else {
                 self.internal(span, "the library's weld is not there");
@@ -794,9 +833,13 @@ impl<'a> Elaborator<'a, '_> {
                 ),
             ];
             let caller = self.module_scopes[class.definition.module as usize];
-            // a message was given where this fails
-            let _ = self.element_of_class(class, bound, None, caller, path, span);
+            let made = self.element_of_class(class, bound, None, caller, path, span);
             self.bench.element = None;
+            let entry = match made {
+                Ok(element) => Entry::Value(Value::Element(element)),
+                Err(_) => Entry::Failed,
+            };
+            self.define(scope, "support", entry);
         }
     }
 }

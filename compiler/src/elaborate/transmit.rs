@@ -74,15 +74,30 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
         let pairs: Vec<Pair> = inputs.iter().map(|x| [*x; 2]).collect();
         let mut outputs = vec![[0.0; 2]; layout.residual_len() as usize];
         interpreter
-            .evaluate(&pairs, &mut outputs, &elaborated.system.tables, &mut scratch)
+            .evaluate(
+                &pairs,
+                &mut outputs,
+                &elaborated.system.tables,
+                &mut scratch,
+            )
             .then(|| outputs.iter().map(|p| p[0]).collect())
             .filter(|values: &Vec<f64>| values.iter().all(|x| x.is_finite()))
     };
     let mut found = Transmitted::default();
     let mut greatest = [0.0f64; 6];
     let mut tries = 0;
-    for _ in 0..TRIALS {
-        let inputs = state(&layout, &constants, &states, &mut random);
+    // what a parameter of zero switches off may be switched on
+    let switched: Vec<f64> = constants
+        .iter()
+        .map(|x| if *x == 0.0 { 1.0 } else { *x })
+        .collect();
+    for trial in 0..TRIALS {
+        let constants = if trial % 2 == 0 {
+            &constants
+        } else {
+            &switched
+        };
+        let inputs = state(&layout, constants, &states, &mut random);
         let Some(values) = evaluate(&inputs) else {
             continue;
         };
@@ -100,7 +115,9 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
         if let Some(other) = evaluate(&turned) {
             let rows = layout.rows as usize;
             let change = |range: std::ops::Range<usize>| {
-                let size = values[range.clone()].iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+                let size = values[range.clone()]
+                    .iter()
+                    .fold(0.0, |m: f64, x| m.max(x.abs()));
                 values[range.clone()]
                     .iter()
                     .zip(&other[range])
@@ -237,7 +254,11 @@ impl Elaborator<'_, '_> {
                 source.modes.push(match term.kind {
                     TermKind::Static | TermKind::Constraint => {
                         for interface in &at {
-                            served[interface.marker as usize] |= interface.freedoms;
+                            // listed freedoms are their author's choice
+                            served[interface.marker as usize] |= match term.freedoms {
+                                Some(_) => ALL_FREEDOMS,
+                                None => interface.freedoms,
+                            };
                         }
                         if matches!(term.kind, TermKind::Static) {
                             ModeTerm::Static(at)
