@@ -186,6 +186,9 @@ impl<'p> Checker<'p> {
             ExprKind::Call { callee, .. } if called(callee, Place::Marker).is_some() => {
                 self.worded(&scope, Place::Marker, value);
             }
+            ExprKind::Call { callee, .. } if near_word(callee).is_some() => {
+                self.no_word(Place::Marker, callee.span, near_word(callee));
+            }
             _ => {
                 let examples: Vec<&str> = words(Place::Marker).map(|w| w.example).collect();
                 self.report(
@@ -567,6 +570,16 @@ impl<'p> Checker<'p> {
                 .with_help(format!("for instance `{}`", other.example)),
         );
         Some(Type::Error)
+    }
+}
+
+/// The name that is called, if it is much like a word for a place on a mesh.
+fn near_word(callee: &Expr) -> Option<&str> {
+    match &callee.kind {
+        ExprKind::Name(name) => {
+            nearest(name, words(Place::Marker).map(|w| w.word)).map(|_| name.as_str())
+        }
+        _ => None,
     }
 }
 
