@@ -1,4 +1,4 @@
-//! The message codes of assembling and running (`07`), and all codes with their explanations.
+//! The message codes of assembling, running and reducing (`07`), and all codes with their explanations.
 //!
 //! The compiler's codes stand in [`eng_compiler::codes`], those of the grammar in [`mod@eng_grammar::codes`].
 
@@ -67,6 +67,17 @@ eng_grammar::codes! {
         "The limits after `in` are open: the value lies strictly between them.",
         "param length: Length = 3 m in (1 mm, 2 m)",
         "param length: Length = 1 m in (1 mm, 2 m)";
+    ADVISED = "W0711", "an `advise` fails during the run",
+        "The run goes on, but its class takes this for doubtful. It is said once for each element, at the first moment. The text is its author's.",
+        "", "";
+    PARAMETER_ADVISED = "W0720", "parameters do not follow an `advise`",
+        "The run goes on, but the class takes these parameters for doubtful: a clearance that may be diametral instead of radial. The text is its author's.",
+        "", "";
+}
+
+eng_grammar::codes! {
+    REDUCING:
+
     MESH = "E0730", "a mesh cannot be read",
         "The file is not there, not what its format says, or its elements make no structure. The message names the line, the card or the element.",
         "flexible crank { mesh = nastran(\"crnk.bdf\", units: mm_tonne_s) }",
@@ -85,12 +96,6 @@ eng_grammar::codes! {
     UNREAD = "W0731", "cards of a mesh were not read that may matter",
         "They carry mass, stiffness or a constraint that the reduced body does not have. Replace them in the file by what is read, or take matrices of the code that reads them.",
         "", "";
-    ADVISED = "W0711", "an `advise` fails during the run",
-        "The run goes on, but its class takes this for doubtful. It is said once for each element, at the first moment. The text is its author's.",
-        "", "";
-    PARAMETER_ADVISED = "W0720", "parameters do not follow an `advise`",
-        "The run goes on, but the class takes these parameters for doubtful: a clearance that may be diametral instead of radial. The text is its author's.",
-        "", "";
 }
 
 /// All codes of all stages, in order.
@@ -99,6 +104,7 @@ pub fn all() -> Vec<&'static Code> {
         .iter()
         .chain(eng_compiler::codes::all())
         .chain(RUNNING)
+        .chain(REDUCING)
         .collect();
     // by number; errors, warnings and notes of one stage stand together
     all.sort_by_key(|code| (code.code.get(1..3), code.code));

@@ -42,14 +42,20 @@ impl Engine for Local {
         let report = checked.report();
         self.program = checked.program().cloned();
         let mut facts = Vec::new();
+        let mut diagnostics = report.diagnostics().clone();
         if let Some(program) = &self.program {
             for name in program.models() {
-                facts.push(program.model(name).map_err(engine_error)?.summary());
+                match program.model(name) {
+                    Ok(model) => facts.push(model.summary()),
+                    // a mesh that reads well may still make no structure
+                    Err(Error::Report(report)) => diagnostics.extend(report.diagnostics().clone()),
+                    Err(other) => return Err(engine_error(other)),
+                }
             }
         }
         Ok(CheckOutcome {
             sources: report.texts().clone(),
-            diagnostics: report.diagnostics().clone(),
+            diagnostics,
             analyses: self
                 .program
                 .as_ref()

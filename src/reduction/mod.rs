@@ -21,11 +21,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[derive(Clone, Debug)]
 pub struct Reduction {
     /// Path of the body.
-    pub path: String,
+    path: String,
     /// What the runtime computes with; damping is in it.
     pub(crate) body: Arc<eng_system::reduced::ReducedBody>,
     /// With shapes on the mesh.
-    pub(crate) reduced: Arc<Reduced>,
+    reduced: Arc<Reduced>,
 }
 
 impl Files for Sources {

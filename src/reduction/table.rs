@@ -4,6 +4,21 @@ use super::Reduction;
 use std::fmt::{self, Write};
 
 impl Reduction {
+    /// Path of the body in its model.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// Its mass (kg).
+    pub fn mass(&self) -> f64 {
+        self.body.invariants.mass
+    }
+
+    /// Undamped frequency of each mode of the set (Hz).
+    pub fn frequencies(&self) -> &[f64] {
+        &self.body.frequencies
+    }
+
     /// Mass, centre, inertia, modes: lines for a person.
     pub fn text(&self) -> String {
         let mut text = String::new();
