@@ -23,7 +23,7 @@ pub mod solid;
 pub mod stress;
 mod surface;
 pub mod ties;
-mod vector;
+pub(crate) mod vector;
 
 pub use assemble::{Structure, assemble, assemble_on};
 pub use freedoms::FreedomMap;
