@@ -12,6 +12,7 @@ pub mod beam;
 mod check;
 mod connection;
 pub mod freedoms;
+pub mod geometric;
 pub mod mass;
 mod pattern;
 pub mod quadrature;

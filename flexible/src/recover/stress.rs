@@ -154,12 +154,7 @@ impl Envelope {
                 self.von_mises.len()
             )));
         }
-        for ((most, when), stress) in self
-            .von_mises
-            .iter_mut()
-            .zip(&mut self.time)
-            .zip(stresses)
-        {
+        for ((most, when), stress) in self.von_mises.iter_mut().zip(&mut self.time).zip(stresses) {
             let value = von_mises(stress);
             if value > *most || when.is_nan() {
                 (*most, *when) = (value, time);

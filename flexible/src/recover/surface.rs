@@ -33,7 +33,8 @@ impl Surface {
                 surface.lines.push([a, b]);
             }
             for (place, face) in faces(element.kind).iter().enumerate() {
-                let mut key: Vec<u32> = face.iter().filter_map(|c| nodes.get(*c).copied()).collect();
+                let mut key: Vec<u32> =
+                    face.iter().filter_map(|c| nodes.get(*c).copied()).collect();
                 key.sort_unstable();
                 let entry = seen.entry(key).or_insert((0, index, place));
                 entry.0 += 1;
@@ -56,7 +57,10 @@ impl Surface {
             let inside = all.len() > 1;
             for [a, b, c] in cut(&ring) {
                 let triangle = if inside { [a, c, b] } else { [a, b, c] };
-                if triangle.iter().all(|node| (*node as usize) < mesh.nodes.len()) {
+                if triangle
+                    .iter()
+                    .all(|node| (*node as usize) < mesh.nodes.len())
+                {
                     surface.triangles.push(triangle);
                     surface.elements.push(index);
                 }

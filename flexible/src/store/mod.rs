@@ -37,13 +37,17 @@ pub enum StoreError {
     #[error("this is not a file of a reduced body")]
     NotABody,
     /// Another version's.
-    #[error("the reduced body is of format {found}, and this program reads format {FORMAT_VERSION}")]
+    #[error(
+        "the reduced body is of format {found}, and this program reads format {FORMAT_VERSION}"
+    )]
     Version {
         /// The version found.
         found: u32,
     },
     /// The file has another length than it says.
-    #[error("the file of the reduced body has {found} bytes, not {expected}: it was cut off or added to")]
+    #[error(
+        "the file of the reduced body has {found} bytes, not {expected}: it was cut off or added to"
+    )]
     Length {
         /// Bytes that there should be.
         expected: u64,
