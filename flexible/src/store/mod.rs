@@ -255,6 +255,15 @@ impl StoredBody {
         if let Some(marker) = wrong {
             return Some(format!("the shape rows of the marker {}", marker.name));
         }
+        let geometric = self.body.invariants.geometric.iter();
+        let known =
+            |marker: usize, component: u8| marker < self.body.markers.len() && component < 6;
+        if !geometric
+            .flat_map(|g| &g.loads)
+            .all(|load| known(load.marker, load.component))
+        {
+            return Some("a load at a marker that is not there".into());
+        }
         let nodes = self.mesh.nodes.len();
         if self.freedoms.node_count() != nodes {
             return Some("the numbering of freedoms is another mesh's".into());
