@@ -3,6 +3,7 @@
 use crate::error::FlexibleError;
 use crate::fe::mass::rigid_motions;
 use crate::fe::{FreedomMap, Reduction, Rules, assemble};
+use crate::geometric::{Model, geometric};
 use crate::invariants::{Full, invariants};
 use crate::markers::{MarkerRequest, place};
 use crate::mesh::{Mesh, Support};
@@ -55,6 +56,8 @@ pub struct Request {
     pub damping_ratio: f64,
     /// The ratio holds up to this frequency (Hz) and rises to one at five times it; infinite: it holds for all.
     pub damping_up_to: f64,
+    /// Whether stresses of spin, acceleration and of loads at the markers of static modes change the stiffness.
+    pub geometric_stiffness: bool,
 }
 
 /// What a reduction found, for tables.
@@ -181,6 +184,18 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         let ratio = damping_ratio(request, frequencies[i]);
         constants.damping[i * set.len() + i] = 2.0 * ratio * libm::sqrt(lambda.max(0.0));
     }
+    if request.geometric_stiffness {
+        let model = Model {
+            mesh: &mesh,
+            full: &full,
+            rules: &request.rules,
+            reduction: &reduction,
+            structure: &structure,
+            motions: &motions,
+        };
+        let loads = marker_freedoms.loaded()?;
+        constants.geometric = Some(geometric(&model, &shapes, &loads)?);
+    }
     let n = set.len();
     let markers = request
         .markers
@@ -280,6 +295,27 @@ impl MarkerFreedoms<'_> {
             }
         }
         Ok(found)
+    }
+
+    /// The freedoms that static modes load, each once: marker, component, full freedom.
+    fn loaded(&self) -> Result<Vec<(usize, u8, usize)>, FlexibleError> {
+        let mut loaded = Vec::new();
+        let terms = self.request.terms.iter();
+        for interface in terms.filter_map(|term| match term {
+            Term::Static(at) => Some(at),
+            _ => None,
+        }) {
+            for interface in interface {
+                let components = (0..6u8).filter(|c| interface.components & (1 << c) != 0);
+                for (component, (_, freedom)) in components.zip(self.freedoms(interface)?) {
+                    let load = (interface.marker, component, freedom);
+                    if !loaded.contains(&load) {
+                        loaded.push(load);
+                    }
+                }
+            }
+        }
+        Ok(loaded)
     }
 
     /// Labels and free freedoms of interfaces that are to be held.

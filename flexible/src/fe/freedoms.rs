@@ -92,6 +92,20 @@ impl FreedomMap {
         Ok(FreedomMap { first })
     }
 
+    /// From the first freedom of each node and the number of all; `None` unless every node has 0, 3 or 6.
+    pub fn from_starts(first: Vec<u32>) -> Option<Self> {
+        let sound = first.first() == Some(&0)
+            && first
+                .windows(2)
+                .all(|pair| matches!(pair[1].checked_sub(pair[0]), Some(0 | 3 | 6)));
+        sound.then_some(FreedomMap { first })
+    }
+
+    /// The first freedom of each node, and the number of all.
+    pub fn starts(&self) -> &[u32] {
+        &self.first
+    }
+
     /// Number of freedoms.
     pub fn size(&self) -> usize {
         self.first.last().map_or(0, |&total| total as usize)

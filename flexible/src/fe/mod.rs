@@ -12,6 +12,7 @@ pub mod beam;
 mod check;
 mod connection;
 pub mod freedoms;
+pub mod geometric;
 pub mod mass;
 mod pattern;
 pub mod quadrature;
@@ -23,7 +24,7 @@ pub mod solid;
 pub mod stress;
 mod surface;
 pub mod ties;
-mod vector;
+pub(crate) mod vector;
 
 pub use assemble::{Structure, assemble, assemble_on};
 pub use freedoms::FreedomMap;
