@@ -8,7 +8,9 @@ pub use report::{BodyMass, ModeReport, Report, Served, Unserved};
 
 use crate::error::FlexibleError;
 use crate::fe::mass::rigid_motions;
-use crate::fe::{self, FreedomMap, Reduction, RigidMass, Rules, assemble, from_matrices};
+use crate::fe::{
+    self, FreedomMap, NodalMatrix, Reduction, RigidMass, Rules, assemble, from_matrices,
+};
 use crate::foreign::{ForeignMatrices, GivenModes};
 use crate::invariants::{Full, invariants};
 use crate::markers::{MarkerRequest, place};
@@ -86,6 +88,9 @@ pub struct Reduced {
     pub report: Report,
 }
 
+/// Forces of a rigid motion above this part don't cancel: something holds the structure.
+const RESISTED: f64 = 1e-6;
+
 /// Reduces a mesh in SI.
 ///
 /// # Errors
@@ -98,8 +103,13 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         estimate: fe::volume::estimate(&mesh).map(BodyMass::from),
         ..Report::default()
     };
+    // rows are those of the mesh before it has nodes of markers
+    let nodal = match &request.matrices {
+        Some(foreign) => Some(foreign.nodal(&mesh)?),
+        None => None,
+    };
     let places = place(&mut mesh, &request.markers)?;
-    let (full, mut held) = matrices(&mesh, request, &mut report)?;
+    let (full, mut held) = matrices(&mesh, request, nodal, &mut report)?;
     let marker_freedoms = MarkerFreedoms {
         request,
         places: &places,
@@ -112,6 +122,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
             components: support.components,
         });
     }
+    let held_by_file = report.supported;
     report.supported |= !request.support.is_empty();
     let reduction = Reduction::new(&mesh, &full, &held)?;
     let stiffness = reduction.reduce_stiffness(&full.stiffness)?;
@@ -125,11 +136,11 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     report.freedoms = structure.size();
     report.rigid_residual = match &structure.rigid {
         Some(rigid) => rigid.residual(),
-        // of a held body the matrices before it is held, if they are not held themselves
-        None if held.len() == request.support.len() => residuals(&full.stiffness, &motions)
+        None if held_by_file => 0.0,
+        // the stiffness before it is held
+        None => residuals(&full.stiffness, &motions)
             .into_iter()
             .fold(0.0, f64::max),
-        None => 0.0,
     };
 
     let mut candidates = Candidates {
@@ -212,9 +223,10 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
 fn matrices(
     mesh: &Mesh,
     request: &Request,
+    nodal: Option<(NodalMatrix, NodalMatrix)>,
     report: &mut Report,
 ) -> Result<(fe::Structure, Vec<Support>), FlexibleError> {
-    let Some(foreign) = &request.matrices else {
+    let Some((stiffness, mass)) = nodal else {
         let full = assemble(mesh, &request.rules)?;
         let shells = full.without_stiffness.len();
         if shells > 0 {
@@ -224,47 +236,33 @@ fn matrices(
         }
         return Ok((full, Vec::new()));
     };
-    let (stiffness, mass) = foreign.nodal(mesh)?;
     let found = from_matrices(mesh, &stiffness, &mass)?;
-    let element_nodes = used_by_elements(mesh);
-    let without = found
-        .structure
+    let full = &found.structure;
+    let partly = found.missing.iter().filter(|s| s.components & 0b111 != 0);
+    let absent: Vec<u64> = full
         .unused_nodes
         .iter()
-        .filter(|node| element_nodes.get(**node as usize) == Some(&true))
-        .count();
-    if without > 0 {
-        report.warnings.push(format!(
-            "{without} nodes of the mesh's elements have no row in {}: they don't move in pictures",
-            stiffness.title
-        ));
-    }
-    if found.held {
-        let names = found.missing.iter().filter(|s| s.components & 0b111 != 0);
-        let first = names
-            .clone()
-            .next()
-            .and_then(|support| mesh.nodes.get(support.node as usize))
-            .map_or(0, |node| node.id);
-        report.warnings.push(format!(
-            "{} holds translations of {} nodes (node {first}, …): the body is taken as held to the ground there; write the matrices without supports for a free one",
+        .chain(partly.map(|support| &support.node))
+        .filter_map(|node| mesh.nodes.get(*node as usize))
+        .map(|node| node.id)
+        .collect();
+    if let Some(first) = absent.first() {
+        let resisted = residuals(&full.stiffness, &rigid_motions(mesh, &full.freedoms));
+        let nodes = format!(
+            "{} has no rows of {} nodes or some of their translations (node {first}, …)",
             stiffness.title,
-            names.count()
-        ));
-        report.supported = true;
+            absent.len()
+        );
+        report.supported = resisted.iter().any(|share| *share > RESISTED);
+        report.warnings.push(if report.supported {
+            format!(
+                "{nodes} and resists rigid motion: the body is taken as held to the ground there; write the matrices without supports for a free one"
+            )
+        } else {
+            format!("{nodes}: these don't move in pictures")
+        });
     }
     Ok((found.structure, found.missing))
-}
-
-/// Which nodes elements name.
-fn used_by_elements(mesh: &Mesh) -> Vec<bool> {
-    let mut used = vec![false; mesh.nodes.len()];
-    for node in &mesh.connectivity {
-        if let Some(used) = used.get_mut(*node as usize) {
-            *used = true;
-        }
-    }
-    used
 }
 
 /// Says when the stiffness has few digits, and what that does to the first frequency.

@@ -32,8 +32,6 @@ pub struct ForeignStructure {
     pub structure: Structure,
     /// Freedoms without stiffness and mass that no tie expresses: held, each in its node's analysis frame.
     pub missing: Vec<Support>,
-    /// Whether a translation is among them: then the other code's run held the structure.
-    pub held: bool,
 }
 
 /// Rows of a matrix by place in the mesh: index of the node and component.
@@ -224,7 +222,6 @@ pub fn from_matrices(
         .collect();
     let freedoms = FreedomMap::with_ties(mesh, count)?;
     let mut missing = Vec::new();
-    let mut held = false;
     for (node, (moved, tied)) in moved.iter().zip(tied(mesh)).enumerate() {
         let node = node as u32;
         let there = match freedoms.of(node).len() {
@@ -235,7 +232,6 @@ pub fn from_matrices(
         let components = there & !moved & !tied;
         if components != 0 && *moved != 0 {
             missing.push(Support { node, components });
-            held |= components & 0b111 != 0;
         }
     }
     let stiffness = spread(mesh, &freedoms, stiffness, &stiff)?;
@@ -262,6 +258,5 @@ pub fn from_matrices(
             unused_nodes,
         },
         missing,
-        held,
     })
 }

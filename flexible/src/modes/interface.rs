@@ -5,8 +5,9 @@ use crate::error::FlexibleError;
 use crate::solve::dense::{positive_inverse, symmetric_eigen};
 
 /// Rigid motions of which the interface's rows, of unit length each, see less than this share (squared) count as not held. A lever of a
-/// thousandth of the body's size holds nothing: it would only make a mode of a fraction of a hertz.
-const LEFT: f64 = 1e-6;
+/// hundredth of the body's size holds nothing (mean places of a journal's nodes are easily that far off the axis): it would only make
+/// a spin of some hertz, which without its rigid part is what the constraint modes have already.
+const LEFT: f64 = 1e-4;
 /// The least eigenvalue, of the largest, of the interface's flexibility scaled to a unit diagonal.
 const DEPENDENT: f64 = 1e-11;
 

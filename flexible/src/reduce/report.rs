@@ -22,7 +22,8 @@ pub struct Report {
     /// Whether the body is held: by the request, or because the foreign matrices are those of a held structure.
     pub supported: bool,
     /// The largest part of the forces of a rigid motion, freedom by freedom, that the stiffness does not cancel: the rounding of its
-    /// entries. About 1e-16 for own matrices, 1e-14 for files of 14 digits, 1e-11 for those of 10.
+    /// entries. About 1e-16 for own matrices, 1e-14 for files of 14 digits, 1e-10 for those of 10; zero where it can't be told, for
+    /// foreign matrices of a held structure.
     pub rigid_residual: f64,
     /// What a user should know, a sentence each.
     pub warnings: Vec<String>,
