@@ -8,7 +8,8 @@ use crate::cli::{
 use crate::plot::Upright;
 use crate::{Analysis, Error, Program, Quantity, Sources};
 use eng_grammar::Diagnostics;
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
 /// Compiles and runs models of this machine's folders.
 #[derive(Debug, Default)]
@@ -37,7 +38,10 @@ impl Engine for Local {
         if !model.is_file() {
             return Err(system(format!("there is no file {}", model.display())));
         }
-        let sources = Sources::folder(folder).map_err(|e| system(e.to_string()))?;
+        let mut sources = Sources::folder(folder).map_err(|e| system(e.to_string()))?;
+        if let Some(cache) = cache_folder(|name| std::env::var_os(name)) {
+            sources = sources.with_cache(cache);
+        }
         let checked = crate::check(&sources, file);
         let report = checked.report();
         self.program = checked.program().cloned();
@@ -150,6 +154,25 @@ impl Engine for Local {
             }
         }
     }
+}
+
+/// Where reduced bodies are kept: `ENG_CACHE` (empty: nowhere), else a folder of the user's caches.
+fn cache_folder(variable: impl Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
+    if let Some(folder) = variable("ENG_CACHE") {
+        return (!folder.is_empty()).then(|| PathBuf::from(folder));
+    }
+    let set = |name: &str| variable(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    set("XDG_CACHE_HOME")
+        .or_else(|| set("LOCALAPPDATA"))
+        .or_else(|| {
+            let home = set("HOME")?;
+            Some(if cfg!(target_os = "macos") {
+                home.join("Library").join("Caches")
+            } else {
+                home.join(".cache")
+            })
+        })
+        .map(|folder| folder.join("eng"))
 }
 
 fn engine_error(error: Error) -> EngineError {

@@ -9,6 +9,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Sources {
     kind: Kind,
+    cache: Option<PathBuf>,
 }
 
 #[derive(Clone, Debug)]
@@ -33,6 +34,7 @@ impl Sources {
         }
         Ok(Sources {
             kind: Kind::Folder(canonical),
+            cache: None,
         })
     }
 
@@ -45,11 +47,23 @@ impl Sources {
     pub fn from_texts(texts: impl IntoIterator<Item = (String, String)>) -> Sources {
         Sources {
             kind: Kind::Texts(Arc::new(texts.into_iter().collect())),
+            cache: None,
         }
     }
 }
 
 impl Sources {
+    /// Keeps reduced flexible bodies in a folder, so that a mesh is reduced once and not at every run. The folder is made when
+    /// it is first needed.
+    pub fn with_cache(mut self, folder: impl Into<PathBuf>) -> Sources {
+        self.cache = Some(folder.into());
+        self
+    }
+
+    pub(crate) fn cache(&self) -> Option<&Path> {
+        self.cache.as_deref()
+    }
+
     /// Opens a data file of any kind, under the rules of [`Host::read_text`].
     pub(crate) fn open_data(&self, path: &str) -> Result<Box<dyn std::io::Read>, HostError> {
         match &self.kind {

@@ -1,5 +1,6 @@
 //! Flexible bodies between the compiler and the runtime: meshes are looked at for `check`, reduced for a run.
 
+mod cache;
 mod request;
 mod sense;
 mod table;
@@ -8,11 +9,12 @@ use crate::Sources;
 use crate::codes;
 use eng_flexible::markers::select;
 use eng_flexible::mesh::Mesh;
-use eng_flexible::reduce::Reduced;
+use eng_flexible::store::{Key, StoredBody};
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError, MeshFormat, read_mesh};
 use eng_grammar::{Diagnostic, SourceId, Span};
 use eng_system::flexible::{FlexibleSource, MarkerPlace};
+use eng_system::reduced::ReducedBody;
 use eng_system::system::Location;
 use std::io::Read;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -23,9 +25,9 @@ pub struct Reduction {
     /// Path of the body.
     path: String,
     /// What the runtime computes with; damping is in it.
-    pub(crate) body: Arc<eng_system::reduced::ReducedBody>,
-    /// With shapes on the mesh.
-    reduced: Arc<Reduced>,
+    pub(crate) body: Arc<ReducedBody>,
+    /// With the mesh and the shapes on it.
+    stored: Arc<StoredBody>,
 }
 
 impl Files for Sources {
@@ -40,7 +42,7 @@ impl Files for Sources {
 }
 
 /// Reads a mesh into SI, with its material.
-fn mesh_of(sources: &Sources, source: &FlexibleSource) -> Result<Mesh, Diagnostic> {
+fn mesh_of(files: &dyn Files, source: &FlexibleSource) -> Result<Mesh, Diagnostic> {
     let at = source.mesh.at;
     let (Some(format), Some(units)) = (
         MeshFormat::named(&source.mesh.format),
@@ -52,7 +54,7 @@ fn mesh_of(sources: &Sources, source: &FlexibleSource) -> Result<Mesh, Diagnosti
         )
         .at(span(at), "this mesh"));
     };
-    let mut mesh = read_mesh(sources, &source.mesh.file, format)
+    let mut mesh = read_mesh(files, &source.mesh.file, format)
         .map_err(|e| failed(codes::MESH, &e, at, "this mesh"))?;
     mesh.convert(&units);
     if let Some(material) = &source.material {
@@ -94,57 +96,84 @@ pub(crate) fn inspect(sources: &Sources, source: &FlexibleSource) -> Vec<Diagnos
 /// Reduces each body of a program once, however many models and analyses use it.
 #[derive(Debug, Default)]
 pub(crate) struct Reducer {
-    /// By what was asked, without the place in the text.
-    known: Mutex<Vec<(String, Arc<Reduced>)>>,
+    known: Mutex<Vec<(Key, Arc<StoredBody>)>>,
 }
 
 impl Reducer {
-    /// Reduces. `turned` says which markers an element turns.
+    /// Reduces, or takes what is kept. `turned` says which markers an element turns.
     pub(crate) fn reduce(
         &self,
         sources: &Sources,
         source: &FlexibleSource,
         turned: &[bool],
     ) -> Result<Reduction, Diagnostic> {
-        let request = request::request(source);
-        let key = format!(
-            "{} {} {} {:?} {:?}",
-            source.mesh.format,
-            source.mesh.units,
-            source.mesh.file,
-            source.material.map(|m| (m.young, m.poisson, m.density)),
-            request
-        );
-        let known = self
-            .known
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .iter()
-            .find(|(k, _)| *k == key)
-            .map(|(_, reduced)| Arc::clone(reduced));
-        let reduced = match known {
-            Some(reduced) => reduced,
+        let text = request::text(source);
+        let key = cache::key(sources, &text, &request::files(source));
+        let known = key.and_then(|key| self.known(&key)).or_else(|| {
+            let stored = Arc::new(cache::load(sources, &key?)?);
+            self.keep(&stored);
+            Some(stored)
+        });
+        let stored = match known {
+            Some(stored) => stored,
             None => {
-                let mesh = mesh_of(sources, source)?;
-                let reduced = eng_flexible::reduce::reduce(mesh, &request)
-                    .map_err(|e| reduction_failed(&e, source))?;
-                let reduced = Arc::new(reduced);
-                self.known
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner)
-                    .push((key, Arc::clone(&reduced)));
-                reduced
+                let stored = Arc::new(reduced(sources, source, key, text)?);
+                self.keep(&stored);
+                stored
             }
         };
-        sense::bare_markers(&reduced.body, source, turned)?;
-        let mut body = reduced.body.clone();
+        sense::bare_markers(&stored.body, source, turned)?;
+        let mut body = stored.body.clone();
         body.damp(&source.damping);
         Ok(Reduction {
             path: source.origin.path.clone(),
             body: Arc::new(body),
-            reduced,
+            stored,
         })
     }
+
+    fn known(&self, key: &Key) -> Option<Arc<StoredBody>> {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known
+            .iter()
+            .find(|(k, _)| k == key)
+            .map(|(_, stored)| Arc::clone(stored))
+    }
+
+    fn keep(&self, stored: &Arc<StoredBody>) {
+        self.known
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push((stored.key, Arc::clone(stored)));
+    }
+}
+
+/// Reduces from the files.
+fn reduced(
+    sources: &Sources,
+    source: &FlexibleSource,
+    key: Option<Key>,
+    text: String,
+) -> Result<StoredBody, Diagnostic> {
+    let files = cache::Recorded::new(sources);
+    let mesh = mesh_of(&files, source)?;
+    let request = request::request(source, &files)?;
+    let reduced =
+        eng_flexible::reduce::reduce(mesh, &request).map_err(|e| reduction_failed(&e, source))?;
+    let mut provenance = files.read_files();
+    provenance.push(("request".to_owned(), text));
+    // a file that can be read once and not again has no key, and is not kept
+    let stored = StoredBody::new(
+        reduced,
+        request.rules,
+        key.unwrap_or(Key([0; 32])),
+        provenance,
+    );
+    if key.is_some() {
+        // without it the next run reduces again
+        let _ = cache::save(sources, &stored);
+    }
+    Ok(stored)
 }
 
 /// A failure at the marker that its text begins with, else at the mode set.

@@ -1,29 +1,121 @@
 //! From what a text says of a flexible body to what the finite-element side is asked.
 
+use eng_flexible::Files;
 use eng_flexible::fe::Rules;
+use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFiles};
 use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
+use eng_flexible::read::matrix::{read_frd_modes, read_op2_modes, read_punch_modes};
 use eng_flexible::reduce::{Interface, Request, Term};
 use eng_flexible::solve::Modes;
+use eng_flexible::units::MeshUnits;
+use eng_grammar::Diagnostic;
 use eng_system::flexible as text;
 
-/// The request of a source.
+/// The request of a source; matrices and shapes of other codes are read.
 ///
 /// Freedoms count along a marker's axes there and along the mesh's here: a set that is not the mesh's is widened to all
 /// directions that it touches.
-pub(super) fn request(source: &text::FlexibleSource) -> Request {
+pub(super) fn request(
+    source: &text::FlexibleSource,
+    files: &dyn Files,
+) -> Result<Request, Diagnostic> {
     let all = |marker: &u32| Interface {
         marker: *marker as usize,
         components: text::ALL_FREEDOMS,
     };
-    Request {
+    let units = MeshUnits::named(&source.mesh.units).unwrap_or(MeshUnits {
+        length: 1.0,
+        mass: 1.0,
+        time: 1.0,
+    });
+    let mut terms = Vec::with_capacity(source.modes.len());
+    for part in &source.modes {
+        terms.push(term(part, source, files, units)?);
+    }
+    let matrices = match (&source.stiffness, &source.mass) {
+        (Some(stiffness), Some(mass)) => Some(matrices(stiffness, mass, files, units)?),
+        _ => None,
+    };
+    Ok(Request {
         rules: rules(&source.element_rules),
         markers: source.markers.iter().map(marker).collect(),
         support: source.support.iter().map(all).collect(),
-        terms: source.modes.iter().map(|t| term(t, source)).collect(),
+        terms,
         // damping is no part of a reduction: it is put on afterwards
         damping_ratio: 0.0,
         damping_up_to: f64::INFINITY,
+        geometric_stiffness: source.geometric_stiffness,
+        matrices,
+        asked: Vec::new(),
+    })
+}
+
+/// All that decides a reduction besides the contents of files, as text: without places in the model, and without damping.
+pub(super) fn text(source: &text::FlexibleSource) -> String {
+    let markers: Vec<_> = source
+        .markers
+        .iter()
+        .map(|m| (&m.name, &m.place, m.rigid, m.center, m.axes))
+        .collect();
+    let matrix = |m: &Option<text::MatrixSource>| {
+        m.as_ref()
+            .map(|m| (m.format.clone(), m.matrix.clone(), m.freedoms.clone()))
+    };
+    let modes: Vec<String> = source
+        .modes
+        .iter()
+        .map(|term| match term {
+            // its file is among the files
+            text::ModeTerm::Given { format, .. } => format!("given {format}"),
+            other => format!("{other:?}"),
+        })
+        .collect();
+    format!(
+        "{:?}",
+        (
+            (&source.mesh.format, &source.mesh.units),
+            matrix(&source.stiffness),
+            matrix(&source.mass),
+            source.material.map(|m| (m.young, m.poisson, m.density)),
+            &source.element_rules,
+            markers,
+            &source.support,
+            modes,
+            source.geometric_stiffness,
+        )
+    )
+}
+
+/// The files that the text names.
+pub(super) fn files(source: &text::FlexibleSource) -> Vec<&str> {
+    let mut files = vec![source.mesh.file.as_str()];
+    for matrix in source.stiffness.iter().chain(&source.mass) {
+        files.push(&matrix.file);
+        files.extend(matrix.freedoms.as_deref());
     }
+    for term in &source.modes {
+        if let text::ModeTerm::Given { file, .. } = term {
+            files.push(file);
+        }
+    }
+    files
+}
+
+fn matrices(
+    stiffness: &text::MatrixSource,
+    mass: &text::MatrixSource,
+    files: &dyn Files,
+    units: MeshUnits,
+) -> Result<ForeignMatrices, Diagnostic> {
+    let name = |source: &text::MatrixSource| source.matrix.clone().unwrap_or_default();
+    let (stiffness_name, mass_name) = (name(stiffness), name(mass));
+    let from = MatrixFiles {
+        stiffness: (&stiffness.file, &stiffness_name),
+        mass: (&mass.file, &mass_name),
+        freedoms: stiffness.freedoms.as_deref().or(mass.freedoms.as_deref()),
+    };
+    ForeignMatrices::read(files, from, None, units)
+        .map_err(|e| super::failed(crate::codes::REDUCTION, &e, stiffness.at, "these matrices"))
 }
 
 fn rules(word: &str) -> Rules {
@@ -79,7 +171,12 @@ pub(super) fn marker(source: &text::MarkerSource) -> MarkerRequest {
     }
 }
 
-fn term(term: &text::ModeTerm, source: &text::FlexibleSource) -> Term {
+fn term(
+    term: &text::ModeTerm,
+    source: &text::FlexibleSource,
+    files: &dyn Files,
+    units: MeshUnits,
+) -> Result<Term, Diagnostic> {
     let at = |interfaces: &[text::Interface]| -> Vec<Interface> {
         interfaces
             .iter()
@@ -93,7 +190,7 @@ fn term(term: &text::ModeTerm, source: &text::FlexibleSource) -> Term {
             .filter(|i| i.components != 0)
             .collect()
     };
-    match term {
+    Ok(match term {
         text::ModeTerm::Static(interfaces) => Term::Static(at(interfaces)),
         text::ModeTerm::Constraint(interfaces) => Term::Constraint(at(interfaces)),
         text::ModeTerm::Normal { count, fixed } => Term::Normal {
@@ -105,8 +202,22 @@ fn term(term: &text::ModeTerm, source: &text::FlexibleSource) -> Term {
             },
             fixed: at(fixed),
         },
-        text::ModeTerm::Given { .. } => Term::Static(Vec::new()),
-    }
+        text::ModeTerm::Given {
+            format,
+            file,
+            at: place,
+        } => {
+            let modes = match format.as_str() {
+                "punch" => read_punch_modes(files, file),
+                "frd" => read_frd_modes(files, file),
+                _ => read_op2_modes(files, file),
+            }
+            .map_err(|e| {
+                super::failed(crate::codes::REDUCTION, &e.into(), *place, "these shapes")
+            })?;
+            Term::Given(GivenModes { modes, units })
+        }
+    })
 }
 
 /// Angular frequency of a frequency in Hz.

@@ -1,6 +1,7 @@
 //! What a reduction found, as text.
 
 use super::Reduction;
+use eng_flexible::reduce::BodyMass;
 use std::fmt::{self, Write};
 
 impl Reduction {
@@ -29,41 +30,33 @@ impl Reduction {
 
     fn write(&self, out: &mut impl Write) -> fmt::Result {
         let constants = &self.body.invariants;
-        let report = &self.reduced.report;
+        let report = &self.stored.report;
         writeln!(
             out,
-            "{}: {} nodes, {} elements, {} freedoms → {} modes",
-            self.path, report.nodes, report.elements, report.freedoms, constants.modes
-        )?;
-        let mass = constants.mass;
-        let center = constants.first_moment.map(|x| 1e3 * x / mass);
-        writeln!(
-            out,
-            "  mass {mass:.6} kg, centre ({:.4}, {:.4}, {:.4}) mm in the mesh's axes",
-            center[0], center[1], center[2]
-        )?;
-        // about the centre of mass: J_C = J_O − m (c·c 1 − c cᵀ)
-        let c = constants.first_moment.map(|x| x / mass);
-        let square: f64 = c.iter().map(|x| x * x).sum();
-        let about = |i: usize, j: usize| {
-            let shift = if i == j {
-                square - c[i] * c[j]
+            "{}: {} nodes, {} elements, {} freedoms → {} modes, {}",
+            self.path,
+            report.nodes,
+            report.elements,
+            report.freedoms,
+            constants.modes,
+            if report.supported {
+                "held at its supports"
             } else {
-                -c[i] * c[j]
-            };
-            constants.inertia[i][j] - mass * shift
-        };
-        writeln!(
-            out,
-            "  inertia about it xx {:.6}, yy {:.6}, zz {:.6}, xy {:.6}, yz {:.6}, zx {:.6} kg m²",
-            about(0, 0),
-            about(1, 1),
-            about(2, 2),
-            about(0, 1),
-            about(1, 2),
-            about(2, 0)
+                "free, in mean axes"
+            }
         )?;
-        writeln!(out, "  spanned by: {}", report.sources.join(", "))?;
+        for warning in &report.warnings {
+            writeln!(out, "  note: {warning}")?;
+        }
+        let body = &report.body;
+        writeln!(out, "  {}", properties(body))?;
+        if let Some(estimate) = &report.estimate {
+            writeln!(
+                out,
+                "  from volumes between corners: {}",
+                properties(estimate)
+            )?;
+        }
         for dropped in &report.dropped {
             writeln!(
                 out,
@@ -71,18 +64,39 @@ impl Reduction {
                 dropped.label, dropped.remains
             )?;
         }
+        writeln!(out, "  marker        at x, y, z (mm, axes of the mesh)")?;
         for marker in &self.body.markers {
             let p = marker.position.map(|x| 1e3 * x);
             writeln!(
                 out,
-                "  marker {} at ({:.4}, {:.4}, {:.4}) mm",
+                "  {:<12} {:>10.4} {:>10.4} {:>10.4}",
                 marker.name, p[0], p[1], p[2]
             )?;
         }
-        writeln!(out, "  mode  frequency Hz  damping ratio")?;
+        if report.served.iter().any(|s| s.flexibility.is_some()) {
+            writeln!(
+                out,
+                "  static mode                flexibility there (µm/kN, mrad/kN m)"
+            )?;
+        }
+        for served in &report.served {
+            if let Some(flexibility) = served.flexibility {
+                let shown = flexibility * if served.component < 3 { 1e9 } else { 1e6 };
+                let kept = if served.kept {
+                    ""
+                } else {
+                    "  (spanned by others)"
+                };
+                writeln!(out, "  {:<26} {shown:>12.5}{kept}", served.mode)?;
+            }
+        }
+        writeln!(
+            out,
+            "  mode  frequency Hz  damping   effective mass x, y, z (kg)   made of"
+        )?;
         let n = constants.modes;
-        for (i, frequency) in self.body.frequencies.iter().enumerate() {
-            let omega = 2.0 * std::f64::consts::PI * frequency;
+        for (i, mode) in report.modes.iter().enumerate().take(n) {
+            let omega = 2.0 * std::f64::consts::PI * mode.frequency;
             let mass = constants.modal_mass[i * n + i];
             let damping = constants.damping[i * n + i];
             let ratio = if omega > 0.0 && mass > 0.0 {
@@ -90,8 +104,30 @@ impl Reduction {
             } else {
                 0.0
             };
-            writeln!(out, "  {:>4}  {frequency:>12.4}  {ratio:>13.4}", i + 1)?;
+            let effective = mode.effective_mass;
+            writeln!(
+                out,
+                "  {:>4}  {:>12.4}  {:>5.1} %  {:>9.4} {:>9.4} {:>9.4}   {}",
+                i + 1,
+                mode.frequency,
+                1e2 * ratio,
+                // rounding of what vanishes is not shown with a sign
+                effective[0].abs(),
+                effective[1].abs(),
+                effective[2].abs(),
+                mode.description
+            )?;
         }
         Ok(())
     }
+}
+
+/// Mass, centre and inertia in a line.
+fn properties(body: &BodyMass) -> String {
+    let c = body.centre.map(|x| 1e3 * x);
+    let j = body.inertia;
+    format!(
+        "mass {:.6} kg, centre ({:.4}, {:.4}, {:.4}) mm, inertia about it xx {:.6}, yy {:.6}, zz {:.6}, xy {:.6}, yz {:.6}, zx {:.6} kg m²",
+        body.mass, c[0], c[1], c[2], j[0][0], j[1][1], j[2][2], j[0][1], j[1][2], j[2][0]
+    )
 }
