@@ -10,6 +10,7 @@ use crate::mesh::{Mesh, Support};
 use crate::modes::normal::normal_modes;
 use crate::modes::statics::{attachment_modes, constraint_modes};
 use crate::modes::{Boundary, Candidate, Dropped, Load, ModeSet, Structure};
+use crate::rotary::{add_turning, split_offsets};
 use crate::solve::{Modes, SturmCount};
 use eng_system::reduced::{ReducedBody, ReducedMarker};
 
@@ -99,6 +100,7 @@ pub struct Reduced {
 pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleError> {
     let nodes = (mesh.nodes.len(), mesh.elements.len());
     let places = place(&mut mesh, &request.markers)?;
+    split_offsets(&mut mesh);
     let full = assemble(&mesh, &request.rules)?;
     let marker_freedoms = MarkerFreedoms {
         request,
@@ -180,6 +182,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         },
         &shapes,
     );
+    add_turning(&mut constants, &mesh.point_masses, &full.freedoms, &shapes);
     for (i, lambda) in set.eigenvalues.iter().enumerate() {
         let ratio = damping_ratio(request, frequencies[i]);
         constants.damping[i * set.len() + i] = 2.0 * ratio * libm::sqrt(lambda.max(0.0));
