@@ -74,13 +74,13 @@ impl GeometricStiffness {
                 Some(Role::Solid(_)) => {
                     stressed = true;
                     if let Some(recovery) = ElementRecovery::at_points(mesh, element, rules)? {
-                        let columns = full.chunks_exact(size);
+                        let columns = full.chunks_exact(size.max(1));
                         add_solid(&recovery, freedoms, columns, &pattern, &mut solids);
                     }
                 }
                 Some(Role::Beam(_)) => {
                     stressed = true;
-                    let columns = full.chunks_exact(size);
+                    let columns = full.chunks_exact(size.max(1));
                     add_beam(mesh, element, freedoms, columns, &mut beams)?;
                 }
                 _ => {}

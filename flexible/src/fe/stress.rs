@@ -351,7 +351,7 @@ pub(crate) fn nodal_stresses(
                 takes
             })
             .collect();
-        for (vector, full) in full.chunks_exact(size).enumerate() {
+        for (vector, full) in full.chunks_exact(size.max(1)).enumerate() {
             let displacements = recovery.displacements(freedoms, full);
             let values = recovery.at_nodes(&recovery.stresses(&displacements));
             for ((&node, value), _) in recovery
