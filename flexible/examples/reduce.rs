@@ -65,6 +65,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ],
         damping_ratio: 0.02,
         damping_up_to: 3000.0,
+        ..Request::default()
     };
     let begin = Instant::now();
     let reduced = reduce(mesh, &request)?;

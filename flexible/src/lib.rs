@@ -15,6 +15,7 @@
 
 pub mod error;
 pub mod fe;
+pub mod foreign;
 pub mod geometric;
 pub mod invariants;
 pub mod markers;

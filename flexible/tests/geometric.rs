@@ -159,6 +159,7 @@ fn request(markers: Vec<MarkerRequest>, support: Vec<Interface>, terms: Vec<Term
         damping_ratio: 0.0,
         damping_up_to: f64::INFINITY,
         geometric_stiffness: true,
+        ..Request::default()
     }
 }
 

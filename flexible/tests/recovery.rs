@@ -49,14 +49,7 @@ fn with_shapes(mesh: Mesh, fields: &[Field]) -> Reduced {
         },
         shapes,
         freedoms: full.freedoms,
-        report: Report {
-            nodes: mesh.nodes.len(),
-            elements: mesh.elements.len(),
-            freedoms: 0,
-            sources: vec![],
-            dropped: vec![],
-            sturm: vec![],
-        },
+        report: Report::default(),
         mesh,
     }
 }
@@ -132,6 +125,7 @@ fn cantilever(kind: ElementKind) -> Reduced {
         damping_ratio: 0.0,
         damping_up_to: f64::INFINITY,
         geometric_stiffness: false,
+        ..Request::default()
     };
     reduce(mesh, &request).unwrap()
 }

@@ -83,6 +83,7 @@ fn reduced(offset: [f64; 3]) -> Reduced {
         damping_ratio: 0.0,
         damping_up_to: f64::INFINITY,
         geometric_stiffness: false,
+        ..Request::default()
     };
     reduce(mesh, &request).unwrap()
 }

@@ -9,6 +9,8 @@
 //!
 //! Matrices are row-major. Lengths are metres, masses kilograms, amplitudes carry the unit that makes Φa a displacement.
 
+use crate::flexible::Damping;
+
 /// A square matrix of the modes, or three rows of them, row-major.
 pub type Block = Vec<f64>;
 
@@ -97,6 +99,40 @@ pub struct ReducedBody {
     pub frequencies: Vec<f64>,
     /// Markers.
     pub markers: Vec<ReducedMarker>,
+}
+
+impl ReducedBody {
+    /// Puts damping on the modes: `2 ζ ω m` on the diagonal for a ratio, `α m + β k` for Rayleigh's. The shapes of a ratio are
+    /// normal modes of the set, whose modal mass and stiffness are diagonal.
+    pub fn damp(&mut self, damping: &Damping) {
+        let constants = &mut self.invariants;
+        let n = constants.modes;
+        match damping {
+            Damping::Modal { ratio, up_to } => {
+                constants.damping = vec![0.0; n * n];
+                for (i, frequency) in self.frequencies.iter().enumerate().take(n) {
+                    // beyond the frequency the ratio rises with it, to one at five times that
+                    let share = if frequency > up_to {
+                        ((frequency - up_to) / (4.0 * up_to)).min(1.0)
+                    } else {
+                        0.0
+                    };
+                    let own = ratio + share * (1.0 - ratio).max(0.0);
+                    let omega = 2.0 * std::f64::consts::PI * frequency;
+                    let at = i * n + i;
+                    constants.damping[at] = 2.0 * own * omega * constants.modal_mass[at];
+                }
+            }
+            Damping::Rayleigh { mass, stiffness } => {
+                constants.damping = constants
+                    .modal_mass
+                    .iter()
+                    .zip(&constants.stiffness)
+                    .map(|(m, k)| mass * m + stiffness * k)
+                    .collect();
+            }
+        }
+    }
 }
 
 impl Geometric {

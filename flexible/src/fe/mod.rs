@@ -11,6 +11,7 @@ mod averaging;
 pub mod beam;
 mod check;
 mod connection;
+pub mod foreign;
 pub mod freedoms;
 pub mod geometric;
 pub mod mass;
@@ -25,8 +26,10 @@ pub mod stress;
 mod surface;
 pub mod ties;
 pub(crate) mod vector;
+pub mod volume;
 
 pub use assemble::{Structure, assemble, assemble_on};
+pub use foreign::{ForeignStructure, NodalMatrix, from_matrices};
 pub use freedoms::FreedomMap;
 pub use mass::{Mass, RigidMass};
 pub use reduction::Reduction;

@@ -6,6 +6,7 @@ use super::factor::{Analysis, Definiteness, Factorization, diagonal, norm};
 use super::lanczos::{Lanczos, Ritz, dot};
 use super::pencil::shifted;
 use super::product::multiply;
+use super::restrained::{self, Combination, Restrained};
 use super::sturm::{BORDER, Pairs, Place, agree, miscounted};
 use crate::error::FlexibleError;
 use crate::sparse::SymmetricMatrix;
@@ -33,6 +34,8 @@ pub(super) struct Search<'a> {
     pub(super) stiffness: &'a SymmetricMatrix,
     pub(super) mass: &'a SymmetricMatrix,
     options: &'a EigenOptions,
+    /// Combinations held at zero, of unit length.
+    held: Vec<Combination>,
     analysis: Arc<Analysis>,
     /// Median of the ratios of stiffness's and mass's diagonals.
     pub(super) typical: f64,
@@ -89,6 +92,7 @@ impl<'a> Search<'a> {
             stiffness,
             mass,
             options,
+            held: restrained::unit(&options.held, mass.size())?,
             analysis,
             typical,
             factorizations: 0,
@@ -113,13 +117,15 @@ impl<'a> Search<'a> {
         &mut self,
         count: usize,
         limit: Option<f64>,
-        spare: Option<Factorization>,
+        spare: Option<Restrained>,
     ) -> Result<EigenSolution, FlexibleError> {
         let size = self.mass.size();
-        if count > size {
-            return Err(too_few(size, count));
+        let most = size.saturating_sub(self.held.len());
+        if count > most {
+            return Err(too_few(most, count));
         }
-        if size <= DENSE || (size <= DENSE_MANY && count >= size / 3) {
+        let dense = size <= DENSE || (size <= DENSE_MANY && count >= size / 3);
+        if dense && self.held.is_empty() {
             self.run_dense(count, limit, spare)
         } else {
             self.run_lanczos(count, limit, spare)
@@ -130,7 +136,7 @@ impl<'a> Search<'a> {
         &mut self,
         count: usize,
         limit: Option<f64>,
-        spare: Option<Factorization>,
+        spare: Option<Restrained>,
     ) -> Result<EigenSolution, FlexibleError> {
         let size = self.mass.size();
         let shift = self.options.shift.unwrap_or(-DENSE_SHIFT * self.typical);
@@ -159,7 +165,7 @@ impl<'a> Search<'a> {
         &mut self,
         count: usize,
         limit: Option<f64>,
-        spare: Option<Factorization>,
+        spare: Option<Restrained>,
     ) -> Result<EigenSolution, FlexibleError> {
         let (mut shift, mut factor) = self.positive(spare)?;
         let mut lanczos = self.start(&factor, count)?;
@@ -229,8 +235,8 @@ impl<'a> Search<'a> {
     /// A factor of `K − σ M`, with a σ low enough.
     fn positive(
         &mut self,
-        mut spare: Option<Factorization>,
-    ) -> Result<(f64, Factorization), FlexibleError> {
+        mut spare: Option<Restrained>,
+    ) -> Result<(f64, Restrained), FlexibleError> {
         if let Some(shift) = self.options.shift {
             return Ok((shift, self.factor_positive(spare, shift)?));
         }
@@ -247,27 +253,28 @@ impl<'a> Search<'a> {
 
     fn factor_positive(
         &mut self,
-        spare: Option<Factorization>,
+        spare: Option<Restrained>,
         shift: f64,
-    ) -> Result<Factorization, FlexibleError> {
+    ) -> Result<Restrained, FlexibleError> {
         self.factor(spare, shift, Definiteness::Positive)
     }
 
     pub(super) fn factor(
         &mut self,
-        spare: Option<Factorization>,
+        spare: Option<Restrained>,
         shift: f64,
         kind: Definiteness,
-    ) -> Result<Factorization, FlexibleError> {
+    ) -> Result<Restrained, FlexibleError> {
         let matrix = shifted(self.stiffness, self.mass, shift)?;
         self.factorizations += 1;
-        match spare {
-            Some(spare) => spare.replace(&matrix, kind),
+        let factor = match spare {
+            Some(spare) => spare.into_factor().replace(&matrix, kind),
             None => Factorization::new(&self.analysis, &matrix, kind),
-        }
+        }?;
+        Restrained::new(factor, &self.held, kind)
     }
 
-    fn start(&self, factor: &Factorization, count: usize) -> Result<Lanczos<'a>, FlexibleError> {
+    fn start(&self, factor: &Restrained, count: usize) -> Result<Lanczos<'a>, FlexibleError> {
         let block = self.options.block.clamp(1, self.mass.size());
         let basis = self.options.basis.unwrap_or(2 * count + 10 * block);
         let most = basis.min(self.mass.size()).max(count + 4 * block);
@@ -278,7 +285,7 @@ impl<'a> Search<'a> {
     fn converge(
         &mut self,
         lanczos: &mut Lanczos<'_>,
-        factor: &Factorization,
+        factor: &Restrained,
         shift: f64,
         wanted: usize,
         may_move: bool,
@@ -373,11 +380,14 @@ impl<'a> Search<'a> {
                 .zip(values)
             {
                 // neither scale nor sign matter to the residual
-                let rest: Vec<f64> = stiff
+                let mut rest: Vec<f64> = stiff
                     .iter()
                     .zip(heavy)
                     .map(|(stiff, heavy)| stiff - value * heavy)
                     .collect();
+                if !self.held.is_empty() {
+                    restrained::without(&self.held, &mut rest)?;
+                }
                 residuals.push(norm(&rest) / ((value - shift).abs() * norm(heavy)));
                 let largest = vector.iter().fold(0.0f64, |most, x| most.max(x.abs()));
                 let leading = vector

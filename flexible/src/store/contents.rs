@@ -9,7 +9,7 @@ use crate::mesh::{
 };
 use crate::modes::Dropped;
 use crate::recover::Surface;
-use crate::reduce::Report;
+use crate::reduce::{BodyMass, ModeReport, Report, Served, Unserved};
 use crate::solve::SturmCount;
 use eng_system::reduced::{
     Block, Geometric, Invariants, MarkerStiffness, ReducedBody, ReducedMarker,
@@ -79,6 +79,38 @@ fields!(Report {
     sources: Vec<String>,
     dropped: Vec<Dropped>,
     sturm: Vec<SturmCount>,
+    supported: bool,
+    rigid_residual: f64,
+    warnings: Vec<String>,
+    modes: Vec<ModeReport>,
+    body: BodyMass,
+    estimate: Option<BodyMass>,
+    served: Vec<Served>,
+    unserved: Vec<Unserved>,
+});
+fields!(ModeReport {
+    frequency: f64,
+    description: String,
+    sources: Vec<(usize, f64)>,
+    effective_mass: [f64; 6],
+});
+fields!(BodyMass {
+    mass: f64,
+    centre: [f64; 3],
+    inertia: [[f64; 3]; 3],
+});
+fields!(Served {
+    mode: String,
+    marker: usize,
+    component: u8,
+    flexibility: Option<f64>,
+    kept: bool,
+});
+fields!(Unserved {
+    label: String,
+    marker: usize,
+    component: u8,
+    missing: f64,
 });
 
 variants!(StiffnessRule { Full, Reduced });
