@@ -19,6 +19,9 @@ use eng_system::reduced::{Block, Geometric, MarkerStiffness};
 /// Pairs of axes of [`Geometric::spin`].
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
+/// Reference loads whose matrices a thread holds at a time.
+const MOST_CASES: usize = 8;
+
 /// The model whose stresses count.
 #[derive(Clone, Copy, Debug)]
 pub struct Model<'a> {
@@ -91,35 +94,68 @@ pub fn geometric(
         .collect();
     let vectors = attachment_modes(model.structure, &loads)?;
     drop(loads);
-    let mut blocks = vectors.chunks_exact(model.reduction.size().max(1)).map(
-        |vector| -> Result<Block, FlexibleError> {
-            let full = model.reduction.expand(1, vector);
-            let matrix =
-                GeometricStiffness::of_displacements(model.mesh, freedoms, model.rules, &full)?;
-            Ok(in_modes(&matrix, shapes, modes))
-        },
-    );
-    let mut next = || {
-        blocks
-            .next()
-            .unwrap_or_else(|| Ok(vec![0.0; modes * modes]))
-    };
+    let mut blocks = reduced(model, &vectors, shapes, modes)?.into_iter();
+    let mut next = || blocks.next().unwrap_or_else(|| vec![0.0; modes * modes]);
     for block in &mut out.spin {
-        *block = next()?;
+        *block = next();
     }
     if supported {
         for block in out.turn.iter_mut().chain(&mut out.acceleration) {
-            *block = next()?;
+            *block = next();
         }
     }
     for (marker, component, _) in markers {
         out.loads.push(MarkerStiffness {
             marker: *marker,
             component: *component,
-            stiffness: next()?,
+            stiffness: next(),
         });
     }
     Ok(out)
+}
+
+/// The blocks of displacements over free freedoms, one after the other: the cases are shared among the machine's threads, each
+/// computed by one alone.
+fn reduced(
+    model: &Model,
+    vectors: &[f64],
+    shapes: &[f64],
+    modes: usize,
+) -> Result<Vec<Block>, FlexibleError> {
+    let size = model.reduction.size().max(1);
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let share = (vectors.len() / size)
+        .div_ceil(threads)
+        .clamp(1, MOST_CASES);
+    let run = |vectors: &[f64]| -> Result<Vec<Block>, FlexibleError> {
+        let full = model.reduction.expand(vectors.len() / size, vectors);
+        let freedoms = &model.full.freedoms;
+        let matrices = GeometricStiffness::of_several(model.mesh, freedoms, model.rules, &full)?;
+        Ok(matrices
+            .iter()
+            .map(|matrix| in_modes(matrix, shapes, modes))
+            .collect())
+    };
+    let run = &run;
+    let parts: Vec<&[f64]> = vectors.chunks(share * size).collect();
+    let mut blocks = Vec::new();
+    for parts in parts.chunks(threads) {
+        let found = std::thread::scope(|scope| {
+            let mut running = Vec::with_capacity(parts.len());
+            for &part in parts {
+                running.push(scope.spawn(move || run(part)));
+            }
+            running
+                .into_iter()
+                .map(|thread| match thread.join() {
+                    Ok(found) => found,
+                    Err(panic) => std::panic::resume_unwind(panic),
+                })
+                .collect::<Result<Vec<_>, _>>()
+        })?;
+        blocks.extend(found.into_iter().flatten());
+    }
+    Ok(blocks)
 }
 
 /// Φᵀ K_σ Φ, symmetric to the bit.

@@ -24,6 +24,7 @@ pub mod modes;
 pub mod read;
 pub mod recover;
 pub mod reduce;
+pub mod rotary;
 pub mod solve;
 pub mod sparse;
 pub mod store;

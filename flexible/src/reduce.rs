@@ -18,6 +18,7 @@ use crate::markers::{MarkerRequest, place};
 use crate::mesh::{Mesh, Support};
 use crate::modes::rigid::residuals;
 use crate::modes::{ModeSet, Structure};
+use crate::rotary::{add_turning, split_offsets};
 use crate::solve::Modes;
 use candidates::Candidates;
 use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
@@ -112,6 +113,11 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         None => None,
     };
     let places = place(&mut mesh, &request.markers)?;
+    // another code's mass has its point masses in it
+    let own = nodal.is_none();
+    if own {
+        split_offsets(&mut mesh);
+    }
     let (full, mut held) = matrices(&mesh, request, nodal, &mut report)?;
     let marker_freedoms = MarkerFreedoms {
         request,
@@ -174,6 +180,9 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         },
         &shapes,
     );
+    if own {
+        add_turning(&mut constants, &mesh.point_masses, &full.freedoms, &shapes);
+    }
     for (i, lambda) in set.eigenvalues.iter().enumerate() {
         let ratio = damping_ratio(request, frequencies[i]);
         constants.damping[i * set.len() + i] = 2.0 * ratio * libm::sqrt(lambda.max(0.0));

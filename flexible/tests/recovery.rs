@@ -34,8 +34,10 @@ fn exact_stress() -> [f64; 6] {
     [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(1, 2), at(2, 0)]
 }
 
+type Field = fn([f64; 3]) -> [f64; 3];
+
 /// A mesh with these fields as its modes.
-fn with_shapes(mesh: Mesh, fields: &[fn([f64; 3]) -> [f64; 3]]) -> Reduced {
+fn with_shapes(mesh: Mesh, fields: &[Field]) -> Reduced {
     let full = assemble(&mesh, &Rules::default()).unwrap();
     let shapes = fields.iter().flat_map(|f| field(&mesh, &full, f)).collect();
     let n = fields.len();
@@ -47,14 +49,7 @@ fn with_shapes(mesh: Mesh, fields: &[fn([f64; 3]) -> [f64; 3]]) -> Reduced {
         },
         shapes,
         freedoms: full.freedoms,
-        report: Report {
-            nodes: mesh.nodes.len(),
-            elements: mesh.elements.len(),
-            freedoms: 0,
-            sources: vec![],
-            dropped: vec![],
-            sturm: vec![],
-        },
+        report: Report::default(),
         mesh,
     }
 }
@@ -130,6 +125,7 @@ fn cantilever(kind: ElementKind) -> Reduced {
         damping_ratio: 0.0,
         damping_up_to: f64::INFINITY,
         geometric_stiffness: false,
+        ..Request::default()
     };
     reduce(mesh, &request).unwrap()
 }

@@ -46,6 +46,7 @@ fn request(spider: Spider) -> Request {
         damping_ratio: 0.02,
         damping_up_to: 3000.0,
         geometric_stiffness: false,
+        ..Request::default()
     }
 }
 

@@ -72,6 +72,7 @@ fn a_crankshaft_is_stored_read_and_recovered() {
         damping_ratio: 0.02,
         damping_up_to: 3000.0,
         geometric_stiffness: false,
+        ..Request::default()
     };
     let mesh = timed("mesh", || read_bulk(&Data, "crank_m.bdf.gz").unwrap());
     timed("reduction", || reduce(mesh.clone(), &request).unwrap());

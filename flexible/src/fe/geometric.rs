@@ -16,8 +16,11 @@ use super::beam;
 use super::check::{self, Role, role, wrong};
 use super::freedoms::FreedomMap;
 use super::mass::Mass;
+use super::pattern::Pattern;
 use super::rules::Rules;
+use super::solid::Present;
 use super::stress::ElementRecovery;
+use super::vector::dot;
 use crate::error::FlexibleError;
 use crate::mesh::{Element, Mesh};
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
@@ -38,23 +41,47 @@ impl GeometricStiffness {
         rules: &Rules,
         full: &[f64],
     ) -> Result<Self, FlexibleError> {
-        check::check(mesh)?;
-        if full.len() != freedoms.size() || freedoms.node_count() != mesh.nodes.len() {
-            return Err(wrong("the displacements are another mesh's".into(), ""));
+        let mut found = Self::of_several(mesh, freedoms, rules, full)?;
+        match (found.pop(), found.is_empty()) {
+            (Some(one), true) => Ok(one),
+            _ => Err(another_mesh()),
         }
-        let (mut solids, mut beams) = (Vec::new(), Vec::new());
+    }
+
+    /// As [`GeometricStiffness::of_displacements`] for each of several full vectors, one after the other.
+    ///
+    /// # Errors
+    /// As [`GeometricStiffness::of_displacements`].
+    pub fn of_several(
+        mesh: &Mesh,
+        freedoms: &FreedomMap,
+        rules: &Rules,
+        full: &[f64],
+    ) -> Result<Vec<Self>, FlexibleError> {
+        check::check(mesh)?;
+        let size = freedoms.size();
+        let cases = full.len().checked_div(size).unwrap_or(0);
+        if cases * size != full.len() || freedoms.node_count() != mesh.nodes.len() {
+            return Err(another_mesh());
+        }
+        let pattern = pattern(mesh, freedoms);
+        let entries = pattern.diagonal(mesh.nodes.len() as u32);
+        let mut solids = vec![vec![0.0; entries]; cases];
+        let mut beams = vec![Vec::new(); cases];
         let mut stressed = false;
         for element in &mesh.elements {
             match role(mesh, element) {
                 Some(Role::Solid(_)) => {
                     stressed = true;
-                    if let Some(recovery) = ElementRecovery::new(mesh, element, rules)? {
-                        add_solid(&recovery, freedoms, full, &mut solids);
+                    if let Some(recovery) = ElementRecovery::at_points(mesh, element, rules)? {
+                        let columns = full.chunks_exact(size.max(1));
+                        add_solid(&recovery, freedoms, columns, &pattern, &mut solids);
                     }
                 }
                 Some(Role::Beam(_)) => {
                     stressed = true;
-                    add_beam(mesh, element, freedoms, full, &mut beams)?;
+                    let columns = full.chunks_exact(size.max(1));
+                    add_beam(mesh, element, freedoms, columns, &mut beams)?;
                 }
                 _ => {}
             }
@@ -66,16 +93,19 @@ impl GeometricStiffness {
                 "leave it out: matrices of another code don't say what their stresses are",
             ));
         }
-        let solid = SymmetricMatrix::from_triplets(mesh.nodes.len(), &solids)?;
-        let general = match beams.is_empty() {
-            true => None,
-            false => Some(SymmetricMatrix::from_triplets(freedoms.size(), &beams)?),
-        };
-        Ok(GeometricStiffness(Mass::new(
-            freedoms.clone(),
-            solid,
-            general,
-        )?))
+        solids
+            .into_iter()
+            .zip(beams)
+            .map(|(solid, beams)| {
+                let solid = pattern.node_layout().with(solid)?;
+                let general = match beams.is_empty() {
+                    true => None,
+                    false => Some(SymmetricMatrix::from_triplets(size, &beams)?),
+                };
+                let form = Mass::new(freedoms.clone(), solid, general)?;
+                Ok(GeometricStiffness(form))
+            })
+            .collect()
     }
 
     /// The whole matrix over full freedoms.
@@ -97,36 +127,78 @@ impl SymmetricOperator for GeometricStiffness {
     }
 }
 
-fn add_solid(
+fn another_mesh() -> FlexibleError {
+    wrong("the displacements are another mesh's".into(), "")
+}
+
+/// Which nodes meet in solids.
+fn pattern(mesh: &Mesh, freedoms: &FreedomMap) -> Pattern {
+    let (mut start, mut nodes) = (vec![0], Vec::new());
+    for element in &mesh.elements {
+        if let Some(Role::Solid(_)) = role(mesh, element) {
+            nodes.extend_from_slice(Present::new(element.kind, mesh.nodes_of(element)).nodes());
+            start.push(nodes.len());
+        }
+    }
+    Pattern::new(freedoms, &start, &nodes)
+}
+
+fn add_solid<'a>(
     recovery: &ElementRecovery,
     freedoms: &FreedomMap,
-    full: &[f64],
-    entries: &mut Vec<(u32, u32, f64)>,
+    columns: impl Iterator<Item = &'a [f64]>,
+    pattern: &Pattern,
+    solids: &mut [Vec<f64>],
 ) {
-    let stresses = recovery.stresses(&recovery.displacements(freedoms, full));
-    for (b, &second) in recovery.nodes.iter().enumerate() {
-        for (a, &first) in recovery.nodes[..=b].iter().enumerate() {
-            let mut sum = 0.0;
-            for (point, [x, y, z, xy, yz, zx]) in recovery.points.iter().zip(&stresses) {
-                let (g, h) = (point.gradients[a], point.gradients[b]);
-                sum += point.volume
-                    * (g[0] * (x * h[0] + xy * h[1] + zx * h[2])
-                        + g[1] * (xy * h[0] + y * h[1] + yz * h[2])
-                        + g[2] * (zx * h[0] + yz * h[1] + z * h[2]));
+    let nodes = &recovery.nodes;
+    // where each pair of nodes stands; two corners at one node are both halves of their pair on its diagonal
+    let mut places = Vec::with_capacity(nodes.len() * (nodes.len() + 1) / 2);
+    for (b, &second) in nodes.iter().enumerate() {
+        for (a, &first) in nodes[..=b].iter().enumerate() {
+            places.push(if first == second {
+                let factor = if a == b { 1.0 } else { 2.0 };
+                Some((pattern.diagonal(first), factor))
+            } else {
+                let pair = pattern.pair(first.min(second), first.max(second));
+                pair.map(|pair| (pair.entry, 1.0))
+            });
+        }
+    }
+    for (full, values) in columns.zip(solids) {
+        let stresses = recovery.stresses(&recovery.displacements(freedoms, full));
+        let mut places = places.iter();
+        for b in 0..nodes.len() {
+            // σ ∇N_b dV at each point
+            let pulled: Vec<[f64; 3]> = recovery
+                .points
+                .iter()
+                .zip(&stresses)
+                .map(|(point, [x, y, z, xy, yz, zx])| {
+                    let h = point.gradients[b].map(|g| g * point.volume);
+                    [
+                        x * h[0] + xy * h[1] + zx * h[2],
+                        xy * h[0] + y * h[1] + yz * h[2],
+                        zx * h[0] + yz * h[1] + z * h[2],
+                    ]
+                })
+                .collect();
+            for a in 0..=b {
+                let points = recovery.points.iter().zip(&pulled);
+                let sum: f64 = points.map(|(point, h)| dot(point.gradients[a], *h)).sum();
+                if let Some(Some((entry, factor))) = places.next() {
+                    values[*entry] += factor * sum;
+                }
             }
-            // two corners at one node: both halves of their pair fall on its diagonal
-            let factor = if first == second && a != b { 2.0 } else { 1.0 };
-            entries.push((first, second, factor * sum));
         }
     }
 }
 
-fn add_beam(
+fn add_beam<'a>(
     mesh: &Mesh,
     element: &Element,
     freedoms: &FreedomMap,
-    full: &[f64],
-    entries: &mut Vec<(u32, u32, f64)>,
+    columns: impl Iterator<Item = &'a [f64]>,
+    beams: &mut [Vec<(u32, u32, f64)>],
 ) -> Result<(), FlexibleError> {
     let unit = of_beam(mesh, element, beam::tension)?;
     let own: Vec<usize> = mesh
@@ -134,16 +206,12 @@ fn add_beam(
         .iter()
         .flat_map(|&node| freedoms.of(node))
         .collect();
-    let tension: f64 = own
-        .iter()
-        .zip(unit.tension)
-        .map(|(freedom, t)| t * full[*freedom])
-        .sum();
-    for (i, &row) in own.iter().enumerate() {
-        for (j, &column) in own.iter().enumerate().take(i + 1) {
-            let value = tension * unit.stiffness[i][j];
-            if value != 0.0 {
-                entries.push((row as u32, column as u32, value));
+    for (full, entries) in columns.zip(beams) {
+        let terms = own.iter().zip(unit.tension);
+        let tension: f64 = terms.map(|(freedom, t)| t * full[*freedom]).sum();
+        for (i, &row) in own.iter().enumerate() {
+            for (j, &column) in own.iter().enumerate().take(i + 1) {
+                entries.push((row as u32, column as u32, tension * unit.stiffness[i][j]));
             }
         }
     }

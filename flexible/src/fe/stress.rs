@@ -87,21 +87,15 @@ impl ElementRecovery {
         rules: &Rules,
     ) -> Result<Option<Self>, FlexibleError> {
         check::check_element(mesh, element)?;
-        let Some(Role::Solid(material)) = role(mesh, element) else {
+        let Some(mut recovery) = Self::at_points(mesh, element, rules)? else {
             return Ok(None);
         };
-        let present = Present::new(element.kind, mesh.nodes_of(element));
         let integration = rules::stiffness_points(element.kind, rules.stiffness);
-        let samples: Vec<([f64; 3], f64)> = integration
-            .iter()
-            .map(|point| (point.at, point.weight))
-            .collect();
-        let points = strain_points(mesh, element, &present, &samples)?;
         let at: Vec<[f64; 3]> = integration.iter().map(|point| point.at).collect();
         let corner = extrapolation(element.kind, &at);
         let edges = shape::edges(element.kind);
         let corners = element.kind.corner_count();
-        let lines = mesh
+        recovery.extrapolation = mesh
             .nodes_of(element)
             .iter()
             .enumerate()
@@ -115,11 +109,29 @@ impl ElementRecovery {
                 }
             })
             .collect();
+        Ok(Some(recovery))
+    }
+
+    /// As [`ElementRecovery::new`] for a checked element, without what carries values to the nodes.
+    pub(super) fn at_points(
+        mesh: &Mesh,
+        element: &Element,
+        rules: &Rules,
+    ) -> Result<Option<Self>, FlexibleError> {
+        let Some(Role::Solid(material)) = role(mesh, element) else {
+            return Ok(None);
+        };
+        let present = Present::new(element.kind, mesh.nodes_of(element));
+        let integration = rules::stiffness_points(element.kind, rules.stiffness);
+        let samples: Vec<([f64; 3], f64)> = integration
+            .iter()
+            .map(|point| (point.at, point.weight))
+            .collect();
         Ok(Some(ElementRecovery {
             nodes: present.nodes().to_vec(),
             material: material.clone(),
-            points,
-            extrapolation: lines,
+            points: strain_points(mesh, element, &present, &samples)?,
+            extrapolation: Vec::new(),
             kind: element.kind,
         }))
     }
@@ -339,7 +351,7 @@ pub(crate) fn nodal_stresses(
                 takes
             })
             .collect();
-        for (vector, full) in full.chunks_exact(size).enumerate() {
+        for (vector, full) in full.chunks_exact(size.max(1)).enumerate() {
             let displacements = recovery.displacements(freedoms, full);
             let values = recovery.at_nodes(&recovery.stresses(&displacements));
             for ((&node, value), _) in recovery
