@@ -6,7 +6,7 @@ use crate::mesh::{Mesh, Node};
 use crate::read::matrix::{
     ForeignFreedoms, ForeignMatrix, ForeignModes, MatrixKind, read_calculix_freedoms, read_matrix,
 };
-use crate::read::{Files, matrix::read_op2_nodes};
+use crate::read::{Files, matrix::read_op2_basic_nodes};
 use crate::sparse::SymmetricMatrix;
 use crate::units::MeshUnits;
 
@@ -243,10 +243,10 @@ pub fn mesh_of_nodes(nodes: &[(u64, [f64; 3])]) -> Mesh {
     }
 }
 
-/// Reads the nodes of an OP2 as a mesh without elements, in the file's units, in the basic frame.
+/// Reads the nodes of an OP2 as a mesh without elements, in the file's units, for matrices whose rows are along the basic axes.
 ///
 /// # Errors
-/// As the reader gives them.
+/// As the reader gives them; nodes with analysis frames.
 pub fn read_op2_mesh(files: &dyn Files, file: &str) -> Result<Mesh, FlexibleError> {
-    Ok(mesh_of_nodes(&read_op2_nodes(files, file)?))
+    Ok(mesh_of_nodes(&read_op2_basic_nodes(files, file)?))
 }

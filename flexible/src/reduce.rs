@@ -92,6 +92,9 @@ pub struct Reduced {
     pub report: Report,
 }
 
+/// How far a foreign mass may be from that of the mesh's volumes before it is told.
+const MASS_APART: f64 = 0.05;
+
 /// Forces of a rigid motion above this part don't cancel: something holds the structure.
 const RESISTED: f64 = 1e-6;
 
@@ -159,7 +162,9 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         mesh: &mesh,
         report: &mut report,
     };
-    let found = candidates.find(&request.terms, &request.asked)?;
+    let found = candidates
+        .find(&request.terms, &request.asked)
+        .map_err(|error| at_node(error, &reduction))?;
     let set = ModeSet::new(&structure, found.candidates)?;
     report.sources.clone_from(&set.sources);
     report.dropped.clone_from(&set.dropped);
@@ -211,6 +216,14 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         inertia: constants.inertia,
     }
     .into();
+    if let (Some(estimate), true) = (&report.estimate, request.matrices.is_some()) {
+        let (mass, volumes) = (report.body.mass, estimate.mass);
+        if (mass / volumes - 1.0).abs() > MASS_APART {
+            report.warnings.push(format!(
+                "the mass matrix holds {mass:.4e} kg, the volumes and densities of the mesh make {volumes:.4e} kg: look at the units, or for masses of the run that the mesh does not name"
+            ));
+        }
+    }
     report.modes = mode_reports(&set, &frequencies, &constants, &report.body);
     let n = set.len();
     let markers = request
@@ -293,6 +306,28 @@ fn matrices(
         });
     }
     Ok((found.structure, found.missing))
+}
+
+/// A singular row by its node.
+fn at_node(error: FlexibleError, reduction: &Reduction) -> FlexibleError {
+    match error {
+        FlexibleError::Singular {
+            row,
+            problem,
+            advice,
+        } => match reduction.name(row) {
+            Some((node, component)) => FlexibleError::Structure {
+                problem: format!("{problem} (component {} of node {node})", component + 1),
+                advice,
+            },
+            None => FlexibleError::Singular {
+                row,
+                problem,
+                advice,
+            },
+        },
+        other => other,
+    }
 }
 
 /// Says when the stiffness has few digits, and what that does to the first frequency.

@@ -3,7 +3,11 @@
 use super::interface::{Interface, independent};
 use super::{Load, Structure, applied};
 use crate::error::FlexibleError;
+use crate::solve::factor::diagonal;
 use crate::solve::{EigenOptions, Modes, SturmCount, lowest_modes};
+
+/// An elastic mode's eigenvalue below this part of the typical ratio of the diagonals of stiffness and mass is rounding.
+const LOOSE: f64 = 1e-12;
 
 /// What is held besides the structure's own supports.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -50,6 +54,11 @@ pub fn normal_modes(
                 &EigenOptions::default(),
             )?;
             let first = rigid.min(found.eigenvalues.len());
+            loose(
+                structure,
+                &found.eigenvalues[first..],
+                &found.vectors[first * size..],
+            )?;
             let mut vectors = found.vectors[first * size..].to_vec();
             if let Some(rigid) = &structure.rigid {
                 rigid.remove(&mut vectors);
@@ -112,7 +121,23 @@ fn fixed(
         Modes::Count(count) => Modes::Count(count + left),
         other => other,
     };
-    let found = lowest_modes(&stiffness, &mass, request, &options)?;
+    let found =
+        lowest_modes(&stiffness, &mass, request, &options).map_err(|error| match error {
+            // the row's number among all freedoms
+            FlexibleError::Singular {
+                row,
+                problem,
+                advice,
+            } => FlexibleError::Singular {
+                row: place
+                    .iter()
+                    .position(|own| *own == Some(row as u32))
+                    .unwrap_or(row),
+                problem,
+                advice,
+            },
+            other => other,
+        })?;
     let inner = stiffness.size();
     let first = left.min(found.eigenvalues.len());
     let mut vectors = Vec::with_capacity((found.eigenvalues.len() - first) * size);
@@ -127,6 +152,43 @@ fn fixed(
         eigenvalues: found.eigenvalues.get(first..).unwrap_or(&[]).to_vec(),
         vectors,
         sturm: found.sturm,
+    })
+}
+
+/// Refuses elastic modes without stiffness: a mechanism.
+fn loose(structure: &Structure, eigenvalues: &[f64], vectors: &[f64]) -> Result<(), FlexibleError> {
+    let mut ratios: Vec<f64> = diagonal(structure.stiffness)
+        .iter()
+        .zip(diagonal(structure.mass))
+        .map(|(stiffness, mass)| stiffness / mass)
+        .filter(|ratio| ratio.is_finite() && *ratio > 0.0)
+        .collect();
+    ratios.sort_unstable_by(f64::total_cmp);
+    let typical = ratios.get(ratios.len() / 2).copied().unwrap_or(0.0);
+    let count = eigenvalues.iter().filter(|x| **x < LOOSE * typical).count();
+    if count == 0 {
+        return Ok(());
+    }
+    let row = vectors
+        .iter()
+        .take(structure.size())
+        .enumerate()
+        .fold((0, 0.0f64), |most, (row, x)| {
+            if x.abs() > most.1 {
+                (row, x.abs())
+            } else {
+                most
+            }
+        })
+        .0;
+    Err(FlexibleError::Singular {
+        row,
+        problem: format!(
+            "the structure has {count} more motion{} without stiffness than its rigid ones: it is a mechanism",
+            if count == 1 { "" } else { "s" }
+        ),
+        advice: "parts may touch in a node or an edge alone: join them by whole faces, or by ties"
+            .into(),
     })
 }
 

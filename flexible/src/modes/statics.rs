@@ -22,13 +22,9 @@ fn solve(
         Factorization::new(&analysis, &matrix, Definiteness::Positive).map_err(|error| {
             match error {
                 // the row's number among all freedoms
-                FlexibleError::Singular {
-                    row,
-                    problem,
-                    advice,
-                } => FlexibleError::Singular {
+                FlexibleError::Singular { row, advice, .. } => FlexibleError::Singular {
                     row: kept.get(row).copied().unwrap_or(row),
-                    problem,
+                    problem: "a load on the structure meets no resistance: it is a mechanism, or not held".into(),
                     advice,
                 },
                 other => other,

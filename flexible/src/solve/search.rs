@@ -24,6 +24,9 @@ const DENSE_MANY: usize = 2500;
 const RIGID: f64 = 1e-4;
 /// |σ| over the first elastic eigenvalue: outside of these σ is moved…
 const SHIFT_RANGE: std::ops::Range<f64> = 1e-6..20.0;
+/// The same where combinations are held: what holds a rigid motion is taken out of solutions, in which it must not be much larger than the
+/// modes looked for.
+const HELD_RANGE: std::ops::Range<f64> = 0.02..20.0;
 /// …so often at most.
 const MOVES: usize = 3;
 /// Times the search is taken up again when the count shows that modes are missing.
@@ -313,7 +316,12 @@ impl<'a> Search<'a> {
                     shift,
                     complete,
                 );
-                if may_move && let Some(better) = better_shift(&pairs, &ritz, shift) {
+                let range = if self.held.is_empty() {
+                    SHIFT_RANGE
+                } else {
+                    HELD_RANGE
+                };
+                if may_move && let Some(better) = better_shift(&pairs, &ritz, shift, range) {
                     return Ok(Progress::Move(better));
                 }
                 if pairs.sure >= wanted {
@@ -412,7 +420,12 @@ impl<'a> Search<'a> {
 }
 
 /// A shift in proportion to the first elastic eigenvalue, if that is known and the shift is out of proportion.
-fn better_shift(pairs: &Pairs, ritz: &Ritz, shift: f64) -> Option<f64> {
+fn better_shift(
+    pairs: &Pairs,
+    ritz: &Ritz,
+    shift: f64,
+    range: std::ops::Range<f64>,
+) -> Option<f64> {
     let elastic = pairs
         .eigenvalues
         .iter()
@@ -420,7 +433,7 @@ fn better_shift(pairs: &Pairs, ritz: &Ritz, shift: f64) -> Option<f64> {
         .find(|(value, residual)| **value > RIGID * shift.abs() && **residual < 1e-3)
         .map(|(value, _)| *value)?;
     let share = shift.abs() / elastic;
-    (!SHIFT_RANGE.contains(&share)).then_some(-0.25 * elastic)
+    (!range.contains(&share)).then_some(-0.25 * elastic)
 }
 
 fn too_few(there: usize, wanted: usize) -> FlexibleError {
