@@ -45,12 +45,13 @@ def nastran_real(x):
     return f"{mantissa}{int(exponent):+d}".rjust(8)
 
 
-def write_nastran(part, material, path, title):
+def write_nastran(part, path, title):
     """Bulk data: MAT1, PSOLID, GRID*, CTETRA of ten nodes, SET1 a set (numbers in the order of the sets, from 1)."""
     lines = [f"$ {title}", "$ made by make.py"]
     lines += [f"$ SET1 {number} {line}" for number, line in enumerate(describe(part), 1)]
     lines += ["BEGIN BULK", "PARAM   COUPMASS       1"]
-    figures = (material.young_mpa, material.poisson, material.density_t_mm3)
+    m = part.material
+    figures = (m.young_mpa, m.poisson, m.density_t_mm3)
     young, poisson, density = map(nastran_real, figures)
     lines.append(f"MAT1    {1:8d}{young}{'':8s}{poisson}{density}")
     lines.append(f"PSOLID  {1:8d}{1:8d}")
@@ -71,7 +72,7 @@ def write_nastran(part, material, path, title):
     pack("\n".join(lines) + "\n", path)
 
 
-def abaqus_lines(part, material, title):
+def abaqus_lines(part, title):
     """Lines of the mesh with its sets and material."""
     yield f"** {title}"
     yield "** made by make.py"
@@ -90,12 +91,12 @@ def abaqus_lines(part, material, title):
             yield ",".join(map(str, ids[k : k + 12]))
     yield "*MATERIAL, NAME=METAL"
     yield "*ELASTIC"
-    yield f"{material.young_mpa:g},{material.poisson:g}"
+    yield f"{part.material.young_mpa:g},{part.material.poisson:g}"
     yield "*DENSITY"
-    yield f"{material.density_t_mm3:g}"
+    yield f"{part.material.density_t_mm3:g}"
     yield "*SOLID SECTION, ELSET=SOLID, MATERIAL=METAL"
 
 
-def write_abaqus(part, material, path, title):
+def write_abaqus(part, path, title):
     """Abaqus and CalculiX input: nodes, C3D10, node sets, material."""
-    pack("\n".join(abaqus_lines(part, material, title)) + "\n", path)
+    pack("\n".join(abaqus_lines(part, title)) + "\n", path)

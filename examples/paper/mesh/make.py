@@ -62,44 +62,51 @@ class Block:
     wall_mm: float = 20.0  # bearing walls 2, 3, 4: as wide as their shells
     end_mm: float = 198.0  # faces of the block from the middle
     housing_diameter_mm: float = 58.0  # bores of the bearing walls; shells of 2 mm
-    recess_diameter_mm: float = 70.0  # round the crank outside the outer shells
-    cap_mm: tuple = (58.0, 48.0)  # bearing caps: half width, depth below the crank's axis
+    recess_diameter_mm: float = 80.0  # round the crank outside the outer shells
+    cap_mm: tuple = (90.0, 58.0)  # bearing caps, bolted to the skirts: half width, depth below the crank's axis
     barrel_mm: float = 6.0  # thickness of the cylinders' walls
     barrel_foot_mm: float = 75.0  # lower end of the cylinders above the crank's axis
     floor_mm: float = 10.0  # of the water jacket
-    deck_mm: float = 11.0  # thickness of the deck
+    deck_mm: float = 10.0  # thickness of the deck
     jacket_half_mm: float = 68.0  # half width outside, at the cylinders
-    jacket_mm: float = 6.5  # thickness of the outer walls
+    jacket_mm: float = 5.5  # thickness of the outer walls
     boss_mm: tuple = (18.0, 18.0)  # columns of the head bolts: across and along
     crankcase_half_mm: float = 90.0  # half width inside
-    crankcase_mm: float = 8.0  # thickness of skirts
+    crankcase_mm: float = 7.0  # thickness of skirts
     shoulder_mm: float = 46.0  # above the crank's axis, where the skirts turn inward
-    skirt_mm: float = 60.0  # depth of the skirts below the crank's axis
-    rail_mm: tuple = (12.0, 9.0)  # pan rail: width beside the skirt, thickness
+    skirt_mm: float = 68.0  # depth of the skirts below the crank's axis
+    rail_mm: tuple = (14.0, 9.0)  # pan rail: width beside the skirt, thickness
     mount_at_mm: float = 138.0  # lugs of the supports from the middle, along the crank
-    mount_mm: tuple = (44.0, 36.0, 24.0)  # lugs: across, along, high
+    mount_mm: tuple = (57.0, 24.0, 11.0)  # lugs: across, along, high
     mount_up_mm: float = 8.0  # their lower faces above the crank's axis
     mount_pad_mm: float = 22.0  # outer part of a lower face that stands on the support
-    young_mpa: float = 110_000.0  # grey iron
+    young_mpa: float = 98_000.0  # grey iron GJL-200: 88 to 113 GPa
     poisson: float = 0.26
     density_t_mm3: float = 7.2e-9
-    size_mm: float = 24.0  # of elements
+    size_mm: float = 30.0  # of elements
     bearing_size_mm: float = 11.0  # at the bearings
-    barrel_size_mm: float = 13.0  # at the cylinders
+    barrel_size_mm: float = 12.4  # at the cylinders
+    bridge_size_mm: float = 10.5  # between the bores in the middle
+
+
+def build(wanted=("crank", "block")):
+    """The parts with these names."""
+    engine, crank, block = Engine(), Crank(), Block()
+    if "crank" in wanted:
+        yield parts.mesh("crank", crank, lambda: solids.crank(engine, crank), solids.crank_sets(engine, crank))
+    if "block" in wanted:
+        yield parts.mesh("block", block, lambda: solids.block(engine, block), solids.block_sets(engine, block))
 
 
 def main(wanted):
     here = Path(__file__).parent
-    engine, crank, block = Engine(), Crank(), Block()
-    if "crank" in wanted:
-        part = parts.mesh("crank", lambda: solids.crank(engine, crank), solids.crank_sets(engine, crank))
-        parts.report(part, crank.density_t_mm3)
-        decks.write_nastran(part, crank, here / "crank.bdf.gz", "crank: steel, mm tonne s")
-    if "block" in wanted:
-        part = parts.mesh("block", lambda: solids.block(engine, block), solids.block_sets(engine, block))
-        parts.report(part, block.density_t_mm3)
-        decks.write_abaqus(part, block, here / "block.inp.gz", "block: grey iron, mm tonne s")
+    for part in build(wanted):
+        parts.report(part)
+        if part.name == "crank":
+            decks.write_nastran(part, here / "crank.bdf.gz", "crank: steel, mm tonne s")
+        else:
+            decks.write_abaqus(part, here / "block.inp.gz", "block: grey iron, mm tonne s")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:] or ["crank", "block"])
+    main(sys.argv[1:] or ("crank", "block"))

@@ -18,6 +18,7 @@ class Part:
     """A mesh; indices from 0."""
 
     name: str
+    material: object  # young_mpa, poisson, density_t_mm3
     nodes: np.ndarray  # (n, 3) mm
     elements: np.ndarray  # (m, 10)
     sets: dict  # name: sorted indices of nodes
@@ -25,7 +26,7 @@ class Part:
     quality: dict
 
 
-def mesh(name, build, places):
+def mesh(name, material, build, places):
     """Meshes what `build` builds."""
     gmsh.initialize(["-noenv"], readConfigFiles=False)
     try:
@@ -49,7 +50,7 @@ def mesh(name, build, places):
         gmsh.finalize()
     for axis in (1, 2):
         nodes, elements = mirror(nodes, elements, axis)
-    part = Part(name, nodes, elements, {}, places, quality)
+    part = Part(name, material, nodes, elements, {}, places, quality)
     surface = skin(elements)
     for set_name, place in places.items():
         part.sets[set_name] = find(part, surface, set_name, place)
@@ -59,7 +60,7 @@ def mesh(name, build, places):
 
 
 def set_sizes(sizes):
-    """Elements of one size, finer near some surfaces: (surfaces, size, within, up to)."""
+    """Elements of one size, finer near surfaces: (surfaces, size, within, up to), and in boxes: (low, high, size, up to)."""
     field = gmsh.model.mesh.field
     fields = []
     for surfaces, size, within, up_to in sizes["near"]:
@@ -76,6 +77,14 @@ def set_sizes(sizes):
         }.items():
             field.setNumber(threshold, key, value)
         fields.append(threshold)
+    for low, high, size, up_to in sizes.get("in", ()):
+        box = field.add("Box")
+        for axis, x0, x1 in zip("XYZ", low, high):
+            field.setNumber(box, f"{axis}Min", x0)
+            field.setNumber(box, f"{axis}Max", x1)
+        for key, value in {"VIn": size, "VOut": sizes["size"], "Thickness": up_to}.items():
+            field.setNumber(box, key, value)
+        fields.append(box)
     least = field.add("Min")
     field.setNumbers(least, "FieldsList", fields)
     field.setAsBackgroundMesh(least)
@@ -197,8 +206,9 @@ def tetrahedron(a, b, c):
     return np.array(shape), np.array(slope)
 
 
-def mass_properties(part, density):
+def mass_properties(part):
     """Mass (kg), centre (mm), inertia about the centre (g m²)."""
+    density = part.material.density_t_mm3
     volume, first, second = volumes(part)
     center = first / volume
     about = second - volume * np.outer(center, center)
@@ -206,8 +216,8 @@ def mass_properties(part, density):
     return density * volume * 1e3, center, inertia  # tonne mm² = g m² · 1e3 · 1e-3
 
 
-def report(part, density):
-    mass, center, inertia = mass_properties(part, density)
+def report(part):
+    mass, center, inertia = mass_properties(part)
     print(f"{part.name}: {len(part.nodes)} nodes, {len(part.elements)} elements, {mass:.4f} kg")
     print("  centre (mm)", np.round(center, 6), " inertia (g m²)", np.round(np.diag(inertia), 3))
     for measure_name, (least, percent, median) in part.quality.items():

@@ -108,9 +108,9 @@ def crank_sets(e, c):
     for i, side in enumerate((1, -1, -1, 1), 1):
         center = (side * e.throw_mm, 0, (i - 2.5) * e.spacing_mm)
         sets[f"PIN{i}"] = Ring(center, 2, c.pin_diameter_mm / 2, c.pin_width_mm)
-    reach = c.flange_diameter_mm
     for name, z in (("FLANGE", c.end_mm), ("SNOUT", -c.end_mm)):
-        sets[name] = Patch(2, z, (-reach, -reach, z), (reach, reach, z))
+        # the rim, from its centre on the outer face
+        sets[name] = Ring((0, 0, z), 2, c.flange_diameter_mm / 2, 2 * c.flange_mm)
     return sets
 
 
@@ -173,10 +173,12 @@ def block(e, b):
     bearings, barrels = [], []
     for _, s in gmsh.model.getEntities(2):
         if gmsh.model.getType(2, s) == "Cylinder":
-            (barrels if extent(s, 0) > b.housing_diameter_mm else bearings).append(s)
+            (barrels if extent(s, 0) > 1.5 * b.housing_diameter_mm else bearings).append(s)
     return {
         "size": b.size_mm,
-        "near": [(bearings, b.bearing_size_mm, 4.0, 50.0), (barrels, b.barrel_size_mm, 1.0, 30.0)],
+        "near": [(bearings, b.bearing_size_mm, 2.0, 25.0), (barrels, b.barrel_size_mm, 1.0, 30.0)],
+        # half of the bridge between bores 2 and 3, 3 mm thick at y = 0
+        "in": [((foot, 0, -8), (deck, 10, 0), b.bridge_size_mm, 14.0)],
     }
 
 
