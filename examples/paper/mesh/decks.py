@@ -6,13 +6,12 @@ import io
 from solids import Ring
 
 
-def pack(text, path):
+def pack(text):
     """Compresses without name and time, so that the bytes tell the content only."""
     packed = io.BytesIO()
     with gzip.GzipFile(filename="", mode="wb", compresslevel=9, fileobj=packed, mtime=0) as file:
         file.write(text.encode("ascii"))
-    path.write_bytes(packed.getvalue())
-    print(f"  {path.name}: {len(packed.getvalue()) / 1e6:.2f} MB")
+    return packed.getvalue()
 
 
 def describe(part):
@@ -21,20 +20,10 @@ def describe(part):
         place = part.places[name]
         if isinstance(place, Ring):
             center = ", ".join(f"{x:g}" for x in place.center)
-            yield f"{name}: {len(chosen)} nodes on radius {place.radius:g}, width {place.width:g}, axis {'xyz'[place.axis]}, center [{center}]"
+            surface = f"radius {place.radius:g}, width {place.width:g}, axis {'xyz'[place.axis]}"
+            yield f"{name}: {len(chosen)} nodes on {surface}, center [{center}]"
         else:
             yield f"{name}: {len(chosen)} nodes in the plane {'xyz'[place.axis]} = {place.at:g}"
-
-
-def ranges(ids):
-    """Ascending numbers as (first, last) of unbroken runs."""
-    runs = []
-    for number in ids:
-        if runs and runs[-1][1] + 1 == number:
-            runs[-1][1] = number
-        else:
-            runs.append([number, number])
-    return runs
 
 
 def nastran_real(x):
@@ -45,11 +34,11 @@ def nastran_real(x):
     return f"{mantissa}{int(exponent):+d}".rjust(8)
 
 
-def write_nastran(part, path, title):
+def nastran(part, title):
     """Bulk data: MAT1, PSOLID, GRID*, CTETRA of ten nodes, SET1 a set (numbers in the order of the sets, from 1)."""
-    lines = [f"$ {title}", "$ made by make.py"]
+    lines = [f"$ {title}", "$ made by make.py; PARAM,COUPMASS,1 gives the consistent mass"]
     lines += [f"$ SET1 {number} {line}" for number, line in enumerate(describe(part), 1)]
-    lines += ["BEGIN BULK", "PARAM   COUPMASS       1"]
+    lines += ["BEGIN BULK"]
     m = part.material
     figures = (m.young_mpa, m.poisson, m.density_t_mm3)
     young, poisson, density = map(nastran_real, figures)
@@ -69,7 +58,7 @@ def write_nastran(part, path, title):
             lines[-1] += "+"
             lines.append("+       " + "".join(f"{n:8d}" for n in ids[k : k + 8]))
     lines.append("ENDDATA")
-    pack("\n".join(lines) + "\n", path)
+    return pack("\n".join(lines) + "\n")
 
 
 def abaqus_lines(part, title):
@@ -97,6 +86,6 @@ def abaqus_lines(part, title):
     yield "*SOLID SECTION, ELSET=SOLID, MATERIAL=METAL"
 
 
-def write_abaqus(part, path, title):
+def abaqus(part, title):
     """Abaqus and CalculiX input: nodes, C3D10, node sets, material."""
-    pack("\n".join(abaqus_lines(part, title)) + "\n", path)
+    return pack("\n".join(abaqus_lines(part, title)) + "\n")

@@ -9,7 +9,7 @@ from solids import Ring
 # Corners and edges of a 10-node tetrahedron, Nastran's and Abaqus' order: edges 12 23 31 14 24 34.
 FROM_GMSH = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 MIRRORED = [1, 0, 2, 3, 4, 6, 5, 8, 7, 9]  # corners 1 and 2 swapped, so that the volume stays positive
-FACES = [(0, 1, 2, 4, 5, 6), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (2, 0, 3, 6, 7, 9)]
+FACES = [(0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (2, 0, 3, 6, 7, 9)]
 DIGITS = 6  # of coordinates in mm: 1 nm
 
 
@@ -119,7 +119,7 @@ def mirror(nodes, elements, axis):
 
 
 def skin(elements):
-    """Faces (6 nodes) that belong to one element only."""
+    """Faces (6 nodes, outward) that belong to one element only."""
     faces = np.vstack([elements[:, face] for face in FACES])
     corners = np.sort(faces[:, :3], axis=1)
     _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
@@ -147,7 +147,8 @@ def find(part, surface, name, place):
     if len(found) < 12:
         raise SystemExit(f"{part.name}: {name} has {len(found)} nodes")
     if isinstance(place, Ring) and len(found) != np.count_nonzero(inside):
-        raise SystemExit(f"{part.name}: a ring of {name} would gather {np.count_nonzero(inside)} nodes, not {len(found)}")
+        other = np.count_nonzero(inside)
+        raise SystemExit(f"{part.name}: a ring at {name} would gather {other} nodes, not {len(found)}")
     return found
 
 
@@ -167,7 +168,7 @@ def snap(part):
 
 def volumes(part):
     """Volume, first moments and second moments (about the origin) of the quadratic elements, exact for curved ones."""
-    # 5³ collapsed Gauss points: exact to degree 7, more than the integrand's 3 + 4
+    # 5³ collapsed Gauss points: the integrand has degree 7, the collapse adds 2 in the first direction
     x, w = np.polynomial.legendre.leggauss(5)
     x, w = (x + 1) / 2, w / 2
     total, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
@@ -213,7 +214,7 @@ def mass_properties(part):
     center = first / volume
     about = second - volume * np.outer(center, center)
     inertia = density * (np.trace(about) * np.eye(3) - about)
-    return density * volume * 1e3, center, inertia  # tonne mm² = g m² · 1e3 · 1e-3
+    return density * volume * 1e3, center, inertia  # a tonne mm² is a g m²
 
 
 def report(part):

@@ -1,4 +1,4 @@
-"""Draws both meshes, crank.png and block.png in the folder given (else here), from what make.py builds.
+"""Draws both meshes as make.py builds them: meshes.png in the folder given, else here.
 
     python picture.py [FOLDER]
 """
@@ -16,7 +16,15 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.collections import PolyCollection  # noqa: E402
 
-COLOURS = {"MAIN": "#d95f02", "PIN": "#1b9e77", "BORE": "#7570b3", "MOUNT": "#e7298a", "DECK": "#66a61e", "FLANGE": "#a6761d", "SNOUT": "#a6761d"}
+COLOURS = {
+    "MAIN": "#d95f02",
+    "PIN": "#1b9e77",
+    "BORE": "#7570b3",
+    "MOUNT": "#e7298a",
+    "DECK": "#66a61e",
+    "FLANGE": "#a6761d",
+    "SNOUT": "#a6761d",
+}
 
 
 def draw(axes, part, azimuth, elevation, title):
@@ -29,6 +37,8 @@ def draw(axes, part, azimuth, elevation, title):
     corners = part.nodes[faces[:, :3]]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1)[:, None]
+    seen = normal @ away > 0
+    faces, corners, normal = faces[seen], corners[seen], normal[seen]
     light = np.array([0.5, 0.35, 0.2]) @ np.stack([up, right, away]) + 0.5 * away
     shade = 0.45 + 0.55 * np.abs(normal @ (light / np.linalg.norm(light)))
     base = np.tile(np.array(matplotlib.colors.to_rgb("#b8bec6")), (len(faces), 1))
@@ -40,26 +50,22 @@ def draw(axes, part, azimuth, elevation, title):
     # the six nodes in order round the face
     ring = part.nodes[faces[:, [0, 3, 1, 4, 2, 5]]]
     outline = np.stack([ring @ right, ring @ up], axis=-1)
-    axes.add_collection(PolyCollection(outline[order], facecolors=(base * shade[:, None])[order], edgecolors=(0, 0, 0, 0.35), linewidths=0.2))
+    colours = (base * shade[:, None])[order]
+    axes.add_collection(PolyCollection(outline[order], facecolors=colours, edgecolors=(0, 0, 0, 0.3), linewidths=0.2))
     axes.autoscale_view()
     axes.set_aspect("equal")
     axes.axis("off")
     axes.set_title(title, fontsize=9)
 
 
-def picture(part, views, path):
-    figure, axes = plt.subplots(1, len(views), figsize=(6.4 * len(views), 5.2), dpi=130)
-    for one, (azimuth, elevation, title) in zip(np.atleast_1d(axes), views):
-        draw(one, part, azimuth, elevation, title)
-    figure.tight_layout()
-    figure.savefig(path)
-    plt.close(figure)
-
-
 def main(folder):
-    for part in make.build():
-        views = [(-35, 30, f"{part.name}: {len(part.nodes)} nodes"), (-35, -40, "from below")]
-        picture(part, views, folder / f"{part.name}.png")
+    """Both parts, each from above and from below."""
+    figure, axes = plt.subplots(2, 2, figsize=(11, 8.2), dpi=100)
+    for row, part in zip(axes, make.build()):
+        draw(row[0], part, -35, 30, f"{part.name}: {len(part.nodes)} nodes, {len(part.elements)} elements")
+        draw(row[1], part, -35, -40, "from below")
+    figure.tight_layout()
+    figure.savefig(folder / "meshes.png", metadata={"Software": None})
 
 
 if __name__ == "__main__":

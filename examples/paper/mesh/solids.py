@@ -1,4 +1,4 @@
-"""The solids of the two parts (a quarter each: y > 0, z < 0), and what their sets are. gmsh's OpenCASCADE kernel; lengths in mm."""
+"""The solids of the two parts (a quarter each: y > 0, z < 0), and what their sets are; gmsh's OpenCASCADE kernel, mm."""
 
 from dataclasses import dataclass
 from math import cos, radians, sin
@@ -75,14 +75,29 @@ def crank(e, c):
     cylinder(0, -c.end_mm, c.flange_mm, c.flange_diameter_mm)
     quarter(volumes)
     occ.synchronize()
-    journals = [s for _, s in gmsh.model.getEntities(2) if gmsh.model.getType(2, s) == "Cylinder" and extent(s, 2) > c.web_mm]
+    journals = on_rings(crank_sets(e, c).values())
     return {"size": c.size_mm, "near": [(journals, c.journal_size_mm, 1.0, 20.0)]}
 
 
-def extent(surface, axis):
-    """Length of a surface along an axis."""
-    box = gmsh.model.getBoundingBox(2, surface)
-    return box[3 + axis] - box[axis]
+def cylinders():
+    """Surfaces that are part of a cylinder."""
+    return [s for _, s in gmsh.model.getEntities(2) if gmsh.model.getType(2, s) == "Cylinder"]
+
+
+def on_rings(rings):
+    """Those of them that lie on one of the rings."""
+    found = []
+    for surface in cylinders():
+        box = gmsh.model.getBoundingBox(2, surface)
+        for ring in rings:
+            reach = [ring.width / 2 if k == ring.axis else ring.radius for k in range(3)]
+            low = all(box[k] > ring.center[k] - reach[k] - 1e-3 for k in range(3))
+            high = all(box[3 + k] < ring.center[k] + reach[k] + 1e-3 for k in range(3))
+            wide = max(box[3 + k] - box[k] for k in range(3) if k != ring.axis) > ring.radius
+            if low and high and wide:
+                found.append(surface)
+                break
+    return found
 
 
 def web(e, c, side, z):
@@ -112,6 +127,12 @@ def crank_sets(e, c):
         # the rim, from its centre on the outer face
         sets[name] = Ring((0, 0, z), 2, c.flange_diameter_mm / 2, 2 * c.flange_mm)
     return sets
+
+
+def extent(surface, axis):
+    """Length of a surface along an axis."""
+    box = gmsh.model.getBoundingBox(2, surface)
+    return box[3 + axis] - box[axis]
 
 
 def block(e, b):
@@ -170,10 +191,8 @@ def block(e, b):
     body = quarter(body)
     body = occ.cut(body, [(3, pad)])[0]
     occ.synchronize()
-    bearings, barrels = [], []
-    for _, s in gmsh.model.getEntities(2):
-        if gmsh.model.getType(2, s) == "Cylinder":
-            (barrels if extent(s, 0) > 1.5 * b.housing_diameter_mm else bearings).append(s)
+    barrels = [s for s in cylinders() if extent(s, 0) > 0.8 * (e.deck_height_mm - foot)]
+    bearings = [s for s in cylinders() if s not in barrels]
     return {
         "size": b.size_mm,
         "near": [(bearings, b.bearing_size_mm, 2.0, 25.0), (barrels, b.barrel_size_mm, 1.0, 30.0)],
