@@ -78,16 +78,17 @@ class Block:
     skirt_mm: float = 68.0  # depth of the skirts below the crank's axis
     rail_mm: tuple = (14.0, 9.0)  # pan rail: width beside the skirt, thickness
     mount_at_mm: float = 138.0  # lugs of the supports from the middle, along the crank
-    mount_mm: tuple = (57.0, 24.0, 11.0)  # lugs: across, along, high
+    mount_mm: tuple = (57.0, 24.0, 12.0)  # lugs: across, along, high
     mount_up_mm: float = 8.0  # their lower faces above the crank's axis
     mount_pad_mm: float = 22.0  # outer part of a lower face that stands on the support
     young_mpa: float = 98_000.0  # grey iron GJL-200: 88 to 113 GPa
     poisson: float = 0.26
     density_t_mm3: float = 7.2e-9
-    size_mm: float = 30.0  # of elements
+    size_mm: float = 32.0  # of elements
     bearing_size_mm: float = 11.0  # at the bearings
-    barrel_size_mm: float = 12.4  # at the cylinders
-    bridge_size_mm: float = 10.5  # between the bores in the middle
+    barrel_size_mm: float = 13.2  # at the cylinders
+    bridge_size_mm: float = 10.0  # between the bores in the middle
+    mount_size_mm: float = 9.0  # at the lugs
 
 
 def build(wanted=("crank", "block")):

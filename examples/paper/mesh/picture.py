@@ -11,6 +11,7 @@ import matplotlib
 import numpy as np
 import parts
 import solids
+from PIL import Image
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -65,7 +66,9 @@ def main(folder):
         draw(row[0], part, -35, 30, f"{part.name}: {len(part.nodes)} nodes, {len(part.elements)} elements")
         draw(row[1], part, -35, -40, "from below")
     figure.tight_layout()
-    figure.savefig(folder / "meshes.png", metadata={"Software": None})
+    figure.canvas.draw()
+    seen = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB")
+    seen.quantize(48, dither=Image.Dither.NONE).save(folder / "meshes.png", optimize=True)
 
 
 if __name__ == "__main__":

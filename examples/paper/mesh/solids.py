@@ -196,8 +196,12 @@ def block(e, b):
     return {
         "size": b.size_mm,
         "near": [(bearings, b.bearing_size_mm, 2.0, 25.0), (barrels, b.barrel_size_mm, 1.0, 30.0)],
-        # half of the bridge between bores 2 and 3, 3 mm thick at y = 0
-        "in": [((foot, 0, -8), (deck, 10, 0), b.bridge_size_mm, 14.0)],
+        "in": [
+            # half of the bridge between bores 2 and 3, 3 mm thick at y = 0
+            ((foot, 0, -8), (deck, 10, 0), b.bridge_size_mm, 14.0),
+            # a lug
+            ((b.mount_up_mm, inside, mount - long / 2), (b.mount_up_mm + high, outside + wide, mount + long / 2), b.mount_size_mm, 10.0),
+        ],
     }
 
 
