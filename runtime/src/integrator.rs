@@ -35,7 +35,7 @@ use crate::body::Weights;
 use crate::dynamics::Dynamics;
 use crate::dynamics::matrix::MatrixPlan;
 use crate::error::RuntimeError;
-use crate::linear::{LinearSolver, SparseLu};
+use crate::linear::{BlockLu, LinearSolver};
 use crate::model::Model;
 use crate::state::{State, move_pose};
 
@@ -106,6 +106,8 @@ pub struct Statistics {
     pub factorizations: u64,
     /// Evaluations of the step's residual.
     pub residuals: u64,
+    /// Factorisations that the general method had to take over; not kept in checkpoints.
+    pub fallbacks: u64,
 }
 
 /// What a trial of a step gave.
@@ -187,9 +189,7 @@ impl Integrator {
         newton_tolerance: f64,
     ) -> Result<Integrator, RuntimeError> {
         let plan = MatrixPlan::new(model);
-        let solver = SparseLu::new(&plan.pattern).map_err(|e| RuntimeError::Malformed {
-            what: e.to_string(),
-        })?;
+        let solver = BlockLu::new(&plan.pattern);
         let size = plan.pattern.size;
         let mut scales = model.velocity_scales();
         scales.extend(start.states.iter().map(|y| y.abs().max(1.0)));
@@ -499,7 +499,10 @@ impl Integrator {
         self.fill(model, dynamics, h)?;
         self.statistics.factorizations += 1;
         self.contraction = None;
-        if self.solver.factor(&self.values).is_ok() {
+        let before = self.solver.fallbacks();
+        let factored = self.solver.factor(&self.values).is_ok();
+        self.statistics.fallbacks += self.solver.fallbacks() - before;
+        if factored {
             self.factored_step = Some(h);
             Ok(true)
         } else {
