@@ -37,15 +37,18 @@ fn show(name: &str, times: Vec<f64>) {
     println!("  {name:<44} {least:>10.2} {median:>10.2}");
 }
 
+/// Short runs, many of them: the least are those in which nothing else ran.
+const RUNS: u32 = 301;
+
 fn time(name: &str, repeat: u32, mut work: impl FnMut()) {
-    show(name, (0..21).map(|_| clock(repeat, &mut work)).collect());
+    show(name, (0..RUNS).map(|_| clock(repeat, &mut work)).collect());
 }
 
 /// Two ways to the same, in turns; the ratio is the median of the ratios of neighbours.
 fn compare(names: [&str; 2], repeat: u32, a: &mut dyn FnMut(), b: &mut dyn FnMut()) {
     let mut times = [Vec::new(), Vec::new()];
     let mut ratios = Vec::new();
-    for _ in 0..21 {
+    for _ in 0..RUNS {
         let (x, y) = (clock(repeat, a), clock(repeat, b));
         ratios.push(y / x);
         times[0].push(x);
@@ -292,10 +295,10 @@ fn measure(name: &str, compiled: &Compiled) -> Outcome<()> {
     let mut unknowns = vec![0.0; size];
     let mut residual = vec![0.0; size];
     simulation.predicted(STEP, &mut unknowns)?;
-    time("residual", 100, || {
+    time("residual", 10, || {
         let _ = simulation.residual(STEP, &unknowns, &mut residual);
     });
-    time("residual and Jacobian", 50, || {
+    time("residual and Jacobian", 2, || {
         let _ = simulation.jacobian(STEP, &unknowns);
     });
     let matrix = simulation.jacobian(STEP, &unknowns)?;
@@ -310,14 +313,14 @@ fn measure(name: &str, compiled: &Compiled) -> Outcome<()> {
     let mut blocks = BlockLu::new(&pattern);
     compare(
         ["factorisation, general sparse", "factorisation by blocks"],
-        20,
+        1,
         &mut || general.factor(&values).unwrap_or_default(),
         &mut || blocks.factor(&values).unwrap_or_default(),
     );
     let mut other = residual.clone();
     compare(
         ["solution, general sparse", "solution by blocks"],
-        100,
+        10,
         &mut || general.solve(&mut residual),
         &mut || blocks.solve(&mut other),
     );
@@ -331,9 +334,9 @@ fn measure(name: &str, compiled: &Compiled) -> Outcome<()> {
             simulation.step()?;
         }
         let (before, from) = (simulation.statistics(), simulation.time());
-        let times = (0..5)
+        let times = (0..100)
             .map(|_| {
-                clock(200, &mut || {
+                clock(10, &mut || {
                     let _ = simulation.step();
                 })
             })

@@ -176,6 +176,9 @@ pub struct Integrator {
     delta: Vec<f64>,
     correction: Vec<f64>,
     scales: Vec<f64>,
+    /// What rows and columns are multiplied by in the step last predicted.
+    row_factors: Vec<f64>,
+    column_factors: Vec<f64>,
     mass_block: Vec<f64>,
     estimate: Vec<f64>,
 }
@@ -228,6 +231,8 @@ impl Integrator {
             delta: vec![0.0; size],
             correction: vec![0.0; size],
             scales,
+            row_factors: vec![0.0; size],
+            column_factors: vec![0.0; size],
             mass_block: vec![0.0; width * width],
             estimate: vec![0.0; model.velocities],
         })
@@ -354,6 +359,10 @@ impl Integrator {
             let multiplier = state.multipliers[i] + rate * self.multiplier_rate[i];
             self.trial[n + s + i] = multiplier / self.multiplier_scale(model, i, h);
         }
+        for i in 0..self.trial.len() {
+            self.row_factors[i] = self.row_scale(model, i, h);
+            self.column_factors[i] = self.column_scale(model, i, h);
+        }
     }
 
     fn multiplier_scale(&self, model: &Model, row: usize, h: f64) -> f64 {
@@ -424,7 +433,7 @@ impl Integrator {
                 / (1.0 - c.alpha_f);
         }
         for i in 0..model.rows {
-            self.next.multipliers[i] = self.trial[n + s + i] * self.multiplier_scale(model, i, h);
+            self.next.multipliers[i] = self.trial[n + s + i] * self.column_factors[n + s + i];
         }
         self.statistics.residuals += 1;
         move_pose(
@@ -455,13 +464,13 @@ impl Integrator {
             self.residual[n + i] = self.next.rates[i] - dynamics.rates[i];
         }
         self.residual[n + s..].copy_from_slice(&dynamics.constraints);
-        for i in 0..self.residual.len() {
-            self.residual[i] *= self.row_scale(model, i, h);
+        for (r, factor) in self.residual.iter_mut().zip(&self.row_factors) {
+            *r *= factor;
         }
         Ok(())
     }
 
-    /// Fills the scaled matrix at the trial last evaluated.
+    /// Fills the scaled matrix at the trial last evaluated, after [`Integrator::predict`] of the same step.
     pub fn fill(
         &mut self,
         model: &Model,
@@ -481,10 +490,14 @@ impl Integrator {
             self.coefficients.state_weight(h),
             &mut self.values,
         )?;
-        for column in 0..self.plan.pattern.size {
-            let by_column = self.column_scale(model, column, h);
-            for k in self.plan.pattern.columns[column]..self.plan.pattern.columns[column + 1] {
-                self.values[k] *= by_column * self.row_scale(model, self.plan.pattern.rows[k], h);
+        let pattern = &self.plan.pattern;
+        for (column, by_column) in self.column_factors.iter().enumerate() {
+            let range = pattern.columns[column]..pattern.columns[column + 1];
+            for (value, row) in self.values[range.clone()]
+                .iter_mut()
+                .zip(&pattern.rows[range])
+            {
+                *value *= by_column * self.row_factors[*row];
             }
         }
         Ok(())

@@ -47,6 +47,20 @@ impl Block {
     }
 }
 
+impl Block {
+    /// Adds `factor` times the transpose of a row-major block, whose rows are as long as this block is high.
+    pub fn add_transposed(&self, values: &mut [f64], block: &[f64], factor: f64) {
+        let Some(height) = block.len().checked_div(self.starts.len()) else {
+            return;
+        };
+        for (start, row) in self.starts.iter().zip(block.chunks_exact(height.max(1))) {
+            for (value, x) in values[*start..*start + height].iter_mut().zip(row) {
+                *value += factor * x;
+            }
+        }
+    }
+}
+
 /// Collects blocks.
 #[derive(Clone, Debug, Default)]
 pub struct PatternBuilder {
@@ -109,7 +123,7 @@ impl Pattern {
 #[derive(Clone, Debug, Default)]
 pub struct BlockTable {
     blocks: Vec<Block>,
-    index: BTreeMap<(usize, usize), usize>,
+    index: BTreeMap<(usize, usize, usize), usize>,
 }
 
 impl BlockTable {
@@ -120,7 +134,7 @@ impl BlockTable {
         row: usize,
         columns: std::ops::Range<usize>,
     ) -> usize {
-        let key = (row, columns.start);
+        let key = (row, columns.start, columns.end);
         if let Some(index) = self.index.get(&key) {
             return *index;
         }

@@ -19,19 +19,28 @@ pub struct MarkerModel {
     pub position: V3,
     /// Marker → body.
     pub orientation: M3,
-    /// On a flexible body: how it follows the modes.
+    /// How it follows the modes of a flexible body; `None` where it does not.
     pub shape: Option<MarkerShape>,
     /// The marker it lies on at the start, until assembly has placed it.
     pub placed_at: Option<usize>,
 }
 
-/// Rows of the mode shapes at a marker, 3 × modes each, row-major.
+impl MarkerModel {
+    /// How many numbers of its body's motion it sees: see [`crate::chain`].
+    pub fn reach(&self) -> usize {
+        if self.shape.is_some() {
+            crate::chain::REACH
+        } else {
+            6
+        }
+    }
+}
+
+/// Rows of the mode shapes at a marker, 6 × modes, row-major: displacement (m a unit of amplitude), then rotation (rad a unit).
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerShape {
-    /// Displacement (m a unit of amplitude).
-    pub translation: Vec<f64>,
-    /// Rotation (rad a unit of amplitude).
-    pub rotation: Vec<f64>,
+    /// The rows.
+    pub rows: Vec<f64>,
 }
 
 /// An element with its numbers and its places in the model's vectors.
@@ -206,11 +215,11 @@ impl Model {
                 BodyInertia::Rigid { .. } => None,
             });
             let shape = match flexible {
-                Some(reduced) => Some(marker_shape(
+                Some(reduced) => marker_shape(
                     &compiled.reduced[reduced],
                     marker.shape,
                     &marker.origin.path,
-                )?),
+                )?,
                 None => None,
             };
             let (position, orientation) = if placed_at.is_some() {
@@ -408,7 +417,7 @@ impl Model {
                 continue;
             };
             let (first, n) = (self.bodies[b].velocity + 6, self.bodies[b].modes());
-            for (i, x) in shape.translation.iter().enumerate() {
+            for (i, x) in shape.rows[..3 * n].iter().enumerate() {
                 let reach = self.length / x.abs();
                 let scale = &mut scales[first + i % n];
                 if *scale == 1.0 || reach < *scale {
@@ -545,21 +554,18 @@ fn marker_shape(
     reduced: &ReducedBody,
     shape: Option<u32>,
     path: &str,
-) -> Result<MarkerShape, RuntimeError> {
-    let length = 3 * reduced.invariants.modes;
+) -> Result<Option<MarkerShape>, RuntimeError> {
     let Some(index) = shape else {
-        return Ok(MarkerShape {
-            translation: vec![0.0; length],
-            rotation: vec![0.0; length],
-        });
+        return Ok(None);
     };
+    let length = 3 * reduced.invariants.modes;
     let marker = reduced
         .markers
         .get(index as usize)
         .filter(|m| m.translation.len() == length && m.rotation.len() == length)
         .ok_or_else(|| malformed(format!("{path}: not among the reduced markers")))?;
-    Ok(MarkerShape {
-        translation: marker.translation.clone(),
-        rotation: marker.rotation.clone(),
-    })
+    // a body without modes is a rigid one
+    Ok((length > 0).then(|| MarkerShape {
+        rows: [&marker.translation[..], &marker.rotation[..]].concat(),
+    }))
 }
