@@ -19,7 +19,7 @@
 //! the unit ones. Sums over elements are made there, and expanded by Φ once a marker, whatever the number of modes.
 
 use crate::body::{BodyFrame, BodyModel};
-use crate::dense::dot;
+use crate::dense::{add_six, dot};
 use crate::model::{MarkerModel, MarkerShape};
 use crate::rotation::{M3, V3, exponential, matrix, skew, tangent, tangent_along};
 
@@ -145,12 +145,8 @@ pub fn expand(marker: &MarkerModel, block: &[f64], reach: usize, width: usize, o
         for (x, y) in line[..6].iter_mut().zip(row) {
             *x += y;
         }
-        if let Some(shape) = &marker.shape {
-            for (factor, phi) in row[6..].iter().zip(shape.rows.chunks_exact(width - 6)) {
-                for (x, p) in line[6..].iter_mut().zip(phi) {
-                    *x += factor * p;
-                }
-            }
+        if let (Some(shape), Some(factors)) = (&marker.shape, row[6..].first_chunk::<6>()) {
+            add_six(&mut line[6..], factors, &shape.rows);
         }
     }
 }

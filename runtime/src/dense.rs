@@ -45,24 +45,29 @@ pub(crate) fn add_transposed(out: &mut [f64], block: &[f64], x: &[f64]) {
     }
 }
 
-/// `out[r] += Σ_k left[k][r] right[k]` for six rows k of `left` (width `height`) and `right`: `out` row-major with `stride` numbers a
-/// row, of which those from `from` on are added to.
-pub(crate) fn add_six(out: &mut [f64], stride: usize, from: usize, left: &[f64], right: &[f64]) {
-    let (height, width) = (left.len() / 6, right.len() / 6);
-    if height == 0 || width == 0 {
+/// `out += Σ_k factors[k] · rows[k]` for six rows, one after the other in `rows`, as long as `out`.
+pub(crate) fn add_six(out: &mut [f64], factors: &[f64; 6], rows: &[f64]) {
+    let n = out.len();
+    if n == 0 || rows.len() < 6 * n {
         return;
     }
-    let mut rows = right.chunks_exact(width);
-    let rows: [&[f64]; 6] = std::array::from_fn(|_| rows.next().unwrap_or_default());
-    for (r, line) in out.chunks_exact_mut(stride).take(height).enumerate() {
-        let f: [f64; 6] = std::array::from_fn(|k| left[k * height + r]);
-        let line = &mut line[from..from + width];
-        let [a, b, c, d, e, g] = rows.map(|row| &row[..width]);
-        for i in 0..width {
-            line[i] += (f[0] * a[i] + f[1] * b[i])
-                + (f[2] * c[i] + f[3] * d[i])
-                + (f[4] * e[i] + f[5] * g[i]);
-        }
+    let [a, b, c, d, e, g]: [&[f64]; 6] = std::array::from_fn(|k| &rows[k * n..(k + 1) * n]);
+    let f = factors;
+    for i in 0..n {
+        out[i] +=
+            (f[0] * a[i] + f[1] * b[i]) + (f[2] * c[i] + f[3] * d[i]) + (f[4] * e[i] + f[5] * g[i]);
+    }
+}
+
+/// `out += leftᵀ right` for six rows each, row-major: as many rows as `left` has columns, as long as those of `right`.
+pub(crate) fn add_product_of_six(out: &mut [f64], left: &[f64], right: &[f64]) {
+    let (height, width) = (left.len() / 6, right.len() / 6);
+    if width == 0 {
+        return;
+    }
+    for (r, line) in out.chunks_exact_mut(width).take(height).enumerate() {
+        let factors = std::array::from_fn(|k| left[k * height + r]);
+        add_six(line, &factors, right);
     }
 }
 
@@ -87,20 +92,17 @@ mod tests {
                 assert_eq!((forward[i], back[i]), (1.0 + 2.0 * row, 1.0 + column));
             }
         }
-        let (height, width, stride) = (3, 5, 7);
+        let (height, width) = (3, 5);
         let left: Vec<f64> = (0..6 * height).map(number).collect();
         let right: Vec<f64> = (0..6 * width).map(|i| number(i + 1)).collect();
-        let mut out = vec![0.5; height * stride];
-        add_six(&mut out, stride, 2, &left, &right);
+        let mut out = vec![0.5; height * width];
+        add_product_of_six(&mut out, &left, &right);
         for r in 0..height {
-            for c in 0..stride {
+            for c in 0..width {
                 let sum: f64 = (0..6)
-                    .map(|k| match c.checked_sub(2) {
-                        Some(c) if c < width => left[k * height + r] * right[k * width + c],
-                        _ => 0.0,
-                    })
+                    .map(|k| left[k * height + r] * right[k * width + c])
                     .sum();
-                assert_eq!(out[r * stride + c], 0.5 + sum);
+                assert_eq!(out[r * width + c], 0.5 + sum);
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::{Dynamics, frame_of, not_finite};
 use crate::body::Weights;
 use crate::chain::{self, Motion, Placed, REACH};
-use crate::dense::{add_scaled, add_six};
+use crate::dense::{add_product_of_six, add_scaled};
 use crate::elements;
 use crate::error::RuntimeError;
 use crate::linear::{BlockTable, Pattern, PatternBuilder};
@@ -329,10 +329,8 @@ impl MatrixPlan {
                             let block = &mut block[..height * reach];
                             block.fill(0.0);
                             let first = (rows + 6 * i) * reach;
-                            add_six(
+                            add_product_of_six(
                                 block,
-                                reach,
-                                0,
                                 &jacobians[to..to + 6 * height],
                                 &columns[first..first + 6 * reach],
                             );
@@ -514,6 +512,6 @@ fn expand_rows(marker: &MarkerModel, block: &[f64], width: usize, out: &mut [f64
     let (rigid, modal) = block.split_at(6 * width);
     add_scaled(&mut out[..6 * width], 1.0, rigid);
     if let Some(shape) = &marker.shape {
-        add_six(&mut out[6 * width..], width, 0, &shape.rows, modal);
+        add_product_of_six(&mut out[6 * width..], &shape.rows, modal);
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! Storage by columns; each column begins at a multiple of four, and the rows that fill it up are zero.
 
-/// Columns that are eliminated before the rest follows.
-const PANEL: usize = 8;
+/// Columns that are eliminated before the rest follows: those of a rigid body.
+const PANEL: usize = 6;
 /// Rows and columns of the kernel's tile.
 const TILE: usize = 4;
 /// A pivot is taken if it is at least this part of what stands below it in rows that belong to later fronts: it bounds their growth.
@@ -32,8 +32,10 @@ pub(super) struct Front {
 pub(super) struct Work {
     /// Rows exchanged in a panel.
     swaps: Vec<(usize, usize)>,
-    /// The panel's part below its pivots, four rows by four.
+    /// The panel's part below its pivots, four rows by four, without those that are zero.
     packed: Vec<[f64; TILE]>,
+    /// Which fours of rows these are.
+    tiles: Vec<usize>,
 }
 
 /// `y −= factor · x`.
@@ -178,32 +180,40 @@ impl Front {
         }
         let (done, rest) = self.values.split_at_mut(from * stride);
         let mut triangle = [[0.0; PANEL]; PANEL];
-        let first = end / TILE;
-        work.packed.clear();
-        work.packed
-            .resize((stride / TILE - first) * count, [0.0; TILE]);
+        let mut panel: [&[[f64; TILE]]; PANEL] = [&[]; PANEL];
         for k in 0..count {
             let column = &done[(begin + k) * stride..(begin + k + 1) * stride];
             for (i, line) in triangle[..count].iter_mut().enumerate().skip(k + 1) {
                 line[k] = column[begin + i];
             }
-            let (tiles, _) = column.as_chunks::<TILE>();
-            for (t, tile) in tiles[first..].iter().enumerate() {
-                work.packed[t * count + k] = *tile;
+            panel[k] = column.as_chunks::<TILE>().0;
+        }
+        work.packed.clear();
+        work.tiles.clear();
+        for tile in end / TILE..stride / TILE {
+            let mut rows = [[0.0; TILE]; PANEL];
+            let mut any = false;
+            for (row, column) in rows.iter_mut().zip(&panel[..count]) {
+                *row = column[tile];
+                // pivots themselves, in the first tile
+                for x in row.iter_mut().take(end.saturating_sub(tile * TILE)) {
+                    *x = 0.0;
+                }
+                any |= row.iter().any(|x| *x != 0.0);
             }
-            // rows of the first tile that are pivots themselves
-            for row in first * TILE..end {
-                work.packed[k][row - first * TILE] = 0.0;
+            if any {
+                work.packed.extend_from_slice(&rows[..count]);
+                work.tiles.push(tile);
             }
         }
         let columns = size - from;
         let whole = columns / TILE * TILE;
         let (fours, ones) = rest[..columns * stride].split_at_mut(whole * stride);
         for group in fours.chunks_exact_mut(TILE * stride) {
-            follow_columns::<TILE>(group, stride, begin, count, first, &triangle, &work.packed);
+            follow_columns::<TILE>(group, stride, begin..end, &triangle, work);
         }
         for single in ones.chunks_exact_mut(stride) {
-            follow_columns::<1>(single, stride, begin, count, first, &triangle, &work.packed);
+            follow_columns::<1>(single, stride, begin..end, &triangle, work);
         }
     }
 
@@ -243,16 +253,15 @@ impl Front {
 fn follow_columns<const C: usize>(
     columns: &mut [f64],
     stride: usize,
-    begin: usize,
-    count: usize,
-    first: usize,
+    pivots: std::ops::Range<usize>,
     triangle: &[[f64; PANEL]; PANEL],
-    packed: &[[f64; TILE]],
+    work: &Work,
 ) {
+    let count = pivots.len();
     let mut upper = [[0.0; C]; PANEL];
     let mut any = false;
     for (c, column) in columns.chunks_exact_mut(stride).take(C).enumerate() {
-        for (i, x) in column[begin..begin + count].iter_mut().enumerate() {
+        for (i, x) in column[pivots.clone()].iter_mut().enumerate() {
             let mut value = *x;
             for k in 0..i {
                 value -= triangle[i][k] * upper[k][c];
@@ -268,9 +277,10 @@ fn follow_columns<const C: usize>(
     let mut parts = columns.chunks_exact_mut(stride);
     let parts: [&mut [[f64; TILE]]; C] = std::array::from_fn(|_| {
         let column = parts.next().unwrap_or_default();
-        &mut column.as_chunks_mut::<TILE>().0[first..]
+        column.as_chunks_mut::<TILE>().0
     });
-    for (t, left) in packed.chunks_exact(count).enumerate() {
+    for (left, t) in work.packed.chunks_exact(count).zip(&work.tiles) {
+        let t = *t;
         let mut sums: [[f64; TILE]; C] = std::array::from_fn(|c| parts[c][t]);
         for (l, u) in left.iter().zip(&upper) {
             for c in 0..C {
