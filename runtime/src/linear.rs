@@ -7,9 +7,11 @@ mod blocks;
 pub mod dissection;
 mod front;
 mod probe;
+mod runs;
 mod sparse;
 
 pub use blocks::BlockLu;
+pub use runs::Runs;
 pub use sparse::SparseLu;
 
 use std::collections::{BTreeMap, BTreeSet};

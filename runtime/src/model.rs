@@ -91,6 +91,8 @@ pub struct Model {
     pub velocities: usize,
     /// States of dynamic elements.
     pub states: usize,
+    /// Circular frequency (rad/s) of the mode behind each velocity; zero where there is none, or where it is not known.
+    pub frequencies: Vec<f64>,
     /// Constraint rows of dynamic elements.
     pub rows: usize,
     /// Rotation references.
@@ -174,6 +176,7 @@ impl Model {
 
         let mut bodies = Vec::with_capacity(system.bodies.len());
         let (mut poses, mut velocities) = (0, 0);
+        let mut frequencies = Vec::new();
         for body in &system.bodies {
             let kind = body_kind(body, &slots, &compiled.reduced)?;
             let model = BodyModel {
@@ -184,6 +187,14 @@ impl Model {
             };
             poses += 7 + model.modes();
             velocities += model.width();
+            if let BodyInertia::Flexible(index) = &body.inertia
+                && let Some(reduced) = compiled.reduced.get(*index as usize)
+            {
+                frequencies.resize(model.velocity + 6, 0.0);
+                let known = reduced.frequencies.iter().take(model.modes());
+                frequencies.extend(known.map(|f| f * std::f64::consts::TAU));
+            }
+            frequencies.resize(velocities, 0.0);
             bodies.push(model);
         }
 
@@ -357,6 +368,7 @@ impl Model {
             poses,
             velocities,
             states,
+            frequencies,
             rows,
             rotations,
             wrenches,

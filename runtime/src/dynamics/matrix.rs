@@ -6,7 +6,7 @@ use crate::chain::{self, Motion, Placed, REACH};
 use crate::dense::{add_product_of_six, add_scaled};
 use crate::elements;
 use crate::error::RuntimeError;
-use crate::linear::{BlockTable, Pattern, PatternBuilder};
+use crate::linear::{BlockTable, Pattern, PatternBuilder, Runs};
 use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
 use eng_system::code::Pair;
@@ -17,6 +17,8 @@ use std::collections::BTreeMap;
 pub struct MatrixPlan {
     /// The pattern.
     pub pattern: Pattern,
+    /// Its runs.
+    pub runs: Runs,
     table: BlockTable,
     bodies: Vec<usize>,
     /// Blocks of each dynamic element, in the order in which [`MatrixPlan::fill`] visits them.
@@ -180,6 +182,7 @@ impl MatrixPlan {
             .map(|i| pattern.block(i, i..i + 1).starts[0])
             .collect();
         MatrixPlan {
+            runs: Runs::new(&pattern),
             pattern,
             table,
             bodies,

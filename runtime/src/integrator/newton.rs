@@ -1,6 +1,6 @@
 //! One step: Newton's iteration with a kept matrix, the estimate of the local error, and what failed.
 
-use super::{Integrator, Trial};
+use super::{Integrator, RESOLVED, Trial};
 use crate::dynamics::Dynamics;
 use crate::elements;
 use crate::error::{Moment, RuntimeError};
@@ -301,9 +301,12 @@ impl Integrator {
         self.solver.solve(&mut self.correction);
         let unit = model.length / (model.tolerance * factor);
         let mut worst = 0.0_f64;
-        for x in &self.correction[..n] {
+        for (x, frequency) in self.correction[..n].iter().zip(&model.frequencies) {
             if !x.is_finite() {
                 return Ok(f64::INFINITY);
+            }
+            if frequency * h > RESOLVED {
+                continue;
             }
             worst = worst.max(x.abs() * unit);
         }

@@ -136,7 +136,7 @@ impl BlockLu {
             places: Vec::new(),
             local: vec![0.0; largest],
             solution: vec![0.0; n],
-            probe: Probe::new(n),
+            probe: Probe::new(pattern),
             general: None,
             state: State::Empty,
             fallbacks: 0,
@@ -236,9 +236,9 @@ impl LinearSolver for BlockLu {
             return Err(LinearError::Singular);
         }
         if self.eliminate(values) {
-            let rhs = self.probe.begin(&self.pattern, values);
+            let rhs = self.probe.begin(values);
             Self::solve_by_blocks(&self.fronts, rhs, &mut self.solution, &mut self.local);
-            if self.probe.passes(&self.pattern, values) {
+            if self.probe.passes(values) {
                 self.state = State::Blocks;
                 return Ok(());
             }

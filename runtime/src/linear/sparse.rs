@@ -13,7 +13,8 @@ use faer::{Conj, MatMut, Par};
 ///
 /// Work space is kept. faer's numeric storage is kept as well: it grows with the first factorisations and is then reused.
 pub struct SparseLu {
-    pattern: Pattern,
+    size: usize,
+    entries: usize,
     structure: SymbolicSparseColMat<usize>,
     symbolic: SymbolicLu<usize>,
     numeric: NumericLu<usize, f64>,
@@ -24,12 +25,7 @@ pub struct SparseLu {
 
 impl std::fmt::Debug for SparseLu {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "SparseLu({} rows, {} entries)",
-            self.pattern.size,
-            self.pattern.rows.len()
-        )
+        write!(f, "SparseLu({} rows, {} entries)", self.size, self.entries)
     }
 }
 
@@ -51,12 +47,13 @@ impl SparseLu {
             .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
         let memory = MemBuffer::try_new(need).map_err(|_| LinearError::TooLarge)?;
         Ok(SparseLu {
-            pattern: pattern.clone(),
+            size: n,
+            entries: pattern.rows.len(),
             structure,
             symbolic,
             numeric: NumericLu::new(),
             memory,
-            probe: Probe::new(n),
+            probe: Probe::new(pattern),
             factored: false,
         })
     }
@@ -77,7 +74,7 @@ impl SparseLu {
 impl LinearSolver for SparseLu {
     fn factor(&mut self, values: &[f64]) -> Result<(), LinearError> {
         self.factored = false;
-        if self.pattern.size == 0 {
+        if self.size == 0 {
             self.factored = true;
             return Ok(());
         }
@@ -96,9 +93,9 @@ impl LinearSolver for SparseLu {
             )
             .map_err(|_| LinearError::Singular)?;
         let mut probe = std::mem::take(&mut self.probe);
-        let solution = probe.begin(&self.pattern, values);
+        let solution = probe.begin(values);
         self.solve_factored(solution);
-        self.factored = probe.passes(&self.pattern, values);
+        self.factored = probe.passes(values);
         self.probe = probe;
         if self.factored {
             Ok(())
@@ -108,7 +105,7 @@ impl LinearSolver for SparseLu {
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {
-        if self.pattern.size == 0 {
+        if self.size == 0 {
             return;
         }
         if self.factored {
