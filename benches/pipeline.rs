@@ -3,7 +3,7 @@
 //! `cargo bench --bench pipeline`. Each figure is the minimum and the median of several runs in this process.
 
 use eng::Sources;
-use eng_runtime::linear::{LinearSolver, PatternBuilder, SparseLu};
+use eng_runtime::linear::{BlockLu, LinearSolver, PatternBuilder};
 use std::time::{Duration, Instant};
 
 /// Minimum and median of the time of `work` over some runs.
@@ -97,7 +97,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     let pattern = pattern.finish();
-    let mut solver = SparseLu::new(&pattern)?;
+    let mut solver = BlockLu::new(&pattern);
     println!("  {size} unknowns, {} entries", matrix.values.len());
     show(
         "factorisation",

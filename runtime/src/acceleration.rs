@@ -5,7 +5,7 @@
 
 use crate::dynamics::Dynamics;
 use crate::error::{Moment, RuntimeError};
-use crate::linear::{Block, LinearSolver, Pattern, PatternBuilder, SparseLu};
+use crate::linear::{Block, BlockLu, LinearSolver, Pattern, PatternBuilder};
 use crate::model::Model;
 use crate::state::{State, move_pose};
 
@@ -65,9 +65,7 @@ impl AccelerationSystem {
             .iter()
             .map(|b| pattern.block(b.velocity, b.velocity..b.velocity + b.width()))
             .collect();
-        let solver = SparseLu::new(&pattern).map_err(|e| RuntimeError::Malformed {
-            what: e.to_string(),
-        })?;
+        let solver = BlockLu::new(&pattern);
         let mut scales = model.velocity_scales();
         scales.extend(model.row_scales().iter().map(|s| 1.0 / s));
         let width = model.bodies.iter().map(|b| b.width()).max().unwrap_or(0);

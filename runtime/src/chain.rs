@@ -13,10 +13,18 @@
 //! with `T(θ) = Σ θ~ᵏ/(k+1)!`, the exact `d exp(θ~) = (T dθ)~ exp(θ~)`: with `T = I` velocity constraints would not be the
 //! rates of the position constraints. The twist is `J v`, the generalised force of a wrench `W` is `Jᵀ W`, and the marker's
 //! acceleration `J v̇ + J̇ v`. With frozen W and v, `∂(JᵀW)/∂q` and `∂(Jv)/∂q` are what makes Newton's matrix exact.
+//!
+//! A marker sees the shape of its body through `u` and `θ` alone. All of the above is therefore computed in the marker's *reach*, six
+//! numbers on a rigid body, `(δr, δπ)`, and twelve on a flexible one, `(δr, δπ, u = Φt δa, θ = Φr δa)`: a body of six modes whose shapes are
+//! the unit ones. Sums over elements are made there, and expanded by Φ once a marker, whatever the number of modes.
 
 use crate::body::{BodyFrame, BodyModel};
+use crate::dense::{add_six, dot};
 use crate::model::{MarkerModel, MarkerShape};
 use crate::rotation::{M3, V3, exponential, matrix, skew, tangent, tangent_along};
+
+/// Numbers of its body's motion that a marker can see at most.
+pub const REACH: usize = 12;
 
 /// Pose and twist of a marker.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,85 +41,112 @@ pub struct MarkerKinematics {
 
 /// Where a marker stands in its deformed body.
 #[derive(Clone, Copy, Debug)]
-struct Placed<'a> {
+pub struct Placed {
     /// p (m, body axes).
-    position: V3,
+    pub position: V3,
     /// E C: marker → body.
-    orientation: M3,
+    pub orientation: M3,
+    /// What a flexible body adds.
+    bent: Option<Bent>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Bent {
     /// θ (rad, body axes).
     theta: V3,
     /// T(θ).
     turn: M3,
-    shape: Option<&'a MarkerShape>,
 }
 
-impl<'a> Placed<'a> {
-    fn new(frame: &BodyFrame, marker: &'a MarkerModel) -> Placed<'a> {
-        let mut placed = Placed {
-            position: marker.position,
-            orientation: marker.orientation,
-            theta: V3::zeros(),
-            turn: M3::identity(),
-            shape: marker.shape.as_ref(),
+/// How a body's motion reaches a marker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// ṙ (m/s, inertial).
+    pub velocity: V3,
+    /// ω (rad/s, body axes).
+    pub omega: V3,
+    /// Φt ȧ (m/s, body axes).
+    pub rate: V3,
+    /// Φr ȧ (rad/s, body axes).
+    pub turning: V3,
+}
+
+impl Placed {
+    /// At the amplitudes of a frame.
+    pub fn new(frame: &BodyFrame, marker: &MarkerModel) -> Placed {
+        let Some(shape) = &marker.shape else {
+            return Placed {
+                position: marker.position,
+                orientation: marker.orientation,
+                bent: None,
+            };
         };
-        if let Some(shape) = placed.shape {
-            placed.position += along(&shape.translation, frame.amplitudes);
-            placed.theta = along(&shape.rotation, frame.amplitudes);
-            placed.orientation = matrix(&exponential(&placed.theta)) * marker.orientation;
+        let (displacement, theta) = shape.along(frame.amplitudes);
+        Placed {
+            position: marker.position + displacement,
+            orientation: matrix(&exponential(&theta)) * marker.orientation,
             // the other trivialisation than that of increments in body axes: T(θ) = tangent(−θ)
-            placed.turn = tangent(&(-placed.theta));
+            bent: Some(Bent {
+                theta,
+                turn: tangent(&-theta),
+            }),
         }
-        placed
     }
 
-    /// Φt ȧ and Φr ȧ.
-    fn rates(&self, v: &[f64]) -> (V3, V3) {
-        match self.shape {
-            Some(shape) => (
-                along(&shape.translation, &v[6..]),
-                along(&shape.rotation, &v[6..]),
-            ),
+    /// Six or twelve; see the head of this module.
+    pub fn reach(&self) -> usize {
+        if self.bent.is_some() { REACH } else { 6 }
+    }
+}
+
+impl Motion {
+    /// From a body's velocities, or any other vector of that kind.
+    pub fn new(marker: &MarkerModel, v: &[f64]) -> Motion {
+        let (rate, turning) = match &marker.shape {
+            Some(shape) => shape.along(&v[6..]),
             None => (V3::zeros(), V3::zeros()),
+        };
+        Motion {
+            velocity: V3::new(v[0], v[1], v[2]),
+            omega: V3::new(v[3], v[4], v[5]),
+            rate,
+            turning,
         }
+    }
+
+    /// The same as numbers of the marker's reach.
+    pub fn numbers(&self) -> [f64; REACH] {
+        let mut out = [0.0; REACH];
+        for (part, x) in
+            out.chunks_exact_mut(3)
+                .zip([&self.velocity, &self.omega, &self.rate, &self.turning])
+        {
+            part.copy_from_slice(x.as_slice());
+        }
+        out
     }
 }
 
-/// Three rows times a vector.
-fn along(rows: &[f64], x: &[f64]) -> V3 {
-    let n = rows.len() / 3;
-    let row = |i: usize| -> f64 {
-        rows[i * n..(i + 1) * n]
-            .iter()
-            .zip(x)
-            .map(|(r, x)| r * x)
-            .sum()
-    };
-    V3::new(row(0), row(1), row(2))
-}
-
-/// `out += block · rows`: three rows from `row` on, modal columns from `column` on.
-fn put_modal(out: &mut [f64], width: usize, row: usize, block: &M3, rows: &[f64]) {
-    let n = rows.len() / 3;
-    for i in 0..3 {
-        let line = &mut out[(row + i) * width + 6..(row + i) * width + 6 + n];
-        for k in 0..3 {
-            let factor = block[(i, k)];
-            if factor != 0.0 {
-                for (x, r) in line.iter_mut().zip(&rows[k * n..(k + 1) * n]) {
-                    *x += factor * r;
-                }
-            }
-        }
+impl MarkerShape {
+    /// Φt x and Φr x.
+    fn along(&self, x: &[f64]) -> (V3, V3) {
+        let n = self.rows.len() / 6;
+        let row = |i: usize| dot(&self.rows[i * n..(i + 1) * n], x);
+        (
+            V3::new(row(0), row(1), row(2)),
+            V3::new(row(3), row(4), row(5)),
+        )
     }
 }
 
-/// `out += rowsᵀ · block` at the modal rows, three columns from `column` on.
-fn put_modal_rows(out: &mut [f64], width: usize, column: usize, rows: &[f64], block: &M3) {
-    let n = rows.len() / 3;
-    for m in 0..n {
-        for j in 0..3 {
-            let x: f64 = (0..3).map(|k| rows[k * n + m] * block[(k, j)]).sum();
-            out[(6 + m) * width + column + j] += x;
+/// Expands rows over a marker's reach to rows over its body's velocities: `out += block · [1, 0; 0, Φ]`.
+pub fn expand(marker: &MarkerModel, block: &[f64], reach: usize, width: usize, out: &mut [f64]) {
+    for (row, line) in block.chunks_exact(reach).zip(out.chunks_exact_mut(width)) {
+        for (x, y) in line[..6].iter_mut().zip(row) {
+            *x += y;
+        }
+        if let (Some(shape), Some(factors)) = (&marker.shape, row[6..].first_chunk::<6>()) {
+            add_six(&mut line[6..], factors, &shape.rows);
         }
     }
 }
@@ -122,10 +157,6 @@ fn put(out: &mut [f64], width: usize, row: usize, column: usize, block: &M3) {
             out[(row + i) * width + column + j] += block[(i, j)];
         }
     }
-}
-
-fn omega_of(v: &[f64]) -> V3 {
-    V3::new(v[3], v[4], v[5])
 }
 
 /// Pose and twist of a marker on ground.
@@ -140,143 +171,142 @@ pub fn ground(marker: &MarkerModel) -> MarkerKinematics {
 
 /// Pose and twist of a marker on a body with the velocities `v` of that body.
 pub fn kinematics(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> MarkerKinematics {
-    let omega = omega_of(v);
     if marker.shape.is_none() {
-        return MarkerKinematics {
-            position: frame.position + frame.rotation * marker.position,
-            rotation: frame.rotation * marker.orientation,
-            velocity: V3::new(v[0], v[1], v[2]) + frame.rotation * omega.cross(&marker.position),
-            angular_velocity: marker.orientation.transpose() * omega,
-        };
+        return rigid_kinematics(frame, marker, v);
     }
-    let placed = Placed::new(frame, marker);
-    let (rate, turning) = placed.rates(v);
+    let (placed, motion) = (Placed::new(frame, marker), Motion::new(marker, v));
+    seen(&frame.rotation, &frame.position, &placed, &motion)
+}
+
+/// [`kinematics`] of a marker that no mode moves.
+pub fn rigid_kinematics(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> MarkerKinematics {
+    let omega = V3::new(v[3], v[4], v[5]);
     MarkerKinematics {
-        position: frame.position + frame.rotation * placed.position,
-        rotation: frame.rotation * placed.orientation,
-        velocity: V3::new(v[0], v[1], v[2])
-            + frame.rotation * (omega.cross(&placed.position) + rate),
-        angular_velocity: placed.orientation.transpose() * (omega + placed.turn * turning),
+        position: frame.position + frame.rotation * marker.position,
+        rotation: frame.rotation * marker.orientation,
+        velocity: V3::new(v[0], v[1], v[2]) + frame.rotation * omega.cross(&marker.position),
+        angular_velocity: marker.orientation.transpose() * omega,
+    }
+}
+
+/// [`kinematics`] of a marker that is placed on a body with orientation and position.
+pub fn seen(rotation: &M3, origin: &V3, placed: &Placed, motion: &Motion) -> MarkerKinematics {
+    let mut arm = motion.omega.cross(&placed.position);
+    let mut spin = motion.omega;
+    if let Some(bent) = &placed.bent {
+        arm += motion.rate;
+        spin += bent.turn * motion.turning;
+    }
+    MarkerKinematics {
+        position: origin + rotation * placed.position,
+        rotation: rotation * placed.orientation,
+        velocity: motion.velocity + rotation * arm,
+        angular_velocity: placed.orientation.transpose() * spin,
     }
 }
 
 /// J, row-major 6 × width.
 pub fn jacobian(body: &BodyModel, frame: &BodyFrame, marker: &MarkerModel, out: &mut [f64]) {
-    let width = body.width();
-    if marker.shape.is_none() {
-        let arm = -(frame.rotation * skew(&marker.position));
-        for i in 0..3 {
-            for j in 0..3 {
-                out[i * width + j] = if i == j { 1.0 } else { 0.0 };
-                out[i * width + 3 + j] = arm[(i, j)];
-                out[(3 + i) * width + j] = 0.0;
-                out[(3 + i) * width + 3 + j] = marker.orientation[(j, i)];
-            }
-        }
-        return;
-    }
     let placed = Placed::new(frame, marker);
+    let mut block = [0.0; 6 * REACH];
+    let block = &mut block[..6 * placed.reach()];
+    jacobian_in_reach(&frame.rotation, &placed, block);
+    out[..6 * body.width()].fill(0.0);
+    expand(marker, block, placed.reach(), body.width(), out);
+}
+
+/// J of a marker that no mode moves: six rows, written.
+pub fn rigid_jacobian(frame: &BodyFrame, marker: &MarkerModel, out: &mut [[f64; 6]]) {
+    let arm = -(frame.rotation * skew(&marker.position));
+    for (i, row) in out.iter_mut().take(6).enumerate() {
+        *row = if i < 3 {
+            let mut row = [0.0, 0.0, 0.0, arm[(i, 0)], arm[(i, 1)], arm[(i, 2)]];
+            row[i] = 1.0;
+            row
+        } else {
+            let axis = marker.orientation.column(i - 3);
+            [0.0, 0.0, 0.0, axis[0], axis[1], axis[2]]
+        };
+    }
+}
+
+/// J in the marker's reach, row-major 6 × reach, written.
+pub fn jacobian_in_reach(rotation: &M3, placed: &Placed, out: &mut [f64]) {
+    let width = placed.reach();
     out[..6 * width].fill(0.0);
     let back = placed.orientation.transpose();
     put(out, width, 0, 0, &M3::identity());
-    put(
-        out,
-        width,
-        0,
-        3,
-        &-(frame.rotation * skew(&placed.position)),
-    );
+    put(out, width, 0, 3, &-(rotation * skew(&placed.position)));
     put(out, width, 3, 3, &back);
-    if let Some(shape) = placed.shape {
-        put_modal(out, width, 0, &frame.rotation, &shape.translation);
-        put_modal(out, width, 3, &(back * placed.turn), &shape.rotation);
+    if let Some(bent) = &placed.bent {
+        put(out, width, 0, 6, rotation);
+        put(out, width, 3, 9, &(back * bent.turn));
     }
 }
 
-/// `∂(J v)/∂q` for frozen v, row-major 6 × width, written. Of ẋ: `A (δπ × (ω×p + Φtȧ) + ω × Φt δa)`. Of ω_m, with
-/// `y = ω + T Φr ȧ`: `CᵀEᵀ (y × T δθ + ∂(T θ̇)/∂θ δθ)`, θ̇ frozen.
-pub fn twist_by_pose(
-    body: &BodyModel,
-    frame: &BodyFrame,
-    marker: &MarkerModel,
-    v: &[f64],
-    out: &mut [f64],
-) {
-    let width = body.width();
-    let omega = omega_of(v);
-    let placed = Placed::new(frame, marker);
-    let (rate, turning) = placed.rates(v);
+/// `∂(J v)/∂q` for frozen v in the marker's reach, row-major 6 × reach, written. Of ẋ: `A (δπ × (ω×p + Φtȧ) + ω × Φt δa)`.
+/// Of ω_m, with `y = ω + T Φr ȧ`: `CᵀEᵀ (y × T δθ + ∂(T θ̇)/∂θ δθ)`, θ̇ frozen.
+pub fn twist_by_pose(rotation: &M3, placed: &Placed, motion: &Motion, out: &mut [f64]) {
+    let width = placed.reach();
     out[..6 * width].fill(0.0);
-    let seen = omega.cross(&placed.position) + rate;
-    put(out, width, 0, 3, &-(frame.rotation * skew(&seen)));
-    if let Some(shape) = placed.shape {
-        put_modal(
-            out,
-            width,
-            0,
-            &(frame.rotation * skew(&omega)),
-            &shape.translation,
-        );
-        let spin = omega + placed.turn * turning;
-        let by_theta = skew(&spin) * placed.turn + tangent_along(&placed.theta, &turning);
-        put_modal(
+    let arm = motion.omega.cross(&placed.position) + motion.rate;
+    put(out, width, 0, 3, &-(rotation * skew(&arm)));
+    if let Some(bent) = &placed.bent {
+        put(out, width, 0, 6, &(rotation * skew(&motion.omega)));
+        let spin = motion.omega + bent.turn * motion.turning;
+        let by_theta = skew(&spin) * bent.turn + tangent_along(&bent.theta, &motion.turning);
+        put(
             out,
             width,
             3,
+            9,
             &(placed.orientation.transpose() * by_theta),
-            &shape.rotation,
         );
     }
 }
 
-/// `∂(Jᵀ W)/∂q` for a frozen wrench (force inertial, torque marker axes), row-major width × width, written. With `f = AᵀF`,
-/// `t = E C τ`: `JᵀW = [F; p×f + t; Φtᵀf + Φrᵀ Tᵀ t]`, `δf = f × δπ`, `δt = T δθ × t`, and `Tᵀ(θ) = T(−θ)`.
-pub fn force_by_pose(
-    body: &BodyModel,
-    frame: &BodyFrame,
-    marker: &MarkerModel,
-    wrench: &[f64],
-    out: &mut [f64],
-) {
-    let width = body.width();
-    let placed = Placed::new(frame, marker);
-    let force = frame.rotation.transpose() * V3::new(wrench[0], wrench[1], wrench[2]);
+/// `∂(Jᵀ W)/∂q` for a frozen wrench (force inertial, torque marker axes) in the marker's reach, row-major reach × reach, written.
+/// With `f = AᵀF`, `t = E C τ`: `JᵀW = [F; p×f + t; f; Tᵀ t]`, `δf = f × δπ`, `δt = T δθ × t`, and `Tᵀ(θ) = T(−θ)`.
+pub fn force_by_pose(rotation: &M3, placed: &Placed, wrench: &[f64], out: &mut [f64]) {
+    let width = placed.reach();
+    let force = rotation.transpose() * V3::new(wrench[0], wrench[1], wrench[2]);
     let cross = skew(&force);
     out[..width * width].fill(0.0);
     put(out, width, 3, 3, &(skew(&placed.position) * cross));
-    if let Some(shape) = placed.shape {
+    if let Some(bent) = &placed.bent {
         let torque = placed.orientation * V3::new(wrench[3], wrench[4], wrench[5]);
-        let torque_by_theta = -(skew(&torque) * placed.turn);
-        put_modal(out, width, 3, &-cross, &shape.translation);
-        put_modal(out, width, 3, &torque_by_theta, &shape.rotation);
-        put_modal_rows(out, width, 3, &shape.translation, &cross);
+        let torque_by_theta = -(skew(&torque) * bent.turn);
+        put(out, width, 3, 6, &-cross);
+        put(out, width, 3, 9, &torque_by_theta);
+        put(out, width, 6, 3, &cross);
         let by_theta =
-            placed.turn.transpose() * torque_by_theta - tangent_along(&(-placed.theta), &torque);
-        let n = body.modes();
-        for i in 0..n {
-            for k in 0..3 {
-                let left: f64 = (0..3)
-                    .map(|l| shape.rotation[l * n + i] * by_theta[(l, k)])
-                    .sum();
-                for j in 0..n {
-                    out[(6 + i) * width + 6 + j] += left * shape.rotation[k * n + j];
-                }
-            }
-        }
+            bent.turn.transpose() * torque_by_theta - tangent_along(&-bent.theta, &torque);
+        put(out, width, 9, 9, &by_theta);
     }
+}
+
+/// [`acceleration_bias`] of a marker on a body with the velocities `v` of that body.
+pub fn bias(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> [f64; 6] {
+    acceleration_bias(
+        &frame.rotation,
+        &Placed::new(frame, marker),
+        &Motion::new(marker, v),
+    )
 }
 
 /// `J̇ v`: acceleration of the marker (ẍ inertial m/s², ω̇ in marker axes rad/s²) at `v̇ = 0`:
 /// `A (ω×(ω×p) + 2 ω×Φtȧ)` and `CᵀEᵀ (ω × T θ̇ + ∂(T θ̇)/∂θ θ̇)`.
-pub fn acceleration_bias(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> [f64; 6] {
-    let omega = omega_of(v);
-    let placed = Placed::new(frame, marker);
-    let (rate, turning) = placed.rates(v);
-    let x =
-        frame.rotation * (omega.cross(&omega.cross(&placed.position)) + omega.cross(&rate) * 2.0);
-    let spin = placed.orientation.transpose()
-        * (omega.cross(&(placed.turn * turning))
-            + tangent_along(&placed.theta, &turning) * turning);
+pub fn acceleration_bias(rotation: &M3, placed: &Placed, motion: &Motion) -> [f64; 6] {
+    let omega = &motion.omega;
+    let mut arm = omega.cross(&omega.cross(&placed.position));
+    let mut spin = V3::zeros();
+    if let Some(bent) = &placed.bent {
+        arm += omega.cross(&motion.rate) * 2.0;
+        let turning = omega.cross(&(bent.turn * motion.turning))
+            + tangent_along(&bent.theta, &motion.turning) * motion.turning;
+        spin = placed.orientation.transpose() * turning;
+    }
+    let x = rotation * arm;
     [x.x, x.y, x.z, spin.x, spin.y, spin.z]
 }
 

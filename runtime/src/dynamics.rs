@@ -6,7 +6,8 @@
 pub mod matrix;
 
 use crate::body::{BodyFrame, BodyModel};
-use crate::chain::{self, MarkerKinematics};
+use crate::chain::{self, MarkerKinematics, Motion, Placed, REACH};
+use crate::dense::{add_scaled, dot};
 use crate::elements::{self, Batch, Inputs, Scratch};
 use crate::error::{Moment, RuntimeError};
 use crate::flexible::Work;
@@ -39,7 +40,9 @@ pub struct Dynamics {
     pub rates: Vec<f64>,
     /// G of each element at its markers, row-major rows × 6 markers.
     pub gradients: Vec<f64>,
-    /// J of each marker, at 6 × width each.
+    /// Where the markers on flexible bodies stand in them, and how those move them.
+    placed: Vec<Option<(Placed, Motion)>>,
+    /// J of each marker in its reach, 6 × reach each.
     jacobians: Vec<f64>,
     jacobian_at: Vec<usize>,
     /// Columns of pose and twist along the step's unknown.
@@ -47,6 +50,10 @@ pub struct Dynamics {
     twist_columns: Vec<f64>,
     block: Vec<f64>,
     columns: Vec<f64>,
+    /// Sums of the elements' blocks between markers of flexible bodies.
+    sums: Vec<f64>,
+    /// One row over a body's velocities.
+    line: Vec<f64>,
     /// Room of the flexible bodies.
     bending: Work,
     time: f64,
@@ -78,7 +85,7 @@ fn matrix_size(model: &Model) -> usize {
         .map(|c| c.layout.residual_len() as usize)
         .max()
         .unwrap_or(6);
-    width.max(6) * width.max(rows).max(6)
+    width.max(REACH) * width.max(rows).max(REACH)
 }
 
 impl Dynamics {
@@ -91,7 +98,7 @@ impl Dynamics {
         let mut total = 0;
         for marker in &model.markers {
             jacobian_at.push(total);
-            total += marker.body.map_or(0, |b| 6 * model.bodies[b].width());
+            total += marker.body.map_or(0, |_| 6 * marker.reach());
         }
         let size = matrix_size(model);
         Dynamics {
@@ -106,12 +113,15 @@ impl Dynamics {
             wrenches: vec![0.0; model.wrenches],
             rates: vec![0.0; model.states],
             gradients: vec![0.0; model.gradients],
+            placed: vec![None; model.markers.len()],
             jacobians: vec![0.0; total],
             jacobian_at,
             pose_columns: vec![0.0; total],
             twist_columns: vec![0.0; total],
             block: vec![0.0; size],
             columns: vec![0.0; size],
+            sums: Vec::new(),
+            line: Vec::new(),
             bending: Work::default(),
             time: 0.0,
         }
@@ -143,15 +153,24 @@ impl Dynamics {
                 Some(b) => {
                     let body = &model.bodies[b];
                     let frame = frame_of(&self.pose, &self.frames, body, b);
-                    self.markers[index] =
-                        chain::kinematics(&frame, marker, &velocity[body.velocity..]);
+                    let v = &velocity[body.velocity..];
                     let at = self.jacobian_at[index];
-                    chain::jacobian(
-                        body,
-                        &frame,
-                        marker,
-                        &mut self.jacobians[at..at + 6 * body.width()],
+                    if marker.shape.is_none() {
+                        self.markers[index] = chain::rigid_kinematics(&frame, marker, v);
+                        let (out, _) = self.jacobians[at..].as_chunks_mut::<6>();
+                        chain::rigid_jacobian(&frame, marker, out);
+                        continue;
+                    }
+                    let placed = Placed::new(&frame, marker);
+                    let motion = Motion::new(marker, v);
+                    self.markers[index] =
+                        chain::seen(&frame.rotation, &frame.position, &placed, &motion);
+                    chain::jacobian_in_reach(
+                        &frame.rotation,
+                        &placed,
+                        &mut self.jacobians[at..at + 6 * REACH],
                     );
+                    self.placed[index] = Some((placed, motion));
                 }
             }
         }
@@ -225,16 +244,27 @@ impl Dynamics {
                     continue;
                 };
                 let body = &model.bodies[b];
-                let width = body.width();
+                let marker_model = &model.markers[*marker];
+                let reach = marker_model.reach();
                 let at = self.jacobian_at[*marker];
                 let wrench = &self.wrenches[element.wrench + 6 * k..element.wrench + 6 * k + 6];
-                let target = &mut out[body.velocity..body.velocity + width];
-                for (i, w) in wrench.iter().enumerate() {
-                    let row = &self.jacobians[at + i * width..at + (i + 1) * width];
-                    for (t, j) in target.iter_mut().zip(row) {
-                        *t += factor * j * w;
+                let jacobian = &self.jacobians[at..at + 6 * reach];
+                if reach == 6 {
+                    let mut force = [0.0; 6];
+                    for (w, row) in wrench.iter().zip(jacobian.as_chunks::<6>().0) {
+                        for i in 0..6 {
+                            force[i] += w * row[i];
+                        }
                     }
+                    add_scaled(&mut out[body.velocity..body.velocity + 6], factor, &force);
+                    continue;
                 }
+                let mut force = [0.0; REACH];
+                for (w, row) in wrench.iter().zip(jacobian.as_chunks::<REACH>().0) {
+                    add_scaled(&mut force, factor * w, row);
+                }
+                let range = body.velocity..body.velocity + body.width();
+                chain::expand(marker_model, &force, reach, body.width(), &mut out[range]);
             }
         }
     }
@@ -294,7 +324,7 @@ impl Dynamics {
                             continue;
                         };
                         let body = &model.bodies[b];
-                        let bias = chain::acceleration_bias(
+                        let bias = chain::bias(
                             &frame_of(&self.pose, &self.frames, body, b),
                             &model.markers[*marker],
                             &velocity[body.velocity..],
@@ -348,17 +378,31 @@ impl Dynamics {
         Ok(())
     }
 
-    /// J of a marker on a body, row-major 6 × width.
-    pub fn marker_jacobian(&self, model: &Model, marker: usize) -> Option<&[f64]> {
-        let body = model.markers[marker].body?;
+    /// J x of a marker for a vector of its body's velocities; zeros on ground.
+    pub fn marker_along(&self, model: &Model, marker: usize, x: &[f64]) -> [f64; 6] {
+        let model_marker = &model.markers[marker];
+        if model_marker.body.is_none() {
+            return [0.0; 6];
+        }
+        let reach = model_marker.reach();
         let at = self.jacobian_at[marker];
-        Some(&self.jacobians[at..at + 6 * model.bodies[body].width()])
+        let along = Motion::new(model_marker, x).numbers();
+        std::array::from_fn(|d| {
+            let row = &self.jacobians[at + d * reach..at + (d + 1) * reach];
+            dot(row, &along)
+        })
+    }
+
+    /// J̇ v of a marker for its body's velocities `v`; zeros on ground.
+    pub fn marker_bias(&self, model: &Model, marker: usize, v: &[f64]) -> [f64; 6] {
+        match model.markers[marker].body {
+            Some(body) => chain::bias(&self.frame(model, body), &model.markers[marker], v),
+            None => [0.0; 6],
+        }
     }
 
     /// Calls `put(row, first velocity, block row)` for each row and body of the stored gradients: G J, width long.
-    pub fn body_gradients(&self, model: &Model, mut put: impl FnMut(usize, usize, &[f64])) {
-        let mut line = [0.0; 6];
-        let mut long = Vec::new();
+    pub fn body_gradients(&mut self, model: &Model, mut put: impl FnMut(usize, usize, &[f64])) {
         for element in model.elements.iter().filter(|e| e.dynamic) {
             let rows = model.compiled.system.classes[element.class].rows.len();
             let columns = 6 * element.markers.len();
@@ -367,26 +411,26 @@ impl Dynamics {
                     continue;
                 };
                 let body = &model.bodies[b];
-                let width = body.width();
+                let marker_model = &model.markers[*marker];
+                let reach = marker_model.reach();
                 let at = self.jacobian_at[*marker];
-                let line: &mut [f64] = if width <= 6 {
-                    &mut line[..width]
-                } else {
-                    long.resize(width, 0.0);
-                    &mut long[..width]
-                };
                 for i in 0..rows {
-                    line.fill(0.0);
+                    let mut seen = [0.0; REACH];
                     for d in 0..6 {
                         let g = self.gradients[element.gradient + i * columns + 6 * k + d];
-                        for (x, j) in line
-                            .iter_mut()
-                            .zip(&self.jacobians[at + d * width..at + (d + 1) * width])
-                        {
-                            *x += g * j;
-                        }
+                        let row = &self.jacobians[at + d * reach..at + (d + 1) * reach];
+                        add_scaled(&mut seen, g, row);
                     }
-                    put(element.row + i, body.velocity, line);
+                    self.line.clear();
+                    self.line.resize(body.width(), 0.0);
+                    chain::expand(
+                        marker_model,
+                        &seen[..reach],
+                        reach,
+                        body.width(),
+                        &mut self.line,
+                    );
+                    put(element.row + i, body.velocity, &self.line);
                 }
             }
         }

@@ -32,6 +32,7 @@
 //! (foreshortening) is left out, in position as in force.
 
 use crate::body::{BodyFrame, Weights};
+use crate::dense::{add_product, add_scaled, add_transposed, dot};
 use crate::rotation::{M3, V3, skew};
 use eng_system::reduced::{Block, Geometric, Invariants};
 use std::sync::Arc;
@@ -48,6 +49,8 @@ pub struct Flexible {
     bending: Option<[Block; 3]>,
     first_moment: V3,
     inertia: M3,
+    /// `G_k − G_kᵀ`.
+    gyroscopic: [Vec<f64>; 3],
 }
 
 /// Room for what inertia needs of a deformed body, kept from step to step.
@@ -61,6 +64,7 @@ pub struct Work {
     by_rates: Vec<f64>,
     turned: Vec<f64>,
     moment_by_rate: Vec<f64>,
+    coriolis: Vec<f64>,
 }
 
 /// What inertia needs of a deformed body.
@@ -93,25 +97,11 @@ fn rows(block: &[f64], n: usize, x: &[f64]) -> V3 {
     V3::new(row(0), row(1), row(2))
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// `out += factor · M x` for a square block.
-fn add_product(out: &mut [f64], factor: f64, block: &[f64], x: &[f64]) {
-    let n = x.len();
-    for (i, y) in out.iter_mut().enumerate() {
-        *y += factor * dot(&block[i * n..(i + 1) * n], x);
-    }
-}
-
 /// `out += factor · rᵀ M`, M 3 × n.
 fn add_rows(out: &mut [f64], factor: &V3, block: &[f64]) {
     let n = out.len();
     for k in 0..3 {
-        for (y, m) in out.iter_mut().zip(&block[k * n..(k + 1) * n]) {
-            *y += factor[k] * m;
-        }
+        add_scaled(out, factor[k], &block[k * n..(k + 1) * n]);
     }
 }
 
@@ -154,11 +144,19 @@ impl Flexible {
             Some(geometric) => with_geometric(&constants, geometric),
             None => (constants, None),
         };
+        let n = constants.modes;
+        let gyroscopic = std::array::from_fn(|k| {
+            let g = &constants.coriolis[k];
+            (0..n * n)
+                .map(|at| g[at] - g[at % n * n + at / n])
+                .collect()
+        });
         Flexible {
             constants,
             bending,
             first_moment,
             inertia,
+            gyroscopic,
         }
     }
 
@@ -191,9 +189,8 @@ impl Flexible {
             clear(row, n);
             add_product(row, 2.0, &c.centrifugal[p], a);
             let quadratic = 0.5 * dot(row, a);
-            for (j, x) in row.iter_mut().enumerate() {
-                *x += c.rotation_by_shape[k][i * n + j] + c.rotation_by_shape[i][k * n + j];
-            }
+            add_scaled(row, 1.0, &c.rotation_by_shape[k][i * n..(i + 1) * n]);
+            add_scaled(row, 1.0, &c.rotation_by_shape[i][k * n..(k + 1) * n]);
             let value = dot(row, a) - quadratic;
             shape.inertia[(i, k)] += value;
             if i != k {
@@ -229,12 +226,7 @@ impl Flexible {
         clear(out, 3 * n);
         for (p, (i, k)) in PAIRS.into_iter().enumerate() {
             let mut add = |row: usize, factor: f64| {
-                for (y, j) in out[row * n..(row + 1) * n]
-                    .iter_mut()
-                    .zip(&shape.by_shape[p])
-                {
-                    *y += factor * j;
-                }
+                add_scaled(&mut out[row * n..(row + 1) * n], factor, &shape.by_shape[p]);
             };
             add(i, x[k]);
             if i != k {
@@ -291,15 +283,10 @@ impl Flexible {
             clear(modal, n);
             add_product(modal, 1.0, &c.coriolis[k], rates);
             torque[k] += dot(modal, rates);
-            for (y, g) in out[6..6 + n].iter_mut().zip(modal.iter()) {
-                *y += omega[k] * g;
-            }
-            // − ω_k G_kᵀ ȧ
-            for (j, rate) in rates.iter().enumerate() {
-                for (i, y) in out[6..6 + n].iter_mut().enumerate() {
-                    *y -= omega[k] * c.coriolis[k][j * n + i] * rate;
-                }
-            }
+            add_scaled(&mut out[6..6 + n], omega[k], modal);
+            clear(modal, n);
+            add_transposed(modal, &c.coriolis[k], rates);
+            add_scaled(&mut out[6..6 + n], -omega[k], modal);
         }
         for i in 0..3 {
             out[i] += force[i];
@@ -311,9 +298,7 @@ impl Flexible {
         add_product(modal, 1.0, &c.modal_mass, second);
         for (p, (i, k)) in PAIRS.into_iter().enumerate() {
             let factor = if i == k { 0.5 } else { 1.0 } * omega[i] * omega[k];
-            for (y, j) in modal.iter_mut().zip(&shape.by_shape[p]) {
-                *y -= factor * j;
-            }
+            add_scaled(modal, -factor, &shape.by_shape[p]);
         }
         add_product(modal, 1.0, &c.stiffness, a);
         add_product(modal, 1.0, &c.damping, rates);
@@ -347,9 +332,8 @@ impl Flexible {
             }
         }
         for i in 0..n {
-            for j in 0..n {
-                out[(6 + i) * width + 6 + j] += factor * c.modal_mass[i * n + j];
-            }
+            let line = &mut out[(6 + i) * width + 6..(7 + i) * width];
+            add_scaled(line, factor, &c.modal_mass[i * n..(i + 1) * n]);
         }
     }
 
@@ -384,6 +368,7 @@ impl Flexible {
             by_rates,
             turned,
             moment_by_rate,
+            coriolis,
             ..
         } = work;
         self.shape(a, rates, shape);
@@ -422,11 +407,9 @@ impl Flexible {
         let by_rate = w * (2.0 * speed) + skew(&alpha) + w * w;
         let by_rate = rotation * by_rate;
         for i in 0..3 {
-            for j in 0..n {
-                let x: f64 = (0..3)
-                    .map(|k| by_rate[(i, k)] * shape.translation[k * n + j])
-                    .sum();
-                out[i * width + 6 + j] += x;
+            for k in 0..3 {
+                let line = &mut out[i * width + 6..(i + 1) * width];
+                add_scaled(line, by_rate[(i, k)], &shape.translation[k * n..(k + 1) * n]);
             }
         }
         if let Some(blocks) = &self.bending {
@@ -448,19 +431,21 @@ impl Flexible {
         by_rates.extend_from_slice(along_omega);
         turned.clear();
         turned.extend_from_slice(along_omega);
+        clear(coriolis, 3 * n);
         for k in 0..3 {
             let g = &c.coriolis[k];
-            for j in 0..n {
-                let (mut forward, mut back, mut bent_back) = (0.0, 0.0, 0.0);
-                for i in 0..n {
-                    forward += g[j * n + i] * rates[i];
-                    back += g[i * n + j] * rates[i];
-                    bent_back += g[i * n + j] * second[i];
-                }
-                by_rates[k * n + j] += forward + back;
-                turned[k * n + j] += back;
-                by_shape[k * n + j] += bent_back;
-            }
+            let range = k * n..(k + 1) * n;
+            clear(product, n);
+            add_transposed(product, g, rates);
+            add_scaled(&mut by_rates[range.clone()], 1.0, product);
+            add_scaled(&mut turned[range.clone()], 1.0, product);
+            add_transposed(&mut by_shape[range.clone()], g, second);
+            // (G_k − G_kᵀ) ȧ
+            add_scaled(&mut coriolis[range.clone()], -1.0, product);
+            clear(product, n);
+            add_product(product, 1.0, g, rates);
+            add_scaled(&mut by_rates[range.clone()], 1.0, product);
+            add_scaled(&mut coriolis[range], 1.0, product);
         }
         // ∂(J̇ω)/∂a: rows Σ_k ω_k 2 H_ik ȧ
         for (p, (i, k)) in PAIRS.into_iter().enumerate() {
@@ -475,45 +460,40 @@ impl Flexible {
         }
         let beta_cross = skew(&beta);
         for i in 0..3 {
-            for j in 0..n {
-                let mut x = by_shape[i * n + j] + speed * by_rates[i * n + j];
-                for k in 0..3 {
-                    x += w[(i, k)] * (turned[k * n + j] + speed * shape.coupling[k * n + j])
-                        - beta_cross[(i, k)] * shape.translation[k * n + j];
-                }
-                out[(3 + i) * width + 6 + j] += x;
+            let line = &mut out[(3 + i) * width + 6..(4 + i) * width];
+            add_scaled(line, 1.0, &by_shape[i * n..(i + 1) * n]);
+            add_scaled(line, speed, &by_rates[i * n..(i + 1) * n]);
+            for k in 0..3 {
+                let range = k * n..(k + 1) * n;
+                add_scaled(line, w[(i, k)], &turned[range.clone()]);
+                add_scaled(line, speed * w[(i, k)], &shape.coupling[range.clone()]);
+                add_scaled(line, -beta_cross[(i, k)], &shape.translation[range]);
             }
         }
         // modal by the frame's turn and ω
         let by_turn = beta_cross * turn;
         for (row, line) in out[6 * width..].chunks_exact_mut(width).enumerate() {
             for i in 0..3 {
-                let mut x = -speed * along_omega[i * n + row];
+                let mut x = speed * (coriolis[i * n + row] - along_omega[i * n + row]);
                 for k in 0..3 {
                     x += shape.translation[k * n + row] * by_turn[(k, i)];
                 }
-                let g = &c.coriolis[i];
-                let coriolis: f64 = (0..n)
-                    .map(|j| (g[row * n + j] - g[j * n + row]) * rates[j])
-                    .sum();
-                line[3 + i] += x + speed * coriolis;
+                line[3 + i] += x;
             }
         }
         // modal by a and ȧ
         for row in 0..n {
+            let range = row * n..(row + 1) * n;
             let line = &mut out[(6 + row) * width + 6..(7 + row) * width];
-            for (j, y) in line.iter_mut().enumerate() {
-                let at = row * n + j;
-                let mut x = c.stiffness[at] + speed * c.damping[at];
-                for k in 0..3 {
-                    let g = &c.coriolis[k];
-                    x += alpha[k] * g[at] + speed * omega[k] * (g[at] - g[j * n + row]);
-                }
-                for (p, (i, k)) in PAIRS.into_iter().enumerate() {
-                    let factor = if i == k { 1.0 } else { 2.0 } * omega[i] * omega[k];
-                    x -= factor * c.centrifugal[p][at];
-                }
-                *y += x;
+            add_scaled(line, 1.0, &c.stiffness[range.clone()]);
+            add_scaled(line, speed, &c.damping[range.clone()]);
+            for k in 0..3 {
+                add_scaled(line, alpha[k], &c.coriolis[k][range.clone()]);
+                add_scaled(line, speed * omega[k], &self.gyroscopic[k][range.clone()]);
+            }
+            for (p, (i, k)) in PAIRS.into_iter().enumerate() {
+                let factor = if i == k { 1.0 } else { 2.0 } * omega[i] * omega[k];
+                add_scaled(line, -factor, &c.centrifugal[p][range.clone()]);
             }
         }
     }

@@ -25,6 +25,7 @@ pub mod body;
 pub mod chain;
 pub mod checkpoint;
 pub mod control;
+mod dense;
 pub mod dynamics;
 pub mod elements;
 pub mod error;

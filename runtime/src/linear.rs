@@ -1,11 +1,19 @@
-//! Sparse linear systems with a fixed pattern.
+//! Linear systems with a fixed pattern.
+//!
+//! [`BlockLu`] eliminates small groups of bodies with their multipliers first, each in a dense block of its own, along a tree found
+//! once from the pattern ([`dissection`]); [`SparseLu`] is a general factorisation and stands behind it.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::linalg::lu::{
-    LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par};
+mod blocks;
+pub mod dissection;
+mod front;
+mod probe;
+mod runs;
+mod sparse;
+
+pub use blocks::BlockLu;
+pub use runs::Runs;
+pub use sparse::SparseLu;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Columns of a sparse square matrix with sorted rows.
@@ -36,6 +44,20 @@ impl Block {
         for (i, row) in block.chunks_exact(width).enumerate() {
             for (start, x) in self.starts.iter().zip(row) {
                 values[start + i] += factor * x;
+            }
+        }
+    }
+}
+
+impl Block {
+    /// Adds `factor` times the transpose of a row-major block, whose rows are as long as this block is high.
+    pub fn add_transposed(&self, values: &mut [f64], block: &[f64], factor: f64) {
+        let Some(height) = block.len().checked_div(self.starts.len()) else {
+            return;
+        };
+        for (start, row) in self.starts.iter().zip(block.chunks_exact(height.max(1))) {
+            for (value, x) in values[*start..*start + height].iter_mut().zip(row) {
+                *value += factor * x;
             }
         }
     }
@@ -103,7 +125,7 @@ impl Pattern {
 #[derive(Clone, Debug, Default)]
 pub struct BlockTable {
     blocks: Vec<Block>,
-    index: BTreeMap<(usize, usize), usize>,
+    index: BTreeMap<(usize, usize, usize), usize>,
 }
 
 impl BlockTable {
@@ -114,7 +136,7 @@ impl BlockTable {
         row: usize,
         columns: std::ops::Range<usize>,
     ) -> usize {
-        let key = (row, columns.start);
+        let key = (row, columns.start, columns.end);
         if let Some(index) = self.index.get(&key) {
             return *index;
         }
@@ -139,138 +161,15 @@ pub enum LinearError {
     TooLarge,
 }
 
-/// Solves with matrices of one pattern. A block factorisation can stand in its place.
+/// Solves with matrices of one pattern.
 pub trait LinearSolver: Send + std::fmt::Debug {
     /// Factors the values of the pattern.
     fn factor(&mut self, values: &[f64]) -> Result<(), LinearError>;
-    /// Overwrites the right-hand side by the solution, with the last factors.
+    /// Overwrites the right-hand side by the solution, with the last factors; by numbers that are not finite where there are none.
     fn solve(&mut self, rhs: &mut [f64]);
-}
-
-/// Sparse LU of faer: columns ordered once (COLAMD), rows pivoted at each factorisation.
-///
-/// Work space is kept. faer's numeric storage is kept as well: it grows with the first factorisations and is then reused.
-pub struct SparseLu {
-    pattern: Pattern,
-    structure: SymbolicSparseColMat<usize>,
-    symbolic: SymbolicLu<usize>,
-    numeric: NumericLu<usize, f64>,
-    memory: MemBuffer,
-    probe: Vec<f64>,
-    product: Vec<f64>,
-    magnitude: Vec<f64>,
-    factored: bool,
-}
-
-impl std::fmt::Debug for SparseLu {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "SparseLu({} rows, {} entries)",
-            self.pattern.size,
-            self.pattern.rows.len()
-        )
-    }
-}
-
-impl SparseLu {
-    /// Analyses a pattern.
-    pub fn new(pattern: &Pattern) -> Result<SparseLu, LinearError> {
-        let n = pattern.size;
-        let structure = SymbolicSparseColMat::new_checked(
-            n,
-            n,
-            pattern.columns.clone(),
-            None,
-            pattern.rows.clone(),
-        );
-        let symbolic = factorize_symbolic_lu(structure.as_ref(), LuSymbolicParams::default())
-            .map_err(|_| LinearError::TooLarge)?;
-        let need = symbolic
-            .factorize_numeric_lu_scratch::<f64>(Par::Seq, faer::Spec::default())
-            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        let memory = MemBuffer::try_new(need).map_err(|_| LinearError::TooLarge)?;
-        Ok(SparseLu {
-            pattern: pattern.clone(),
-            structure,
-            symbolic,
-            numeric: NumericLu::new(),
-            memory,
-            probe: vec![0.0; n],
-            product: vec![0.0; n],
-            magnitude: vec![0.0; n],
-            factored: false,
-        })
-    }
-}
-
-impl LinearSolver for SparseLu {
-    /// Accepts the factors if they solve `A x = A·1` with a backward error below 1e-9, which growing pivots would not.
-    fn factor(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        self.factored = false;
-        if self.pattern.size == 0 {
-            self.factored = true;
-            return Ok(());
-        }
-        if values.iter().any(|v| !v.is_finite()) {
-            return Err(LinearError::Singular);
-        }
-        let structure: SymbolicSparseColMatRef<'_, usize> = self.structure.as_ref();
-        let matrix = SparseColMatRef::new(structure, values);
-        self.symbolic
-            .factorize_numeric_lu(
-                &mut self.numeric,
-                matrix,
-                Par::Seq,
-                MemStack::new(&mut self.memory),
-                faer::Spec::default(),
-            )
-            .map_err(|_| LinearError::Singular)?;
-        self.factored = true;
-        let mut probe = std::mem::take(&mut self.probe);
-        self.magnitude.fill(1.0);
-        self.pattern
-            .multiply(values, &self.magnitude, &mut self.product);
-        probe.copy_from_slice(&self.product);
-        self.solve(&mut probe);
-        self.magnitude.fill(0.0);
-        for (c, x) in probe.iter().enumerate() {
-            for k in self.pattern.columns[c]..self.pattern.columns[c + 1] {
-                let row = self.pattern.rows[k];
-                self.product[row] -= values[k] * x;
-                self.magnitude[row] += (values[k] * x).abs() + values[k].abs();
-            }
-        }
-        let sound = self
-            .product
-            .iter()
-            .zip(&self.magnitude)
-            .all(|(r, m)| r.is_finite() && r.abs() <= 1e-9 * m)
-            && probe.iter().all(|x| x.is_finite() && x.abs() < 1e9);
-        self.probe = probe;
-        if sound {
-            Ok(())
-        } else {
-            self.factored = false;
-            Err(LinearError::Singular)
-        }
-    }
-
-    fn solve(&mut self, rhs: &mut [f64]) {
-        if self.pattern.size == 0 {
-            return;
-        }
-        if !self.factored {
-            rhs.fill(f64::NAN);
-            return;
-        }
-        let size = rhs.len();
-        LuRef::new_unchecked(&self.symbolic, &self.numeric).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(rhs, size, 1),
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-        );
+    /// Factorisations so far that another method had to take over.
+    fn fallbacks(&self) -> u64 {
+        0
     }
 }
 

@@ -19,19 +19,28 @@ pub struct MarkerModel {
     pub position: V3,
     /// Marker → body.
     pub orientation: M3,
-    /// On a flexible body: how it follows the modes.
+    /// How it follows the modes of a flexible body; `None` where it does not.
     pub shape: Option<MarkerShape>,
     /// The marker it lies on at the start, until assembly has placed it.
     pub placed_at: Option<usize>,
 }
 
-/// Rows of the mode shapes at a marker, 3 × modes each, row-major.
+impl MarkerModel {
+    /// How many numbers of its body's motion it sees: see [`crate::chain`].
+    pub fn reach(&self) -> usize {
+        if self.shape.is_some() {
+            crate::chain::REACH
+        } else {
+            6
+        }
+    }
+}
+
+/// Rows of the mode shapes at a marker, 6 × modes, row-major: displacement (m a unit of amplitude), then rotation (rad a unit).
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerShape {
-    /// Displacement (m a unit of amplitude).
-    pub translation: Vec<f64>,
-    /// Rotation (rad a unit of amplitude).
-    pub rotation: Vec<f64>,
+    /// The rows.
+    pub rows: Vec<f64>,
 }
 
 /// An element with its numbers and its places in the model's vectors.
@@ -82,6 +91,8 @@ pub struct Model {
     pub velocities: usize,
     /// States of dynamic elements.
     pub states: usize,
+    /// Circular frequency (rad/s) of the mode behind each velocity; zero where there is none, or where it is not known.
+    pub frequencies: Vec<f64>,
     /// Constraint rows of dynamic elements.
     pub rows: usize,
     /// Rotation references.
@@ -165,6 +176,7 @@ impl Model {
 
         let mut bodies = Vec::with_capacity(system.bodies.len());
         let (mut poses, mut velocities) = (0, 0);
+        let mut frequencies = Vec::new();
         for body in &system.bodies {
             let kind = body_kind(body, &slots, &compiled.reduced)?;
             let model = BodyModel {
@@ -175,6 +187,14 @@ impl Model {
             };
             poses += 7 + model.modes();
             velocities += model.width();
+            if let BodyInertia::Flexible(index) = &body.inertia
+                && let Some(reduced) = compiled.reduced.get(*index as usize)
+            {
+                frequencies.resize(model.velocity + 6, 0.0);
+                let known = reduced.frequencies.iter().take(model.modes());
+                frequencies.extend(known.map(|f| f * std::f64::consts::TAU));
+            }
+            frequencies.resize(velocities, 0.0);
             bodies.push(model);
         }
 
@@ -206,11 +226,11 @@ impl Model {
                 BodyInertia::Rigid { .. } => None,
             });
             let shape = match flexible {
-                Some(reduced) => Some(marker_shape(
+                Some(reduced) => marker_shape(
                     &compiled.reduced[reduced],
                     marker.shape,
                     &marker.origin.path,
-                )?),
+                )?,
                 None => None,
             };
             let (position, orientation) = if placed_at.is_some() {
@@ -348,6 +368,7 @@ impl Model {
             poses,
             velocities,
             states,
+            frequencies,
             rows,
             rotations,
             wrenches,
@@ -418,7 +439,7 @@ impl Model {
                 continue;
             };
             let (first, n) = (self.bodies[b].velocity + 6, self.bodies[b].modes());
-            for (i, x) in shape.translation.iter().enumerate() {
+            for (i, x) in shape.rows[..3 * n].iter().enumerate() {
                 let reach = self.length / x.abs();
                 let scale = &mut scales[first + i % n];
                 *scale = scale.min(reach);
@@ -553,21 +574,18 @@ fn marker_shape(
     reduced: &ReducedBody,
     shape: Option<u32>,
     path: &str,
-) -> Result<MarkerShape, RuntimeError> {
-    let length = 3 * reduced.invariants.modes;
+) -> Result<Option<MarkerShape>, RuntimeError> {
     let Some(index) = shape else {
-        return Ok(MarkerShape {
-            translation: vec![0.0; length],
-            rotation: vec![0.0; length],
-        });
+        return Ok(None);
     };
+    let length = 3 * reduced.invariants.modes;
     let marker = reduced
         .markers
         .get(index as usize)
         .filter(|m| m.translation.len() == length && m.rotation.len() == length)
         .ok_or_else(|| malformed(format!("{path}: not among the reduced markers")))?;
-    Ok(MarkerShape {
-        translation: marker.translation.clone(),
-        rotation: marker.rotation.clone(),
-    })
+    // a body without modes is a rigid one
+    Ok((length > 0).then(|| MarkerShape {
+        rows: [&marker.translation[..], &marker.rotation[..]].concat(),
+    }))
 }

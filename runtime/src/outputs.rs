@@ -1,6 +1,5 @@
 //! Outputs, conditions and unwrapped angles of elements at a state.
 
-use crate::chain;
 use crate::dynamics::{Dynamics, not_finite};
 use crate::elements::{self, Batch, Inputs, Scratch};
 use crate::error::RuntimeError;
@@ -114,21 +113,11 @@ impl Outputs {
         for (index, marker) in model.markers.iter().enumerate() {
             let Some(b) = marker.body else { continue };
             let body = &model.bodies[b];
-            let width = body.width();
-            let mut x = chain::acceleration_bias(
-                &dynamics.frame(model, b),
-                marker,
-                &state.velocity[body.velocity..],
-            );
-            if let Some(jacobian) = dynamics.marker_jacobian(model, index) {
-                let rate = &state.acceleration[body.velocity..body.velocity + width];
-                for (d, x) in x.iter_mut().enumerate() {
-                    *x += jacobian[d * width..(d + 1) * width]
-                        .iter()
-                        .zip(rate)
-                        .map(|(j, r)| j * r)
-                        .sum::<f64>();
-                }
+            let range = body.velocity..body.velocity + body.width();
+            let mut x = dynamics.marker_bias(model, index, &state.velocity[range.clone()]);
+            let along = dynamics.marker_along(model, index, &state.acceleration[range]);
+            for (x, a) in x.iter_mut().zip(along) {
+                *x += a;
             }
             self.accelerations[index] = x;
         }

@@ -2,29 +2,57 @@
 
 use super::{Dynamics, frame_of, not_finite};
 use crate::body::Weights;
-use crate::chain;
+use crate::chain::{self, Motion, Placed, REACH};
+use crate::dense::{add_product_of_six, add_scaled};
 use crate::elements;
 use crate::error::RuntimeError;
-use crate::linear::{BlockTable, Pattern, PatternBuilder};
-use crate::model::Model;
-use crate::rotation::V3;
+use crate::linear::{BlockTable, Pattern, PatternBuilder, Runs};
+use crate::model::{MarkerModel, Model};
+use crate::rotation::{M3, V3};
+use eng_system::code::Pair;
+use std::collections::BTreeMap;
 
 /// Where the blocks of the step's matrix lie. Unknowns: velocities' increments, states, multipliers.
 #[derive(Clone, Debug)]
 pub struct MatrixPlan {
     /// The pattern.
     pub pattern: Pattern,
+    /// Its runs.
+    pub runs: Runs,
     table: BlockTable,
     bodies: Vec<usize>,
     /// Blocks of each dynamic element, in the order in which [`MatrixPlan::fill`] visits them.
     elements: Vec<ElementPlan>,
+    /// Pairs of bodies whose markers' blocks are summed before they are expanded by the modes.
+    couplings: Vec<Coupling>,
+    /// Numbers of these sums.
+    sums: usize,
     diagonal: Vec<usize>,
+}
+
+/// Where an element's block between two markers goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    /// Both see six numbers of their bodies: into the matrix.
+    Matrix(usize),
+    /// To the sum that begins here.
+    Sum(usize),
+}
+
+/// Blocks between the markers of two bodies, of which one is flexible.
+#[derive(Clone, Debug)]
+struct Coupling {
+    block: usize,
+    rows: usize,
+    columns: usize,
+    /// Markers of both, and the begin of their sum.
+    markers: Vec<(usize, usize, usize)>,
 }
 
 #[derive(Clone, Debug, Default)]
 struct ElementPlan {
     /// markers × markers, where both are on bodies.
-    force: Vec<Option<usize>>,
+    force: Vec<Option<Place>>,
     /// rows by body of marker; body of marker by rows.
     constraint: Vec<Option<(usize, usize)>>,
     /// states by body of marker; body of marker by states.
@@ -86,15 +114,33 @@ impl MatrixPlan {
             .map(|b| table.find(&pattern, b.velocity, b.velocity..b.velocity + b.width()))
             .collect();
         let mut plans = Vec::new();
+        let mut sums = 0;
+        let mut summed: BTreeMap<(usize, usize), BTreeMap<(usize, usize), usize>> = BTreeMap::new();
         for (index, element) in model.elements.iter().enumerate() {
             let mut plan = ElementPlan::default();
             if element.dynamic {
                 let (rows, states) = ranges(index);
                 for m in &element.markers {
                     for n in &element.markers {
-                        let block = match (body_range(*m), body_range(*n)) {
+                        let (first, second) = (&model.markers[*m], &model.markers[*n]);
+                        let block = match (first.body, second.body) {
                             (Some(i), Some(j)) if loads(index) => {
-                                Some(table.find(&pattern, i.start, j))
+                                let (height, width) = (first.reach(), second.reach());
+                                Some(if height.max(width) == 6 {
+                                    let (i, j) =
+                                        (model.bodies[i].velocity, model.bodies[j].velocity);
+                                    Place::Matrix(table.find(&pattern, i, j..j + 6))
+                                } else {
+                                    let sum = summed
+                                        .entry((i, j))
+                                        .or_default()
+                                        .entry((*m, *n))
+                                        .or_insert(sums);
+                                    if *sum == sums {
+                                        sums += height * width;
+                                    }
+                                    Place::Sum(*sum)
+                                })
                             }
                             _ => None,
                         };
@@ -119,14 +165,30 @@ impl MatrixPlan {
             }
             plans.push(plan);
         }
+        let couplings = summed
+            .into_iter()
+            .map(|((i, j), markers)| {
+                let (rows, columns) = (&model.bodies[i], &model.bodies[j]);
+                let range = columns.velocity..columns.velocity + columns.width();
+                Coupling {
+                    block: table.find(&pattern, rows.velocity, range),
+                    rows: i,
+                    columns: j,
+                    markers: markers.into_iter().map(|((m, n), at)| (m, n, at)).collect(),
+                }
+            })
+            .collect();
         let diagonal = (0..size)
             .map(|i| pattern.block(i, i..i + 1).starts[0])
             .collect();
         MatrixPlan {
+            runs: Runs::new(&pattern),
             pattern,
             table,
             bodies,
             elements: plans,
+            couplings,
+            sums,
             diagonal,
         }
     }
@@ -151,51 +213,26 @@ impl MatrixPlan {
             let v = model.bodies[body].velocity + 3;
             crate::rotation::tangent(&V3::new(increment[v], increment[v + 1], increment[v + 2]))
         };
-        for (index, body) in model.bodies.iter().enumerate() {
-            let width = body.width();
-            let range = body.velocity..body.velocity + width;
-            let block = &mut dynamics.block[..width * width];
-            block.fill(0.0);
-            body.add_inertia_matrix(
-                &frame_of(&dynamics.pose, &dynamics.frames, body, index),
-                &velocity[range.clone()],
-                &acceleration[range],
-                &model.gravity,
-                weights,
-                &turn(index),
-                &mut dynamics.bending,
-                block,
-            );
-            self.table.get(self.bodies[index]).add(values, block, 1.0);
-        }
-        // Pose J T and twist ∂(Jv)/∂q T + weights.velocity J of each marker along its body's increment.
-        for (index, marker) in model.markers.iter().enumerate() {
-            let Some(b) = marker.body else { continue };
-            let body = &model.bodies[b];
-            let width = body.width();
-            let range = dynamics.jacobian_at[index]..dynamics.jacobian_at[index] + 6 * width;
-            let t = turn(b);
-            let pose = &mut dynamics.pose_columns[range.clone()];
-            pose.copy_from_slice(&dynamics.jacobians[range.clone()]);
-            chain::turn_columns(pose, 6, width, &t);
-            let twist = &mut dynamics.twist_columns[range.clone()];
-            chain::twist_by_pose(
-                body,
-                &frame_of(&dynamics.pose, &dynamics.frames, body, b),
-                marker,
-                &velocity[body.velocity..],
-                twist,
-            );
-            chain::turn_columns(twist, 6, width, &t);
-            for (x, j) in twist.iter_mut().zip(&dynamics.jacobians[range]) {
-                *x += weights.velocity * j;
-            }
-        }
+        self.fill_bodies(
+            model,
+            dynamics,
+            velocity,
+            acceleration,
+            weights,
+            &turn,
+            values,
+        );
+        dynamics.fill_columns(model, velocity, weights, &turn);
+        dynamics.sums.clear();
+        dynamics.sums.resize(self.sums, 0.0);
         let Dynamics {
             batches,
             scratch,
             block,
             columns,
+            sums,
+            line,
+            placed,
             pose,
             frames,
             jacobians,
@@ -232,136 +269,92 @@ impl MatrixPlan {
                     let index = batch.pairs[pair][lane];
                     let element = &model.elements[index];
                     let plan = &self.elements[index];
+                    let tangents = &scratch.tangents[..];
                     let tangent = |direction: usize, output: usize| {
-                        scratch.tangents[direction * length + output][lane]
+                        tangents[direction * length + output][lane]
                     };
                     for (j, marker) in element.markers.iter().enumerate() {
-                        let Some(b) = model.markers[*marker].body else {
+                        let own = &model.markers[*marker];
+                        let Some(b) = own.body else {
                             continue;
                         };
-                        let width = model.bodies[b].width();
+                        let (width, reach) = (model.bodies[b].width(), own.reach());
                         let at = jacobian_at[*marker];
-                        // All outputs along this body's increment: length × width.
-                        let columns = &mut columns[..length * width];
+                        let range = at..at + 6 * reach;
+                        let jacobian = &jacobians[range.clone()];
+                        // All outputs along this marker's reach: length × reach.
+                        let columns = &mut columns[..length * reach];
                         columns.fill(0.0);
-                        for d in 0..6 {
-                            let pose = &pose_columns[at + d * width..at + (d + 1) * width];
-                            for o in 0..length {
-                                let g = tangent(6 * j + d, o);
-                                if g != 0.0 {
-                                    for (x, p) in
-                                        columns[o * width..(o + 1) * width].iter_mut().zip(pose)
-                                    {
-                                        *x += g * p;
-                                    }
-                                }
-                            }
-                            if class.uses_twist {
-                                let twist = &twist_columns[at + d * width..at + (d + 1) * width];
-                                for o in rows..length {
-                                    let g = tangent(6 * count + 6 * j + d, o);
-                                    if g != 0.0 {
-                                        for (x, p) in columns[o * width..(o + 1) * width]
-                                            .iter_mut()
-                                            .zip(twist)
-                                        {
-                                            *x += g * p;
-                                        }
-                                    }
-                                }
-                            }
+                        let seen = Along {
+                            tangents,
+                            lane,
+                            length,
+                        };
+                        seen.add(6 * j, 0, &pose_columns[range.clone()], reach, columns);
+                        if class.uses_twist {
+                            let first = 6 * count + 6 * j;
+                            seen.add(first, rows, &twist_columns[range], reach, columns);
                         }
                         if columns.iter().any(|x| !x.is_finite()) {
                             return Err(not_finite(model, index, *time));
                         }
-                        if let Some((by_body, _)) = plan.constraint[j] {
-                            self.table
-                                .get(by_body)
-                                .add(values, &columns[..rows * width], 1.0);
+                        if let Some((by_body, by_rows)) = plan.constraint[j] {
+                            expanded(own, &columns[..rows * reach], reach, width, line);
+                            self.table.get(by_body).add(values, line, 1.0);
+                            // ∂/∂λ of the wrench is −Gᵀ: Jᵀ Gᵀ, without T.
+                            let block = &mut block[..rows * reach];
+                            block.fill(0.0);
+                            seen.add(6 * j, 0, jacobian, reach, block);
+                            expanded(own, block, reach, width, line);
+                            self.table.get(by_rows).add_transposed(values, line, 1.0);
                         }
-                        if let Some((by_body, _)) = plan.state[j] {
-                            self.table.get(by_body).add(
-                                values,
-                                &columns[(rows + 6 * count) * width..],
-                                -1.0,
-                            );
+                        if let Some((by_body, by_states)) = plan.state[j] {
+                            let own_rates = &columns[(rows + 6 * count) * reach..];
+                            expanded(own, own_rates, reach, width, line);
+                            self.table.get(by_body).add(values, line, -1.0);
+                            let block = &mut block[..states * reach];
+                            block.fill(0.0);
+                            for (s, row) in block.chunks_exact_mut(reach).enumerate() {
+                                for (d, jacobian) in jacobian.chunks_exact(reach).enumerate() {
+                                    let g = tangent(12 * count + s, rows + 6 * j + d);
+                                    add_scaled(row, g, jacobian);
+                                }
+                            }
+                            expanded(own, block, reach, width, line);
+                            self.table.get(by_states).add_transposed(values, line, -1.0);
                         }
                         for (i, other) in element.markers.iter().enumerate() {
                             let Some(place) = plan.force[i * count + j] else {
                                 continue;
                             };
-                            let Some(c) = model.markers[*other].body else {
-                                continue;
-                            };
-                            let height = model.bodies[c].width();
+                            let height = model.markers[*other].reach();
                             let to = jacobian_at[*other];
-                            let block = &mut block[..height * width];
+                            let block = &mut block[..height * reach];
                             block.fill(0.0);
-                            for d in 0..6 {
-                                let wrench = &columns
-                                    [(rows + 6 * i + d) * width..(rows + 6 * i + d + 1) * width];
-                                let jacobian = &jacobians[to + d * height..to + (d + 1) * height];
-                                for (r, g) in jacobian.iter().enumerate() {
-                                    if *g != 0.0 {
-                                        for (x, w) in
-                                            block[r * width..(r + 1) * width].iter_mut().zip(wrench)
-                                        {
-                                            *x += g * w;
-                                        }
-                                    }
-                                }
-                            }
-                            self.table.get(place).add(values, block, -1.0);
+                            let first = (rows + 6 * i) * reach;
+                            add_product_of_six(
+                                block,
+                                &jacobians[to..to + 6 * height],
+                                &columns[first..first + 6 * reach],
+                            );
+                            self.put(place, block, values, sums);
                         }
                         // The chain's own second-order term: the frozen wrench turns with the body.
                         if let Some(place) = plan.force[j * count + j] {
-                            let block = &mut block[..width * width];
+                            let frame = frame_of(pose, frames, &model.bodies[b], b);
+                            let placed = match &placed[*marker] {
+                                Some((placed, _)) => *placed,
+                                None => Placed::new(&frame, own),
+                            };
+                            let block = &mut block[..reach * reach];
                             chain::force_by_pose(
-                                &model.bodies[b],
-                                &frame_of(pose, frames, &model.bodies[b], b),
-                                &model.markers[*marker],
+                                &frame.rotation,
+                                &placed,
                                 &wrenches[element.wrench + 6 * j..element.wrench + 6 * j + 6],
                                 block,
                             );
-                            let v = model.bodies[b].velocity + 3;
-                            let t = crate::rotation::tangent(&V3::new(
-                                increment[v],
-                                increment[v + 1],
-                                increment[v + 2],
-                            ));
-                            chain::turn_columns(block, width, width, &t);
-                            self.table.get(place).add(values, block, -1.0);
-                        }
-                        // ∂/∂λ of the wrench is −Gᵀ: rows of Jᵀ Gᵀ, without T.
-                        if let Some((_, by_rows)) = plan.constraint[j] {
-                            let block = &mut block[..width * rows];
-                            block.fill(0.0);
-                            for d in 0..6 {
-                                let jacobian = &jacobians[at + d * width..at + (d + 1) * width];
-                                for r in 0..rows {
-                                    let g = tangent(6 * j + d, r);
-                                    if g != 0.0 {
-                                        for (w, x) in jacobian.iter().enumerate() {
-                                            block[w * rows + r] += g * x;
-                                        }
-                                    }
-                                }
-                            }
-                            self.table.get(by_rows).add(values, block, 1.0);
-                        }
-                        if let Some((_, by_states)) = plan.state[j] {
-                            let block = &mut block[..width * states];
-                            block.fill(0.0);
-                            for d in 0..6 {
-                                let jacobian = &jacobians[at + d * width..at + (d + 1) * width];
-                                for s in 0..states {
-                                    let g = tangent(12 * count + s, rows + 6 * j + d);
-                                    for (w, x) in jacobian.iter().enumerate() {
-                                        block[w * states + s] += g * x;
-                                    }
-                                }
-                            }
-                            self.table.get(by_states).add(values, block, -1.0);
+                            chain::turn_columns(block, reach, reach, &turn(b));
+                            self.put(place, block, values, sums);
                         }
                     }
                     if let Some(place) = plan.own {
@@ -380,9 +373,148 @@ impl MatrixPlan {
                 }
             }
         }
+        for coupling in &self.couplings {
+            let (height, width) = (
+                model.bodies[coupling.rows].width(),
+                model.bodies[coupling.columns].width(),
+            );
+            let block = &mut block[..height * width];
+            block.fill(0.0);
+            for (first, second, at) in &coupling.markers {
+                let (first, second) = (&model.markers[*first], &model.markers[*second]);
+                let sum = &sums[*at..*at + first.reach() * second.reach()];
+                expanded(second, sum, second.reach(), width, line);
+                expand_rows(first, line, width, block);
+            }
+            self.table.get(coupling.block).add(values, block, -1.0);
+        }
         for k in 0..model.states {
             values[self.diagonal[model.velocities + k]] += state_weight;
         }
         Ok(())
+    }
+
+    /// An element's block between two markers, to be subtracted.
+    fn put(&self, place: Place, block: &[f64], values: &mut [f64], sums: &mut [f64]) {
+        match place {
+            Place::Matrix(index) => self.table.get(index).add(values, block, -1.0),
+            Place::Sum(at) => add_scaled(&mut sums[at..at + block.len()], 1.0, block),
+        }
+    }
+
+    /// Inertia of the bodies.
+    #[allow(clippy::too_many_arguments)]
+    fn fill_bodies(
+        &self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        velocity: &[f64],
+        acceleration: &[f64],
+        weights: Weights,
+        turn: &dyn Fn(usize) -> M3,
+        values: &mut [f64],
+    ) {
+        for (index, body) in model.bodies.iter().enumerate() {
+            let width = body.width();
+            let range = body.velocity..body.velocity + width;
+            let block = &mut dynamics.block[..width * width];
+            block.fill(0.0);
+            body.add_inertia_matrix(
+                &frame_of(&dynamics.pose, &dynamics.frames, body, index),
+                &velocity[range.clone()],
+                &acceleration[range],
+                &model.gravity,
+                weights,
+                &turn(index),
+                &mut dynamics.bending,
+                block,
+            );
+            self.table.get(self.bodies[index]).add(values, block, 1.0);
+        }
+    }
+}
+
+impl Dynamics {
+    /// Pose J T and twist ∂(Jv)/∂q T + weights.velocity J of each marker along its body's increment, in its reach.
+    fn fill_columns(
+        &mut self,
+        model: &Model,
+        velocity: &[f64],
+        weights: Weights,
+        turn: &dyn Fn(usize) -> M3,
+    ) {
+        for (index, marker) in model.markers.iter().enumerate() {
+            let Some(b) = marker.body else { continue };
+            let (placed, motion) = match &self.placed[index] {
+                Some(known) => *known,
+                None => {
+                    let body = &model.bodies[b];
+                    let frame = frame_of(&self.pose, &self.frames, body, b);
+                    let v = &velocity[body.velocity..];
+                    (Placed::new(&frame, marker), Motion::new(marker, v))
+                }
+            };
+            let reach = placed.reach();
+            let range = self.jacobian_at[index]..self.jacobian_at[index] + 6 * reach;
+            let t = turn(b);
+            let pose = &mut self.pose_columns[range.clone()];
+            pose.copy_from_slice(&self.jacobians[range.clone()]);
+            chain::turn_columns(pose, 6, reach, &t);
+            let twist = &mut self.twist_columns[range.clone()];
+            chain::twist_by_pose(&self.frames[b].1, &placed, &motion, twist);
+            chain::turn_columns(twist, 6, reach, &t);
+            add_scaled(twist, weights.velocity, &self.jacobians[range]);
+        }
+    }
+}
+
+/// Derivatives of an element's outputs, direction by direction.
+struct Along<'a> {
+    tangents: &'a [Pair],
+    lane: usize,
+    length: usize,
+}
+
+impl Along<'_> {
+    /// `out += ∂(outputs from `from` on)/∂(six directions from `first` on) · six rows`, rows of `reach` numbers.
+    fn add(&self, first: usize, from: usize, six: &[f64], reach: usize, out: &mut [f64]) {
+        if reach == REACH {
+            self.add_wide::<REACH>(first, from, six, out);
+        } else {
+            self.add_wide::<6>(first, from, six, out);
+        }
+    }
+
+    fn add_wide<const R: usize>(&self, first: usize, from: usize, six: &[f64], out: &mut [f64]) {
+        let (six, _) = six.as_chunks::<R>();
+        let (out, _) = out.as_chunks_mut::<R>();
+        for (d, row) in six.iter().enumerate() {
+            let begin = (first + d) * self.length;
+            let tangents = &self.tangents[begin..begin + self.length];
+            for (x, g) in out.iter_mut().zip(tangents).skip(from) {
+                let g = g[self.lane];
+                if g != 0.0 {
+                    for r in 0..R {
+                        x[r] += g * row[r];
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Rows over a marker's reach as rows over its body's velocities, in `line`.
+fn expanded(marker: &MarkerModel, block: &[f64], reach: usize, width: usize, line: &mut Vec<f64>) {
+    line.clear();
+    line.resize(block.len() / reach * width, 0.0);
+    chain::expand(marker, block, reach, width, line);
+}
+
+/// Rows of a marker's reach, `width` long each, added to the rows of its body's velocities.
+fn expand_rows(marker: &MarkerModel, block: &[f64], width: usize, out: &mut [f64]) {
+    let (rigid, modal) = block.split_at(6 * width);
+    add_scaled(&mut out[..6 * width], 1.0, rigid);
+    if let Some(shape) = &marker.shape {
+        add_product_of_six(&mut out[6 * width..], &shape.rows, modal);
     }
 }

@@ -1,6 +1,6 @@
 //! One step: Newton's iteration with a kept matrix, the estimate of the local error, and what failed.
 
-use super::{Integrator, Trial};
+use super::{Integrator, RESOLVED, Trial};
 use crate::dynamics::Dynamics;
 use crate::elements;
 use crate::error::{Moment, RuntimeError};
@@ -295,15 +295,18 @@ impl Integrator {
             &self.estimate,
             &mut self.correction[n + s..],
         )?;
-        for i in 0..self.correction.len() {
-            self.correction[i] *= self.row_scale(model, i, h);
+        for (x, factor) in self.correction.iter_mut().zip(&self.row_factors) {
+            *x *= factor;
         }
         self.solver.solve(&mut self.correction);
         let unit = model.length / (model.tolerance * factor);
         let mut worst = 0.0_f64;
-        for x in &self.correction[..n] {
+        for (x, frequency) in self.correction[..n].iter().zip(&model.frequencies) {
             if !x.is_finite() {
                 return Ok(f64::INFINITY);
+            }
+            if frequency * h > RESOLVED {
+                continue;
             }
             worst = worst.max(x.abs() * unit);
         }
@@ -370,19 +373,10 @@ pub fn constraints_along(
                         continue;
                     };
                     let body = &model.bodies[body];
-                    let width = body.width();
-                    let x = &along[body.velocity..body.velocity + width];
-                    for d in 0..6 {
-                        let value = match dynamics.marker_jacobian(model, *marker) {
-                            Some(j) => j[d * width..(d + 1) * width]
-                                .iter()
-                                .zip(x)
-                                .map(|(j, x)| j * x)
-                                .sum(),
-                            None => 0.0,
-                        };
-                        let seed = tape + layout.pose_direction(k as u32) as usize + d;
-                        dynamics.scratch.tape[seed][lane] = value;
+                    let x = &along[body.velocity..body.velocity + body.width()];
+                    let seeds = tape + layout.pose_direction(k as u32) as usize;
+                    for (d, value) in dynamics.marker_along(model, *marker, x).iter().enumerate() {
+                        dynamics.scratch.tape[seeds + d][lane] = *value;
                     }
                 }
             }

@@ -4,8 +4,10 @@ use crate::jacobian;
 use crate::support::classes::*;
 use crate::support::*;
 use eng_runtime::body::{BodyFrame, Weights};
+use eng_runtime::dynamics::Dynamics;
 use eng_runtime::flexible::{Flexible, Work};
-use eng_runtime::{Options, Simulation};
+use eng_runtime::integrator::{Integrator, Trial};
+use eng_runtime::{Moment, Options, Simulation};
 use eng_system::code::Compiled;
 use eng_system::reduced::{Geometric, Invariants, ReducedBody, ReducedMarker};
 use eng_system::system::{Role, StepControl};
@@ -769,4 +771,53 @@ fn a_free_body_with_geometric_stiffness_keeps_energy() {
         fine < 1e-4 && (fine < 1e-9 || coarse / fine > 3.5),
         "{coarse} {fine}"
     );
+}
+
+/// Modes that a step cannot resolve are not in the error norm; those it can are.
+#[test]
+fn modes_above_the_step_do_not_control_it() {
+    let mut draw = Draw(29);
+    let nodes = Nodes::new(5, 2, 0.0, &mut draw);
+    let mut body = reduced(&nodes, 1.0, &mut draw);
+    let omega = 2e4;
+    let n = body.invariants.modes;
+    // decoupled, both of the same frequency, without damping
+    body.invariants.stiffness = body
+        .invariants
+        .modal_mass
+        .iter()
+        .map(|m| m * omega * omega)
+        .collect();
+    body.invariants.damping = vec![0.0; n * n];
+    // as in mean axes: the frame does not shake with the modes
+    body.invariants.translation.fill(0.0);
+    body.invariants.rotation.fill(0.0);
+    let error = |known: bool, h: f64| {
+        let mut body = body.clone();
+        if known {
+            body.frequencies = vec![omega / std::f64::consts::TAU; n];
+        }
+        let compiled = free(&nodes, body);
+        let s = Simulation::new(&compiled, &[], Options::default()).unwrap();
+        let (model, state) = (s.model().clone(), s.state().clone());
+        let mut integrator = Integrator::new(&model, &state, 0.8, 1e-12).unwrap();
+        let still = vec![0.0; model.velocities];
+        integrator.start(&still, &still, &[], &[]);
+        let mut dynamics = Dynamics::new(&model);
+        let moment = Moment {
+            time: h,
+            cycle_angle: None,
+        };
+        match integrator.try_step(&model, &mut dynamics, h, Some(1.0), moment) {
+            Ok(Trial::Solved { error }) => error,
+            other => panic!("{other:?}"),
+        }
+    };
+    for h in [0.2 / omega, 0.9 / omega] {
+        let (known, unknown) = (error(true, h), error(false, h));
+        assert!(known > 0.0 && known == unknown, "{known} {unknown}");
+    }
+    let h = 2.0 / omega;
+    let (known, unknown) = (error(true, h), error(false, h));
+    assert!(known < 0.1 * unknown, "{known} {unknown}");
 }

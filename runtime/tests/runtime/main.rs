@@ -5,6 +5,7 @@
 mod assembly;
 mod flexible;
 mod jacobian;
+mod linear;
 mod mechanisms;
 mod motion;
 mod order;

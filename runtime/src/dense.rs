@@ -1,0 +1,109 @@
+//! Products with small dense blocks, in loops of fixed order that become vector instructions.
+
+/// Partial sums of a scalar product.
+const LANES: usize = 4;
+
+/// `Σ a_i b_i`, as long as the shorter one. Four partial sums: the order is fixed, and not one addition waits for the one before.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len().min(b.len());
+    let (a, rest_a) = a[..n].as_chunks::<LANES>();
+    let (b, rest_b) = b[..n].as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        for i in 0..LANES {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    let rest: f64 = rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+}
+
+/// `out += factor x`.
+pub(crate) fn add_scaled(out: &mut [f64], factor: f64, x: &[f64]) {
+    for (y, x) in out.iter_mut().zip(x) {
+        *y += factor * x;
+    }
+}
+
+/// `out += factor · M x` for a square row-major block.
+pub(crate) fn add_product(out: &mut [f64], factor: f64, block: &[f64], x: &[f64]) {
+    if x.is_empty() {
+        return;
+    }
+    for (y, row) in out.iter_mut().zip(block.chunks_exact(x.len())) {
+        *y += factor * dot(row, x);
+    }
+}
+
+/// `out += Mᵀ x` for a row-major block with as many columns as `out` is long.
+pub(crate) fn add_transposed(out: &mut [f64], block: &[f64], x: &[f64]) {
+    if out.is_empty() {
+        return;
+    }
+    for (factor, row) in x.iter().zip(block.chunks_exact(out.len())) {
+        add_scaled(out, *factor, row);
+    }
+}
+
+/// `out += Σ_k factors[k] · rows[k]` for six rows, one after the other in `rows`, as long as `out`.
+pub(crate) fn add_six(out: &mut [f64], factors: &[f64; 6], rows: &[f64]) {
+    let n = out.len();
+    if n == 0 || rows.len() < 6 * n {
+        return;
+    }
+    let [a, b, c, d, e, g]: [&[f64]; 6] = std::array::from_fn(|k| &rows[k * n..(k + 1) * n]);
+    let f = factors;
+    for i in 0..n {
+        out[i] +=
+            (f[0] * a[i] + f[1] * b[i]) + (f[2] * c[i] + f[3] * d[i]) + (f[4] * e[i] + f[5] * g[i]);
+    }
+}
+
+/// `out += leftᵀ right` for six rows each, row-major: as many rows as `left` has columns, as long as those of `right`.
+pub(crate) fn add_product_of_six(out: &mut [f64], left: &[f64], right: &[f64]) {
+    let (height, width) = (left.len() / 6, right.len() / 6);
+    if width == 0 {
+        return;
+    }
+    for (r, line) in out.chunks_exact_mut(width).take(height).enumerate() {
+        let factors = std::array::from_fn(|k| left[k * height + r]);
+        add_six(line, &factors, right);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_are_the_sums_they_stand_for() {
+        let number = |i: usize| f64::from((i as u32 * 7 + 3) % 11) - 5.0;
+        for n in 0..11 {
+            let x: Vec<f64> = (0..n).map(number).collect();
+            let block: Vec<f64> = (0..n * n).map(|i| number(i + 2)).collect();
+            let expected: f64 = x.iter().zip(&block).map(|(a, b)| a * b).sum();
+            assert_eq!(dot(&x, &block), expected);
+            let (mut forward, mut back) = (vec![1.0; n], vec![1.0; n]);
+            add_product(&mut forward, 2.0, &block, &x);
+            add_transposed(&mut back, &block, &x);
+            for i in 0..n {
+                let row: f64 = (0..n).map(|j| block[i * n + j] * x[j]).sum();
+                let column: f64 = (0..n).map(|j| block[j * n + i] * x[j]).sum();
+                assert_eq!((forward[i], back[i]), (1.0 + 2.0 * row, 1.0 + column));
+            }
+        }
+        let (height, width) = (3, 5);
+        let left: Vec<f64> = (0..6 * height).map(number).collect();
+        let right: Vec<f64> = (0..6 * width).map(|i| number(i + 1)).collect();
+        let mut out = vec![0.5; height * width];
+        add_product_of_six(&mut out, &left, &right);
+        for r in 0..height {
+            for c in 0..width {
+                let sum: f64 = (0..6)
+                    .map(|k| left[k * height + r] * right[k * width + c])
+                    .sum();
+                assert_eq!(out[r * width + c], 0.5 + sum);
+            }
+        }
+    }
+}

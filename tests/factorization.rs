@@ -1,0 +1,110 @@
+//! The step's matrices of real engines: elimination by blocks against dense elimination, over a turn.
+
+use eng::Sources;
+use eng_runtime::linear::{BlockLu, LinearError, LinearSolver, Pattern, SparseLu};
+use nalgebra::{DMatrix, DVector};
+use std::path::Path;
+
+fn simulation(example: &str, model: &str, step: f64) -> eng::Simulation {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("examples")
+        .join(example);
+    let sources = Sources::folder(&folder).expect("the example's folder");
+    eng::check(&sources, &format!("{example}.eng"))
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}"))
+        .model(model)
+        .unwrap_or_else(|error| panic!("{error}"))
+        .simulation()
+        .fixed_step(step)
+        .start()
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn matrix(simulation: &mut eng::Simulation, step: f64) -> (Pattern, Vec<f64>) {
+    let runtime = simulation.runtime();
+    let mut unknowns = vec![0.0; runtime.unknowns()];
+    runtime.predicted(step, &mut unknowns).unwrap();
+    let view = runtime.jacobian(step, &unknowns).unwrap();
+    let pattern = Pattern {
+        size: view.size,
+        columns: view.columns.to_vec(),
+        rows: view.rows.to_vec(),
+    };
+    (pattern, view.values.to_vec())
+}
+
+fn dense(pattern: &Pattern, values: &[f64]) -> DMatrix<f64> {
+    let mut a = DMatrix::zeros(pattern.size, pattern.size);
+    for column in 0..pattern.size {
+        for k in pattern.columns[column]..pattern.columns[column + 1] {
+            a[(pattern.rows[k], column)] = values[k];
+        }
+    }
+    a
+}
+
+fn check(example: &str, model: &str, step: f64, between: usize, places: usize) {
+    let mut simulation = simulation(example, model, step);
+    for place in 0..places {
+        let (pattern, values) = matrix(&mut simulation, step);
+        let a = dense(&pattern, &values);
+        let mut blocks = BlockLu::new(&pattern);
+        blocks.factor(&values).unwrap();
+        assert_eq!(blocks.fallbacks(), 0, "{example}, place {place}");
+        let reference = a.clone().full_piv_lu();
+        let b = DVector::from_fn(pattern.size, |i, _| ((7 * i + 3) % 11) as f64 - 5.0);
+        let expected = reference.solve(&b).expect("a sound matrix");
+        let mut x = b.clone();
+        blocks.solve(x.as_mut_slice());
+        let residual = &a * &x - &b;
+        let size = a.abs() * x.abs() + b.abs();
+        let worst = residual.iter().zip(size.iter());
+        let worst = worst.fold(0.0_f64, |w, (r, s)| w.max(r.abs() / s));
+        assert!(worst < 1e-12, "{example}, place {place}: {worst:e}");
+        let miss = (&x - &expected).amax() / expected.amax();
+        assert!(miss < 1e-8, "{example}, place {place}: {miss:e}");
+
+        // an equation stated twice is refused by both methods
+        let columns_of = |row: usize| -> Vec<usize> {
+            (0..pattern.size)
+                .filter(|c| {
+                    let rows = &pattern.rows[pattern.columns[*c]..pattern.columns[*c + 1]];
+                    rows.contains(&row)
+                })
+                .filter(|c| *c != row && *c + 1 != row && *c != row + 1)
+                .collect()
+        };
+        let second = (1..pattern.size)
+            .rev()
+            .find(|row| columns_of(*row) == columns_of(row - 1))
+            .expect("a joint of two equations");
+        let first = second - 1;
+        let mut twice = a.clone();
+        let row = twice.row(first).clone_owned();
+        twice.set_row(second, &row);
+        let twice: Vec<f64> = (0..pattern.size)
+            .flat_map(|c| (pattern.columns[c]..pattern.columns[c + 1]).map(move |k| (k, c)))
+            .map(|(k, c)| twice[(pattern.rows[k], c)])
+            .collect();
+        assert_eq!(blocks.factor(&twice), Err(LinearError::Singular));
+        let mut general = SparseLu::new(&pattern).unwrap();
+        assert_eq!(general.factor(&twice), Err(LinearError::Singular));
+
+        for _ in 0..between {
+            simulation.step().unwrap_or_else(|error| panic!("{error}"));
+        }
+    }
+    assert_eq!(simulation.statistics().fallbacks, 0);
+}
+
+/// A turn takes 15 ms; the step meets dead centres.
+#[test]
+fn four_cylinders_over_a_turn() {
+    check("inline4", "Inline4", 2.5e-5, 50, 13);
+}
+
+#[test]
+fn a_slider_crank_over_a_turn() {
+    check("slider_crank", "SliderCrank", 1e-4, 40, 10);
+}
