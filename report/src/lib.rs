@@ -5,6 +5,8 @@
 
 #![forbid(unsafe_code)]
 
+pub mod animation;
 mod escape;
 pub mod figure;
+pub mod page;
 pub mod signal;
