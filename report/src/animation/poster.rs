@@ -8,6 +8,8 @@ use std::fmt::Write;
 
 const WIDTH: f64 = 960.0;
 const HEIGHT: f64 = 540.0;
+/// The picture's share of the sheet.
+const FILL: f64 = 0.92;
 /// More triangles than this are thinned out to the largest.
 const MANY: usize = 6000;
 /// Towards the viewer, y up; the viewer of a page starts here, too.
@@ -36,15 +38,11 @@ impl Animation {
         let right = direction(cross([0.0, 1.0, 0.0], towards));
         let up = cross(towards, right);
         let turn = self.up.rotation();
-        let (center, radius) = self.bounds();
+        let (center, _) = self.bounds();
         let center = rotated(turn, center);
-        let scale = HEIGHT / 2.0 / radius;
         let view = |pose: &Pose, point: [f64; 3]| -> ([f64; 3], (f64, f64)) {
             let place = minus(rotated(turn, pose.place(point)), center);
-            let flat = (
-                WIDTH / 2.0 + scale * dot(place, right),
-                HEIGHT / 2.0 - scale * dot(place, up),
-            );
+            let flat = (dot(place, right), -dot(place, up));
             (place, flat)
         };
         let mut facets: Vec<Facet> = Vec::new();
@@ -97,15 +95,54 @@ impl Animation {
             facets.truncate(MANY);
         }
         facets.sort_by(|a, b| a.depth.total_cmp(&b.depth));
-        drawn(&facets, &lines)
+        let all = facets
+            .iter()
+            .flat_map(|f| f.points)
+            .chain(lines.iter().copied().flatten());
+        let frame = Frame::around(all);
+        drawn(&facets, &lines, &frame)
     }
 }
 
-fn drawn(facets: &[Facet], lines: &[[(f64, f64); 2]]) -> String {
+/// From the plane of the picture (m) to pixels.
+struct Frame {
+    middle: (f64, f64),
+    scale: f64,
+}
+
+impl Frame {
+    /// As large as the sheet allows.
+    fn around(points: impl Iterator<Item = (f64, f64)>) -> Frame {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for (x, y) in points {
+            low = [low[0].min(x), low[1].min(y)];
+            high = [high[0].max(x), high[1].max(y)];
+        }
+        let size = [high[0] - low[0], high[1] - low[1]];
+        if !size.iter().all(|s| s.is_finite()) {
+            return Frame {
+                middle: (0.0, 0.0),
+                scale: 1.0,
+            };
+        }
+        Frame {
+            middle: ((low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0),
+            scale: FILL * (WIDTH / size[0].max(1e-9)).min(HEIGHT / size[1].max(1e-9)),
+        }
+    }
+}
+
+fn drawn(facets: &[Facet], lines: &[[(f64, f64); 2]], frame: &Frame) -> String {
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" aria-hidden=\"true\">\n"
     );
-    let at = |(x, y): (f64, f64)| format!("{} {}", coordinate(x), coordinate(y));
+    let at = |(x, y): (f64, f64)| {
+        format!(
+            "{} {}",
+            coordinate(WIDTH / 2.0 + frame.scale * (x - frame.middle.0)),
+            coordinate(HEIGHT / 2.0 + frame.scale * (y - frame.middle.1))
+        )
+    };
     for facet in facets {
         let [r, g, b] = facet.shade.map(|s| s.clamp(0.0, 255.0) as u8);
         let [p, q, s] = facet.points.map(at);

@@ -157,10 +157,10 @@ impl History {
         let legend = legend_rows(&names, WIDTH - left - RIGHT);
         let top = 92.0 + 26.0 * legend.len() as f64;
         let titled = self.panels.iter().any(|p| !p.title.is_empty());
-        let gap = if titled { 46.0 } else { 28.0 };
         let count = self.panels.len().max(1) as f64;
         let panel_height = if self.panels.len() <= 1 { 500.0 } else { 360.0 };
         let room = if self.marks.is_empty() { 0.0 } else { 18.0 };
+        let gap = room + if titled { 46.0 } else { 28.0 };
         let first = top + room + if titled { 30.0 } else { 0.0 };
         let bottom = first + count * panel_height + (count - 1.0) * gap;
         let mut svg = Svg::new(WIDTH, bottom + 78.0, &self.title, target);

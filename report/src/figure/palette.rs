@@ -52,6 +52,10 @@ pub(crate) enum Color {
     Pale,
     /// The curve with this index.
     Series(usize),
+    /// Lines and text on a map, whose colours are the same in any theme.
+    OnMap,
+    /// Around text on a map.
+    MapSeam,
     /// A level of a map, 0 to [`LEVEL_COUNT`] − 1.
     Level(usize),
 }
@@ -77,6 +81,8 @@ impl Color {
                 let index = index % SERIES.len();
                 named(SERIES[index], SERIES_NAMES[index])
             }
+            Color::OnMap => "#ffffff",
+            Color::MapSeam => LEVELS[0],
             Color::Level(index) => LEVELS[index.min(LEVEL_COUNT - 1)],
         }
     }

@@ -60,8 +60,8 @@ pub(crate) struct TextStyle {
     pub color: Color,
     /// Turned by −90°, reading upwards.
     pub upwards: bool,
-    /// A seam in the sheet's colour, for text over curves.
-    pub halo: bool,
+    /// A seam around the letters, for text over curves.
+    pub halo: Option<Color>,
 }
 
 impl TextStyle {
@@ -72,7 +72,7 @@ impl TextStyle {
             anchor,
             color: Color::Ink,
             upwards: false,
-            halo: false,
+            halo: None,
         }
     }
 
@@ -92,7 +92,14 @@ impl TextStyle {
     }
 
     pub fn halo(mut self) -> Self {
-        self.halo = true;
+        self.halo = Some(Color::Sheet);
+        self
+    }
+
+    /// For text on a map.
+    pub fn on_map(mut self) -> Self {
+        self.color = Color::OnMap;
+        self.halo = Some(Color::MapSeam);
         self
     }
 }
@@ -134,7 +141,7 @@ impl<'a> Svg<'a> {
             )),
             // no title element, which would hover over the readout
             Theme::Page => svg.put(format_args!(
-                "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"drawing\" viewBox=\"0 0 {w} {h}\" font-family=\"{family}\" role=\"group\" tabindex=\"0\" aria-label=\"{title}\">\n",
+                "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"drawing\" viewBox=\"0 0 {w} {h}\" font-family=\"{family}\" style=\"max-width:{w}px\" role=\"group\" tabindex=\"0\" aria-label=\"{title}\">\n",
             )),
         }
         svg
@@ -342,10 +349,10 @@ impl<'a> Svg<'a> {
                 coordinate(y)
             ));
         }
-        if style.halo {
+        if let Some(halo) = style.halo {
             self.put(format_args!(
                 " stroke=\"{}\" stroke-width=\"3.5\" stroke-linejoin=\"round\" paint-order=\"stroke\"",
-                Color::Sheet.css(self.target.theme)
+                halo.css(self.target.theme)
             ));
         }
         self.put(format_args!(">{}</text>\n", escaped(text)));

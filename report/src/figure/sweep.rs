@@ -101,7 +101,7 @@ impl Waterfall {
         let map = &figure.map;
         let left = 116.0;
         let spacing = (460.0 / map.speeds.len().max(1) as f64).clamp(6.0, 46.0);
-        let rise = (spacing * 3.2).clamp(60.0, 150.0);
+        let rise = (spacing * 6.0).clamp(90.0, 220.0);
         let area = Area {
             left,
             top: 96.0,
@@ -297,7 +297,7 @@ impl Campbell {
 
     fn draw_orders(&self, svg: &mut Svg<'_>, area: &Area, (x, y): (&Scaled, &Scaled)) {
         let stroke = Stroke {
-            color: Color::Sheet,
+            color: Color::OnMap,
             width: 1.2,
             dash: "6 4",
         };
@@ -370,7 +370,7 @@ impl Campbell {
                 area.left + 6.0,
                 at - 4.0,
                 &format!("{name}, {frequency:.0} Hz"),
-                TextStyle::new(SMALL, Anchor::Start).halo(),
+                TextStyle::new(SMALL, Anchor::Start).on_map(),
             );
             svg.end_group();
         }

@@ -118,17 +118,16 @@ impl Table {
         text.push_str("</tr></thead>\n<tbody>\n");
         for row in &self.rows {
             text.push_str("<tr>");
-            for (index, _) in self.columns.iter().enumerate() {
+            for (index, numeric) in numeric.iter().enumerate() {
                 let cell = row.get(index).unwrap_or(&Cell::Empty);
                 let (open, close) = if index == 0 {
                     ("th scope=\"row\"", "th")
                 } else {
                     ("td", "td")
                 };
-                let class = match cell {
-                    Cell::Number { .. } => " class=\"number\"",
-                    _ => "",
-                };
+                let right =
+                    matches!(cell, Cell::Number { .. }) || (*numeric && *cell == Cell::Empty);
+                let class = if right { " class=\"number\"" } else { "" };
                 let _ = write!(text, "<{open}{class}>{}</{close}>", cell.to_html());
             }
             text.push_str("</tr>\n");

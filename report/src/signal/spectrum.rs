@@ -306,7 +306,7 @@ impl Spectrum {
     /// Amplitude of the line nearest to a frequency or an order; `None` beyond the axis.
     pub fn nearest(&self, position: f64) -> Option<Peak> {
         let k = (position / self.step).round();
-        if !(k >= 0.0) {
+        if k.is_nan() || k < 0.0 {
             return None;
         }
         Some(Peak {

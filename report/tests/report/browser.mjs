@@ -55,9 +55,19 @@ try {
     return result.value;
   };
   const size = (width, height) => call("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: false });
-  const shot = async (name, whole = true) => {
-    const { data } = await call("Page.captureScreenshot", { format: "png", captureBeyondViewport: whole });
+  const shot = async (name) => {
+    const { data } = await call("Page.captureScreenshot", { format: "png" });
     writeFileSync(join(folder, name), Buffer.from(data, "base64"));
+  };
+  // the whole page, a window's height at a time: a browser can't draw one as long as it
+  const whole = async (name) => {
+    await size(1280, 1600);
+    const height = await evaluate("document.documentElement.scrollHeight");
+    for (let i = 0; i * 1600 < height; i++) {
+      await evaluate(`scrollTo({ top: ${i * 1600}, behavior: "instant" })`);
+      await sleep(250);
+      await shot(`${name}-${i + 1}.png`);
+    }
   };
   for (const domain of ["Page", "Runtime", "Log", "Network"]) await call(domain + ".enable");
   await size(1280, 900);
@@ -109,7 +119,7 @@ try {
   await mouse("mouseMoved", onOrbit);
   await sleep(100);
   found.readout_orbit = await readout("figure-3");
-  await shot("orbit-readout.png", false);
+  await shot("orbit-readout.png");
 
   // wheel, drag, double click
   found.ticks_step = await step();
@@ -121,7 +131,7 @@ try {
   found.ticks_step_zoomed = await step();
   await mouse("mouseMoved", middle);
   await sleep(100);
-  await shot("zoomed.png", false);
+  await shot("zoomed.png");
   await click(middle, 1);
   await click(middle, 2);
   await sleep(200);
@@ -129,12 +139,12 @@ try {
   const [from, to] = [await at("figure-2", 0.1, 0.2), await at("figure-2", 0.4, 0.6)];
   await mouse("mousePressed", from, { button: "left", buttons: 1, clickCount: 1 });
   await mouse("mouseMoved", [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2], { button: "left", buttons: 1 });
-  await shot("dragging.png", false);
+  await shot("dragging.png");
   await mouse("mouseMoved", to, { button: "left", buttons: 1 });
   await mouse("mouseReleased", to, { button: "left", clickCount: 1 });
   await sleep(100);
   found.zoomed_by_drag = await evaluate("!document.querySelector('#figure-2 .reset').disabled");
-  await shot("zoomed-by-drag.png", false);
+  await shot("zoomed-by-drag.png");
 
   // legend, by keyboard
   const shown = "[...document.querySelectorAll('#figure-1 polyline.curve')].filter((c) => getComputedStyle(c).display !== 'none').length";
@@ -143,7 +153,7 @@ try {
   for (const type of ["keyDown", "keyUp"])
     await call("Input.dispatchKeyEvent", { type, key: "Enter", code: "Enter", windowsVirtualKeyCode: 13, text: type === "keyDown" ? "\r" : undefined });
   found.curves_after_hiding = await evaluate(shown);
-  await shot("hidden-curve.png", false);
+  await shot("hidden-curve.png");
 
   // the animation
   found.webgl = await evaluate("document.querySelector('figure.animation').classList.contains('alive')");
@@ -165,14 +175,14 @@ try {
     found.glb_bytes = await evaluate("atob(document.querySelector('.animation .model').textContent).length");
     await set("time", 20);
     found.picture_start = await picture();
-    await shot("animation.png", false);
+    await shot("animation.png");
     await set("scale", 0);
     found.picture_undeformed = await picture();
     await set("scale", 1);
     await set("color", "displacement");
-    await shot("animation-displacement.png", false);
+    await shot("animation-displacement.png");
     await set("color", "field:von Mises, largest over the cycle");
-    await shot("animation-field.png", false);
+    await shot("animation-field.png");
     await set("color", "body");
     await evaluate("document.querySelector('.animation canvas').focus()");
     for (const type of ["keyDown", "keyUp"])
@@ -193,17 +203,17 @@ try {
 
   // looks
   await evaluate("scrollTo(0, 0)");
-  await shot("page-light.png");
+  await whole("page-light");
   await call("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: "dark" }] });
   await sleep(500);
-  await shot("page-dark.png");
+  await whole("page-dark");
   await call("Emulation.setEmulatedMedia", { media: "", features: [] });
   const { data } = await call("Page.printToPDF", { printBackground: true });
   writeFileSync(join(folder, "page.pdf"), Buffer.from(data, "base64"));
   await size(420, 800);
   await sleep(300);
   found.overflow_narrow = await evaluate("document.documentElement.scrollWidth - innerWidth");
-  await shot("page-narrow.png", false);
+  await shot("page-narrow.png");
 
   found.errors = heard.flatMap(({ method, params }) => {
     if (method === "Runtime.exceptionThrown") return [params.exceptionDetails.exception?.description || params.exceptionDetails.text];
