@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what the tests of pages and files check with, as far as it can be had: Chromium, the Khronos glTF validator, meshio, VTK.
+# Installs what the tests of pages and files check with, as far as it can be had: Chromium, the Khronos glTF
+# validator, axe-core, meshio, VTK.
 # Prints the variables that point tests there; what cannot be installed is said on the error output, and its tests skip.
 # Usage: eval "$(report/tests/install-tools.sh FOLDER)"
 set -uo pipefail
@@ -18,13 +19,14 @@ if ! command -v chromium >/dev/null && ! command -v google-chrome >/dev/null; th
 fi
 
 if command -v npm >/dev/null; then
-    if [ ! -d "$folder/node_modules/gltf-validator" ]; then
-        npm install --silent --no-audit --no-fund --prefix "$folder" gltf-validator >"$folder/npm.log" 2>&1 ||
-            say "gltf-validator could not be installed, see $folder/npm.log"
-    fi
+    for package in gltf-validator axe-core; do
+        [ -d "$folder/node_modules/$package" ] ||
+            npm install --silent --no-audit --no-fund --prefix "$folder" "$package" >>"$folder/npm.log" 2>&1 ||
+            say "$package could not be installed, see $folder/npm.log"
+    done
     printf 'export NODE_PATH=%q\n' "$folder/node_modules"
 else
-    say "npm is missing: no glTF validator"
+    say "npm is missing: no glTF validator, no axe-core"
 fi
 
 if command -v python3 >/dev/null; then

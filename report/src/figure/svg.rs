@@ -364,8 +364,14 @@ impl<'a> Svg<'a> {
     }
 }
 
-/// Two decimals at most, no `-0`.
+/// Two decimals at most, no `-0`. What lies far outside of any sheet stays far outside; what is no number lands at 0, so that
+/// the file can always be read.
 pub(crate) fn coordinate(value: f64) -> String {
+    let value = if value.is_nan() {
+        0.0
+    } else {
+        value.clamp(-1e7, 1e7)
+    };
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" {
@@ -386,6 +392,8 @@ mod tests {
             (0.1 + 0.2, "0.3"),
             (-0.001, "0"),
             (-2.346, "-2.35"),
+            (f64::NEG_INFINITY, "-10000000"),
+            (f64::NAN, "0"),
         ];
         for (value, text) in cases {
             assert_eq!(coordinate(value), text);

@@ -1,7 +1,8 @@
 // Drives a page in a headless Chromium by its debugging pipe and prints what it found as JSON.
 // Usage: node browser.mjs CHROMIUM PAGE FOLDER; screenshots go to the folder.
 import { spawn } from "node:child_process";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -69,7 +70,7 @@ try {
       await shot(`${name}-${i + 1}.png`);
     }
   };
-  for (const domain of ["Page", "Runtime", "Log", "Network"]) await call(domain + ".enable");
+  for (const domain of ["Page", "Runtime", "Log", "Network", "DOM"]) await call(domain + ".enable");
   await size(1280, 900);
   await call("Page.navigate", { url: pathToFileURL(resolve(page)).href });
   for (let i = 0; i < 200 && (await evaluate("document.readyState")) !== "complete"; i++) await sleep(50);
@@ -201,6 +202,23 @@ try {
     found.drawn = await evaluate("Number(document.querySelector('figure.animation').dataset.drawn)");
   }
 
+  // accessibility, where axe-core is installed
+  try {
+    const paths = (process.env.NODE_PATH || folder).split(":");
+    const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js", { paths }), "utf8");
+    await evaluate(axe + ";0");
+    found.accessibility = {};
+    for (const scheme of ["light", "dark"]) {
+      await call("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: scheme }] });
+      await sleep(200);
+      found.accessibility[scheme] = await evaluate(`axe.run(document, { resultTypes: ["violations"] }).then((r) =>
+        r.violations.map((v) => v.id + ": " + v.nodes.map((n) => n.html.slice(0, 160) + " " + n.failureSummary).slice(0, 3).join(" | ")))`);
+    }
+    await call("Emulation.setEmulatedMedia", { media: "", features: [] });
+  } catch (error) {
+    if (error.code !== "MODULE_NOT_FOUND") throw error;
+  }
+
   // looks
   await evaluate("scrollTo(0, 0)");
   await whole("page-light");
@@ -214,6 +232,21 @@ try {
   await sleep(300);
   found.overflow_narrow = await evaluate("document.documentElement.scrollWidth - innerWidth");
   await shot("page-narrow.png");
+
+  // without scripts: pictures, no controls that do nothing
+  await call("Emulation.setScriptExecutionDisabled", { value: true });
+  await call("Page.reload");
+  await sleep(1500);
+  await size(1280, 900);
+  const { root } = await call("DOM.getDocument", { depth: 0 });
+  const boxes = async (selector) => {
+    const { nodeIds } = await call("DOM.querySelectorAll", { nodeId: root.nodeId, selector });
+    const shown = await Promise.all(nodeIds.map((nodeId) => call("DOM.getBoxModel", { nodeId }).then(() => 1, () => 0)));
+    return shown.reduce((sum, one) => sum + one, 0);
+  };
+  found.without_scripts = {
+    drawings: await boxes("svg.drawing"), posters: await boxes(".poster svg"), controls: await boxes(".controls, .tools"),
+  };
 
   found.errors = heard.flatMap(({ method, params }) => {
     if (method === "Runtime.exceptionThrown") return [params.exceptionDetails.exception?.description || params.exceptionDetails.text];

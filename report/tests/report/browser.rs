@@ -48,6 +48,19 @@ fn the_page_lives_in_a_browser() {
     }
     assert!(found["readout_history"].as_str().unwrap().contains("°CA"));
     assert!(found["readout_map"].as_str().unwrap().contains("dB re"));
+    let still = &found["without_scripts"];
+    assert_eq!(
+        (&still["drawings"], &still["posters"], &still["controls"]),
+        (&7.into(), &1.into(), &0.into())
+    );
+    match found.get("accessibility") {
+        Some(violations) => {
+            for scheme in ["light", "dark"] {
+                assert_eq!(violations[scheme], Value::Array(Vec::new()), "{scheme}");
+            }
+        }
+        None => skip("axe-core (npm)"),
+    }
     // nothing sticks out at the side, in a wide and in a narrow window
     assert!(number("overflow_wide") <= 0.0 && number("overflow_narrow") <= 0.0);
     if found["webgl"] == Value::Bool(false) {
