@@ -1,7 +1,7 @@
 //! Which pictures belong to an analysis.
 
 use super::RunOutcome;
-use crate::plot::{Abscissa, Curve, History, Orbit, Orbits, Ordinate, Panel};
+use crate::plot::{Abscissa, Curve, History, Orbit, Orbits, Ordinate, Panel, Scale};
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
 
 /// File names (without extension) and SVG texts: the forces and orbits of the journals, and the model's own outputs.
@@ -187,6 +187,8 @@ fn history(
             unit: display.symbol.clone(),
             frame: common_frame(&frames),
         },
+        scale: Scale::Linear,
+        marks: Vec::new(),
         panels: drawn,
     })
 }

@@ -1,19 +1,13 @@
-//! Pictures of results: histories and orbits as SVG, and as PNG.
+//! Files of pictures of results, as SVG and as PNG; `eng_report::figure` draws them.
 //!
-//! May contain: scales, ticks, colours, text placement. Must not contain: models, results files, printing.
-//! The text of an SVG depends on the data alone; PNGs use the two embedded fonts and no font of the machine.
+//! PNGs use the two embedded fonts and no font of the machine.
 
-mod decimate;
 mod font;
-mod history;
-mod orbit;
-mod palette;
 mod png;
-mod svg;
-mod ticks;
 
-pub use history::{Abscissa, Curve, History, Ordinate, Panel};
-pub use orbit::{Orbit, Orbits, Upright};
+pub use eng_report::figure::{
+    Abscissa, Curve, History, Mark, Orbit, Orbits, Ordinate, Panel, Scale, Upright,
+};
 pub use png::to_png;
 
 use std::path::PathBuf;

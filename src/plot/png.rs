@@ -5,7 +5,7 @@ use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 use std::sync::Arc;
 
-/// Draws an SVG of this module, `scale` pixels a unit, with the embedded fonts alone.
+/// Draws an SVG of `eng_report::figure`, `scale` pixels a unit, with the embedded fonts alone.
 pub fn to_png(svg: &str, scale: f32) -> Result<Vec<u8>, PlotError> {
     let mut options = Options {
         font_family: "DejaVu Sans".to_owned(),
@@ -37,7 +37,7 @@ mod tests {
     fn dark_pixels(text: &str) -> usize {
         let svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"200\" height=\"40\" font-family=\"{}\"><rect width=\"200\" height=\"40\" fill=\"#ffffff\"/><text x=\"5\" y=\"28\" font-size=\"20\">{text}</text></svg>",
-            font::FAMILY
+            eng_report::figure::FONT_FAMILY
         );
         let png = to_png(&svg, 1.0).unwrap();
         let image = Pixmap::decode_png(&png).unwrap();
@@ -56,5 +56,24 @@ mod tests {
         assert!(matches!(to_png("<svg", 1.0), Err(PlotError::Svg(_))));
         let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"10\" height=\"10\"/>";
         assert!(matches!(to_png(svg, 0.0), Err(PlotError::Size { .. })));
+    }
+
+    #[test]
+    fn figures_without_data_are_drawn() {
+        let history = crate::plot::History {
+            title: "Nothing".to_owned(),
+            subtitle: String::new(),
+            abscissa: crate::plot::Abscissa::Time,
+            ordinate: crate::plot::Ordinate {
+                quantity: "Force".to_owned(),
+                unit: "N".to_owned(),
+                frame: String::new(),
+            },
+            scale: crate::plot::Scale::Linear,
+            marks: Vec::new(),
+            panels: Vec::new(),
+        };
+        let image = Pixmap::decode_png(&to_png(&history.to_svg(), 0.5).unwrap()).unwrap();
+        assert_eq!(image.width(), 600);
     }
 }

@@ -2,7 +2,7 @@
 
 /// Marks of an axis.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Ticks {
+pub(crate) struct Ticks {
     /// Ends of the axis.
     pub range: (f64, f64),
     /// Marks with a number.
@@ -12,7 +12,7 @@ pub(super) struct Ticks {
 }
 
 /// Smallest and largest finite value; (0, 0) without any.
-pub(super) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values
         .into_iter()
         .filter(|value| value.is_finite())
@@ -23,7 +23,7 @@ pub(super) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
 }
 
 /// Marks at 1, 2, 2.5 or 5 times a power of ten, about `count` of them; the axis ends at marks.
-pub(super) fn rounded(low: f64, high: f64, count: usize) -> Ticks {
+pub(crate) fn rounded(low: f64, high: f64, count: usize) -> Ticks {
     let (low, high) = widened(low, high);
     let step = nice_step((high - low) / count.max(1) as f64);
     let first = (low / step + 1e-9).floor();
@@ -37,14 +37,14 @@ pub(super) fn rounded(low: f64, high: f64, count: usize) -> Ticks {
 }
 
 /// Marks at round numbers inside an axis that ends where the data end.
-pub(super) fn inside(low: f64, high: f64, count: usize) -> Ticks {
+pub(crate) fn inside(low: f64, high: f64, count: usize) -> Ticks {
     let (low, high) = widened(low, high);
     let step = nice_step((high - low) / count.max(1) as f64);
     within(low, high, step)
 }
 
 /// Marks of a crank angle (°): steps that divide a revolution, or whole revolutions; at most `count` of them.
-pub(super) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
+pub(crate) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
     const STEPS: [f64; 11] = [
         1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0, 720.0,
     ];
@@ -96,7 +96,7 @@ fn nice_step(raw: f64) -> f64 {
 }
 
 /// The power of ten, a multiple of three, to be drawn out of an axis's numbers; 0 for numbers that read well.
-pub(super) fn exponent(range: (f64, f64)) -> i32 {
+pub(crate) fn exponent(range: (f64, f64)) -> i32 {
     let size = range.0.abs().max(range.1.abs());
     if size == 0.0 || !size.is_finite() || (0.01..100_000.0).contains(&size) {
         return 0;
@@ -105,7 +105,7 @@ pub(super) fn exponent(range: (f64, f64)) -> i32 {
 }
 
 /// A mark's number with as many decimals as the step needs and a true minus sign.
-pub(super) fn number(value: f64, step: f64) -> String {
+pub(crate) fn number(value: f64, step: f64) -> String {
     let decimals = (0..=9)
         .find(|decimals| {
             let scaled = step * libm::pow(10.0, f64::from(*decimals));
@@ -125,7 +125,7 @@ pub(super) fn number(value: f64, step: f64) -> String {
 }
 
 /// `10³`.
-pub(super) fn power_of_ten(exponent: i32) -> String {
+pub(crate) fn power_of_ten(exponent: i32) -> String {
     let digits: String = exponent
         .to_string()
         .chars()

@@ -1,23 +1,19 @@
-//! Paths of pins in their clearance circles, one small picture a journal.
+//! Paths in a plane, a square with equal axes each: what orbits and polar diagrams share.
 
 use super::font::text_width;
-use super::palette::{self, GRID, INK, RULE};
-use super::svg::{Anchor, Stroke, Svg, TextStyle};
+use super::palette::Color;
+use super::svg::{Anchor, CurveTag, Stroke, Svg, Target, TextStyle, coordinate};
 use super::{decimate, ticks};
 
 const TITLE: f64 = 22.0;
 const LABEL: f64 = 15.0;
 const NUMBER: f64 = 14.0;
 const SMALL: f64 = 13.0;
-/// Side of the square around the circle.
+/// Side of a square.
 const BOX: f64 = 308.0;
 const CELL: (f64, f64) = (392.0, 424.0);
-/// The circle's share of the square.
-const FILL: f64 = 0.88;
-/// Earlier cycles.
-const PALE: &str = "#b9cfdd";
 
-/// Which shell axis points up in the picture; z points at the viewer.
+/// Which axis points up in the picture; z points at the viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Upright {
     /// x up, y to the left.
@@ -26,42 +22,45 @@ pub enum Upright {
     Y,
 }
 
-/// The path of a pin's centre in its shell.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Orbit {
-    /// `main[1]`.
-    pub name: String,
-    /// The shell's axes: `block.main[1]`.
+/// All paths of a figure.
+pub(super) struct Sheet<'a> {
+    pub title: &'a str,
+    pub subtitle: &'a str,
+    /// Angle after which the machine repeats (°).
+    pub period: f64,
+    pub upright: Upright,
+    /// What the axes count, for the readout: `x` and `y` go before it.
+    pub unit: &'a str,
+    /// The key's entries besides those of the path.
+    pub key: Vec<(KeyKind, String)>,
+    /// What the path is called where there is but one cycle.
+    pub path: &'static str,
+    pub cells: Vec<Cell<'a>>,
+}
+
+/// One square.
+pub(super) struct Cell<'a> {
+    pub name: &'a str,
+    /// Numbers above its right corner.
+    pub facts: String,
+    /// Stands under the name.
     pub frame: String,
-    /// Radial clearance (m).
-    pub clearance: f64,
-    /// Displacement of the pin along the shell's x axis (m).
+    /// In the sheet's unit.
     pub x: Vec<f64>,
-    /// Displacement of the pin along the shell's y axis (m).
+    /// In the sheet's unit.
     pub y: Vec<f64>,
     /// Crank angle of each sample (°), increasing; empty if there is none.
-    pub angle: Vec<f64>,
+    pub angle: &'a [f64],
+    /// From the middle to a side, in the sheet's unit.
+    pub reach: f64,
+    /// Circles about the origin.
+    pub circles: Vec<(f64, Stroke)>,
 }
 
-/// A figure of orbits.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Orbits {
-    /// Title.
-    pub title: String,
-    /// Stands under the title: model, analysis, filter.
-    pub subtitle: String,
-    /// Angle after which the machine repeats (°). The last cycle is drawn strongly and has marks every 90°.
-    pub period: f64,
-    /// Which axis points up.
-    pub upright: Upright,
-    /// The journals.
-    pub orbits: Vec<Orbit>,
-}
-
-/// From shell axes to pixels.
+/// From the cell's axes to pixels.
 struct View {
     center: (f64, f64),
-    /// Pixels a metre.
+    /// Pixels a unit.
     scale: f64,
     upright: Upright,
 }
@@ -79,42 +78,42 @@ impl View {
     }
 }
 
-impl Orbits {
+impl Sheet<'_> {
     /// The figure as SVG.
-    pub fn to_svg(&self) -> String {
-        let columns = match self.orbits.len() {
+    pub fn draw(&self, target: Target<'_>) -> String {
+        let columns = match self.cells.len() {
             0 | 1 => 1,
             2 | 4 => 2,
             n if n <= 9 => 3,
             _ => 4,
         };
-        let rows = self.orbits.len().div_ceil(columns).max(1);
+        let rows = self.cells.len().div_ceil(columns).max(1);
         let width = (columns as f64 * CELL.0 + 24.0).max(800.0);
         let (key, key_rows) = self.key(width - 80.0);
         let top = 92.0 + 26.0 * key_rows as f64;
         let height = top + rows as f64 * CELL.1 + 16.0;
-        let mut svg = Svg::new(width, height, &self.title);
+        let mut svg = Svg::new(width, height, self.title, target);
         svg.text(
             40.0,
             42.0,
-            &self.title,
+            self.title,
             TextStyle::new(TITLE, Anchor::Start).bold(),
         );
         svg.text(
             40.0,
             68.0,
-            &self.subtitle,
+            self.subtitle,
             TextStyle::new(SMALL + 1.0, Anchor::Start).soft(),
         );
         for entry in &key {
             entry.draw(&mut svg);
         }
         let indent = (width - columns as f64 * CELL.0) / 2.0;
-        for (index, orbit) in self.orbits.iter().enumerate() {
+        for (index, cell) in self.cells.iter().enumerate() {
             let left = indent + (index % columns) as f64 * CELL.0;
-            self.draw(
+            self.draw_cell(
                 &mut svg,
-                orbit,
+                cell,
                 (left, top + (index / columns) as f64 * CELL.1),
             );
         }
@@ -122,23 +121,20 @@ impl Orbits {
     }
 
     fn key(&self, width: f64) -> (Vec<KeyEntry>, usize) {
-        let mut kinds = vec![
-            (KeyKind::Clearance, "radial clearance c"),
-            (KeyKind::Half, "ε = 0.5"),
-        ];
-        if self.orbits.iter().any(|o| last_cycle(o, self.period) > 0) {
-            kinds.push((KeyKind::Last, "last cycle"));
-            kinds.push((KeyKind::Earlier, "earlier"));
+        let mut kinds = self.key.clone();
+        if self.cells.iter().any(|o| last_cycle(o, self.period) > 0) {
+            kinds.push((KeyKind::Last, "last cycle".to_owned()));
+            kinds.push((KeyKind::Earlier, "earlier".to_owned()));
         } else {
-            kinds.push((KeyKind::Last, "path of the pin's centre"));
+            kinds.push((KeyKind::Last, self.path.to_owned()));
         }
-        if self.orbits.iter().any(|o| !o.angle.is_empty()) {
-            kinds.push((KeyKind::Mark, "every 90 °CA"));
+        if self.cells.iter().any(|o| !o.angle.is_empty()) {
+            kinds.push((KeyKind::Mark, "every 90 °CA".to_owned()));
         }
         let (mut x, mut row) = (0.0, 0);
         let mut entries = Vec::new();
         for (kind, text) in kinds {
-            let size = 32.0 + 8.0 + text_width(text, NUMBER, false);
+            let size = 32.0 + 8.0 + text_width(&text, NUMBER, false);
             if x > 0.0 && x + size > width {
                 x = 0.0;
                 row += 1;
@@ -154,59 +150,100 @@ impl Orbits {
         (entries, row as usize + 1)
     }
 
-    fn draw(&self, svg: &mut Svg, orbit: &Orbit, corner: (f64, f64)) {
+    fn draw_cell(&self, svg: &mut Svg<'_>, cell: &Cell<'_>, corner: (f64, f64)) {
         let (left, top) = (corner.0 + 70.0, corner.1 + 52.0);
         let half = BOX / 2.0;
+        let reach = if cell.reach > 0.0 && cell.reach.is_finite() {
+            cell.reach
+        } else {
+            1.0
+        };
         let view = View {
             center: (left + half, top + half),
-            scale: FILL * half / orbit.clearance,
+            scale: half / reach,
             upright: self.upright,
         };
         svg.text(
             left,
             top - 26.0,
-            &orbit.name,
+            cell.name,
             TextStyle::new(LABEL + 1.0, Anchor::Start).bold(),
         );
         svg.text(
             left + BOX,
             top - 26.0,
-            &orbit.facts(),
+            &cell.facts,
             TextStyle::new(SMALL, Anchor::End).soft(),
         );
-        if !orbit.frame.is_empty() {
+        if !cell.frame.is_empty() {
             svg.text(
                 left,
                 top - 9.0,
-                &format!("axes of {}", orbit.frame),
+                &cell.frame,
                 TextStyle::new(SMALL, Anchor::Start).soft(),
             );
         }
-        draw_grid(svg, orbit, &view, (left, top));
+        let (x_name, y_name, side) = match self.upright {
+            Upright::Y => ("x", "y", reach),
+            Upright::X => ("y", "x", -reach),
+        };
+        svg.begin_group(
+            "panel",
+            &[
+                (
+                    "data-area",
+                    format!(
+                        "{} {} {} {}",
+                        coordinate(left),
+                        coordinate(top),
+                        coordinate(BOX),
+                        coordinate(BOX)
+                    ),
+                ),
+                ("data-x", format!("{} {side}", -side)),
+                ("data-y", format!("{} {reach}", -reach)),
+                ("data-x-name", x_name.to_owned()),
+                ("data-x-unit", self.unit.to_owned()),
+                ("data-y-name", y_name.to_owned()),
+                ("data-y-unit", self.unit.to_owned()),
+                ("data-equal", "yes".to_owned()),
+            ],
+        );
+        self.draw_grid(svg, reach, &view, (left, top));
         svg.begin_clip(left, top, BOX, BOX);
-        let start = last_cycle(orbit, self.period);
-        draw_path(svg, orbit, &view, 0..start + 1, Stroke::solid(PALE, 1.3));
+        for (radius, stroke) in &cell.circles {
+            svg.circle(view.center, view.scale * radius, None, *stroke);
+        }
+        let start = last_cycle(cell, self.period);
         draw_path(
             svg,
-            orbit,
+            cell,
             &view,
-            start..orbit.x.len(),
-            Stroke::solid(palette::color(0), 2.2),
+            0..start + 1,
+            Stroke::solid(Color::Pale, 1.3),
+        );
+        draw_path(
+            svg,
+            cell,
+            &view,
+            start..cell.x.len(),
+            Stroke::solid(Color::Series(0), 2.2),
         );
         svg.end_clip();
-        self.draw_marks(svg, orbit, &view, start, (left, top));
+        self.draw_marks(svg, cell, &view, start, (left, top));
+        svg.end_group();
     }
 
     /// Rings at multiples of 90° in the last cycle, with the angle where it finds room.
     fn draw_marks(
         &self,
-        svg: &mut Svg,
-        orbit: &Orbit,
+        svg: &mut Svg<'_>,
+        cell: &Cell<'_>,
         view: &View,
         start: usize,
         corner: (f64, f64),
     ) {
-        let marks = marks(orbit, start, self.period);
+        let marks = marks(cell, start, self.period);
         let mut rings = Vec::new();
         for (angle, x, y) in marks {
             rings.push((angle, view.point(x, y)));
@@ -220,12 +257,14 @@ impl Orbits {
             .map(|(_, p)| Rect::around(*p, 6.0, 6.0))
             .collect();
         for (_, place) in &rings {
+            svg.begin_group("mark", &place_of(*place));
             svg.circle(
                 *place,
                 4.2,
-                "#ffffff",
-                Stroke::solid(palette::color(1), 1.8),
+                Some(Color::Sheet),
+                Stroke::solid(Color::Series(1), 1.8),
             );
+            svg.end_group();
         }
         let sheet = Rect {
             left: corner.0,
@@ -245,39 +284,86 @@ impl Orbits {
                 (rect.inside(&sheet) && !taken.iter().any(|t| t.meets(&rect))).then_some(rect)
             });
             if let Some(rect) = room {
+                svg.begin_group("mark", &place_of(place));
                 svg.text(
                     (rect.left + rect.right) / 2.0,
                     rect.bottom - SMALL * 0.14,
                     &text,
                     TextStyle::new(SMALL, Anchor::Middle).halo(),
                 );
+                svg.end_group();
                 taken.push(rect);
             }
         }
     }
+
+    fn draw_grid(&self, svg: &mut Svg<'_>, reach: f64, view: &View, (left, top): (f64, f64)) {
+        let axis = ticks::inside(-reach, reach, 7);
+        let scale = view.scale;
+        svg.begin_group("grid", &[]);
+        let (right, bottom) = (left + BOX, top + BOX);
+        let (across, upwards) = match view.upright {
+            Upright::Y => (("x", 1.0), "y"),
+            Upright::X => (("y", -1.0), "x"),
+        };
+        for value in &axis.values {
+            let x = view.center.0 + across.1 * scale * value;
+            let y = view.center.1 - scale * value;
+            let zero = value.abs() < 1e-9 * axis.step;
+            let stroke = if zero {
+                Stroke::solid(Color::Rule, 1.0)
+            } else {
+                Stroke::solid(Color::Grid, 1.0)
+            };
+            svg.line((x, top), (x, bottom), stroke);
+            svg.line((left, y), (right, y), stroke);
+            let number = ticks::number(*value, axis.step);
+            svg.text(
+                x,
+                bottom + 19.0,
+                &number,
+                TextStyle::new(NUMBER, Anchor::Middle),
+            );
+            svg.text(
+                left - 8.0,
+                y + NUMBER * 0.36,
+                &number,
+                TextStyle::new(NUMBER, Anchor::End),
+            );
+        }
+        svg.end_group();
+        svg.frame(left, top, BOX, BOX, Stroke::solid(Color::Rule, 1.0));
+        svg.text(
+            view.center.0,
+            bottom + 41.0,
+            &format!("{} ({})", across.0, self.unit),
+            TextStyle::new(LABEL, Anchor::Middle),
+        );
+        svg.text(
+            left - 44.0,
+            view.center.1,
+            &format!("{upwards} ({})", self.unit),
+            TextStyle::new(LABEL, Anchor::Middle).upwards(),
+        );
+    }
 }
 
-impl Orbit {
-    /// Clearance and largest eccentricity ratio.
-    fn facts(&self) -> String {
-        let largest = self
-            .x
-            .iter()
-            .zip(&self.y)
-            .map(|(x, y)| libm::hypot(*x, *y) / self.clearance)
-            .filter(|ratio| ratio.is_finite())
-            .fold(0.0, f64::max);
-        format!(
-            "c = {} µm, ε ≤ {largest:.3}",
-            significant(self.clearance * 1e6)
-        )
+pub(super) fn clearance_stroke() -> Stroke {
+    Stroke::solid(Color::Ink, 1.8)
+}
+
+pub(super) fn half_stroke() -> Stroke {
+    Stroke {
+        color: Color::Rule,
+        width: 1.2,
+        dash: "5 4",
     }
 }
 
 /// Index of the first sample of the last cycle; 0 where all is one cycle or there is no angle.
-fn last_cycle(orbit: &Orbit, period: f64) -> usize {
-    match orbit.angle.last() {
-        Some(end) => orbit
+pub(super) fn last_cycle(cell: &Cell<'_>, period: f64) -> usize {
+    match cell.angle.last() {
+        Some(end) => cell
             .angle
             .iter()
             .position(|angle| *angle >= end - period - 1e-6)
@@ -286,38 +372,38 @@ fn last_cycle(orbit: &Orbit, period: f64) -> usize {
     }
 }
 
-/// Multiples of 90° between `start` and the end: angle within the cycle (°) and place (m), linear between samples.
-fn marks(orbit: &Orbit, start: usize, period: f64) -> Vec<(i64, f64, f64)> {
+/// Multiples of 90° between `start` and the end: angle within the cycle (°) and place, linear between samples.
+pub(super) fn marks(cell: &Cell<'_>, start: usize, period: f64) -> Vec<(i64, f64, f64)> {
     let mut found: Vec<(i64, f64, f64)> = Vec::new();
-    let samples = orbit.angle.len().min(orbit.x.len()).min(orbit.y.len());
+    let samples = cell.angle.len().min(cell.x.len()).min(cell.y.len());
     let quarter = |angle: f64| ((angle + 1e-6) / 90.0).floor();
     let period = if period > 0.0 { period } else { 360.0 };
-    let last = match orbit.angle.get(start) {
+    let last = match cell.angle.get(start) {
         Some(first) => first + period - 1e-6,
         None => return found,
     };
     for index in start..samples {
-        let here = orbit.angle[index];
+        let here = cell.angle[index];
         // the first sample has a mark only where it stands on one
         let before = if index > start { index - 1 } else { index };
-        let width = here - orbit.angle[before];
+        let width = here - cell.angle[before];
         // an angle that runs backwards, jumps or is no number has no marks
         if !(0.0..=period).contains(&width) || !here.is_finite() {
             continue;
         }
         let mut mark = if index > start {
-            90.0 * (quarter(orbit.angle[before]) + 1.0)
+            90.0 * (quarter(cell.angle[before]) + 1.0)
         } else {
             90.0 * ((here - 1e-6) / 90.0).ceil()
         };
         while mark <= here + 1e-6 && mark < last {
             let share = if width > 0.0 {
-                ((mark - orbit.angle[before]) / width).clamp(0.0, 1.0)
+                ((mark - cell.angle[before]) / width).clamp(0.0, 1.0)
             } else {
                 1.0
             };
             let between = |v: &[f64]| v[before] + share * (v[index] - v[before]);
-            let (x, y) = (between(&orbit.x), between(&orbit.y));
+            let (x, y) = (between(&cell.x), between(&cell.y));
             let angle = mark - period * ((mark + 1e-6) / period).floor();
             if x.is_finite() && y.is_finite() {
                 found.push((angle.round() as i64, x, y));
@@ -328,93 +414,67 @@ fn marks(orbit: &Orbit, start: usize, period: f64) -> Vec<(i64, f64, f64)> {
     found
 }
 
-fn draw_grid(svg: &mut Svg, orbit: &Orbit, view: &View, (left, top): (f64, f64)) {
-    let reach = orbit.clearance / FILL * 1e6;
-    let axis = ticks::inside(-reach, reach, 7);
-    let scale = view.scale * 1e-6;
-    let (right, bottom) = (left + BOX, top + BOX);
-    let (across, upwards) = match view.upright {
-        Upright::Y => (("x", 1.0), "y"),
-        Upright::X => (("y", -1.0), "x"),
-    };
-    for value in &axis.values {
-        let x = view.center.0 + across.1 * scale * value;
-        let y = view.center.1 - scale * value;
-        let zero = value.abs() < 1e-9 * axis.step;
-        let stroke = if zero {
-            Stroke::solid(RULE, 1.0)
-        } else {
-            Stroke::solid(GRID, 1.0)
-        };
-        svg.line((x, top), (x, bottom), stroke);
-        svg.line((left, y), (right, y), stroke);
-        let number = ticks::number(*value, axis.step);
-        svg.text(
-            x,
-            bottom + 19.0,
-            &number,
-            TextStyle::new(NUMBER, Anchor::Middle),
-        );
-        svg.text(
-            left - 8.0,
-            y + NUMBER * 0.36,
-            &number,
-            TextStyle::new(NUMBER, Anchor::End),
-        );
-    }
-    svg.frame(left, top, BOX, BOX, Stroke::solid(RULE, 1.0));
-    svg.text(
-        view.center.0,
-        bottom + 41.0,
-        &format!("{} (µm)", across.0),
-        TextStyle::new(LABEL, Anchor::Middle),
-    );
-    svg.text(
-        left - 44.0,
-        view.center.1,
-        &format!("{upwards} (µm)"),
-        TextStyle::new(LABEL, Anchor::Middle).upwards(),
-    );
-    let radius = view.scale * orbit.clearance;
-    svg.circle(view.center, radius / 2.0, "none", half_stroke());
-    svg.circle(view.center, radius, "none", clearance_stroke());
-}
-
-fn clearance_stroke() -> Stroke {
-    Stroke::solid(INK, 1.8)
-}
-
-fn half_stroke() -> Stroke {
+pub(super) fn limit_stroke() -> Stroke {
     Stroke {
-        color: RULE,
-        width: 1.2,
-        dash: "5 4",
+        color: Color::Series(1),
+        width: 1.8,
+        dash: "9 4",
     }
 }
 
 fn draw_path(
-    svg: &mut Svg,
-    orbit: &Orbit,
+    svg: &mut Svg<'_>,
+    cell: &Cell<'_>,
     view: &View,
     range: std::ops::Range<usize>,
     stroke: Stroke,
 ) {
-    let mut run = Vec::new();
-    let end = range.end.min(orbit.x.len()).min(orbit.y.len());
+    let end = range.end.min(cell.x.len()).min(cell.y.len());
+    let mut points = Vec::new();
+    let mut angles = Vec::new();
+    let mut finish = |points: &mut Vec<(f64, f64)>, angles: &mut Vec<f64>| {
+        let kept = decimate::thinned(points, 0.3);
+        let tag = CurveTag {
+            name: cell.name,
+            angles: if angles.len() == points.len() {
+                kept.iter()
+                    .filter_map(|i| angles.get(*i).copied())
+                    .collect()
+            } else {
+                Vec::new()
+            },
+            ..CurveTag::default()
+        };
+        let kept: Vec<(f64, f64)> = kept
+            .iter()
+            .filter_map(|i| points.get(*i).copied())
+            .collect();
+        svg.curve(&kept, stroke, &tag);
+        points.clear();
+        angles.clear();
+    };
     for index in range.start.min(end)..end {
-        let point = view.point(orbit.x[index], orbit.y[index]);
+        let point = view.point(cell.x[index], cell.y[index]);
         if point.0.is_finite() && point.1.is_finite() {
-            run.push(point);
+            points.push(point);
+            angles.extend(cell.angle.get(index));
         } else {
-            svg.polyline(&decimate::thinned(&run, 0.3), stroke);
-            run.clear();
+            finish(&mut points, &mut angles);
         }
     }
-    svg.polyline(&decimate::thinned(&run, 0.3), stroke);
+    finish(&mut points, &mut angles);
+}
+
+/// Where a mark belongs, for the page's script.
+fn place_of(place: (f64, f64)) -> [(&'static str, String); 2] {
+    [
+        ("data-x", coordinate(place.0)),
+        ("data-y", coordinate(place.1)),
+    ]
 }
 
 /// Three digits, without trailing zeros.
-fn significant(value: f64) -> String {
+pub(super) fn significant(value: f64) -> String {
     let decimals = match value.abs() {
         v if v >= 100.0 => 0,
         v if v >= 10.0 => 1,
@@ -462,10 +522,12 @@ impl Rect {
     }
 }
 
+/// What stands in the key.
 #[derive(Clone, Copy, Debug)]
-enum KeyKind {
+pub(super) enum KeyKind {
     Clearance,
     Half,
+    Limit,
     Last,
     Earlier,
     Mark,
@@ -473,30 +535,31 @@ enum KeyKind {
 
 struct KeyEntry {
     kind: KeyKind,
-    text: &'static str,
+    text: String,
     x: f64,
     y: f64,
 }
 
 impl KeyEntry {
-    fn draw(&self, svg: &mut Svg) {
+    fn draw(&self, svg: &mut Svg<'_>) {
         let (from, to) = ((self.x, self.y), (self.x + 32.0, self.y));
         match self.kind {
             KeyKind::Clearance => svg.line(from, to, clearance_stroke()),
             KeyKind::Half => svg.line(from, to, half_stroke()),
-            KeyKind::Last => svg.line(from, to, Stroke::solid(palette::color(0), 2.2)),
-            KeyKind::Earlier => svg.line(from, to, Stroke::solid(PALE, 1.6)),
+            KeyKind::Limit => svg.line(from, to, limit_stroke()),
+            KeyKind::Last => svg.line(from, to, Stroke::solid(Color::Series(0), 2.2)),
+            KeyKind::Earlier => svg.line(from, to, Stroke::solid(Color::Pale, 1.6)),
             KeyKind::Mark => svg.circle(
                 (self.x + 16.0, self.y),
                 4.2,
-                "#ffffff",
-                Stroke::solid(palette::color(1), 1.8),
+                Some(Color::Sheet),
+                Stroke::solid(Color::Series(1), 1.8),
             ),
         }
         svg.text(
             self.x + 40.0,
             self.y + NUMBER * 0.36,
-            self.text,
+            &self.text,
             TextStyle::new(NUMBER, Anchor::Start),
         );
     }
@@ -505,55 +568,6 @@ impl KeyEntry {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn small(samples: u32, upright: Upright) -> Orbits {
-        let angle: Vec<f64> = (0..=samples)
-            .map(|i| f64::from(i) * 720.0 / f64::from(samples))
-            .collect();
-        let at = |a: &f64| a.to_radians();
-        Orbits {
-            title: "Orbits".to_owned(),
-            subtitle: "Test".to_owned(),
-            period: 360.0,
-            upright,
-            orbits: vec![Orbit {
-                name: "main[1]".to_owned(),
-                frame: "block.main[1]".to_owned(),
-                clearance: 27e-6,
-                x: angle.iter().map(|a| 20e-6 * libm::cos(at(a))).collect(),
-                y: angle.iter().map(|a| 10e-6 * libm::sin(at(a))).collect(),
-                angle,
-            }],
-        }
-    }
-
-    #[test]
-    fn small_figure() {
-        insta::assert_snapshot!(small(8, Upright::X).to_svg());
-    }
-
-    #[test]
-    fn marks_lie_between_samples_and_stay_in_the_cycle() {
-        let figure = small(7, Upright::Y);
-        let orbit = &figure.orbits[0];
-        let start = last_cycle(orbit, 360.0);
-        assert_eq!(start, 4, "720·4/7 is the first angle after 360");
-        let found = marks(orbit, start, 360.0);
-        let angles: Vec<i64> = found.iter().map(|m| m.0).collect();
-        assert_eq!(angles, [90, 180, 270, 0]);
-        assert!((found[3].1 - orbit.x[7]).abs() < 1e-15 && (found[3].2 - orbit.y[7]).abs() < 1e-15);
-    }
-
-    #[test]
-    fn a_whole_cycle_has_each_mark_once() {
-        let figure = small(72, Upright::Y);
-        let orbit = &figure.orbits[0];
-        let angles: Vec<i64> = marks(orbit, last_cycle(orbit, 360.0), 360.0)
-            .iter()
-            .map(|m| m.0)
-            .collect();
-        assert_eq!(angles, [0, 90, 180, 270]);
-    }
 
     #[test]
     fn up_is_the_stated_axis() {
@@ -565,16 +579,5 @@ mod tests {
         assert_eq!(view(Upright::X).point(1.0, 0.0), (0.0, -1.0));
         assert_eq!(view(Upright::X).point(0.0, 1.0), (-1.0, 0.0));
         assert_eq!(view(Upright::Y).point(1.0, 0.0), (1.0, 0.0));
-    }
-
-    #[test]
-    fn gaps_and_missing_angles_are_drawn() {
-        let mut figure = small(72, Upright::Y);
-        figure.orbits[0].angle.clear();
-        figure.orbits[0].x[3] = f64::NAN;
-        let svg = figure.to_svg();
-        assert!(!svg.contains("NaN"));
-        assert!(svg.matches("<polyline").count() >= 2);
-        super::super::to_png(&svg, 0.5).unwrap();
     }
 }

@@ -1,0 +1,393 @@
+//! Moving bodies: flexible ones by their modes, rigid ones by simple parts.
+//!
+//! One set of plain data becomes a glTF file, a viewer inside a page, and files for ParaView. Lengths are metres, times seconds.
+
+mod gltf;
+mod poster;
+mod quaternion;
+mod solid;
+mod viewer;
+mod vtk;
+
+pub(crate) use viewer::SCRIPT;
+pub use vtk::{CellKind, VtkBody, VtkEncoding, VtkFrame, VtkPart, pvd, vtu};
+
+use quaternion::{normalised, rotated};
+
+/// Triangles between nodes, in the axes of a body.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Surface {
+    /// Places of the nodes (m).
+    pub nodes: Vec<[f64; 3]>,
+    /// Three nodes each (from 0), counterclockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Where a body is: a point s of the body is at r + A·s, A the rotation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// r, in the inertial axes (m).
+    pub position: [f64; 3],
+    /// Unit quaternion (w, x, y, z) from the body's to the inertial axes; brought to unit length.
+    pub rotation: [f64; 4],
+}
+
+impl Pose {
+    /// At the origin, not turned.
+    pub const HOME: Pose = Pose {
+        position: [0.0; 3],
+        rotation: [1.0, 0.0, 0.0, 0.0],
+    };
+
+    /// Place in the inertial axes of a point of the body.
+    fn place(&self, point: [f64; 3]) -> [f64; 3] {
+        let turned = rotated(normalised(self.rotation), point);
+        [0, 1, 2].map(|i| self.position[i] + turned[i])
+    }
+}
+
+/// The motion of the nodes for an amplitude of 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModeShape {
+    /// `normal 3, 412 Hz`.
+    pub name: String,
+    /// One displacement a node, in the body's axes (m for an amplitude of 1).
+    pub displacements: Vec<[f64; 3]>,
+}
+
+/// A number for each node that stands still, such as the largest stress over a cycle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodeField {
+    /// `von Mises, largest over the cycle`.
+    pub name: String,
+    /// `MPa`.
+    pub unit: String,
+    /// One a node, in that unit.
+    pub values: Vec<f64>,
+}
+
+/// A body that deforms by modes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlexibleBody {
+    /// As in the model.
+    pub name: String,
+    /// What is seen of it.
+    pub surface: Surface,
+    /// Its modes.
+    pub shapes: Vec<ModeShape>,
+    /// One pose a time; a single one for a body that stands still.
+    pub poses: Vec<Pose>,
+    /// For each time, one amplitude a mode.
+    pub amplitudes: Vec<Vec<f64>>,
+    /// Numbers to colour it by, besides the displacement.
+    pub fields: Vec<NodeField>,
+}
+
+/// A part of a rigid body, in the body's axes (m).
+#[derive(Clone, Debug, PartialEq)]
+pub enum Part {
+    /// With sides along the axes.
+    Box {
+        /// Its middle.
+        center: [f64; 3],
+        /// Lengths of its sides.
+        size: [f64; 3],
+    },
+    /// A round bar between two points, such as two markers.
+    Cylinder {
+        /// Middle of one end.
+        from: [f64; 3],
+        /// Middle of the other end.
+        to: [f64; 3],
+        /// Its radius.
+        radius: f64,
+    },
+    /// A line through points.
+    Line {
+        /// The points.
+        points: Vec<[f64; 3]>,
+    },
+    /// Any surface.
+    Mesh(Surface),
+}
+
+/// A body that doesn't deform.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigidBody {
+    /// As in the model.
+    pub name: String,
+    /// What is seen of it.
+    pub parts: Vec<Part>,
+    /// One pose a time; a single one for a body that stands still.
+    pub poses: Vec<Pose>,
+}
+
+/// Which inertial axis points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Up {
+    /// x.
+    X,
+    /// y.
+    Y,
+    /// z.
+    Z,
+}
+
+/// All that moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Animation {
+    /// What it is called.
+    pub title: String,
+    /// Times (s), increasing.
+    pub times: Vec<f64>,
+    /// Crank angle at each time (°); empty if there is none.
+    pub angles: Vec<f64>,
+    /// Which axis points up.
+    pub up: Up,
+    /// Displacements are shown so many times larger at first.
+    pub scale: f64,
+    /// Seconds of playing a second of motion: an engine's cycle lasts hundredths of a second.
+    pub slowdown: f64,
+    /// What deforms.
+    pub flexible: Vec<FlexibleBody>,
+    /// What doesn't.
+    pub rigid: Vec<RigidBody>,
+}
+
+/// Why an animation cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AnimationError {
+    /// Nothing to show, or no time.
+    #[error("the animation has no {0}")]
+    Empty(&'static str),
+    /// Too few or too many of something.
+    #[error("{body}: {found} {what}, but {expected} are needed")]
+    Count {
+        /// The body, or `the animation`.
+        body: String,
+        /// What is counted.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        expected: usize,
+    },
+    /// A triangle or cell names a node that is not there.
+    #[error("{body}: a cell names node {node}, but there are {nodes} nodes, counted from 0")]
+    Node {
+        /// The body.
+        body: String,
+        /// The node named.
+        node: u32,
+        /// How many there are.
+        nodes: usize,
+    },
+    /// A number that is infinite or no number, or too large for a file of single precision.
+    #[error("{body}: {what} holds a number that is not finite in single precision")]
+    NotFinite {
+        /// The body, or `the animation`.
+        body: String,
+        /// Where.
+        what: &'static str,
+    },
+    /// A number out of its range.
+    #[error("{what} must be {range}, not {value}")]
+    Range {
+        /// Which number.
+        what: &'static str,
+        /// What is allowed.
+        range: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// More data than a glTF file can hold.
+    #[error("the animation needs {bytes} bytes, more than the 4 GiB that a glTF file can hold")]
+    TooLarge {
+        /// How much it would be.
+        bytes: u64,
+    },
+}
+
+impl FlexibleBody {
+    /// Displacements of the nodes at a time (by index), not scaled, in the body's axes (m): Σ amplitude·shape.
+    pub fn displacements(&self, time: usize) -> Vec<[f64; 3]> {
+        let mut sum = vec![[0.0; 3]; self.surface.nodes.len()];
+        let amplitudes = self.amplitudes.get(time).map_or(&[][..], Vec::as_slice);
+        for (shape, amplitude) in self.shapes.iter().zip(amplitudes) {
+            for (sum, displacement) in sum.iter_mut().zip(&shape.displacements) {
+                for (sum, d) in sum.iter_mut().zip(displacement) {
+                    *sum += amplitude * d;
+                }
+            }
+        }
+        sum
+    }
+
+    /// Largest displacement of any node at any time, not scaled (m).
+    pub fn largest_displacement(&self) -> f64 {
+        (0..self.amplitudes.len())
+            .flat_map(|time| self.displacements(time))
+            .map(|[x, y, z]| (x * x + y * y + z * z).sqrt())
+            .fold(0.0, f64::max)
+    }
+
+    fn check(&self, times: usize) -> Result<(), AnimationError> {
+        check_surface(&self.name, &self.surface)?;
+        check_poses(&self.name, &self.poses, times)?;
+        let nodes = self.surface.nodes.len();
+        for shape in &self.shapes {
+            self.check_count("displacements of a mode", shape.displacements.len(), nodes)?;
+            check_finite(
+                &self.name,
+                "a mode",
+                shape.displacements.iter().flatten().copied(),
+            )?;
+        }
+        if !self.shapes.is_empty() {
+            self.check_count("sets of amplitudes", self.amplitudes.len(), times)?;
+        }
+        for amplitudes in &self.amplitudes {
+            self.check_count("amplitudes at a time", amplitudes.len(), self.shapes.len())?;
+            check_finite(&self.name, "an amplitude", amplitudes.iter().copied())?;
+        }
+        for field in &self.fields {
+            self.check_count("values of a field", field.values.len(), nodes)?;
+            check_finite(&self.name, "a field", field.values.iter().copied())?;
+        }
+        Ok(())
+    }
+
+    fn check_count(
+        &self,
+        what: &'static str,
+        found: usize,
+        expected: usize,
+    ) -> Result<(), AnimationError> {
+        check_count(&self.name, what, found, expected)
+    }
+}
+
+impl Animation {
+    /// Whether everything fits together; every maker of files calls it first.
+    ///
+    /// # Errors
+    /// Whatever does not fit, see [`AnimationError`].
+    pub fn check(&self) -> Result<(), AnimationError> {
+        let times = self.times.len();
+        if times == 0 {
+            return Err(AnimationError::Empty("times"));
+        }
+        if self.flexible.is_empty() && self.rigid.is_empty() {
+            return Err(AnimationError::Empty("bodies"));
+        }
+        let whole = "the animation";
+        check_finite(whole, "the times", self.times.iter().copied())?;
+        let fault = self.times.windows(2).find_map(|pair| match pair {
+            [before, after] if after <= before => Some(*after),
+            _ => None,
+        });
+        if let Some(value) = fault {
+            return Err(AnimationError::Range {
+                what: "a time",
+                range: "above the one before",
+                value,
+            });
+        }
+        if !self.angles.is_empty() {
+            check_count(whole, "crank angles", self.angles.len(), times)?;
+            check_finite(whole, "the crank angles", self.angles.iter().copied())?;
+        }
+        for (what, value) in [
+            ("the scale of displacements", self.scale),
+            ("the slowdown", self.slowdown),
+        ] {
+            if !(value > 0.0 && (value as f32).is_finite()) {
+                return Err(AnimationError::Range {
+                    what,
+                    range: "a finite number above 0",
+                    value,
+                });
+            }
+        }
+        for body in &self.flexible {
+            body.check(times)?;
+        }
+        for body in &self.rigid {
+            check_poses(&body.name, &body.poses, times)?;
+            for part in &body.parts {
+                check_part(&body.name, part)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn check_part(body: &str, part: &Part) -> Result<(), AnimationError> {
+    let finite =
+        |values: &[[f64; 3]]| check_finite(body, "a part", values.iter().flatten().copied());
+    match part {
+        Part::Box { center, size } => finite(&[*center, *size]),
+        Part::Cylinder { from, to, radius } => finite(&[*from, *to, [*radius; 3]]),
+        Part::Line { points } => finite(points),
+        Part::Mesh(surface) => check_surface(body, surface),
+    }
+}
+
+fn check_surface(body: &str, surface: &Surface) -> Result<(), AnimationError> {
+    check_finite(body, "a node", surface.nodes.iter().flatten().copied())?;
+    let nodes = surface.nodes.len();
+    match surface
+        .triangles
+        .iter()
+        .flatten()
+        .find(|node| **node as usize >= nodes)
+    {
+        Some(node) => Err(AnimationError::Node {
+            body: body.to_owned(),
+            node: *node,
+            nodes,
+        }),
+        None => Ok(()),
+    }
+}
+
+fn check_poses(body: &str, poses: &[Pose], times: usize) -> Result<(), AnimationError> {
+    if poses.len() != 1 {
+        check_count(body, "poses", poses.len(), times)?;
+    }
+    let numbers = poses
+        .iter()
+        .flat_map(|pose| pose.position.into_iter().chain(pose.rotation));
+    check_finite(body, "a pose", numbers)
+}
+
+fn check_count(
+    body: &str,
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), AnimationError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(AnimationError::Count {
+        body: body.to_owned(),
+        what,
+        found,
+        expected,
+    })
+}
+
+fn check_finite(
+    body: &str,
+    what: &'static str,
+    mut values: impl Iterator<Item = f64>,
+) -> Result<(), AnimationError> {
+    if values.all(|value| (value as f32).is_finite()) {
+        return Ok(());
+    }
+    Err(AnimationError::NotFinite {
+        body: body.to_owned(),
+        what,
+    })
+}

@@ -1,0 +1,69 @@
+//! Rotations by unit quaternions (w, x, y, z).
+
+/// Brought to unit length; one without length becomes no rotation.
+pub(super) fn normalised(q: [f64; 4]) -> [f64; 4] {
+    let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if length > 0.0 && length.is_finite() {
+        q.map(|c| c / length)
+    } else {
+        [1.0, 0.0, 0.0, 0.0]
+    }
+}
+
+/// A·v = v + 2w·(u × v) + 2u × (u × v), q = (w, u) of unit length.
+pub(super) fn rotated(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
+    let [w, x, y, z] = q;
+    let u = [x, y, z];
+    let first = cross(u, v);
+    let second = cross(u, first);
+    [0, 1, 2].map(|i| v[i] + 2.0 * (w * first[i] + second[i]))
+}
+
+pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|i| a[i] - b[i])
+}
+
+/// Of length 1; one without length is given back as it is.
+pub(super) fn direction(v: [f64; 3]) -> [f64; 3] {
+    let length = dot(v, v).sqrt();
+    if length > 0.0 {
+        v.map(|c| c / length)
+    } else {
+        v
+    }
+}
+
+/// Of q and −q, which are the same rotation, the one nearer to `before`: interpolation must not take the long way.
+pub(super) fn nearer(before: [f64; 4], q: [f64; 4]) -> [f64; 4] {
+    let product: f64 = before.iter().zip(&q).map(|(a, b)| a * b).sum();
+    if product < 0.0 { q.map(|c| -c) } else { q }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quarter_turn_about_z() {
+        let half = std::f64::consts::FRAC_PI_8 * 2.0;
+        let q = [libm::cos(half), 0.0, 0.0, libm::sin(half)];
+        let turned = rotated(q, [1.0, 2.0, 3.0]);
+        for (found, expected) in turned.iter().zip([-2.0, 1.0, 3.0]) {
+            assert!((found - expected).abs() < 1e-15);
+        }
+        assert_eq!(normalised([0.0; 4]), [1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(nearer(q, q.map(|c| -c)), q);
+    }
+}

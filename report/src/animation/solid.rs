@@ -1,0 +1,144 @@
+//! Triangles and lines of a rigid body's parts.
+
+use super::quaternion::{cross, direction, minus};
+use super::{Part, Surface};
+
+/// Sides of a cylinder.
+const SIDES: u32 = 24;
+
+/// Everything that is seen of a rigid body.
+#[derive(Debug, Default)]
+pub(super) struct Solid {
+    pub surface: Surface,
+    /// Ends of the pieces of lines.
+    pub segments: Vec<[f64; 3]>,
+}
+
+impl Solid {
+    pub fn of(parts: &[Part]) -> Solid {
+        let mut solid = Solid::default();
+        for part in parts {
+            match part {
+                Part::Box { center, size } => solid.push_box(*center, *size),
+                Part::Cylinder { from, to, radius } => solid.push_cylinder(*from, *to, *radius),
+                Part::Line { points } => {
+                    for pair in points.windows(2) {
+                        solid.segments.extend(pair);
+                    }
+                }
+                Part::Mesh(surface) => solid.push(&surface.nodes, &surface.triangles),
+            }
+        }
+        solid
+    }
+
+    fn push(&mut self, nodes: &[[f64; 3]], triangles: &[[u32; 3]]) {
+        let first = self.surface.nodes.len() as u32;
+        self.surface.nodes.extend(nodes);
+        self.surface
+            .triangles
+            .extend(triangles.iter().map(|t| t.map(|node| first + node)));
+    }
+
+    fn push_box(&mut self, center: [f64; 3], size: [f64; 3]) {
+        let nodes: Vec<[f64; 3]> = (0..8)
+            .map(|corner| {
+                [0, 1, 2].map(|axis| {
+                    let side = if corner >> axis & 1 == 1 { 0.5 } else { -0.5 };
+                    center[axis] + side * size[axis]
+                })
+            })
+            .collect();
+        const QUADS: [[u32; 4]; 6] = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        let triangles: Vec<[u32; 3]> = QUADS
+            .iter()
+            .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]])
+            .collect();
+        self.push(&nodes, &triangles);
+    }
+
+    fn push_cylinder(&mut self, from: [f64; 3], to: [f64; 3], radius: f64) {
+        let axis = direction(minus(to, from));
+        // the coordinate axis least along the cylinder
+        let mut other = [1.0, 0.0, 0.0];
+        if axis[0].abs() > 0.6 {
+            other = [0.0, 1.0, 0.0];
+        }
+        let first = direction(cross(axis, other));
+        let second = cross(axis, first);
+        let mut nodes = vec![from, to];
+        for side in 0..SIDES {
+            let angle = std::f64::consts::TAU * f64::from(side) / f64::from(SIDES);
+            let (sine, cosine) = libm::sincos(angle);
+            for end in [from, to] {
+                nodes.push(
+                    [0, 1, 2].map(|i| end[i] + radius * (cosine * first[i] + sine * second[i])),
+                );
+            }
+        }
+        let mut triangles = Vec::new();
+        for side in 0..SIDES {
+            let here = 2 + 2 * side;
+            let next = 2 + 2 * ((side + 1) % SIDES);
+            triangles.extend([
+                [0, next, here],
+                [1, here + 1, next + 1],
+                [here, next, next + 1],
+                [here, next + 1, here + 1],
+            ]);
+        }
+        self.push(&nodes, &triangles);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::quaternion::dot;
+    use super::*;
+
+    /// Volume by the divergence theorem: right only for closed surfaces that face outwards.
+    fn volume(surface: &Surface) -> f64 {
+        surface
+            .triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|n| surface.nodes[n as usize]);
+                dot(a, cross(b, c)) / 6.0
+            })
+            .sum()
+    }
+
+    #[test]
+    fn boxes_and_cylinders_are_closed_and_face_outwards() {
+        let cuboid = Solid::of(&[Part::Box {
+            center: [5.0, -1.0, 2.0],
+            size: [1.0, 2.0, 3.0],
+        }]);
+        assert!((volume(&cuboid.surface) - 6.0).abs() < 1e-12);
+        for to in [[0.0, 0.0, 2.0], [2.0, 0.0, 0.0], [0.0, -2.0, 0.0]] {
+            let bar = Solid::of(&[Part::Cylinder {
+                from: [0.0; 3],
+                to,
+                radius: 1.0,
+            }]);
+            let sides = f64::from(SIDES);
+            let expected = sides * libm::sin(std::f64::consts::TAU / sides);
+            assert!((volume(&bar.surface) - expected).abs() < 1e-12, "{to:?}");
+        }
+    }
+
+    #[test]
+    fn lines_are_pieces() {
+        let line = Solid::of(&[Part::Line {
+            points: vec![[0.0; 3], [1.0; 3], [2.0; 3]],
+        }]);
+        assert_eq!(line.segments.len(), 4);
+    }
+}

@@ -1,0 +1,220 @@
+//! A pair of axes: from values to pixels, grid, numbers, and what the page's script must know of them.
+
+use super::palette::Color;
+use super::svg::{Anchor, Stroke, Svg, TextStyle, coordinate};
+use super::ticks::{self, Ticks};
+
+const NUMBER: f64 = 15.0;
+
+/// How values become lengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Scale {
+    /// Equal steps.
+    #[default]
+    Linear,
+    /// Equal ratios; values that are not above 0 are gaps.
+    Logarithmic,
+}
+
+impl Scale {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Scale::Linear => "linear",
+            Scale::Logarithmic => "log",
+        }
+    }
+
+    /// The number that is laid out evenly: NaN where there is none.
+    pub(super) fn even(self, value: f64) -> f64 {
+        match self {
+            Scale::Linear => value,
+            Scale::Logarithmic if value > 0.0 => libm::log10(value),
+            Scale::Logarithmic => f64::NAN,
+        }
+    }
+}
+
+/// One axis with its numbers.
+#[derive(Clone, Debug)]
+pub(super) struct Scaled {
+    pub ticks: Ticks,
+    /// A text a tick.
+    pub numbers: Vec<String>,
+    /// What the numbers were divided by.
+    pub factor: f64,
+    pub scale: Scale,
+    /// For the readout: quantity and unit.
+    pub name: String,
+    pub unit: String,
+    /// `angle` for steps that divide a revolution.
+    pub kind: &'static str,
+}
+
+impl Scaled {
+    /// An axis whose numbers stand as they are.
+    pub fn plain(ticks: Ticks, name: &str, unit: &str) -> Self {
+        Scaled {
+            numbers: ticks
+                .values
+                .iter()
+                .map(|v| ticks::number(*v, ticks.step))
+                .collect(),
+            ticks,
+            factor: 1.0,
+            scale: Scale::Linear,
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            kind: "plain",
+        }
+    }
+
+    /// An axis of powers of ten, over the last `decades` below the largest value at most.
+    pub fn decades(low: f64, high: f64, decades: usize, name: &str, unit: &str) -> Self {
+        let (low, high) = if high > 0.0 && high.is_finite() {
+            let top = (libm::log10(high) - 1e-9).ceil();
+            let bottom = if low > 0.0 {
+                (libm::log10(low) + 1e-9).floor()
+            } else {
+                f64::NEG_INFINITY
+            };
+            (bottom.clamp(top - decades.max(1) as f64, top - 1.0), top)
+        } else {
+            (-1.0, 0.0)
+        };
+        let values: Vec<f64> = (0..=(high - low) as usize)
+            .map(|i| low + i as f64)
+            .collect();
+        Scaled {
+            numbers: values
+                .iter()
+                .map(|v| ticks::power_of_ten(*v as i32))
+                .collect(),
+            ticks: Ticks {
+                range: (low, high),
+                values,
+                step: 1.0,
+            },
+            factor: 1.0,
+            scale: Scale::Logarithmic,
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            kind: "plain",
+        }
+    }
+}
+
+/// The rectangle of the axes in pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Area {
+    pub left: f64,
+    pub top: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+impl Area {
+    /// Pixel of an evenly laid out number.
+    pub fn x(&self, value: f64, axis: &Ticks) -> f64 {
+        let (low, high) = axis.range;
+        self.left + (value - low) / (high - low) * self.width
+    }
+
+    /// Pixel of an evenly laid out number.
+    pub fn y(&self, value: f64, axis: &Ticks) -> f64 {
+        let (low, high) = axis.range;
+        self.top + (high - value) / (high - low) * self.height
+    }
+
+    pub fn right(&self) -> f64 {
+        self.left + self.width
+    }
+
+    pub fn bottom(&self) -> f64 {
+        self.top + self.height
+    }
+
+    /// What the page's script must know; goes with [`Svg::end_group`].
+    pub fn begin_panel(
+        &self,
+        svg: &mut Svg<'_>,
+        x: &Scaled,
+        y: &Scaled,
+        more: &[(&'static str, String)],
+    ) {
+        let pair = |(a, b): (f64, f64)| format!("{a} {b}");
+        let mut attributes = vec![
+            (
+                "data-area",
+                format!(
+                    "{} {} {} {}",
+                    coordinate(self.left),
+                    coordinate(self.top),
+                    coordinate(self.width),
+                    coordinate(self.height)
+                ),
+            ),
+            ("data-x", pair(x.ticks.range)),
+            ("data-y", pair(y.ticks.range)),
+            ("data-x-name", x.name.clone()),
+            ("data-x-unit", x.unit.clone()),
+            ("data-y-name", y.name.clone()),
+            ("data-y-unit", y.unit.clone()),
+            ("data-x-kind", x.kind.to_owned()),
+            ("data-y-scale", y.scale.name().to_owned()),
+            ("data-y-factor", format!("{}", y.factor)),
+        ];
+        attributes.extend(more.iter().cloned());
+        svg.begin_group("panel", &attributes);
+    }
+
+    /// Grid lines and numbers, those below only where `numbered`, and the frame.
+    pub fn draw(&self, svg: &mut Svg<'_>, x: &Scaled, y: &Scaled, numbered: bool) {
+        svg.begin_group(if numbered { "grid numbered" } else { "grid" }, &[]);
+        let bottom = self.bottom();
+        for (value, number) in x.ticks.values.iter().zip(&x.numbers) {
+            let at = self.x(*value, &x.ticks);
+            svg.line(
+                (at, self.top),
+                (at, bottom),
+                Stroke::solid(Color::Grid, 1.0),
+            );
+            svg.line(
+                (at, bottom),
+                (at, bottom + 6.0),
+                Stroke::solid(Color::Rule, 1.0),
+            );
+            if numbered {
+                svg.text(
+                    at,
+                    bottom + 24.0,
+                    number,
+                    TextStyle::new(NUMBER, Anchor::Middle),
+                );
+            }
+        }
+        for (value, number) in y.ticks.values.iter().zip(&y.numbers) {
+            let at = self.y(*value, &y.ticks);
+            let zero = y.scale == Scale::Linear && value.abs() < 1e-9 * y.ticks.step;
+            let color = if zero { Color::Rule } else { Color::Grid };
+            svg.line(
+                (self.left, at),
+                (self.right(), at),
+                Stroke::solid(color, if zero { 1.5 } else { 1.0 }),
+            );
+            svg.text(
+                self.left - 12.0,
+                at + NUMBER * 0.36,
+                number,
+                TextStyle::new(NUMBER, Anchor::End),
+            );
+        }
+        svg.end_group();
+        svg.frame(
+            self.left,
+            self.top,
+            self.width,
+            self.height,
+            Stroke::solid(Color::Rule, 1.0),
+        );
+    }
+}

@@ -1,0 +1,495 @@
+//! Curves against crank angle, time, frequency, order or speed, one panel or several above each other.
+
+use super::axes::{Area, Scale, Scaled};
+use super::font::text_width;
+use super::palette::{self, Color};
+use super::svg::{Anchor, CurveTag, Stroke, Svg, Target, TextStyle, coordinate};
+use super::{decimate, ticks};
+
+const WIDTH: f64 = 1200.0;
+const TITLE: f64 = 22.0;
+const LABEL: f64 = 16.0;
+const NUMBER: f64 = 15.0;
+const SMALL: f64 = 13.0;
+/// Room right of the panels, wide enough for half of the last number.
+const RIGHT: f64 = 36.0;
+
+/// What stands on the horizontal axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Abscissa {
+    /// Crank angle (°).
+    CrankAngle,
+    /// Time (s).
+    Time,
+    /// Frequency (Hz).
+    Frequency,
+    /// Order of the shaft: cycles a revolution.
+    Order,
+    /// Speed of the shaft (1/min).
+    Speed,
+}
+
+impl Abscissa {
+    fn name_and_unit(self) -> (&'static str, &'static str) {
+        match self {
+            Abscissa::CrankAngle => ("Crank angle", "°CA"),
+            Abscissa::Time => ("Time", "s"),
+            Abscissa::Frequency => ("Frequency", "Hz"),
+            Abscissa::Order => ("Order", "cycles a revolution"),
+            Abscissa::Speed => ("Speed", "1/min"),
+        }
+    }
+}
+
+/// A place on the horizontal axis with a name, such as a firing dead centre: a thin line down the panels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// On the abscissa, in its unit.
+    pub at: f64,
+    /// Stands at the line's top; short.
+    pub label: String,
+    /// The mark stands again after each of these, as far as the axis goes.
+    pub period: Option<f64>,
+}
+
+impl Mark {
+    /// Where a cylinder fires: its top dead centre at `angle` (°), again after each `period` (°; 720 for four-strokes).
+    pub fn firing_tdc(cylinder: usize, angle: f64, period: f64) -> Self {
+        Mark {
+            at: angle,
+            label: format!("TDC {cylinder}"),
+            period: Some(period),
+        }
+    }
+
+    /// Places of the mark from `low` to `high`, at most a hundred.
+    fn places(&self, (low, high): (f64, f64)) -> Vec<f64> {
+        let slack = 1e-9 * (high - low).abs();
+        let inside = |place: &f64| *place >= low - slack && *place <= high + slack;
+        match self.period {
+            Some(period) if period > 0.0 => {
+                let first = ((low - slack - self.at) / period).ceil();
+                (0..100)
+                    .map(|turn| self.at + (first + f64::from(turn)) * period)
+                    .take_while(inside)
+                    .collect()
+            }
+            _ => Some(self.at).filter(inside).into_iter().collect(),
+        }
+    }
+}
+
+/// The name of the curve of the journal with this index (from 0): A, B, …, Z, then A1, B1, ….
+pub fn journal_letter(index: usize) -> String {
+    let letter = char::from(b'A' + (index % 26) as u8);
+    match index / 26 {
+        0 => letter.to_string(),
+        round => format!("{letter}{round}"),
+    }
+}
+
+/// What stands on the vertical axis of all panels.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ordinate {
+    /// `Force x on the pin`.
+    pub quantity: String,
+    /// `kN`.
+    pub unit: String,
+    /// The axes the components are in; empty for a scalar.
+    pub frame: String,
+}
+
+/// One named curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// As in the legend; curves of one name have one colour in all panels.
+    pub name: String,
+    /// One value an abscissa of its panel, in the ordinate's unit.
+    pub values: Vec<f64>,
+}
+
+/// One pair of axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// Stands above the axes; may be empty.
+    pub title: String,
+    /// Crank angle in ° or time in s, in order of time.
+    pub x: Vec<f64>,
+    /// The curves.
+    pub curves: Vec<Curve>,
+}
+
+/// A figure of histories. The panels share their axes, so that they can be compared.
+#[derive(Clone, Debug, PartialEq)]
+pub struct History {
+    /// Title.
+    pub title: String,
+    /// Stands under the title: model, analysis, filter.
+    pub subtitle: String,
+    /// Horizontal axis.
+    pub abscissa: Abscissa,
+    /// Vertical axis.
+    pub ordinate: Ordinate,
+    /// Scale of the vertical axis; a logarithmic one shows six decades at most.
+    pub scale: Scale,
+    /// Named places on the horizontal axis.
+    pub marks: Vec<Mark>,
+    /// From top to bottom.
+    pub panels: Vec<Panel>,
+}
+
+impl History {
+    /// The figure as SVG, 1200 pixels wide, a file of its own.
+    pub fn to_svg(&self) -> String {
+        self.draw(Target::PAPER)
+    }
+
+    pub(crate) fn draw(&self, target: Target<'_>) -> String {
+        let horizontal = self.horizontal();
+        let (vertical, exponent) = self.vertical();
+        let widest = vertical
+            .numbers
+            .iter()
+            .map(|n| text_width(n, NUMBER, false))
+            .fold(0.0, f64::max);
+        let left = 24.0 + LABEL + 18.0 + widest + 12.0;
+        let names = self.names();
+        let legend = legend_rows(&names, WIDTH - left - RIGHT);
+        let top = 92.0 + 26.0 * legend.len() as f64;
+        let titled = self.panels.iter().any(|p| !p.title.is_empty());
+        let count = self.panels.len().max(1) as f64;
+        let panel_height = if self.panels.len() <= 1 { 500.0 } else { 360.0 };
+        let room = if self.marks.is_empty() { 0.0 } else { 18.0 };
+        let gap = room + if titled { 46.0 } else { 28.0 };
+        let first = top + room + if titled { 30.0 } else { 0.0 };
+        let bottom = first + count * panel_height + (count - 1.0) * gap;
+        let mut svg = Svg::new(WIDTH, bottom + 78.0, &self.title, target);
+        svg.text(
+            left,
+            42.0,
+            &self.title,
+            TextStyle::new(TITLE, Anchor::Start).bold(),
+        );
+        svg.text(
+            left,
+            68.0,
+            &self.subtitle,
+            TextStyle::new(SMALL + 1.0, Anchor::Start).soft(),
+        );
+        draw_legend(&mut svg, &legend, left);
+        for (index, panel) in self.panels.iter().enumerate() {
+            let area = Area {
+                left,
+                top: first + index as f64 * (panel_height + gap),
+                width: WIDTH - left - RIGHT,
+                height: panel_height,
+            };
+            let last = index + 1 == self.panels.len();
+            area.begin_panel(
+                &mut svg,
+                &horizontal,
+                &vertical,
+                &[("data-title", panel.title.clone())],
+            );
+            area.draw(&mut svg, &horizontal, &vertical, last);
+            if !panel.title.is_empty() {
+                svg.text(
+                    area.left,
+                    area.top - 10.0 - room,
+                    &panel.title,
+                    TextStyle::new(LABEL, Anchor::Start).bold(),
+                );
+            }
+            self.draw_marks(&mut svg, &area, &horizontal);
+            draw_curves(&mut svg, &area, panel, &names, (&horizontal, &vertical));
+            svg.end_group();
+        }
+        let (name, unit) = self.abscissa.name_and_unit();
+        svg.text(
+            left + (WIDTH - left - RIGHT) / 2.0,
+            bottom + 56.0,
+            &format!("{name} ({unit})"),
+            TextStyle::new(LABEL, Anchor::Middle),
+        );
+        svg.text(
+            24.0 + LABEL,
+            (first + bottom) / 2.0,
+            &self.ordinate.label(exponent),
+            TextStyle::new(LABEL, Anchor::Middle).upwards(),
+        );
+        svg.finish()
+    }
+
+    fn horizontal(&self) -> Scaled {
+        let (low, high) = ticks::extent(self.panels.iter().flat_map(|p| p.x.iter().copied()));
+        let (name, unit) = self.abscissa.name_and_unit();
+        match self.abscissa {
+            Abscissa::CrankAngle => Scaled {
+                kind: "angle",
+                ..Scaled::plain(ticks::crank_angle(low, high, 14), name, unit)
+            },
+            _ => Scaled::plain(ticks::inside(low, high, 10), name, unit),
+        }
+    }
+
+    /// The vertical axis and the power of ten in its label.
+    fn vertical(&self) -> (Scaled, i32) {
+        let values = || {
+            self.panels
+                .iter()
+                .flat_map(|p| &p.curves)
+                .flat_map(|c| c.values.iter().copied())
+        };
+        let (name, unit) = (&self.ordinate.quantity, &self.ordinate.unit);
+        if self.scale == Scale::Logarithmic {
+            let (low, high) = ticks::extent(values().filter(|v| *v > 0.0));
+            return (Scaled::decades(low, high, 6, name, unit), 0);
+        }
+        let (low, high) = ticks::extent(values());
+        let ticks = ticks::rounded(low, high, 7);
+        let exponent = ticks::exponent(ticks.range);
+        let factor = libm::pow(10.0, f64::from(exponent));
+        let numbers = ticks
+            .values
+            .iter()
+            .map(|v| ticks::number(v / factor, ticks.step / factor))
+            .collect();
+        let scaled = Scaled {
+            numbers,
+            factor,
+            ..Scaled::plain(ticks, name, unit)
+        };
+        (scaled, exponent)
+    }
+
+    /// Names of all curves in order of appearance.
+    fn names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for curve in self.panels.iter().flat_map(|p| &p.curves) {
+            if !names.contains(&curve.name.as_str()) {
+                names.push(&curve.name);
+            }
+        }
+        names
+    }
+
+    fn draw_marks(&self, svg: &mut Svg<'_>, area: &Area, horizontal: &Scaled) {
+        for mark in &self.marks {
+            for place in mark.places(horizontal.ticks.range) {
+                let at = area.x(place, &horizontal.ticks);
+                svg.begin_group("mark", &[("data-x", coordinate(at))]);
+                svg.line(
+                    (at, area.top - 4.0),
+                    (at, area.bottom()),
+                    Stroke {
+                        color: Color::Rule,
+                        width: 1.2,
+                        dash: "2 4",
+                    },
+                );
+                svg.text(
+                    at,
+                    area.top - 8.0,
+                    &mark.label,
+                    TextStyle::new(SMALL, Anchor::Middle).soft(),
+                );
+                svg.end_group();
+            }
+        }
+    }
+}
+
+impl Ordinate {
+    pub(super) fn label(&self, exponent: i32) -> String {
+        let mut label = self.quantity.clone();
+        let unit = match (exponent, self.unit.as_str()) {
+            (0, unit) => unit.to_owned(),
+            (e, "1" | "") => ticks::power_of_ten(e),
+            (e, unit) => format!("{} {unit}", ticks::power_of_ten(e)),
+        };
+        if !unit.is_empty() {
+            label.push_str(&format!(" ({unit})"));
+        }
+        if !self.frame.is_empty() {
+            label.push_str(&format!(", axes of {}", self.frame));
+        }
+        label
+    }
+}
+
+fn draw_curves(
+    svg: &mut Svg<'_>,
+    area: &Area,
+    panel: &Panel,
+    names: &[&str],
+    (horizontal, vertical): (&Scaled, &Scaled),
+) {
+    svg.begin_clip(area.left, area.top, area.width, area.height);
+    for curve in &panel.curves {
+        let index = names.iter().position(|n| *n == curve.name).unwrap_or(0);
+        let even: Vec<f64> = curve
+            .values
+            .iter()
+            .map(|v| vertical.scale.even(*v))
+            .collect();
+        for run in decimate::runs(&panel.x, &even, horizontal.ticks.range, area.width as usize) {
+            let points: Vec<(f64, f64)> = run
+                .into_iter()
+                .map(|(x, y)| (area.x(x, &horizontal.ticks), area.y(y, &vertical.ticks)))
+                .collect();
+            let tag = CurveTag {
+                name: &curve.name,
+                ..CurveTag::default()
+            };
+            svg.curve(&points, curve_stroke(index), &tag);
+        }
+    }
+    svg.end_clip();
+}
+
+fn curve_stroke(index: usize) -> Stroke {
+    Stroke {
+        color: Color::Series(index),
+        width: 2.0,
+        dash: palette::dash(index),
+    }
+}
+
+const SAMPLE: f64 = 38.0;
+
+/// Names broken into rows: for each its index and offset.
+fn legend_rows<'a>(names: &[&'a str], width: f64) -> Vec<Vec<(usize, f64, &'a str)>> {
+    let mut rows: Vec<Vec<(usize, f64, &str)>> = Vec::new();
+    let mut offset = f64::INFINITY;
+    for (index, name) in names.iter().enumerate() {
+        let size = SAMPLE + 8.0 + text_width(name, NUMBER, false);
+        if offset + size > width {
+            rows.push(Vec::new());
+            offset = 0.0;
+        }
+        if let Some(row) = rows.last_mut() {
+            row.push((index, offset, name));
+        }
+        offset += size + 28.0;
+    }
+    rows
+}
+
+fn draw_legend(svg: &mut Svg<'_>, rows: &[Vec<(usize, f64, &str)>], left: f64) {
+    for (row, entries) in rows.iter().enumerate() {
+        let y = 98.0 + 26.0 * row as f64;
+        for (index, offset, name) in entries {
+            let x = left + offset;
+            svg.begin_group(
+                "legend-item",
+                &[
+                    ("data-name", (*name).to_owned()),
+                    ("role", "button".to_owned()),
+                    ("tabindex", "0".to_owned()),
+                    ("aria-pressed", "true".to_owned()),
+                    ("aria-label", format!("Curve {name}")),
+                ],
+            );
+            svg.line((x, y), (x + SAMPLE, y), curve_stroke(*index));
+            svg.text(
+                x + SAMPLE + 8.0,
+                y + NUMBER * 0.36,
+                name,
+                TextStyle::new(NUMBER, Anchor::Start),
+            );
+            svg.end_group();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn small() -> History {
+        History {
+            title: "Force on the pin".to_owned(),
+            subtitle: "Slider, test".to_owned(),
+            abscissa: Abscissa::CrankAngle,
+            ordinate: Ordinate {
+                quantity: "Force x".to_owned(),
+                unit: "N".to_owned(),
+                frame: "ground".to_owned(),
+            },
+            scale: Scale::Linear,
+            marks: Vec::new(),
+            panels: vec![Panel {
+                title: String::new(),
+                x: vec![0.0, 180.0, 360.0],
+                curves: vec![
+                    Curve {
+                        name: "a<1>".to_owned(),
+                        values: vec![0.0, 2.5e6, -1.0e6],
+                    },
+                    Curve {
+                        name: "b".to_owned(),
+                        values: vec![1.0e6, f64::NAN, 1.0e6],
+                    },
+                ],
+            }],
+        }
+    }
+
+    #[test]
+    fn small_figure() {
+        insta::assert_snapshot!(small().to_svg());
+    }
+
+    #[test]
+    fn same_data_same_text() {
+        assert_eq!(small().to_svg(), small().to_svg());
+    }
+
+    #[test]
+    fn empty_and_constant_data_are_drawn() {
+        let mut figure = small();
+        figure.panels[0].curves[0].values = vec![3.0; 3];
+        assert!(figure.to_svg().contains("<polyline"));
+        figure.panels.clear();
+        let svg = figure.to_svg();
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    }
+
+    #[test]
+    fn two_panels_share_the_axes() {
+        let mut figure = small();
+        figure.panels.push(figure.panels[0].clone());
+        figure.panels[1].curves[0].values = vec![0.0, 9.0e6, 0.0];
+        let svg = figure.to_svg();
+        assert_eq!(svg.matches(">10<").count(), 2, "both reach 10·10⁶ N");
+        assert_eq!(svg.matches(">a&lt;1&gt;<").count(), 1, "one legend");
+    }
+
+    #[test]
+    fn firing_marks_stand_again_every_cycle() {
+        let mut figure = small();
+        figure.panels[0].x = vec![0.0, 700.0, 1440.0];
+        figure.marks = vec![
+            Mark::firing_tdc(1, 0.0, 720.0),
+            Mark::firing_tdc(3, 180.0, 720.0),
+        ];
+        let svg = figure.to_svg();
+        assert_eq!(svg.matches(">TDC 1<").count(), 3, "0, 720 and 1440");
+        assert_eq!(svg.matches(">TDC 3<").count(), 2, "180 and 900");
+    }
+
+    #[test]
+    fn a_logarithmic_axis_has_powers_of_ten() {
+        let mut figure = small();
+        figure.scale = Scale::Logarithmic;
+        figure.panels[0].curves[0].values = vec![1e-9, 30.0, 2000.0];
+        let svg = figure.to_svg();
+        assert!(svg.contains(">10⁶<") && svg.contains(">10⁰<") && !svg.contains(">10⁻¹<"));
+        assert!(!svg.contains("NaN"));
+    }
+
+    #[test]
+    fn journals_have_letters() {
+        assert_eq!([0, 4, 26].map(journal_letter), ["A", "E", "A1"]);
+    }
+}

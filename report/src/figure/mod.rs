@@ -1,0 +1,93 @@
+//! Pictures of results: as SVG files for papers, and, with a script's help, in a page.
+//!
+//! May contain: scales, ticks, colours, text placement. Must not contain: models, results files, printing.
+//! The text of a picture depends on the data alone. Both kinds come from the same drawing; in a page it has the page's colours,
+//! and on its groups what the script needs to zoom, to read values out and to hide curves. Without the script it is a picture.
+
+mod axes;
+mod decimate;
+mod font;
+mod history;
+mod orbit;
+pub(crate) mod palette;
+mod plane;
+mod polar;
+mod spectra;
+pub(crate) mod svg;
+mod sweep;
+mod ticks;
+
+pub use axes::Scale;
+pub use font::FAMILY as FONT_FAMILY;
+pub use history::{Abscissa, Curve, History, Mark, Ordinate, Panel, journal_letter};
+pub use orbit::{Orbit, Orbits};
+pub use plane::Upright;
+pub use polar::{FixedTo, Polar, PolarCurve};
+pub use spectra::spectra;
+pub use sweep::{Campbell, SweepFigure, Waterfall};
+
+use palette::Theme;
+use svg::Target;
+
+/// Any picture.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Figure {
+    /// Curves.
+    History(History),
+    /// Paths of pins.
+    Orbits(Orbits),
+    /// Polar diagrams.
+    Polar(Polar),
+    /// Spectra one behind the other.
+    Waterfall(Waterfall),
+    /// Colours over speed and frequency.
+    Campbell(Campbell),
+}
+
+impl Figure {
+    /// What it is called.
+    pub fn title(&self) -> &str {
+        match self {
+            Figure::History(figure) => &figure.title,
+            Figure::Orbits(figure) => &figure.title,
+            Figure::Polar(figure) => &figure.title,
+            Figure::Waterfall(figure) => &figure.figure.title,
+            Figure::Campbell(figure) => &figure.figure.title,
+        }
+    }
+
+    /// A file of its own, for papers.
+    pub fn to_svg(&self) -> String {
+        self.draw(Target::PAPER)
+    }
+
+    /// Part of a page; `id` is unlike that of any other drawing in it.
+    pub(crate) fn in_page(&self, id: &str) -> String {
+        self.draw(Target {
+            theme: Theme::Page,
+            id,
+        })
+    }
+
+    fn draw(&self, target: Target<'_>) -> String {
+        match self {
+            Figure::History(figure) => figure.draw(target),
+            Figure::Orbits(figure) => figure.draw(target),
+            Figure::Polar(figure) => figure.draw(target),
+            Figure::Waterfall(figure) => figure.draw(target),
+            Figure::Campbell(figure) => figure.draw(target),
+        }
+    }
+}
+
+macro_rules! figures {
+    ($($kind:ident),*) => {$(
+        impl From<$kind> for Figure {
+            fn from(figure: $kind) -> Figure {
+                Figure::$kind(figure)
+            }
+        }
+    )*};
+}
+
+figures!(History, Orbits, Polar, Waterfall, Campbell);

@@ -1,0 +1,203 @@
+//! Polar diagrams: the vector of a force over a cycle, in axes that stand with the housing or turn with the journal.
+
+use super::palette::Color;
+use super::plane::{Cell, KeyKind, Sheet, Upright, limit_stroke, significant};
+use super::svg::{Stroke, Target};
+use super::ticks;
+
+/// What the axes are fixed to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FixedTo {
+    /// The housing: shows where the shell is loaded.
+    Housing,
+    /// The journal: shows where the pin is loaded, and where an oil hole may be.
+    Journal,
+}
+
+/// The path of a vector's tip over a cycle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolarCurve {
+    /// `main[1]`.
+    pub name: String,
+    /// The axes the components are in: `block.main[1]`.
+    pub frame: String,
+    /// Components along x, in the diagram's unit.
+    pub x: Vec<f64>,
+    /// Components along y, in the diagram's unit.
+    pub y: Vec<f64>,
+    /// Crank angle of each sample (°), increasing; empty if there is none.
+    pub angle: Vec<f64>,
+}
+
+/// A figure of polar diagrams, all of one scale, so that they can be compared.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Polar {
+    /// Title.
+    pub title: String,
+    /// Stands under the title: model, analysis, filter.
+    pub subtitle: String,
+    /// `Force on the pin`.
+    pub quantity: String,
+    /// `kN`.
+    pub unit: String,
+    /// What the axes are fixed to.
+    pub fixed_to: FixedTo,
+    /// Angle after which the machine repeats (°).
+    pub period: f64,
+    /// Which axis points up.
+    pub upright: Upright,
+    /// A limit to compare with, drawn as a circle: its size and name.
+    pub limit: Option<(f64, String)>,
+    /// The vectors.
+    pub curves: Vec<PolarCurve>,
+}
+
+impl PolarCurve {
+    /// The same vector in axes that turn with the journal, whose angle about z from the housing's axes is `turn` (°), one a
+    /// sample: x′ = x·cos φ + y·sin φ, y′ = −x·sin φ + y·cos φ. `frame` names those axes.
+    pub fn turned(&self, turn: &[f64], frame: impl Into<String>) -> PolarCurve {
+        let (x, y) = self
+            .x
+            .iter()
+            .zip(&self.y)
+            .zip(turn)
+            .map(|((x, y), turn)| {
+                let (sine, cosine) = libm::sincos(turn.to_radians());
+                (x * cosine + y * sine, y * cosine - x * sine)
+            })
+            .unzip();
+        PolarCurve {
+            name: self.name.clone(),
+            frame: frame.into(),
+            x,
+            y,
+            angle: self.angle.clone(),
+        }
+    }
+
+    fn largest(&self) -> f64 {
+        self.x
+            .iter()
+            .zip(&self.y)
+            .map(|(x, y)| libm::hypot(*x, *y))
+            .filter(|size| size.is_finite())
+            .fold(0.0, f64::max)
+    }
+}
+
+impl Polar {
+    /// The figure as SVG, a file of its own.
+    pub fn to_svg(&self) -> String {
+        self.draw(Target::PAPER)
+    }
+
+    pub(crate) fn draw(&self, target: Target<'_>) -> String {
+        let largest = self
+            .curves
+            .iter()
+            .map(PolarCurve::largest)
+            .chain(self.limit.iter().map(|(size, _)| *size))
+            .filter(|size| size.is_finite())
+            .fold(0.0, f64::max);
+        let rings = ticks::rounded(0.0, largest, 4);
+        let reach = rings.range.1.max(largest) * 1.06;
+        let ring = Stroke {
+            color: Color::Rule,
+            width: 1.0,
+            dash: "2 4",
+        };
+        let about = match self.fixed_to {
+            FixedTo::Housing => "fixed to the housing",
+            FixedTo::Journal => "fixed to the journal",
+        };
+        let title = format!("{}, axes {about}", self.title);
+        let sheet = Sheet {
+            title: &title,
+            subtitle: &self.subtitle,
+            period: self.period,
+            upright: self.upright,
+            unit: &self.unit,
+            key: self
+                .limit
+                .iter()
+                .map(|(_, name)| (KeyKind::Limit, name.clone()))
+                .collect(),
+            path: "tip of the vector",
+            cells: self
+                .curves
+                .iter()
+                .map(|curve| Cell {
+                    name: &curve.name,
+                    facts: format!(
+                        "{} ≤ {} {}",
+                        self.quantity,
+                        significant(curve.largest()),
+                        self.unit
+                    ),
+                    frame: if curve.frame.is_empty() {
+                        String::new()
+                    } else {
+                        format!("axes of {}", curve.frame)
+                    },
+                    x: curve.x.clone(),
+                    y: curve.y.clone(),
+                    angle: &curve.angle,
+                    reach,
+                    circles: rings
+                        .values
+                        .iter()
+                        .filter(|radius| **radius > 0.0)
+                        .map(|radius| (*radius, ring))
+                        .chain(self.limit.iter().map(|(size, _)| (*size, limit_stroke())))
+                        .collect(),
+                })
+                .collect(),
+        };
+        sheet.draw(target)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turning_vector_stands_still_in_the_journal() {
+        let angle: Vec<f64> = (0..=360).map(f64::from).collect();
+        let curve = PolarCurve {
+            name: "main[1]".to_owned(),
+            frame: "block.main[1]".to_owned(),
+            x: angle
+                .iter()
+                .map(|a| 3.0 * libm::cos(a.to_radians()))
+                .collect(),
+            y: angle
+                .iter()
+                .map(|a| 3.0 * libm::sin(a.to_radians()))
+                .collect(),
+            angle: angle.clone(),
+        };
+        let turned = curve.turned(&angle, "crank.main[1]");
+        assert!(
+            turned
+                .x
+                .iter()
+                .zip(&turned.y)
+                .all(|(x, y)| (x - 3.0).abs() < 1e-12 && y.abs() < 1e-12)
+        );
+        let figure = Polar {
+            title: "Journal load".to_owned(),
+            subtitle: String::new(),
+            quantity: "F".to_owned(),
+            unit: "kN".to_owned(),
+            fixed_to: FixedTo::Housing,
+            period: 720.0,
+            upright: Upright::X,
+            limit: Some((4.0, "allowed".to_owned())),
+            curves: vec![curve],
+        };
+        let svg = figure.to_svg();
+        assert!(svg.contains("fixed to the housing") && svg.contains("F ≤ 3 kN"));
+        assert!(svg.contains("allowed") && svg.contains(">90°<") && !svg.contains("NaN"));
+    }
+}

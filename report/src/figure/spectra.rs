@@ -1,0 +1,108 @@
+//! Spectra as curves.
+
+use super::axes::Scale;
+use super::history::{Abscissa, Curve, History, Ordinate, Panel};
+use crate::signal::{Axis, Spectrum};
+
+/// A figure of spectra of one axis and resolution, its window, resolution and overlap under the title. `limit` ends the axis
+/// (Hz, or orders). Spectra that differ in axis or resolution from the first get a panel of their own.
+pub fn spectra(
+    title: &str,
+    subtitle: &str,
+    ordinate: Ordinate,
+    scale: Scale,
+    limit: Option<f64>,
+    curves: &[(String, &Spectrum)],
+) -> History {
+    let mut panels: Vec<(&Spectrum, Panel)> = Vec::new();
+    for (name, spectrum) in curves {
+        let count = spectrum
+            .positions()
+            .iter()
+            .take_while(|p| limit.is_none_or(|limit| **p <= limit * (1.0 + 1e-9)))
+            .count();
+        let curve = Curve {
+            name: name.clone(),
+            values: spectrum.amplitudes.iter().take(count).copied().collect(),
+        };
+        let same = panels.iter_mut().find(|(other, panel)| {
+            other.axis == spectrum.axis && other.step == spectrum.step && panel.x.len() == count
+        });
+        match same {
+            Some((_, panel)) => panel.curves.push(curve),
+            None => panels.push((
+                spectrum,
+                Panel {
+                    title: String::new(),
+                    x: spectrum.positions().into_iter().take(count).collect(),
+                    curves: vec![curve],
+                },
+            )),
+        }
+    }
+    let several = panels.len() > 1;
+    let description = panels.first().map(|(s, _)| s.description());
+    let subtitle = [Some(subtitle.to_owned()), description.filter(|_| !several)]
+        .into_iter()
+        .flatten()
+        .filter(|part| !part.is_empty())
+        .collect::<Vec<_>>()
+        .join("; ");
+    let abscissa = match panels.first().map(|(s, _)| s.axis) {
+        Some(Axis::Order) => Abscissa::Order,
+        _ => Abscissa::Frequency,
+    };
+    History {
+        title: title.to_owned(),
+        subtitle,
+        abscissa,
+        ordinate,
+        scale,
+        marks: Vec::new(),
+        panels: panels
+            .into_iter()
+            .map(|(spectrum, mut panel)| {
+                if several {
+                    panel.title = spectrum.description();
+                }
+                panel
+            })
+            .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signal::{Sampling, Signal, SpectrumOptions, spectrum};
+
+    #[test]
+    fn the_window_and_resolution_are_printed() {
+        let values: Vec<f64> = (0..1000).map(|n| libm::sin(f64::from(n))).collect();
+        let signal = Signal {
+            values: &values,
+            sampling: Sampling::Angle { step: 0.72 },
+        };
+        let found = spectrum(signal, SpectrumOptions::default()).unwrap();
+        let figure = spectra(
+            "Spectrum",
+            "Model",
+            Ordinate {
+                quantity: "Force x".to_owned(),
+                unit: "N".to_owned(),
+                frame: "block".to_owned(),
+            },
+            Scale::Linear,
+            Some(50.0),
+            &[("E".to_owned(), &found)],
+        );
+        assert_eq!(figure.panels[0].x.len(), 101);
+        assert!(
+            figure
+                .subtitle
+                .contains("Hann window, resolution 0.5000 orders")
+        );
+        let svg = figure.to_svg();
+        assert!(svg.contains("Order (cycles a revolution)") && svg.contains("axes of block"));
+    }
+}

@@ -1,0 +1,331 @@
+//! One self-contained HTML file: text, tables, figures, animations. No part of it comes from anywhere else.
+//!
+//! May contain: markup, style, the two scripts. Must not contain: how its figures are drawn, files.
+//! Readable without scripts, on paper, by keyboard and by screen readers; light or dark as the reader's system is.
+
+mod contents;
+mod table;
+
+pub use contents::{
+    EnergyAudit, Input, Journal, Mode, Provenance, inputs_table, journals_table, modes_table,
+};
+pub use table::{Cell, Column, Table};
+
+use crate::animation::{Animation, AnimationError, SCRIPT as VIEWER};
+use crate::escape::escaped;
+use crate::figure::Figure;
+use std::fmt::Write;
+
+const STYLE: &str = include_str!("style.css");
+const FIGURES: &str = include_str!("figure.js");
+
+/// A part of a section.
+#[derive(Clone, Debug, PartialEq)]
+enum Block {
+    Paragraph(String),
+    Warning(String),
+    Facts(Vec<(String, Cell)>),
+    List(Vec<String>),
+    Code(String),
+    Table(Table),
+    Figure(Box<Figure>, String),
+    Animation(Box<Animation>),
+    Section(Section),
+}
+
+/// A heading and what stands under it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    title: String,
+    blocks: Vec<Block>,
+}
+
+/// The page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Page {
+    title: String,
+    subtitle: String,
+    language: String,
+    sections: Vec<Section>,
+}
+
+impl Section {
+    /// A section without contents.
+    pub fn new(title: impl Into<String>) -> Section {
+        Section {
+            title: title.into(),
+            blocks: Vec::new(),
+        }
+    }
+
+    fn with(mut self, block: Block) -> Section {
+        self.blocks.push(block);
+        self
+    }
+
+    /// Words.
+    pub fn paragraph(self, text: impl Into<String>) -> Section {
+        self.with(Block::Paragraph(text.into()))
+    }
+
+    /// Words that must not be overlooked.
+    pub fn warning(self, text: impl Into<String>) -> Section {
+        self.with(Block::Warning(text.into()))
+    }
+
+    /// Names with their values, the summary's form.
+    pub fn facts<N: Into<String>, V: Into<Cell>>(
+        self,
+        facts: impl IntoIterator<Item = (N, V)>,
+    ) -> Section {
+        let facts = facts
+            .into_iter()
+            .map(|(name, value)| (name.into(), value.into()))
+            .collect();
+        self.with(Block::Facts(facts))
+    }
+
+    /// Points of a list.
+    pub fn list<T: Into<String>>(self, points: impl IntoIterator<Item = T>) -> Section {
+        self.with(Block::List(points.into_iter().map(Into::into).collect()))
+    }
+
+    /// A text of a program, as it is.
+    pub fn code(self, text: impl Into<String>) -> Section {
+        self.with(Block::Code(text.into()))
+    }
+
+    /// A table.
+    pub fn table(self, table: Table) -> Section {
+        self.with(Block::Table(table))
+    }
+
+    /// A figure with what it shows, in words: the caption, which also tells those who cannot see it.
+    pub fn figure(self, figure: impl Into<Figure>, caption: impl Into<String>) -> Section {
+        self.with(Block::Figure(Box::new(figure.into()), caption.into()))
+    }
+
+    /// An animation.
+    pub fn animation(self, animation: Animation) -> Section {
+        self.with(Block::Animation(Box::new(animation)))
+    }
+
+    /// A section within this one.
+    pub fn section(self, section: Section) -> Section {
+        self.with(Block::Section(section))
+    }
+}
+
+impl Page {
+    /// A page without contents, in English.
+    pub fn new(title: impl Into<String>) -> Page {
+        Page {
+            title: title.into(),
+            subtitle: String::new(),
+            language: "en".to_owned(),
+            sections: Vec::new(),
+        }
+    }
+
+    /// Stands under the title.
+    pub fn subtitle(mut self, text: impl Into<String>) -> Page {
+        self.subtitle = text.into();
+        self
+    }
+
+    /// The language of the texts (BCP 47): `de`.
+    pub fn language(mut self, tag: impl Into<String>) -> Page {
+        self.language = tag.into();
+        self
+    }
+
+    /// The next section.
+    pub fn section(mut self, section: Section) -> Page {
+        self.sections.push(section);
+        self
+    }
+
+    /// The file's text.
+    ///
+    /// # Errors
+    /// An animation that does not fit together.
+    pub fn to_html(&self) -> Result<String, AnimationError> {
+        let mut writer = Writer::default();
+        for section in &self.sections {
+            writer.section(section, 2)?;
+        }
+        let title = escaped(&self.title);
+        let mut text = String::with_capacity(writer.text.len() + 64 * 1024);
+        // the policy lets nothing in from elsewhere; writing to a String cannot fail
+        let _ = write!(
+            text,
+            "<!DOCTYPE html>
+<html lang=\"{}\">
+<head>
+<meta charset=\"utf-8\">
+<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">
+<meta name=\"color-scheme\" content=\"light dark\">
+<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:\">
+<title>{title}</title>
+<style>
+{STYLE}</style>
+</head>
+<body>
+<a class=\"skip\" href=\"#contents\">Skip to the contents</a>
+<header>
+<h1>{title}</h1>
+",
+            escaped(&self.language)
+        );
+        if !self.subtitle.is_empty() {
+            let _ = writeln!(
+                text,
+                "<p class=\"subtitle\">{}</p>",
+                escaped(&self.subtitle)
+            );
+        }
+        text.push_str("</header>\n<nav aria-label=\"Sections\">\n<ol>\n");
+        for (id, title) in &writer.entries {
+            let _ = writeln!(text, "<li><a href=\"#{id}\">{}</a></li>", escaped(title));
+        }
+        text.push_str("</ol>\n</nav>\n<main id=\"contents\">\n");
+        text.push_str(&writer.text);
+        text.push_str("</main>\n");
+        for (needed, script) in [
+            (writer.figures > 0, FIGURES),
+            (writer.animations > 0, VIEWER),
+        ] {
+            if needed {
+                let _ = writeln!(text, "<script>\n{script}</script>");
+            }
+        }
+        text.push_str("</body>\n</html>\n");
+        Ok(text)
+    }
+}
+
+#[derive(Default)]
+struct Writer {
+    text: String,
+    /// Sections of the first rank: id and title.
+    entries: Vec<(String, String)>,
+    sections: usize,
+    figures: usize,
+    animations: usize,
+}
+
+impl Writer {
+    fn put(&mut self, text: std::fmt::Arguments<'_>) {
+        // writing to a String cannot fail
+        let _ = self.text.write_fmt(text);
+    }
+
+    fn section(&mut self, section: &Section, rank: usize) -> Result<(), AnimationError> {
+        self.sections += 1;
+        let id = format!("section-{}", self.sections);
+        if rank == 2 {
+            self.entries.push((id.clone(), section.title.clone()));
+        }
+        let rank = rank.min(6);
+        self.put(format_args!(
+            "<section aria-labelledby=\"{id}\">\n<h{rank} id=\"{id}\">{}</h{rank}>\n",
+            escaped(&section.title)
+        ));
+        for block in &section.blocks {
+            self.block(block, rank)?;
+        }
+        self.text.push_str("</section>\n");
+        Ok(())
+    }
+
+    fn block(&mut self, block: &Block, rank: usize) -> Result<(), AnimationError> {
+        match block {
+            Block::Paragraph(text) => self.put(format_args!("<p>{}</p>\n", escaped(text))),
+            Block::Warning(text) => self.put(format_args!(
+                "<p class=\"warning\"><strong>Note:</strong> {}</p>\n",
+                escaped(text)
+            )),
+            Block::Facts(facts) => {
+                self.text.push_str("<dl>\n");
+                for (name, value) in facts {
+                    self.put(format_args!(
+                        "<div><dt>{}</dt><dd>{}</dd></div>\n",
+                        escaped(name),
+                        value.to_html()
+                    ));
+                }
+                self.text.push_str("</dl>\n");
+            }
+            Block::List(points) => {
+                self.text.push_str("<ul>\n");
+                for point in points {
+                    self.put(format_args!("<li>{}</li>\n", escaped(point)));
+                }
+                self.text.push_str("</ul>\n");
+            }
+            Block::Code(text) => {
+                // line breaks stay, which `escaped` takes for control characters
+                let lines: Vec<String> = text.lines().map(escaped).collect();
+                self.put(format_args!(
+                    "<pre tabindex=\"0\"><code>{}</code></pre>\n",
+                    lines.join("\n")
+                ));
+            }
+            Block::Table(table) => self.text.push_str(&table.to_html()),
+            Block::Figure(figure, caption) => self.figure(figure, caption),
+            Block::Animation(animation) => {
+                self.animations += 1;
+                let id = format!("animation-{}", self.animations);
+                let text = animation.in_page(&id)?;
+                self.text.push_str(&text);
+            }
+            Block::Section(section) => self.section(section, rank + 1)?,
+        }
+        Ok(())
+    }
+
+    fn figure(&mut self, figure: &Figure, caption: &str) {
+        self.figures += 1;
+        let number = self.figures;
+        let id = format!("figure-{number}");
+        let drawing = figure.in_page(&format!("{id}-"));
+        let title = figure.title();
+        let caption = if caption.is_empty() { title } else { caption };
+        self.put(format_args!(
+            "<figure class=\"plot\" id=\"{id}\" aria-labelledby=\"{id}-caption\">\n<div class=\"sheet\">\n{drawing}</div>\n<div class=\"tools\" hidden><button type=\"button\" class=\"reset\" disabled>Show all</button> <span class=\"hint\">Drag to zoom, shift and drag to move; click the drawing to zoom by the wheel or + and −.</span></div>\n<output class=\"readout\" aria-live=\"off\"></output>\n<figcaption id=\"{id}-caption\"><b>Figure {number}.</b> {}</figcaption>\n</figure>\n",
+            escaped(caption)
+        ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn everything_is_escaped_and_nothing_comes_from_elsewhere() {
+        let hostile = "</script><script>alert(1)</script>\"'&";
+        let page = Page::new(hostile).subtitle(hostile).section(
+            Section::new(hostile)
+                .paragraph(hostile)
+                .warning(hostile)
+                .facts([(hostile, hostile)])
+                .list([hostile])
+                .code(hostile)
+                .section(Section::new(hostile)),
+        );
+        let text = page.to_html().unwrap();
+        assert!(!text.contains("alert(1)</script>") && !text.contains("<script>"));
+        assert!(!text.contains("http://") && !text.contains("https://"));
+        assert_eq!(text.matches("<h1>").count(), 1);
+        assert!(text.contains("<h2 id=\"section-1\">") && text.contains("<h3 id=\"section-2\">"));
+    }
+
+    #[test]
+    fn scripts_cannot_end_themselves() {
+        for script in [FIGURES, VIEWER] {
+            assert!(!script.contains("</script") && !script.contains("<!--"));
+            assert!(!script.contains("http") && !script.contains("import("));
+        }
+    }
+}

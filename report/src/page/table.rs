@@ -1,0 +1,212 @@
+//! Tables.
+
+use crate::escape::escaped;
+use std::fmt::Write;
+
+/// What stands in a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Words.
+    Text(String),
+    /// A number with so many significant digits.
+    Number {
+        /// Its value; no finite number is shown as a dash.
+        value: f64,
+        /// Digits that count, 1 to 17.
+        digits: usize,
+    },
+    /// Text of a program: paths, hashes, commands.
+    Code(String),
+    /// Nothing is known.
+    Empty,
+}
+
+impl Cell {
+    /// A number with four significant digits.
+    pub fn number(value: f64) -> Cell {
+        Cell::Number { value, digits: 4 }
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Cell {
+        Cell::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Cell {
+        Cell::Text(text)
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(value: f64) -> Cell {
+        Cell::number(value)
+    }
+}
+
+/// Heading of a column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// What stands below.
+    pub heading: String,
+    /// Its unit; empty for none.
+    pub unit: String,
+}
+
+impl Column {
+    /// A column without a unit.
+    pub fn new(heading: &str) -> Column {
+        Column::with_unit(heading, "")
+    }
+
+    /// A column with a unit.
+    pub fn with_unit(heading: &str, unit: &str) -> Column {
+        Column {
+            heading: heading.to_owned(),
+            unit: unit.to_owned(),
+        }
+    }
+}
+
+/// A table. The first cell of a row is its heading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// What the table shows.
+    pub caption: String,
+    /// Headings.
+    pub columns: Vec<Column>,
+    /// Rows of as many cells; missing ones are empty, more are left out.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+impl Table {
+    /// The markup; long tables scroll within themselves.
+    pub(super) fn to_html(&self) -> String {
+        let mut text = String::new();
+        // writing to a String cannot fail
+        let _ = write!(
+            text,
+            "<div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n<caption>{caption}</caption>\n<thead><tr>",
+            caption = escaped(&self.caption)
+        );
+        let numeric: Vec<bool> = (0..self.columns.len())
+            .map(|column| {
+                self.rows
+                    .iter()
+                    .filter_map(|row| row.get(column))
+                    .any(|cell| matches!(cell, Cell::Number { .. }))
+            })
+            .collect();
+        for (column, numeric) in self.columns.iter().zip(&numeric) {
+            let class = if *numeric { " class=\"number\"" } else { "" };
+            let _ = write!(
+                text,
+                "<th scope=\"col\"{class}>{}",
+                escaped(&column.heading)
+            );
+            if !column.unit.is_empty() {
+                let _ = write!(
+                    text,
+                    " <span class=\"unit\">({})</span>",
+                    escaped(&column.unit)
+                );
+            }
+            text.push_str("</th>");
+        }
+        text.push_str("</tr></thead>\n<tbody>\n");
+        for row in &self.rows {
+            text.push_str("<tr>");
+            for (index, numeric) in numeric.iter().enumerate() {
+                let cell = row.get(index).unwrap_or(&Cell::Empty);
+                let (open, close) = if index == 0 {
+                    ("th scope=\"row\"", "th")
+                } else {
+                    ("td", "td")
+                };
+                let right =
+                    matches!(cell, Cell::Number { .. }) || (*numeric && *cell == Cell::Empty);
+                let class = if right { " class=\"number\"" } else { "" };
+                let _ = write!(text, "<{open}{class}>{}</{close}>", cell.to_html());
+            }
+            text.push_str("</tr>\n");
+        }
+        text.push_str("</tbody>\n</table>\n</div>\n");
+        text
+    }
+}
+
+impl Cell {
+    pub(super) fn to_html(&self) -> String {
+        match self {
+            Cell::Text(text) => escaped(text),
+            Cell::Number { value, digits } => significant(*value, *digits),
+            Cell::Code(text) => format!("<code>{}</code>", escaped(text)),
+            Cell::Empty => "–".to_owned(),
+        }
+    }
+}
+
+/// A number with so many digits that count: plain from 10⁻³ to 10⁶, else with a power of ten; a true minus sign.
+fn significant(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return "–".to_owned();
+    }
+    let digits = digits.clamp(1, 17);
+    // rounding first: 9.9996 with four digits is 10.00
+    let text = format!("{value:.*e}", digits - 1);
+    let Some((mantissa, exponent)) = text.split_once('e') else {
+        return text;
+    };
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let plain = if value == 0.0 {
+        "0".to_owned()
+    } else if (-3..6).contains(&exponent) {
+        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{mantissa}·10<sup>{}</sup>", minus(&exponent.to_string()))
+    };
+    minus(&plain)
+}
+
+fn minus(text: &str) -> String {
+    match text.strip_prefix('-') {
+        Some(rest) => format!("−{rest}"),
+        None => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well() {
+        for (value, digits, text) in [
+            (0.0, 4, "0"),
+            (1234.5678, 4, "1235"),
+            (9.9996, 4, "10.00"),
+            (-0.0012345, 3, "−0.00123"),
+            (2.1e11, 3, "2.10·10<sup>11</sup>"),
+            (-3.2e-7, 2, "−3.2·10<sup>−7</sup>"),
+            (f64::NAN, 4, "–"),
+        ] {
+            assert_eq!(significant(value, digits), text);
+        }
+    }
+
+    #[test]
+    fn cells_are_escaped_and_rows_are_filled() {
+        let table = Table {
+            caption: "a<b".to_owned(),
+            columns: vec![Column::new("x"), Column::with_unit("y", "N")],
+            rows: vec![vec![Cell::Code("<i>".to_owned())]],
+        };
+        let text = table.to_html();
+        assert!(text.contains("<caption>a&lt;b</caption>"));
+        assert!(text.contains("<code>&lt;i&gt;</code>") && text.contains("<td>–</td>"));
+        assert!(text.contains("y <span class=\"unit\">(N)</span>"));
+    }
+}

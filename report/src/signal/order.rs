@@ -1,0 +1,230 @@
+//! Amplitudes of orders over speed.
+
+use super::fourier::Complex;
+use super::{
+    Sampling, Signal, SignalError, Window, check_finite, check_length, check_positive,
+    check_same_length,
+};
+use std::f64::consts::TAU;
+
+/// One sinusoid of a signal, amplitude·cos(2πft + phase), t = 0 at the first sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Component {
+    /// 0-peak amplitude.
+    pub amplitude: f64,
+    /// Phase (°).
+    pub phase: f64,
+}
+
+/// A run at a steady speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Run<'a> {
+    /// Speed of the shaft (1/min).
+    pub speed: f64,
+    /// What was sampled.
+    pub signal: Signal<'a>,
+}
+
+/// A run over changing speed, sampled by angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunUp<'a> {
+    /// The signal, one value an angle.
+    pub values: &'a [f64],
+    /// Speed of the shaft at the samples (1/min).
+    pub speeds: &'a [f64],
+    /// Angle between the samples (°).
+    pub step: f64,
+    /// Revolutions of a block.
+    pub revolutions: f64,
+    /// Share of a block that the next one repeats, 0 ≤ overlap < 1.
+    pub overlap: f64,
+}
+
+/// Orders over speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrderTrack {
+    /// The orders asked for.
+    pub orders: Vec<f64>,
+    /// Speed (1/min) of each run or block.
+    pub speeds: Vec<f64>,
+    /// For each order, one component a speed.
+    pub components: Vec<Vec<Component>>,
+    /// How the blocks were weighted.
+    pub window: Window,
+}
+
+/// The sinusoid of a frequency given in cycles a sample (0…½), which need not be the centre of a bin: the sum
+/// 2·Σ w·x·exp(−2πifn)/Σw (half of that at 0 and ½), as a spectrum's line would have it.
+///
+/// # Errors
+/// Fewer than two samples, values that are not finite, a frequency outside of 0…½.
+pub fn component(
+    values: &[f64],
+    cycles_per_sample: f64,
+    window: Window,
+) -> Result<Component, SignalError> {
+    check_length("a component", 2, values.len())?;
+    check_finite("the signal", values)?;
+    if !(0.0..=0.5 * (1.0 + 1e-12)).contains(&cycles_per_sample) {
+        return Err(SignalError::Setting {
+            what: "a frequency in cycles a sample",
+            range: "from 0 to ½ (the Nyquist frequency)",
+            value: cycles_per_sample,
+        });
+    }
+    let weights = window.weights(values.len());
+    let gain: f64 = weights.iter().sum();
+    let mut sum = Complex::default();
+    for (n, (value, weight)) in values.iter().zip(&weights).enumerate() {
+        let turns = cycles_per_sample * n as f64;
+        let (sine, cosine) = libm::sincos(TAU * (turns - turns.floor()));
+        sum.re += value * weight * cosine;
+        sum.im -= value * weight * sine;
+    }
+    let alone = cycles_per_sample == 0.0 || cycles_per_sample >= 0.5;
+    let factor = if alone { 1.0 } else { 2.0 };
+    Ok(Component {
+        amplitude: factor * sum.abs() / gain,
+        phase: sum.arg().to_degrees(),
+    })
+}
+
+/// Amplitude and phase of orders in runs at steady speeds. Exact for runs of whole cycles and [`Window::Rectangular`];
+/// order k of a shaft at n (1/min) is the frequency k·n/60.
+///
+/// # Errors
+/// As [`component`]; an order beyond the Nyquist frequency of a run is refused.
+pub fn order_track(
+    runs: &[Run<'_>],
+    orders: &[f64],
+    window: Window,
+) -> Result<OrderTrack, SignalError> {
+    let mut components = Vec::with_capacity(orders.len());
+    for order in orders {
+        let mut row = Vec::with_capacity(runs.len());
+        for run in runs {
+            check_positive("the speed of the shaft", run.speed)?;
+            let cycles = match run.signal.sampling {
+                Sampling::Time { step } => order * run.speed / 60.0 * step,
+                Sampling::Angle { step } => order * step / 360.0,
+            };
+            row.push(component(run.signal.values, cycles, window)?);
+        }
+        components.push(row);
+    }
+    Ok(OrderTrack {
+        orders: orders.to_vec(),
+        speeds: runs.iter().map(|run| run.speed).collect(),
+        components,
+        window,
+    })
+}
+
+/// Amplitude and phase of orders along a run of changing speed, block by block; a block's speed is the mean over it.
+///
+/// # Errors
+/// As [`component`], and for different lengths, a block of fewer than two samples or longer than the run, an overlap
+/// outside of [0, 1).
+pub fn order_track_of_run_up(
+    run: RunUp<'_>,
+    orders: &[f64],
+    window: Window,
+) -> Result<OrderTrack, SignalError> {
+    check_same_length("signal and speeds", run.values, run.speeds)?;
+    check_positive("the angle between samples", run.step)?;
+    check_positive("the revolutions of a block", run.revolutions)?;
+    check_finite("the speed", run.speeds)?;
+    if !(0.0..1.0).contains(&run.overlap) {
+        return Err(SignalError::Setting {
+            what: "the overlap",
+            range: "at least 0 and below 1",
+            value: run.overlap,
+        });
+    }
+    let length = (run.revolutions * 360.0 / run.step).round() as usize;
+    check_length("a block of an order track", 2, length)?;
+    check_length("an order track of this block", length, run.values.len())?;
+    let shift = ((length as f64 * (1.0 - run.overlap)).round() as usize).max(1);
+    let mut track = OrderTrack {
+        orders: orders.to_vec(),
+        speeds: Vec::new(),
+        components: vec![Vec::new(); orders.len()],
+        window,
+    };
+    let mut start = 0;
+    while let (Some(block), Some(speeds)) = (
+        run.values.get(start..start + length),
+        run.speeds.get(start..start + length),
+    ) {
+        track
+            .speeds
+            .push(speeds.iter().sum::<f64>() / length as f64);
+        for (order, row) in orders.iter().zip(&mut track.components) {
+            row.push(component(block, order * run.step / 360.0, window)?);
+        }
+        start += shift;
+    }
+    Ok(track)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_of_steady_runs_are_exact() {
+        let step = 1.0 / 7200.0;
+        let make = |speed: f64, amplitude: f64| -> Vec<f64> {
+            // whole revolutions
+            let samples = (60.0 / speed * 8.0 / step).round() as usize;
+            (0..samples)
+                .map(|n| {
+                    let turns = speed / 60.0 * n as f64 * step;
+                    amplitude * libm::cos(TAU * 2.0 * turns + 0.5) + libm::sin(TAU * 0.5 * turns)
+                })
+                .collect()
+        };
+        let (slow, fast) = (make(1200.0, 3.0), make(2400.0, 5.0));
+        let runs = [(1200.0, &slow), (2400.0, &fast)].map(|(speed, values)| Run {
+            speed,
+            signal: Signal {
+                values,
+                sampling: Sampling::Time { step },
+            },
+        });
+        let track = order_track(&runs, &[0.5, 2.0], Window::Rectangular).unwrap();
+        assert!((track.components[1][0].amplitude - 3.0).abs() < 1e-10);
+        assert!((track.components[1][1].amplitude - 5.0).abs() < 1e-10);
+        assert!((track.components[1][0].phase - 0.5f64.to_degrees()).abs() < 1e-9);
+        assert!((track.components[0][1].amplitude - 1.0).abs() < 1e-10);
+    }
+
+    #[test]
+    fn a_run_up_follows_the_amplitude() {
+        let samples = 360 * 40;
+        let angle = |n: usize| n as f64;
+        let speeds: Vec<f64> = (0..samples).map(|n| 1000.0 + n as f64 * 0.1).collect();
+        let values: Vec<f64> = (0..samples)
+            .map(|n| speeds[n] * 1e-3 * libm::cos(2.0 * angle(n).to_radians()))
+            .collect();
+        let run = RunUp {
+            values: &values,
+            speeds: &speeds,
+            step: 1.0,
+            revolutions: 4.0,
+            overlap: 0.5,
+        };
+        let track = order_track_of_run_up(run, &[2.0], Window::Hann).unwrap();
+        assert_eq!(track.speeds.len(), 19);
+        for (speed, component) in track.speeds.iter().zip(&track.components[0]) {
+            // the amplitude changes within a block: the window's mean and the block's differ by half a sample
+            assert!((component.amplitude - speed * 1e-3).abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn beyond_nyquist_is_refused() {
+        assert!(component(&[0.0; 8], 0.6, Window::Hann).is_err());
+        assert!(component(&[0.0; 8], f64::NAN, Window::Hann).is_err());
+    }
+}

@@ -1,0 +1,195 @@
+//! Values between the samples.
+
+use super::{
+    SignalError, check_finite, check_increasing, check_length, check_positive, check_same_length,
+};
+
+/// How values between samples are found; part of what is printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Straight lines: error h²/8·max|y″|.
+    Linear,
+    /// Cubic Hermite pieces whose slopes come from the parabola through a sample and its neighbours: exact for parabolas,
+    /// error O(h³).
+    Cubic,
+}
+
+impl Interpolation {
+    /// As printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Interpolation::Linear => "linear interpolation",
+            Interpolation::Cubic => "cubic Hermite interpolation",
+        }
+    }
+}
+
+/// Values at the places `grid`, which must increase and lie within the samples.
+///
+/// # Errors
+/// Fewer than two samples, different lengths, values that are not finite, abscissae that do not increase, places outside.
+pub fn resample(
+    x: &[f64],
+    y: &[f64],
+    grid: &[f64],
+    interpolation: Interpolation,
+) -> Result<Vec<f64>, SignalError> {
+    check_same_length("abscissa and signal", x, y)?;
+    check_length("interpolation", 2, x.len())?;
+    check_increasing("the abscissa", x)?;
+    check_finite("the signal", y)?;
+    check_increasing("the grid", grid)?;
+    let (Some(first), Some(last)) = (x.first(), x.last()) else {
+        return Ok(Vec::new());
+    };
+    // what rounding puts beyond an end counts as the end
+    let slack = 1e-9 * (last - first);
+    let slopes = match interpolation {
+        Interpolation::Linear => Vec::new(),
+        Interpolation::Cubic => slopes(x, y),
+    };
+    let mut values = Vec::with_capacity(grid.len());
+    let mut piece = 0;
+    for place in grid {
+        if *place < first - slack || *place > last + slack {
+            return Err(SignalError::Outside {
+                position: *place,
+                from: *first,
+                to: *last,
+            });
+        }
+        let place = place.clamp(*first, *last);
+        while piece + 2 < x.len() && x.get(piece + 1).is_some_and(|x| *x < place) {
+            piece += 1;
+        }
+        let (Some([x0, x1]), Some([y0, y1])) = (x.get(piece..piece + 2), y.get(piece..piece + 2))
+        else {
+            continue;
+        };
+        let width = x1 - x0;
+        let t = (place - x0) / width;
+        values.push(match slopes.get(piece..piece + 2) {
+            Some([m0, m1]) => {
+                let u = 1.0 - t;
+                y0 * u * u * (1.0 + 2.0 * t)
+                    + y1 * t * t * (1.0 + 2.0 * u)
+                    + width * t * u * (m0 * u - m1 * t)
+            }
+            _ => y0 + t * (y1 - y0),
+        });
+    }
+    Ok(values)
+}
+
+/// Slopes of the parabolas through three neighbours, at the ends of the first and last of them.
+fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
+    let chords: Vec<f64> = x
+        .windows(2)
+        .zip(y.windows(2))
+        .map(|(x, y)| match (x, y) {
+            ([x0, x1], [y0, y1]) => (y1 - y0) / (x1 - x0),
+            _ => 0.0,
+        })
+        .collect();
+    let width = |i: usize| match x.get(i..i + 2) {
+        Some([a, b]) => b - a,
+        _ => 1.0,
+    };
+    let chord = |i: usize| chords.get(i).copied().unwrap_or_default();
+    let last = x.len() - 1;
+    (0..=last)
+        .map(|i| {
+            if last == 1 {
+                return chord(0);
+            }
+            // the middle of the three, and where the slope is taken
+            let middle = i.clamp(1, last - 1);
+            let (left, right) = (width(middle - 1), width(middle));
+            let curvature = (chord(middle) - chord(middle - 1)) / (left + right);
+            let slope = chord(middle - 1) + curvature * left;
+            match i {
+                0 => slope - 2.0 * curvature * left,
+                i if i == last => slope + 2.0 * curvature * right,
+                _ => slope,
+            }
+        })
+        .collect()
+}
+
+/// A signal sampled by time or anything else, at uniform shaft angles: first angle (°) and values every `step` degrees.
+/// The angle must increase; it is not wrapped at 360° or 720°.
+///
+/// # Errors
+/// As [`resample`], and for a step that is not a finite number above 0 or asks for more than 10⁸ values.
+pub fn resample_by_angle(
+    angle: &[f64],
+    values: &[f64],
+    step: f64,
+    interpolation: Interpolation,
+) -> Result<(f64, Vec<f64>), SignalError> {
+    check_positive("the angle between samples", step)?;
+    check_length("resampling", 2, angle.len())?;
+    let (Some(from), Some(to)) = (angle.first(), angle.last()) else {
+        return Ok((0.0, Vec::new()));
+    };
+    // starts at a multiple of the step, so that runs share their grid
+    let first = (from / step - 1e-9).ceil();
+    let count = (to / step + 1e-9).floor() - first;
+    if count > 1e8 {
+        return Err(SignalError::Setting {
+            what: "the angle between samples",
+            range: "large enough for at most 10⁸ values",
+            value: step,
+        });
+    }
+    let grid: Vec<f64> = (0..=count.max(0.0) as usize)
+        .map(|i| (first + i as f64) * step)
+        .collect();
+    Ok((first * step, resample(angle, values, &grid, interpolation)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_and_parabolas_are_exact() {
+        let x = [0.0, 0.3, 1.0, 1.2, 2.0];
+        let grid: Vec<f64> = (0..=40).map(|i| f64::from(i) * 0.05).collect();
+        let line = |x: f64| 2.0 - 3.0 * x;
+        let parabola = |x: f64| 1.0 - 2.0 * x + 0.7 * x * x;
+        let y: Vec<f64> = x.iter().map(|x| line(*x)).collect();
+        for (g, v) in grid
+            .iter()
+            .zip(resample(&x, &y, &grid, Interpolation::Linear).unwrap())
+        {
+            assert!((v - line(*g)).abs() < 1e-14);
+        }
+        let y: Vec<f64> = x.iter().map(|x| parabola(*x)).collect();
+        for (g, v) in grid
+            .iter()
+            .zip(resample(&x, &y, &grid, Interpolation::Cubic).unwrap())
+        {
+            assert!((v - parabola(*g)).abs() < 1e-14, "{g}");
+        }
+    }
+
+    #[test]
+    fn angles_start_at_a_multiple_of_the_step() {
+        let angle = [0.7, 1.4, 2.6, 4.0];
+        let (first, values) =
+            resample_by_angle(&angle, &angle, 0.5, Interpolation::Linear).unwrap();
+        assert_eq!(first, 1.0);
+        assert_eq!(values.len(), 7);
+        assert!((values[6] - 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn places_outside_are_refused() {
+        let x = [0.0, 1.0];
+        assert!(matches!(
+            resample(&x, &x, &[1.1], Interpolation::Cubic),
+            Err(SignalError::Outside { .. })
+        ));
+    }
+}

@@ -1,0 +1,269 @@
+// Drives a page in a headless Chromium by its debugging pipe and prints what it found as JSON.
+// Usage: node browser.mjs CHROMIUM PAGE FOLDER; screenshots go to the folder.
+import { spawn } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+
+const [browser, page, folder] = process.argv.slice(2);
+const profile = mkdtempSync(join(tmpdir(), "eng-browser-"));
+const child = spawn(browser, [
+  "--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--remote-debugging-pipe", "--no-first-run",
+  "--disable-background-networking", "--disable-component-update", "--disable-extensions", "--mute-audio",
+  "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
+  `--user-data-dir=${profile}`, "about:blank",
+], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
+
+let next = 0;
+let rest = "";
+const waiting = new Map();
+const heard = [];
+child.stdio[4].on("data", (data) => {
+  rest += data;
+  for (let end; (end = rest.indexOf("\0")) >= 0; rest = rest.slice(end + 1)) {
+    const message = JSON.parse(rest.slice(0, end));
+    if (message.id === undefined) heard.push(message);
+    else {
+      const { resolve, reject } = waiting.get(message.id);
+      waiting.delete(message.id);
+      if (message.error) reject(new Error(JSON.stringify(message.error)));
+      else resolve(message.result);
+    }
+  }
+});
+const send = (method, params = {}, sessionId = undefined) => new Promise((resolve, reject) => {
+  const id = ++next;
+  waiting.set(id, { resolve, reject });
+  child.stdio[3].write(JSON.stringify({ id, method, params, sessionId }) + "\0");
+});
+const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
+const limit = setTimeout(() => {
+  console.error("the browser did not finish in time");
+  child.kill("SIGKILL");
+  process.exit(2);
+}, 150000);
+
+const found = {};
+try {
+  const { targetId } = await send("Target.createTarget", { url: "about:blank" });
+  const { sessionId } = await send("Target.attachToTarget", { targetId, flatten: true });
+  const call = (method, params) => send(method, params, sessionId);
+  const evaluate = async (expression) => {
+    const { result, exceptionDetails } = await call("Runtime.evaluate", { expression, returnByValue: true, awaitPromise: true });
+    if (exceptionDetails) throw new Error(expression + ": " + JSON.stringify(exceptionDetails.exception || exceptionDetails));
+    return result.value;
+  };
+  const size = (width, height) => call("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: false });
+  const shot = async (name) => {
+    const { data } = await call("Page.captureScreenshot", { format: "png" });
+    writeFileSync(join(folder, name), Buffer.from(data, "base64"));
+  };
+  // the whole page, a window's height at a time: a browser can't draw one as long as it
+  const whole = async (name) => {
+    await size(1280, 1600);
+    const height = await evaluate("document.documentElement.scrollHeight");
+    for (let i = 0; i * 1600 < height; i++) {
+      await evaluate(`scrollTo({ top: ${i * 1600}, behavior: "instant" })`);
+      await sleep(250);
+      await shot(`${name}-${i + 1}.png`);
+    }
+  };
+  for (const domain of ["Page", "Runtime", "Log", "Network", "DOM"]) await call(domain + ".enable");
+  await size(1280, 900);
+  await call("Page.navigate", { url: pathToFileURL(resolve(page)).href });
+  for (let i = 0; i < 200 && (await evaluate("document.readyState")) !== "complete"; i++) await sleep(50);
+  await sleep(500);
+
+  found.figures = await evaluate("document.querySelectorAll('figure.plot svg.drawing').length");
+  found.animations = await evaluate("document.querySelectorAll('figure.animation').length");
+  found.overflow_wide = await evaluate("document.documentElement.scrollWidth - innerWidth");
+
+  // a point inside of a drawing, in its own units, as pixels of the window
+  const at = async (figure, x, y) => {
+    await evaluate(`document.querySelector('#${figure} svg').scrollIntoView({ block: 'center', behavior: 'instant' })`);
+    return evaluate(`(() => {
+      const svg = document.querySelector('#${figure} svg');
+      const [left, top, width, height] = svg.querySelector('.panel').dataset.area.split(' ').map(Number);
+      const p = new DOMPoint(left + ${x} * width, top + ${y} * height).matrixTransform(svg.getScreenCTM());
+      return [p.x, p.y];
+    })()`);
+  };
+  const mouse = (type, [x, y], more = {}) => call("Input.dispatchMouseEvent", { type, x, y, ...more });
+  const click = async (place, clickCount = 1) => {
+    await mouse("mousePressed", place, { button: "left", buttons: 1, clickCount });
+    await mouse("mouseReleased", place, { button: "left", clickCount });
+  };
+  const readout = (figure) => evaluate(`document.querySelector('#${figure} .readout').innerText`);
+  const step = () => evaluate(`(() => {
+    const t = [...document.querySelectorAll('#figure-1 .grid.numbered text[text-anchor=middle]')].map((t) => Number(t.textContent));
+    return t[1] - t[0];
+  })()`);
+
+  // readouts
+  for (const [name, figure, x, y] of [
+    ["history", "figure-1", 0.3, 0.5], ["map", "figure-7", 0.5, 0.5], ["waterfall", "figure-6", 0.1, 0.8],
+  ]) {
+    await mouse("mouseMoved", await at(figure, x, y));
+    await sleep(100);
+    found["readout_" + name] = await readout(figure);
+  }
+  const onOrbit = await (async () => {
+    await at("figure-3", 0.5, 0.5);
+    return evaluate(`(() => {
+      const line = [...document.querySelectorAll('#figure-3 polyline.curve')].pop();
+      const p = line.points[10].matrixTransform(line.getScreenCTM());
+      return [p.x, p.y];
+    })()`);
+  })();
+  await mouse("mouseMoved", onOrbit);
+  await sleep(100);
+  found.readout_orbit = await readout("figure-3");
+  await shot("orbit-readout.png");
+
+  // wheel, drag, double click
+  found.ticks_step = await step();
+  let middle = await at("figure-1", 0.5, 0.5);
+  await click(middle);
+  middle = await at("figure-1", 0.5, 0.5);
+  for (let i = 0; i < 4; i++) await mouse("mouseWheel", middle, { deltaX: 0, deltaY: -300 });
+  await sleep(200);
+  found.ticks_step_zoomed = await step();
+  await mouse("mouseMoved", middle);
+  await sleep(100);
+  await shot("zoomed.png");
+  await click(middle, 1);
+  await click(middle, 2);
+  await sleep(200);
+  found.reset = Math.abs((await step()) - found.ticks_step) < 1e-9;
+  const [from, to] = [await at("figure-2", 0.1, 0.2), await at("figure-2", 0.4, 0.6)];
+  await mouse("mousePressed", from, { button: "left", buttons: 1, clickCount: 1 });
+  await mouse("mouseMoved", [(from[0] + to[0]) / 2, (from[1] + to[1]) / 2], { button: "left", buttons: 1 });
+  await shot("dragging.png");
+  await mouse("mouseMoved", to, { button: "left", buttons: 1 });
+  await mouse("mouseReleased", to, { button: "left", clickCount: 1 });
+  await sleep(100);
+  found.zoomed_by_drag = await evaluate("!document.querySelector('#figure-2 .reset').disabled");
+  await shot("zoomed-by-drag.png");
+
+  // legend, by keyboard
+  const shown = "[...document.querySelectorAll('#figure-1 polyline.curve')].filter((c) => getComputedStyle(c).display !== 'none').length";
+  found.curves = await evaluate(shown);
+  await evaluate("document.querySelector('#figure-1 .legend-item').focus()");
+  for (const type of ["keyDown", "keyUp"])
+    await call("Input.dispatchKeyEvent", { type, key: "Enter", code: "Enter", windowsVirtualKeyCode: 13, text: type === "keyDown" ? "\r" : undefined });
+  found.curves_after_hiding = await evaluate(shown);
+  await shot("hidden-curve.png");
+
+  // the animation
+  found.webgl = await evaluate("document.querySelector('figure.animation').classList.contains('alive')");
+  await evaluate("document.querySelector('figure.animation').scrollIntoView({ behavior: 'instant' })");
+  await sleep(800);
+  if (found.webgl) {
+    const picture = () => evaluate(`(async () => {
+      const bytes = new TextEncoder().encode(document.querySelector('figure.animation canvas').toDataURL());
+      let sum = 0;
+      for (const b of bytes) sum = (sum * 31 + b) % 4294967291;
+      return bytes.length + ":" + sum;
+    })()`);
+    const set = async (name, value) => {
+      await evaluate(`(() => { const s = document.querySelector('.animation .${name}'); s.value = ${JSON.stringify(value)};
+        s.dispatchEvent(new Event('input')); s.dispatchEvent(new Event('change')); })()`);
+      await sleep(400);
+    };
+    const clock = () => evaluate("document.querySelector('.animation .clock').textContent");
+    found.glb_bytes = await evaluate("atob(document.querySelector('.animation .model').textContent).length");
+    await set("time", 20);
+    found.picture_start = await picture();
+    await shot("animation.png");
+    await set("scale", 0);
+    found.picture_undeformed = await picture();
+    await set("scale", 1);
+    await set("color", "displacement");
+    await shot("animation-displacement.png");
+    await set("color", "field:von Mises, largest over the cycle");
+    await shot("animation-field.png");
+    await set("color", "body");
+    await evaluate("document.querySelector('.animation canvas').focus()");
+    for (const type of ["keyDown", "keyUp"])
+      await call("Input.dispatchKeyEvent", { type, key: "ArrowRight", code: "ArrowRight", windowsVirtualKeyCode: 39 });
+    await sleep(400);
+    found.picture_turned = await picture();
+    await evaluate("document.querySelector('.animation .home').click()");
+    await sleep(300);
+    found.clock_before = await clock();
+    await evaluate("document.querySelector('.animation .play').click()");
+    await sleep(1500);
+    found.clock_after = await clock();
+    await evaluate("document.querySelector('.animation .play').click()");
+    await sleep(300);
+    found.picture_later = await picture();
+    found.drawn = await evaluate("Number(document.querySelector('figure.animation').dataset.drawn)");
+  }
+
+  // accessibility, where axe-core is installed
+  try {
+    const paths = (process.env.NODE_PATH || folder).split(":");
+    const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js", { paths }), "utf8");
+    await evaluate(axe + ";0");
+    found.accessibility = {};
+    for (const scheme of ["light", "dark"]) {
+      await call("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: scheme }] });
+      await sleep(200);
+      found.accessibility[scheme] = await evaluate(`axe.run(document, { resultTypes: ["violations"] }).then((r) =>
+        r.violations.map((v) => v.id + ": " + v.nodes.map((n) => n.html.slice(0, 160) + " " + n.failureSummary).slice(0, 3).join(" | ")))`);
+    }
+    await call("Emulation.setEmulatedMedia", { media: "", features: [] });
+  } catch (error) {
+    if (error.code !== "MODULE_NOT_FOUND") throw error;
+  }
+
+  // looks
+  await evaluate("scrollTo(0, 0)");
+  await whole("page-light");
+  await call("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: "dark" }] });
+  await sleep(500);
+  await whole("page-dark");
+  await call("Emulation.setEmulatedMedia", { media: "", features: [] });
+  const { data } = await call("Page.printToPDF", { printBackground: true });
+  writeFileSync(join(folder, "page.pdf"), Buffer.from(data, "base64"));
+  await size(420, 800);
+  await sleep(300);
+  found.overflow_narrow = await evaluate("document.documentElement.scrollWidth - innerWidth");
+  await shot("page-narrow.png");
+
+  // without scripts: pictures, no controls that do nothing
+  await call("Emulation.setScriptExecutionDisabled", { value: true });
+  await call("Page.reload");
+  await sleep(1500);
+  await size(1280, 900);
+  const { root } = await call("DOM.getDocument", { depth: 0 });
+  const boxes = async (selector) => {
+    const { nodeIds } = await call("DOM.querySelectorAll", { nodeId: root.nodeId, selector });
+    const shown = await Promise.all(nodeIds.map((nodeId) => call("DOM.getBoxModel", { nodeId }).then(() => 1, () => 0)));
+    return shown.reduce((sum, one) => sum + one, 0);
+  };
+  found.without_scripts = {
+    drawings: await boxes("svg.drawing"), posters: await boxes(".poster svg"), controls: await boxes(".controls, .tools"),
+  };
+
+  found.errors = heard.flatMap(({ method, params }) => {
+    if (method === "Runtime.exceptionThrown") return [params.exceptionDetails.exception?.description || params.exceptionDetails.text];
+    if (method === "Runtime.consoleAPICalled" && ["error", "assert"].includes(params.type)) return [JSON.stringify(params.args)];
+    if (method === "Log.entryAdded" && params.entry.level === "error") return [params.entry.text];
+    return [];
+  });
+  found.requests = heard
+    .filter(({ method }) => method === "Network.requestWillBeSent")
+    .map(({ params }) => params.request.url)
+    .filter((url) => !url.startsWith("file:") && !url.startsWith("blob:") && !url.startsWith("data:"));
+  console.log(JSON.stringify(found));
+} finally {
+  clearTimeout(limit);
+  const ended = new Promise((done) => child.once("exit", done));
+  child.kill("SIGTERM");
+  await Promise.race([ended, sleep(3000)]);
+  child.kill("SIGKILL");
+  rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+}

@@ -1,0 +1,42 @@
+//! The page's text, without a browser.
+
+use crate::demo;
+use crate::tools::folder;
+
+#[test]
+fn a_whole_page_stands_alone() {
+    let text = demo::page().to_html().unwrap();
+    std::fs::write(folder("page").join("report.html"), &text).unwrap();
+    assert_eq!(text.matches("<figure class=\"plot\"").count(), 7);
+    assert_eq!(text.matches("<figure class=\"animation\"").count(), 1);
+    assert_eq!(text.matches("<h1>").count(), 1);
+    assert_eq!(text.matches("<h2 ").count(), 8);
+    // the only addresses are names of namespaces
+    let addresses = text.matches("http").count();
+    let namespaces = text.matches("xmlns=\"http://www.w3.org/2000/svg\"").count();
+    assert_eq!(addresses, namespaces + text.matches("http-equiv").count());
+    for wrong in ["NaN", ">inf", "src=", "@import", "url(h"] {
+        let outside_of_scripts = text.split("<script>").next().unwrap();
+        assert!(!outside_of_scripts.contains(wrong), "{wrong}");
+    }
+    assert!(text.contains("Made-up engine &lt;4 cylinders&gt;"));
+    // ids are unlike each other
+    let mut ids: Vec<&str> = text
+        .split(" id=\"")
+        .skip(1)
+        .filter_map(|rest| rest.split('"').next())
+        .collect();
+    let count = ids.len();
+    ids.sort_unstable();
+    ids.dedup();
+    assert_eq!(ids.len(), count);
+    assert!(text.len() < 4_000_000, "{} bytes", text.len());
+}
+
+#[test]
+fn the_same_page_has_the_same_bytes() {
+    assert_eq!(
+        demo::page().to_html().unwrap(),
+        demo::page().to_html().unwrap()
+    );
+}
