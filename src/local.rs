@@ -111,6 +111,7 @@ impl Engine for Local {
                 fraction: p.fraction,
                 time: 0.0,
                 cycle_angle: p.cycle_angle,
+                cycles: p.cycles,
             });
         });
         match ran {
@@ -161,6 +162,17 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     }
     let gravity = system.gravity.map(at);
     let mut facts = Vec::new();
+    if let Some(start) = &outcome.start {
+        facts.push(start.to_string());
+        crate::failure::start_advice(start)
+            .into_iter()
+            .for_each(|d| diagnostics.push(d));
+    }
+    if let Some(periodic) = &outcome.periodic {
+        let (told, warnings) = crate::failure::periodic(periodic, analysis);
+        facts.extend(told);
+        warnings.into_iter().for_each(|d| diagnostics.push(d));
+    }
     if let Some(summary) = &outcome.summary {
         let s = &summary.statistics;
         facts.push(format!(

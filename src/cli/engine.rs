@@ -62,6 +62,8 @@ pub struct Progress {
     pub time: f64,
     /// Unwrapped cycle angle (rad), if the model has a cycle.
     pub cycle_angle: Option<f64>,
+    /// Of a periodic analysis: whole cycles so far, and the largest change from the last to this one as a share of its swing.
+    pub cycles: Option<(u32, Option<f64>)>,
 }
 
 /// A journal for the summary and the pictures. The columns are named by the journal's path:

@@ -257,6 +257,12 @@ fn show_progress(bar: &ProgressBar, progress: Progress) {
 
 /// `1260 °CA`, or the time of a model without cycle.
 fn place(progress: Progress) -> String {
+    if let Some((cycles, change)) = progress.cycles {
+        return match change {
+            Some(change) => format!("{cycles} cycles, {:.3} % change", 100.0 * change),
+            None => format!("{cycles} cycles"),
+        };
+    }
     match progress.cycle_angle {
         Some(angle) => format!("{:.0} °CA", angle.to_degrees()),
         None => format!("{:.6} s", progress.time),
@@ -273,10 +279,14 @@ mod tests {
             fraction: 0.5,
             time: 0.03,
             cycle_angle: Some(4.0 * std::f64::consts::PI),
+            cycles: None,
         };
         assert_eq!(place(progress), "720 °CA");
         progress.cycle_angle = None;
         assert_eq!(place(progress), "0.030000 s");
+        progress.cycles = Some((3, Some(0.0125)));
+        assert_eq!(place(progress), "3 cycles, 1.250 % change");
+        progress.cycles = None;
         let bar = progress_bar("unfired", false);
         show_progress(&bar, progress);
         assert_eq!((bar.position(), bar.length()), (500, Some(1000)));

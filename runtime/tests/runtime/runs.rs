@@ -58,6 +58,7 @@ fn free() -> SliderCrank {
 
 fn transient(duration: Extent, sample: Extent, step: StepControl) -> Transient {
     Transient {
+        start: Start::Assembled,
         duration,
         sample,
         step,
