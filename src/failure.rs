@@ -227,10 +227,14 @@ pub(crate) fn start_advice(start: &StartReport) -> Option<Diagnostic> {
     )
 }
 
+/// Share of the clearance below which a motion that does not repeat is no whirl.
+const NO_WHIRL: f64 = 2e-3;
+
 /// What is to be told of a periodic analysis: facts, and warnings at its line.
 pub(crate) fn periodic(
     found: &PeriodicSummary,
     analysis: &crate::Analysis,
+    bound: &eng_system::code::Bound,
 ) -> (Vec<String>, Vec<Diagnostic>) {
     let system = &analysis.model().compiled().system;
     let name = |channel: usize| {
@@ -242,16 +246,8 @@ pub(crate) fn periodic(
     let mut facts = Vec::new();
     let mut warnings = Vec::new();
     if let Some(slowest) = &found.slowest {
-        let decay = if slowest.known {
-            format!(
-                "; the change shrinks by {:.3} a cycle",
-                slowest.factor
-            )
-        } else {
-            String::new()
-        };
         facts.push(format!(
-            "{} after {} cycles; the last differs by {:.2e} of the swing in {}{decay}",
+            "{} after {} cycles; the last differs by {:.2e} of its swing in {}",
             if found.repeats {
                 "repeats"
             } else {
@@ -261,6 +257,13 @@ pub(crate) fn periodic(
             slowest.change,
             name(slowest.channel),
         ));
+        if let Some(decay) = &found.decay {
+            facts.push(format!(
+                "slowest decay: the change in {} shrinks by the factor {:.3} a cycle",
+                name(decay.channel),
+                decay.factor,
+            ));
+        }
         if !found.repeats {
             let message = Diagnostic::warning(
                 codes::NOT_PERIODIC,
@@ -310,6 +313,14 @@ pub(crate) fn periodic(
         let Some(element) = system.elements.get(journal.element as usize) else {
             continue;
         };
+        let clearance = bound
+            .slots
+            .get(journal.radial_clearance.0 as usize)
+            .copied()
+            .unwrap_or(0.0);
+        if whirl.radius <= NO_WHIRL * clearance {
+            continue;
+        }
         let told = format!(
             "{} moves by {:.3} µm at {:.3} of the crank's speed besides its repeating orbit",
             element.origin.path,

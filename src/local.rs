@@ -169,7 +169,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
             .for_each(|d| diagnostics.push(d));
     }
     if let Some(periodic) = &outcome.periodic {
-        let (told, warnings) = crate::failure::periodic(periodic, analysis);
+        let (told, warnings) = crate::failure::periodic(periodic, analysis, &bound);
         facts.extend(told);
         warnings.into_iter().for_each(|d| diagnostics.push(d));
     }

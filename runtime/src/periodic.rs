@@ -1,8 +1,8 @@
 //! Running until the cycle repeats; the last cycle is the result.
 //!
 //! After every cycle each channel is compared, sample by sample, with the cycle before ([`repetition`]). The analysis ends when
-//! the largest change and the estimated distance to the limit, `change f/(1 − f)` with the factor f by which differences shrink
-//! from cycle to cycle, are both below what is asked for. The orbits of the journals tell of half-speed whirl ([`whirl`]), which
+//! the largest change and the estimated distance to the limit, `change |λ/(1 − λ)|` with the complex factor λ by which differences
+//! shrink and turn from cycle to cycle, are both below what is asked for. The orbits of the journals tell of half-speed whirl ([`whirl`]), which
 //! does not repeat with the cycle.
 
 pub mod repetition;
@@ -24,6 +24,8 @@ use whirl::Whirl;
 const ORBITS: usize = 8;
 /// A change this far below what is asked for needs no estimate of the distance.
 const PLAIN: f64 = 1e-2;
+/// A change this far above what is asked for tells of the engine, not of the steps' error.
+const ABOVE: f64 = 3.0;
 /// Samples of a cycle, at most.
 const MOST_SAMPLES: f64 = 1e6;
 
@@ -47,6 +49,8 @@ pub struct PeriodicSummary {
     pub repeats: bool,
     /// The channel that changed most from the last cycle but one to the last.
     pub slowest: Option<Decay>,
+    /// What decayed slowest while changes were well above what is asked for: the engine's slow mode.
+    pub decay: Option<Decay>,
     /// Channels that grow by the same amount every cycle: they are not asked to repeat.
     pub growing: Vec<Growth>,
     /// Motion of pins at about half the shaft's speed that does not repeat, by journal; empty after few cycles.
@@ -98,6 +102,7 @@ pub fn run_periodic(
         done: 0,
         repeats: false,
         slowest: None,
+        decay: None,
         growing: Vec::new(),
         fraction: 0.0,
         observer,
@@ -120,6 +125,7 @@ pub fn run_periodic(
         cycles: cycles.done,
         repeats: cycles.repeats,
         slowest: cycles.slowest,
+        decay: cycles.decay,
         growing: cycles.growing,
         whirl: whirl::find(cycles.orbits.make_contiguous(), period),
     })
@@ -158,6 +164,7 @@ struct Cycles<'a> {
     done: u32,
     repeats: bool,
     slowest: Option<Decay>,
+    decay: Option<Decay>,
     growing: Vec<Growth>,
     fraction: f64,
     observer: &'a mut dyn Observer,
@@ -214,6 +221,12 @@ impl Cycles<'_> {
         let verdict = self.comparison.next(now);
         self.slowest = verdict.slowest;
         self.growing = verdict.growing;
+        if let Some(now) = &self.slowest
+            && now.known
+            && (now.change > ABOVE * self.limit.change || self.decay.is_none())
+        {
+            self.decay = Some(now.clone());
+        }
         self.repeats = match &self.slowest {
             Some(decay) => {
                 decay.change <= PLAIN * self.limit.change

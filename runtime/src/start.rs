@@ -107,7 +107,7 @@ impl std::fmt::Display for StartReport {
                     let unit = if held.is_length { "N" } else { "N m" };
                     write!(
                         f,
-                        "; {} held against {:.4} {unit}",
+                        "; {} held with {:.4} {unit}",
                         held.origin.path, held.effort
                     )?;
                 }

@@ -8,6 +8,10 @@ use std::f64::consts::PI;
 /// Share of the largest swing of a dimension below which a channel's own swing does not count: what is left there is rounding and
 /// the steps' error.
 const LEAST_SWING: f64 = 1e-4;
+/// The same among elements of one class.
+const LEAST_AMONG_ALIKE: f64 = 1e-3;
+/// Factor up to which differences that turn count as sustained, not as growing.
+const SUSTAINED: f64 = 1.02;
 /// Share of a growth by which it may differ within a cycle and from the last cycle's.
 const STEADY: f64 = 1e-3;
 /// Squared sine between two differences below which they are one direction.
@@ -29,10 +33,13 @@ pub struct Decay {
 }
 
 impl Decay {
-    /// Estimated distance to the limit, as a share of the swing: `change f/(1 − f)`.
+    /// Estimated distance to the limit, as a share of the swing: the sum of all differences to come, `change |λ/(1 − λ)|` with
+    /// `λ = factor·exp(i turn)`. Of a sustained beat (factor 1) it is its amplitude. Infinite for what grows.
     pub fn distance(&self) -> f64 {
-        if self.factor < 1.0 {
-            self.change * self.factor / (1.0 - self.factor)
+        let (f, turn) = (self.factor, self.turn);
+        let gap = libm::hypot(1.0 - f * libm::cos(turn), f * libm::sin(turn));
+        if f <= SUSTAINED && gap > 0.0 {
+            self.change * f / gap
         } else {
             f64::INFINITY
         }
@@ -61,6 +68,8 @@ pub struct Verdict {
 #[derive(Clone, Debug)]
 pub struct Comparison {
     dimensions: Vec<Dimension>,
+    /// Class of the element of each channel.
+    classes: Vec<u32>,
     before: Vec<f64>,
     /// Differences of the last cycles, the newest first.
     differences: VecDeque<Vec<f64>>,
@@ -69,12 +78,22 @@ pub struct Comparison {
 impl Comparison {
     /// For the channels of a system.
     pub fn new(system: &System) -> Comparison {
-        Comparison::of(system.channels.iter().map(|c| c.dimension).collect())
+        let class = |element: u32| {
+            system
+                .elements
+                .get(element as usize)
+                .map_or(u32::MAX, |e| e.class)
+        };
+        Comparison::of(
+            system.channels.iter().map(|c| c.dimension).collect(),
+            system.channels.iter().map(|c| class(c.element)).collect(),
+        )
     }
 
-    fn of(dimensions: Vec<Dimension>) -> Comparison {
+    fn of(dimensions: Vec<Dimension>, classes: Vec<u32>) -> Comparison {
         Comparison {
             dimensions,
+            classes,
             before: Vec::new(),
             differences: VecDeque::new(),
         }
@@ -163,11 +182,15 @@ impl Comparison {
             .collect();
         let floors: Vec<f64> = (0..count)
             .map(|channel| {
-                let alike = |i: &usize| self.dimensions[*i] == self.dimensions[channel];
-                let largest = (0..count)
-                    .filter(alike)
-                    .fold(0.0_f64, |w, i| w.max(swings[i]));
-                LEAST_SWING * largest
+                let mut floor = 0.0_f64;
+                for i in 0..count {
+                    if self.dimensions[i] == self.dimensions[channel] {
+                        let alike = self.classes[i] == self.classes[channel];
+                        let share = if alike { LEAST_AMONG_ALIKE } else { LEAST_SWING };
+                        floor = floor.max(share * swings[i]);
+                    }
+                }
+                floor
             })
             .collect();
         for (swing, floor) in swings.iter_mut().zip(floors) {
@@ -234,7 +257,7 @@ mod tests {
 
     /// Cycles of one channel and a counter, made of the periodic part and decaying modes.
     fn verdicts(cycles: usize, sample: impl Fn(usize, f64) -> f64) -> Vec<Verdict> {
-        let mut comparison = Comparison::of(vec![Dimension::ONE, Dimension::TIME]);
+        let mut comparison = Comparison::of(vec![Dimension::ONE, Dimension::TIME], vec![0, 1]);
         (0..cycles)
             .map(|k| {
                 let mut values = Vec::new();
@@ -285,7 +308,9 @@ mod tests {
             libm::cos(2.0 * PI * t) + 0.05 * libm::cos(2.0 * PI * 0.93 * (k as f64 + t))
         });
         let last = found[11].slowest.clone().unwrap();
-        assert!((last.factor - 1.0).abs() < 1e-9 && last.distance() > 1.0, "{last:?}");
+        // 0.05 of a swing of 2.1
+        assert!((last.factor - 1.0).abs() < 1e-9, "{last:?}");
+        assert!((0.02..0.03).contains(&last.distance()), "{last:?}");
         assert!((last.turn - 2.0 * PI * 0.07).abs() < 1e-6, "{last:?}");
     }
 }

@@ -36,7 +36,7 @@ const REACH: f64 = 0.2;
 const ITERATIONS: usize = 25;
 /// Smallest portion of the load.
 const PORTION: f64 = 1e-3;
-/// Rounds of velocities and accelerations: each gives four digits.
+/// Rounds of velocities and accelerations.
 const ROUNDS: usize = 8;
 
 /// Why a balance was not found.
@@ -71,8 +71,8 @@ pub struct Balance<'a> {
     values: Vec<f64>,
     /// `start` rows on positions.
     stated: Rows,
-    /// Combinations of [stated rows; fixed rows] that hold.
-    pick: DMatrix<f64>,
+    /// Those of [stated rows; fixed rows] that hold, none following from others.
+    holding: Vec<usize>,
     /// Rows of what is held beside the stated positions, in scaled velocities.
     fixed: DMatrix<f64>,
     fixed_names: Vec<(Origin, bool)>,
@@ -117,7 +117,7 @@ impl<'a> Balance<'a> {
             values: vec![0.0; plan.pattern.rows.len()],
             plan,
             stated,
-            pick: DMatrix::zeros(0, 0),
+            holding: Vec::new(),
             fixed: DMatrix::zeros(0, model.velocities),
             fixed_names: Vec::new(),
             factors: Vec::new(),
@@ -131,9 +131,14 @@ impl<'a> Balance<'a> {
         balance.hold_what_moves(state)?;
         let (_, mut rows) = balance.holds(state)?;
         balance.factors = unit_rows(&mut rows, 1e-12);
-        let picked = split(&(&rows * &balance.motion.free)).ok_or_else(|| not_finite(model))?;
-        balance.pick = picked.pick;
-        let free = &balance.motion.free * picked.free;
+        let mut free = balance.motion.free.clone();
+        for i in 0..rows.nrows() {
+            let left = split(&(rows.rows(i, 1) * &free)).ok_or_else(|| not_finite(model))?;
+            if left.pick.nrows() > 0 {
+                balance.holding.push(i);
+                free *= left.free;
+            }
+        }
         balance.freedoms = free.ncols();
         balance.find_neutral(state, &free, pace)?;
         Ok(balance)
@@ -159,6 +164,10 @@ impl<'a> Balance<'a> {
         for (mut column, scale) in matrix.column_iter_mut().zip(self.motion.scales()) {
             column.scale_mut(*scale);
         }
+        if let Some(cycle) = &system.cycle {
+            let row = self.cycle_rate(cycle.element as usize, state)?;
+            rows.push((row, cycle.origin.clone(), false));
+        }
         for (i, (element, row)) in starts.owners.iter().enumerate() {
             if values[i] != 0.0 {
                 let length = model.class(*element).rows[*row].dimension
@@ -169,10 +178,6 @@ impl<'a> Balance<'a> {
                     length,
                 ));
             }
-        }
-        if let Some(cycle) = &system.cycle {
-            let row = self.cycle_rate(cycle.element as usize, state)?;
-            rows.push((row, cycle.origin.clone(), false));
         }
         self.fixed = DMatrix::from_fn(rows.len(), model.velocities, |i, j| rows[i].0[j]);
         self.fixed_names = rows.into_iter().map(|(_, o, l)| (o, l)).collect();
@@ -227,7 +232,10 @@ impl<'a> Balance<'a> {
             values[i] *= factor;
             rows.row_mut(i).scale_mut(*factor);
         }
-        let (values, rows) = (&self.pick * values, &self.pick * rows);
+        let (values, rows) = (
+            values.select_rows(&self.holding),
+            rows.select_rows(&self.holding),
+        );
         let count = rows.nrows();
         let all = DMatrix::from_fn(count + self.neutral.nrows(), rows.ncols(), |i, j| {
             if i < count {
@@ -379,7 +387,7 @@ impl<'a> Balance<'a> {
         let model = self.model;
         let mut place = Place {
             state: state.clone(),
-            efforts: DVector::zeros(self.pick.nrows() + self.neutral.nrows()),
+            efforts: DVector::zeros(self.holding.len() + self.neutral.nrows()),
         };
         place.state.multipliers.fill(0.0);
         let mut found = Equilibrium {
@@ -593,8 +601,7 @@ impl<'a> Balance<'a> {
     /// What is held against a force, by the rows it was made of.
     fn told(&self, place: &Place) -> Vec<Held> {
         let model = self.model;
-        let picked = self.pick.nrows();
-        // effort along each original row: pickᵀ σ, in the row's unit
+        let picked = self.holding.len();
         let owners: Vec<(Origin, bool)> = self
             .stated
             .owners
@@ -606,12 +613,11 @@ impl<'a> Balance<'a> {
             .chain(self.fixed_names.iter().cloned())
             .collect();
         let mut held: Vec<Held> = Vec::new();
-        for (i, (origin, is_length)) in owners.into_iter().enumerate() {
-            let effort: f64 = (0..picked)
-                .map(|k| self.pick[(k, i)] * place.efforts[k])
-                .sum::<f64>()
-                * self.factors[i]
-                * self.unit;
+        for (k, i) in self.holding.iter().enumerate() {
+            let Some((origin, is_length)) = owners.get(*i).cloned() else {
+                continue;
+            };
+            let effort = place.efforts[k] * self.factors[*i] * self.unit;
             if effort.abs() * (if is_length { model.length } else { 1.0 }) > 1e-6 * self.unit {
                 held.push(Held {
                     origin,

@@ -3,12 +3,16 @@
 //! The constraints leave freedoms. Their velocities are given in this order, each kind as far as those before it leave free
 //! (least squares where a kind contradicts itself):
 //!
-//! 1. velocities stated by `start`;
+//! 1. velocities stated by `start` that are not zero;
 //! 2. modal rates: zero;
 //! 3. the rate of each eccentricity, seen from its shell: zero;
-//! 4. velocities stated by `guess`;
-//! 5. relative rates of what damps, then of what springs (the rows of its forces' derivatives): zero;
-//! 6. what is left has the least kinetic energy.
+//! 4. velocities that `start` states to be zero;
+//! 5. velocities stated by `guess`;
+//! 6. relative rates of what damps, then of what springs (the rows of its forces' derivatives): zero;
+//! 7. what is left has the least kinetic energy.
+//!
+//! Zeros come after the films: a shaft that is stated to turn about the ground's axis alone tilts by microradians in its bearings
+//! and turns about its own axis, else its pins would circle in their shells as fast as the shaft turns.
 //!
 //! Which combinations of rows decide is settled once, at the assembled place; at any other the same combinations give the
 //! velocities by a linear system. The steady acceleration is their rate along the motion itself.
@@ -37,10 +41,10 @@ const APART: f64 = 5e-4;
 /// What gives velocities; the order is that of [`self`].
 #[derive(Clone, Debug)]
 enum Wish {
-    Stated(Rows),
+    /// Some of the rows that state velocities.
+    Stated(Rows, Vec<usize>),
     Bending,
     Films,
-    Guessed(Rows),
     Loads(Vec<usize>),
 }
 
@@ -107,11 +111,19 @@ impl SteadyMotion {
                 })
                 .collect()
         };
+        let mut resting = state.clone();
+        resting.velocity.fill(0.0);
+        let stated = of(&velocity(true));
+        let (values, _) = stated.evaluate(model, &at(&resting), Along::Velocity)?;
+        let (moving, still) = (0..stated.len()).partition(|i| values[*i] != 0.0);
+        let guessed = of(&velocity(false));
+        let all = (0..guessed.len()).collect();
         let wishes = vec![
-            Wish::Stated(of(&velocity(true))),
+            Wish::Stated(stated.clone(), moving),
             Wish::Bending,
             Wish::Films,
-            Wish::Guessed(of(&velocity(false))),
+            Wish::Stated(stated, still),
+            Wish::Stated(guessed, all),
             Wish::Loads(loads(true)),
             Wish::Loads(loads(false)),
         ];
@@ -198,10 +210,11 @@ impl SteadyMotion {
         let n = model.velocities;
         let homogeneous = |matrix: DMatrix<f64>| (DVector::zeros(matrix.nrows()), matrix);
         let (values, mut matrix) = match wish {
-            Wish::Stated(rows) | Wish::Guessed(rows) => {
+            Wish::Stated(rows, chosen) => {
                 let mut resting = state.clone();
                 resting.velocity.fill(0.0);
-                rows.evaluate(model, &at(&resting), Along::Velocity)?
+                let (values, matrix) = rows.evaluate(model, &at(&resting), Along::Velocity)?;
+                (values.select_rows(chosen), matrix.select_rows(chosen))
             }
             Wish::Bending => {
                 let modal: Vec<usize> = model
