@@ -8,7 +8,7 @@ use eng_runtime::{
     CycleReport, Observer, PeriodicSummary, RunSummary, Sample, StartReport, Warning, run_periodic,
     run_transient,
 };
-use eng_system::system::AnalysisKind;
+use eng_system::system::{AnalysisKind, PointValue};
 use eng_system::{Dimension, DisplayUnit};
 use std::ops::ControlFlow;
 
@@ -82,6 +82,11 @@ impl Analysis {
     /// Its place in the text.
     pub(crate) fn origin(&self) -> &eng_system::system::Origin {
         &self.plan.origin
+    }
+
+    /// Where it stands in its sweep; empty for one without an index.
+    pub fn point(&self) -> &[PointValue] {
+        &self.plan.point
     }
 
     /// Its compiled model.
@@ -294,6 +299,12 @@ impl Recorder<'_> {
         results.set_metadata("source_hash", analysis.program.source_hash());
         if let Some(start) = &self.start {
             results.set_metadata("start", start.to_string());
+        }
+        for point in analysis.point() {
+            results.set_metadata(
+                format!("point.{}", point.name),
+                point.display.text(point.value),
+            );
         }
         let bound = analysis.bound()?;
         for (parameter, value) in system.parameters.iter().zip(&bound.parameters) {

@@ -24,6 +24,8 @@ use whirl::Whirl;
 const ORBITS: usize = 8;
 /// A change this far below what is asked for needs no estimate of the distance.
 const PLAIN: f64 = 1e-2;
+/// Least swing of lengths in position tolerances: the smallest clearance.
+const TOLERANCES: f64 = 1e3;
 /// A change this far above what is asked for tells of the engine, not of the steps' error.
 const ABOVE: f64 = 3.0;
 /// Samples of a cycle, at most.
@@ -69,7 +71,8 @@ pub fn run_periodic(
     let Some(cycle) = &system.cycle else {
         return Err(RuntimeError::NoCycle);
     };
-    let period = Model::bind(compiled, overrides)?.slot(cycle.period);
+    let model = Model::bind(compiled, overrides)?;
+    let period = model.slot(cycle.period);
     let refuse = |message: String| Err(RuntimeError::Options { message });
     let samples = libm::ceil(period / periodic.sample - 1e-6);
     if !(periodic.sample > 0.0 && (1.0..=MOST_SAMPLES).contains(&samples)) {
@@ -95,7 +98,7 @@ pub fn run_periodic(
         samples: samples as usize,
         channels,
         limit: *periodic,
-        comparison: Comparison::new(system),
+        comparison: Comparison::new(system, TOLERANCES * model.tolerance),
         now: Record::default(),
         last: Record::default(),
         orbits: VecDeque::new(),

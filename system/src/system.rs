@@ -400,6 +400,19 @@ pub enum AnalysisKind {
     Periodic(Periodic),
 }
 
+/// The value of a sweep's variable at one of its points: `s` of `analysis runup[s in …]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointValue {
+    /// The variable.
+    pub name: String,
+    /// Its value (SI); for what is no number its place in the list.
+    pub value: f64,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// How it is shown.
+    pub display: DisplayUnit,
+}
+
 /// An analysis of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analysis {
@@ -407,6 +420,8 @@ pub struct Analysis {
     pub origin: Origin,
     /// The model's name.
     pub model: String,
+    /// Of an analysis with an index: where in the sweep it stands.
+    pub point: Vec<PointValue>,
     /// Parameters set by the analysis (path, SI value).
     pub set: Vec<(String, f64)>,
     /// What is done.

@@ -6,10 +6,10 @@ use crate::codes;
 use crate::program::{DefinitionId, Program};
 use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
-use eng_system::Dimension;
+use eng_system::{Dimension, DisplayUnit};
 use eng_system::host::Host;
 use eng_system::system::{
-    Analysis, AnalysisKind, Extent, Origin, Periodic, Start, StepControl, Transient,
+    Analysis, AnalysisKind, Extent, Origin, Periodic, PointValue, Start, StepControl, Transient,
 };
 
 /// Samples an analysis may take: all are kept in memory until it ends.
@@ -57,12 +57,45 @@ pub fn analyses(
             // a message was given; the others still are planned
             let _ = elaborator.for_each(&d.index, scope, &mut |e, inner, position| {
                 let name = format!("{}{}", d.name.text, index_text(position));
-                plans.push(e.plan(name, value, d.name.span, inner)?);
+                let mut plan = e.plan(name, value, d.name.span, inner)?;
+                for (binder, place) in d.index.iter().zip(position) {
+                    let point = e.point(binder, *place, inner)?;
+                    plan.analysis.point.push(point);
+                }
+                plans.push(plan);
                 Ok(())
             });
         }
     }
     plans
+}
+
+/// The units written in an expression, in their order.
+fn units_of<'e>(expr: &'e ast::Expr, found: &mut Vec<&'e ast::UnitExpr>) {
+    match &expr.kind {
+        ExprKind::Number { unit, .. } => found.extend(unit),
+        ExprKind::List { items, unit } => {
+            found.extend(unit);
+            items.iter().for_each(|item| units_of(item, found));
+        }
+        ExprKind::Paren { inner, unit } => {
+            found.extend(unit);
+            units_of(inner, found);
+        }
+        ExprKind::Unary { operand, .. } => units_of(operand, found),
+        ExprKind::Binary { left, right, .. } => {
+            units_of(left, found);
+            units_of(right, found);
+        }
+        ExprKind::Range { from, to, by } => {
+            units_of(from, found);
+            units_of(to, found);
+            if let Some(by) = by {
+                units_of(by, found);
+            }
+        }
+        _ => {}
+    }
 }
 
 fn named<'a>(arguments: &'a [ast::Argument], wanted: &str) -> Option<&'a ast::Argument> {
@@ -72,6 +105,36 @@ fn named<'a>(arguments: &'a [ast::Argument], wanted: &str) -> Option<&'a ast::Ar
 }
 
 impl<'a> Elaborator<'a, '_> {
+    /// The value of a binder, shown in the first unit that its range states for this dimension.
+    fn point(&mut self, binder: &'a ast::Binder, place: usize, scope: ScopeId) -> Eval<PointValue> {
+        let value = self.lookup(&binder.name.text, scope, binder.name.span)?;
+        let (value, dimension) = match value {
+            Value::Scalar(s) => (self.structural(s, binder.range.span)?, s.dimension),
+            Value::Int(i) => (i as f64, Dimension::ONE),
+            _ => (place as f64, Dimension::ONE),
+        };
+        let mut units = Vec::new();
+        units_of(&binder.range, &mut units);
+        let mut display = self.natural_unit(dimension);
+        for unit in units {
+            let unit = self.unit(unit)?;
+            if unit.dimension == dimension {
+                display = DisplayUnit {
+                    symbol: unit.symbol,
+                    scale: unit.scale,
+                    offset: unit.offset,
+                };
+                break;
+            }
+        }
+        Ok(PointValue {
+            name: binder.name.text.clone(),
+            value,
+            dimension,
+            display,
+        })
+    }
+
     fn plan(
         &mut self,
         name: String,
@@ -109,6 +172,7 @@ impl<'a> Elaborator<'a, '_> {
                     defined_at: None,
                 },
                 model: model_name,
+                point: Vec::new(),
                 set,
                 kind,
             },

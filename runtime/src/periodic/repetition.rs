@@ -7,9 +7,7 @@ use std::f64::consts::PI;
 
 /// Share of the largest swing of a dimension below which a channel's own swing does not count: what is left there is rounding and
 /// the steps' error.
-const LEAST_SWING: f64 = 1e-4;
-/// The same among elements of one class.
-const LEAST_AMONG_ALIKE: f64 = 1e-3;
+const LEAST_SWING: f64 = 1e-2;
 /// Factor up to which differences that turn count as sustained, not as growing.
 const SUSTAINED: f64 = 1.02;
 /// Share of a growth by which it may differ within a cycle and from the last cycle's.
@@ -68,32 +66,26 @@ pub struct Verdict {
 #[derive(Clone, Debug)]
 pub struct Comparison {
     dimensions: Vec<Dimension>,
-    /// Class of the element of each channel.
-    classes: Vec<u32>,
+    /// Least swing of a length (m): a stroke says nothing of a film.
+    length: f64,
     before: Vec<f64>,
     /// Differences of the last cycles, the newest first.
     differences: VecDeque<Vec<f64>>,
 }
 
 impl Comparison {
-    /// For the channels of a system.
-    pub fn new(system: &System) -> Comparison {
-        let class = |element: u32| {
-            system
-                .elements
-                .get(element as usize)
-                .map_or(u32::MAX, |e| e.class)
-        };
+    /// For the channels of a system; `length` is the least swing of a length (m), such as a bearing's clearance.
+    pub fn new(system: &System, length: f64) -> Comparison {
         Comparison::of(
             system.channels.iter().map(|c| c.dimension).collect(),
-            system.channels.iter().map(|c| class(c.element)).collect(),
+            length,
         )
     }
 
-    fn of(dimensions: Vec<Dimension>, classes: Vec<u32>) -> Comparison {
+    fn of(dimensions: Vec<Dimension>, length: f64) -> Comparison {
         Comparison {
             dimensions,
-            classes,
+            length,
             before: Vec::new(),
             differences: VecDeque::new(),
         }
@@ -160,7 +152,7 @@ impl Comparison {
     }
 
     /// Swing of each channel within a cycle: largest less smallest, of an angle that goes round less the line through its ends; at
-    /// least a small share of the largest of its dimension.
+    /// least a small share of the largest of its dimension, of lengths a stated length.
     fn swings(&self, values: &[f64]) -> Vec<f64> {
         let count = self.dimensions.len();
         let samples = values.len() / count;
@@ -182,15 +174,13 @@ impl Comparison {
             .collect();
         let floors: Vec<f64> = (0..count)
             .map(|channel| {
-                let mut floor = 0.0_f64;
-                for i in 0..count {
-                    if self.dimensions[i] == self.dimensions[channel] {
-                        let alike = self.classes[i] == self.classes[channel];
-                        let share = if alike { LEAST_AMONG_ALIKE } else { LEAST_SWING };
-                        floor = floor.max(share * swings[i]);
-                    }
+                let dimension = self.dimensions[channel];
+                if dimension == Dimension::LENGTH {
+                    return self.length;
                 }
-                floor
+                (0..count)
+                    .filter(|i| self.dimensions[*i] == dimension)
+                    .fold(0.0_f64, |w, i| w.max(LEAST_SWING * swings[i]))
             })
             .collect();
         for (swing, floor) in swings.iter_mut().zip(floors) {
@@ -257,7 +247,7 @@ mod tests {
 
     /// Cycles of one channel and a counter, made of the periodic part and decaying modes.
     fn verdicts(cycles: usize, sample: impl Fn(usize, f64) -> f64) -> Vec<Verdict> {
-        let mut comparison = Comparison::of(vec![Dimension::ONE, Dimension::TIME], vec![0, 1]);
+        let mut comparison = Comparison::of(vec![Dimension::ONE, Dimension::TIME], 1e-3);
         (0..cycles)
             .map(|k| {
                 let mut values = Vec::new();
