@@ -142,10 +142,8 @@ impl Analysis {
                 run_transient(compiled, &self.overrides, t, &mut recorder, None)
                     .map(|summary| (Some(summary), None))
             }
-            AnalysisKind::Periodic(p) => {
-                run_periodic(compiled, &self.overrides, p, &mut recorder)
-                    .map(|found| (Some(found.run.clone()), Some(found)))
-            }
+            AnalysisKind::Periodic(p) => run_periodic(compiled, &self.overrides, p, &mut recorder)
+                .map(|found| (Some(found.run.clone()), Some(found))),
             AnalysisKind::Assemble => self.assembled(&mut recorder).map(|()| (None, None)),
         };
         let (recorded, cause) = match ran {

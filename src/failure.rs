@@ -220,7 +220,7 @@ pub(crate) fn start_advice(start: &StartReport) -> Option<Diagnostic> {
     Some(
         place(message, &obstacle.origin, "stands in the way")
             .with_note(format!(
-                "the balance was followed up to {:.3} % of the load; the run starts as assembled",
+                "so it stands with {:.3} % of the load; the run starts as assembled",
                 100.0 * obstacle.carried
             ))
             .with_help("`start: assembled` takes this start without a warning"),
@@ -237,12 +237,7 @@ pub(crate) fn periodic(
     bound: &eng_system::code::Bound,
 ) -> (Vec<String>, Vec<Diagnostic>) {
     let system = &analysis.model().compiled().system;
-    let name = |channel: usize| {
-        system
-            .channels
-            .get(channel)
-            .map_or("", |c| c.path.as_str())
-    };
+    let name = |channel: usize| system.channels.get(channel).map_or("", |c| c.path.as_str());
     let mut facts = Vec::new();
     let mut warnings = Vec::new();
     if let Some(slowest) = &found.slowest {
@@ -306,7 +301,8 @@ pub(crate) fn periodic(
             ));
         }
     }
-    for whirl in &found.whirl {
+    // the orbits of a run that repeats soon still hold its start
+    for whirl in found.whirl.iter().filter(|_| !found.repeats) {
         let Some(journal) = system.journals.get(whirl.journal) else {
             continue;
         };
@@ -327,7 +323,7 @@ pub(crate) fn periodic(
             1e6 * whirl.radius,
             whirl.order
         );
-        if whirl.is_sustained() && !found.repeats {
+        if whirl.is_sustained() {
             let message = Diagnostic::warning(
                 codes::WHIRL,
                 format!("{} whirls at about half speed", element.origin.path),

@@ -167,10 +167,7 @@ fn with_settings(mut analysis: Analysis, settings: &[Setting]) -> Result<Analysi
     Ok(analysis)
 }
 
-fn run(
-    analysis: &Analysis,
-    progress: &mut dyn FnMut(Progress),
-) -> Result<RunOutcome, EngineError> {
+fn run(analysis: &Analysis, progress: &mut dyn FnMut(Progress)) -> Result<RunOutcome, EngineError> {
     let ran = analysis.run(&mut |p| {
         progress(Progress {
             fraction: p.fraction,

@@ -249,8 +249,7 @@ impl Program {
     }
 
     fn plan(&self, name: &str) -> Result<&AnalysisPlan, crate::Error> {
-        self
-            .inner
+        self.inner
             .plans
             .iter()
             .find(|p| p.analysis.origin.path == name)

@@ -15,10 +15,10 @@ use crate::linear::Pattern;
 use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
 use crate::rotation::{M3, V3};
+use crate::start::{self, StartReport};
 use crate::state::State;
 use crate::topology;
 use eng_system::code::Compiled;
-use crate::start::{self, StartReport};
 use eng_system::system::{Origin, Start, StepControl};
 
 /// How a simulation integrates.

@@ -17,12 +17,14 @@ pub mod balance;
 pub mod motion;
 mod picking;
 
+use crate::dynamics::Dynamics;
+use crate::elements::Inputs;
 use crate::error::RuntimeError;
 use crate::model::Model;
-use crate::outputs::Outputs;
+use crate::outputs::{Outputs, Watch};
 use crate::state::State;
 use balance::Balance;
-use eng_system::system::{Origin, Start};
+use eng_system::system::{ConditionKind, Origin, Role, Start};
 
 /// Where a simulation began.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,7 +117,7 @@ impl std::fmt::Display for StartReport {
             }
             StartReport::NoBalance(o) => write!(
                 f,
-                "start: as assembled; no quasi-static balance was found with more than {:.3} % of the load: {}: {}",
+                "start: as assembled; no quasi-static balance with more than {:.3} % of the load: {}: {}",
                 100.0 * o.carried,
                 o.origin.path,
                 o.message
@@ -133,10 +135,42 @@ fn is_turning_engine(model: &Model, state: &State) -> Result<bool, RuntimeError>
         return Ok(false);
     }
     let mut watch = Outputs::watching(model, cycle.element as usize)?;
-    let mut dynamics = crate::dynamics::Dynamics::new(model);
+    let mut dynamics = Dynamics::new(model);
     dynamics.place(model, state.time, &state.pose, &state.velocity);
     watch.evaluate(model, &dynamics, state)?;
     Ok(watch.watched_values[1] != 0.0)
+}
+
+/// A condition that must hold at every state and does not hold in the balance: a pin that would touch its shell.
+fn forbidden(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeError> {
+    let elements = &model.compiled.system.elements;
+    let mut watch = Watch::new(model, |e| {
+        matches!(elements[e].role, Role::Dynamic | Role::Output)
+    });
+    let mut dynamics = Dynamics::new(model);
+    dynamics.place(model, state.time, &state.pose, &state.velocity);
+    let from = Inputs {
+        time: state.time,
+        markers: &dynamics.markers,
+        states: &state.states,
+        multipliers: &state.multipliers,
+        rotations: &state.rotations,
+    };
+    let mut found = None;
+    watch.violations(
+        model,
+        &from,
+        |kind| *kind == ConditionKind::Require,
+        |violation, values| {
+            let condition = &model.class(violation.element).conditions[violation.condition];
+            found.get_or_insert_with(|| Obstacle {
+                origin: elements[violation.element].origin.clone(),
+                message: condition.told(values),
+                carried: 1.0,
+            });
+        },
+    )?;
+    Ok(found)
 }
 
 /// Brings an assembled state to the start that is asked for.
@@ -152,6 +186,9 @@ pub fn begin(model: &Model, state: &mut State, start: Start) -> Result<StartRepo
     let mut trial = state.clone();
     match Balance::new(model, &trial).and_then(|mut balance| balance.solve(&mut trial)) {
         Ok(equilibrium) => {
+            if let Some(obstacle) = forbidden(model, &trial)? {
+                return Ok(StartReport::NoBalance(obstacle));
+            }
             state.copy_from(&trial);
             Ok(StartReport::QuasiStatic(equilibrium))
         }

@@ -3,8 +3,8 @@
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::Statistics;
 use crate::periodic::CycleReport;
-use crate::start::StartReport;
 use crate::simulation::{Energy, Options, Simulation, Warning};
+use crate::start::StartReport;
 use eng_system::code::Compiled;
 use eng_system::system::{Extent, Transient};
 use std::ops::ControlFlow;

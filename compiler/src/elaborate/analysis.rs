@@ -6,11 +6,11 @@ use crate::codes;
 use crate::program::{DefinitionId, Program};
 use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
-use eng_system::{Dimension, DisplayUnit};
 use eng_system::host::Host;
 use eng_system::system::{
     Analysis, AnalysisKind, Extent, Origin, Periodic, PointValue, Start, StepControl, Transient,
 };
+use eng_system::{Dimension, DisplayUnit};
 
 /// Samples an analysis may take: all are kept in memory until it ends.
 const MOST_SAMPLES: f64 = 1e7;
@@ -264,7 +264,9 @@ impl<'a> Elaborator<'a, '_> {
                 return Err(self.report(
                     Diagnostic::error(codes::ANALYSIS_VALUE, "`cycles` must be at least 2")
                         .at(s, "too few to see one repeat")
-                        .with_help("it is the number of cycles after which to give up; 40 is the default"),
+                        .with_help(
+                            "it is the number of cycles after which to give up; 40 is the default",
+                        ),
                 ));
             }
             Some((x, _, s)) => {

@@ -5,9 +5,11 @@ use eng_system::system::System;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
-/// Share of the largest swing of a dimension below which a channel's own swing does not count: what is left there is rounding and
-/// the steps' error.
+/// Share of the largest value of a dimension (of angles: of the largest swing) below which a channel's own swing does not count:
+/// what is left there is the steps' error.
 const LEAST_SWING: f64 = 1e-2;
+/// Least swing of an angle (rad).
+const LEAST_ANGLE: f64 = 1e-4;
 /// Factor up to which differences that turn count as sustained, not as growing.
 const SUSTAINED: f64 = 1.02;
 /// Share of a growth by which it may differ within a cycle and from the last cycle's.
@@ -20,7 +22,8 @@ const PARALLEL: f64 = 1e-3;
 pub struct Decay {
     /// Index of the channel.
     pub channel: usize,
-    /// Largest difference from the last cycle, as a share of the channel's swing within a cycle.
+    /// Largest difference from the last cycle, as a share of the channel's swing within a cycle; that counts as at least the smallest
+    /// clearance for a length, and a hundredth of the largest value of the dimension for others.
     pub change: f64,
     /// Factor by which such differences shrink from cycle to cycle.
     pub factor: f64,
@@ -152,7 +155,7 @@ impl Comparison {
     }
 
     /// Swing of each channel within a cycle: largest less smallest, of an angle that goes round less the line through its ends; at
-    /// least a small share of the largest of its dimension, of lengths a stated length.
+    /// least a small share of the largest value of its dimension, of lengths a stated length.
     fn swings(&self, values: &[f64]) -> Vec<f64> {
         let count = self.dimensions.len();
         let samples = values.len() / count;
@@ -175,12 +178,16 @@ impl Comparison {
         let floors: Vec<f64> = (0..count)
             .map(|channel| {
                 let dimension = self.dimensions[channel];
+                let alike = (0..count).filter(|i| self.dimensions[*i] == dimension);
                 if dimension == Dimension::LENGTH {
-                    return self.length;
+                    self.length
+                } else if dimension == Dimension::ANGLE {
+                    alike.fold(LEAST_ANGLE, |w, i| w.max(LEAST_SWING * swings[i]))
+                } else {
+                    alike
+                        .flat_map(|i| values.iter().skip(i).step_by(count))
+                        .fold(0.0_f64, |w, x| w.max(LEAST_SWING * x.abs()))
                 }
-                (0..count)
-                    .filter(|i| self.dimensions[*i] == dimension)
-                    .fold(0.0_f64, |w, i| w.max(LEAST_SWING * swings[i]))
             })
             .collect();
         for (swing, floor) in swings.iter_mut().zip(floors) {
@@ -264,9 +271,7 @@ mod tests {
     #[test]
     fn finds_the_factor_of_one_mode() {
         let periodic = |t: f64| libm::sin(2.0 * PI * t);
-        let found = verdicts(6, |k, t| {
-            periodic(t) + libm::pow(0.6, k as f64 + t) * 0.1
-        });
+        let found = verdicts(6, |k, t| periodic(t) + libm::pow(0.6, k as f64 + t) * 0.1);
         assert_eq!(found[0], Verdict::default());
         let last = found[5].slowest.clone().unwrap();
         assert_eq!(last.channel, 0);
@@ -274,8 +279,17 @@ mod tests {
         assert_eq!(last.turn, 0.0);
         // what is left is the sum of all later differences
         let left = 0.1 * libm::pow(0.6, 5.0);
-        assert!((last.distance() * 2.0 - left).abs() < 0.05 * left, "{last:?} {left}");
-        assert_eq!(found[5].growing, vec![Growth { channel: 1, by: 1.0 }]);
+        assert!(
+            (last.distance() * 2.0 - left).abs() < 0.05 * left,
+            "{last:?} {left}"
+        );
+        assert_eq!(
+            found[5].growing,
+            vec![Growth {
+                channel: 1,
+                by: 1.0
+            }]
+        );
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Half-speed whirl of journals: motion of the pin at about half the shaft's speed that does not repeat with the cycle.
 //!
 //! With the complex eccentricity `z = e_x + i e_y` (shell's axes) over the last cycles, less its mean over them at each angle, the
-//! part at half the speed is `c_k = mean over cycle k of z exp(∓i θ/2)` (− where the shaft turns positively). A whirl at the order
-//! ν turns c_k by `(ν − ½) P` a cycle of P rad; the mean of that turn gives ν. In a four-stroke engine what repeats with the cycle
+//! part at half the speed is `c_k = mean over cycle k of z exp(∓i θ/2)`, in the sense in which it is larger. A whirl at the order
+//! ν turns c_k by `±(ν − ½) P` a cycle of P rad; the mean of that turn gives ν. In a four-stroke engine what repeats with the cycle
 //! has content at order ½ as well: it is taken off with the mean.
 
 /// Fewest cycles that show a whirl.
@@ -46,7 +46,19 @@ pub fn find(cycles: &[Orbits], period: f64) -> Vec<Whirl> {
         .collect()
 }
 
+/// The larger of the two senses: the cycle's angle need not be counted about the shell's z.
 fn whirl_of(cycles: &[&Orbits], journal: usize, period: f64) -> Option<Whirl> {
+    let along = in_sense(cycles, journal, period, 1.0)?;
+    let against = in_sense(cycles, journal, period, -1.0)?;
+    let found = if against.radius > along.radius {
+        against
+    } else {
+        along
+    };
+    (found.radius > 0.0).then_some(found)
+}
+
+fn in_sense(cycles: &[&Orbits], journal: usize, period: f64, sense: f64) -> Option<Whirl> {
     let count = cycles.len() as f64;
     let samples = cycles.first()?.angles.len();
     let mut parts: Vec<[f64; 2]> = vec![[0.0; 2]; cycles.len()];
@@ -65,7 +77,7 @@ fn whirl_of(cycles: &[&Orbits], journal: usize, period: f64) -> Option<Whirl> {
         for (part, cycle) in parts.iter_mut().zip(cycles) {
             let e = at(cycle);
             let [x, y] = [e[0] - mean[0], e[1] - mean[1]];
-            let half = if cycle.forward { -0.5 } else { 0.5 } * cycle.angles.get(i)?;
+            let half = -0.5 * sense * cycle.angles.get(i)?;
             let (s, c) = (libm::sin(half), libm::cos(half));
             part[0] += (x * c - y * s) / samples as f64;
             part[1] += (x * s + y * c) / samples as f64;
@@ -73,9 +85,6 @@ fn whirl_of(cycles: &[&Orbits], journal: usize, period: f64) -> Option<Whirl> {
     }
     let square = |p: &[f64; 2]| p[0] * p[0] + p[1] * p[1];
     let radius = libm::sqrt(parts.iter().map(square).sum::<f64>() / count);
-    if radius == 0.0 {
-        return None;
-    }
     // Σ c_{k+1} conj(c_k)
     let (mut real, mut imaginary, mut before) = (0.0, 0.0, 0.0);
     for pair in parts.windows(2) {
@@ -85,11 +94,11 @@ fn whirl_of(cycles: &[&Orbits], journal: usize, period: f64) -> Option<Whirl> {
         before += square(&a);
     }
     let turn = libm::atan2(imaginary, real);
-    let sense = if cycles.first()?.forward { 1.0 } else { -1.0 };
+    let forward = if cycles.first()?.forward { 1.0 } else { -1.0 };
     Some(Whirl {
         journal,
         radius,
-        order: 0.5 + sense * turn / period,
+        order: 0.5 + sense * forward * turn / period,
         growth: if before > 0.0 {
             libm::hypot(real, imaginary) / before
         } else {
@@ -155,7 +164,9 @@ mod tests {
     #[test]
     fn what_repeats_is_no_whirl() {
         let found = find(
-            &cycles(4.0 * PI, 1.0, 6, |a| [libm::cos(0.5 * a), libm::sin(0.5 * a)]),
+            &cycles(4.0 * PI, 1.0, 6, |a| {
+                [libm::cos(0.5 * a), libm::sin(0.5 * a)]
+            }),
             4.0 * PI,
         );
         assert!(found.iter().all(|w| w.radius < 1e-12), "{found:?}");

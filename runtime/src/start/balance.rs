@@ -219,9 +219,7 @@ impl<'a> Balance<'a> {
                 self.fixed[(i - count, j)]
             }
         });
-        let values = DVector::from_fn(rows.nrows(), |i, _| {
-            if i < count { values[i] } else { 0.0 }
-        });
+        let values = DVector::from_fn(rows.nrows(), |i, _| if i < count { values[i] } else { 0.0 });
         Ok((values, rows))
     }
 
@@ -244,8 +242,7 @@ impl<'a> Balance<'a> {
                 self.neutral[(i - count, j)]
             }
         });
-        let values =
-            DVector::from_fn(all.nrows(), |i, _| if i < count { values[i] } else { 0.0 });
+        let values = DVector::from_fn(all.nrows(), |i, _| if i < count { values[i] } else { 0.0 });
         Ok((values, all))
     }
 
@@ -530,13 +527,14 @@ impl<'a> Balance<'a> {
         }
         // A film that is nearly gone is what stands in the way; else the balance that is farthest from zero.
         let ratios = film_ratios(model, &place.state.pose);
-        let thinnest = ratios
-            .iter()
-            .enumerate()
-            .fold(None, |best: Option<(usize, f64)>, (i, r)| match best {
-                Some((_, most)) if most >= *r => best,
-                _ => Some((i, *r)),
-            });
+        let thinnest =
+            ratios
+                .iter()
+                .enumerate()
+                .fold(None, |best: Option<(usize, f64)>, (i, r)| match best {
+                    Some((_, most)) if most >= *r => best,
+                    _ => Some((i, *r)),
+                });
         if let Some((journal, ratio)) = thinnest
             && ratio > 0.95
         {
@@ -573,10 +571,14 @@ impl<'a> Balance<'a> {
     fn worst(&self, residual: &DVector<f64>) -> (Origin, String) {
         let model = self.model;
         let n = model.velocities;
-        let row = residual.iter().take(n + model.rows).enumerate().fold(
-            (0, 0.0_f64),
-            |best, (i, r)| if r.abs() > best.1 { (i, r.abs()) } else { best },
-        );
+        let row =
+            residual
+                .iter()
+                .take(n + model.rows)
+                .enumerate()
+                .fold((0, 0.0_f64), |best, (i, r)| {
+                    if r.abs() > best.1 { (i, r.abs()) } else { best }
+                });
         if row.0 < n {
             for body in &model.bodies {
                 if (body.velocity..body.velocity + body.width()).contains(&row.0) {
@@ -585,10 +587,7 @@ impl<'a> Balance<'a> {
                         3..6 => "torques",
                         _ => "bending",
                     };
-                    return (
-                        body.origin.clone(),
-                        format!("its {what} find no balance"),
-                    );
+                    return (body.origin.clone(), format!("its {what} find no balance"));
                 }
             }
         } else if let Some((element, local)) = model.row_owner(row.0 - n) {
@@ -630,9 +629,8 @@ impl<'a> Balance<'a> {
             let effort = place.efforts[picked + k] * self.unit;
             let row = self.neutral.row(k);
             let body = model.bodies.iter().max_by(|a, b| {
-                let size = |body: &crate::body::BodyModel| {
-                    row.columns(body.velocity, body.width()).norm()
-                };
+                let size =
+                    |body: &crate::body::BodyModel| row.columns(body.velocity, body.width()).norm();
                 size(a).total_cmp(&size(b))
             });
             if let Some(body) = body

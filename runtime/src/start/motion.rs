@@ -98,7 +98,8 @@ impl SteadyMotion {
                     .collect(),
             )
         };
-        let velocity = |exact| move |e: usize| system.elements[e].role == Role::StartVelocity { exact };
+        let velocity =
+            |exact| move |e: usize| system.elements[e].role == Role::StartVelocity { exact };
         let films: Vec<usize> = system.journals.iter().map(|j| j.element as usize).collect();
         let loads = |damping: bool| -> Vec<usize> {
             (0..model.elements.len())

@@ -57,7 +57,11 @@ mod tests {
     #[test]
     fn splits_a_space() {
         // the third row repeats the first two
-        let rows = DMatrix::from_row_slice(3, 4, &[1.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0]);
+        let rows = DMatrix::from_row_slice(
+            3,
+            4,
+            &[1.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0],
+        );
         let picked = split(&rows).unwrap();
         assert_eq!((picked.pick.nrows(), picked.free.ncols()), (2, 2));
         assert!((&rows * &picked.free).amax() < 1e-14);
