@@ -66,7 +66,7 @@ pub struct JournalStart {
 /// A direction that is not in balance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Held {
-    /// What holds it: the path of a `start`, the cycle, or a body that nothing else holds.
+    /// What holds it: the path of a `start`, or the cycle.
     pub origin: Origin,
     /// The generalised force that would hold it, in its row's unit (N for lengths, N m for angles).
     pub effort: f64,

@@ -16,7 +16,7 @@ use super::picking::{split, unit_rows};
 use super::{Equilibrium, Held, JournalStart, Obstacle};
 use crate::assembly::at;
 use crate::assembly::rows::{Along, Rows};
-use crate::body::Weights;
+use crate::body::{BodyModel, Weights};
 use crate::dynamics::Dynamics;
 use crate::dynamics::matrix::MatrixPlan;
 use crate::error::RuntimeError;
@@ -36,6 +36,8 @@ const REACH: f64 = 0.2;
 const ITERATIONS: usize = 25;
 /// Smallest portion of the load.
 const PORTION: f64 = 1e-3;
+/// Scaled effort above which a freedom without stiffness is loaded.
+const UNHELD: f64 = 1e-6;
 /// Rounds of velocities and accelerations.
 const ROUNDS: usize = 8;
 
@@ -424,6 +426,9 @@ impl<'a> Balance<'a> {
                 ratio,
             })
             .collect();
+        if let Some(obstacle) = self.unheld(&place) {
+            return Err(Stop::Obstacle(obstacle));
+        }
         found.held = self.told(&place);
         state.copy_from(&place.state);
         Ok(found)
@@ -597,6 +602,26 @@ impl<'a> Balance<'a> {
         (Origin::default(), "nothing moves".to_owned())
     }
 
+    /// A body that nothing holds against its load: it has no steady motion.
+    fn unheld(&self, place: &Place) -> Option<Obstacle> {
+        let first = self.holding.len();
+        (0..self.neutral.nrows()).find_map(|k| {
+            let effort = place.efforts.get(first + k)?;
+            let row = self.neutral.row(k);
+            let share = |body: &BodyModel| row.columns(body.velocity, body.width()).norm();
+            let body = self
+                .model
+                .bodies
+                .iter()
+                .max_by(|a, b| share(a).total_cmp(&share(b)))?;
+            (effort.abs() > UNHELD).then(|| Obstacle {
+                origin: body.origin.clone(),
+                message: "nothing holds it against its load".to_owned(),
+                carried: 0.0,
+            })
+        })
+    }
+
     /// What is held against a force, by the rows it was made of.
     fn told(&self, place: &Place) -> Vec<Held> {
         let model = self.model;
@@ -622,24 +647,6 @@ impl<'a> Balance<'a> {
                     origin,
                     effort,
                     is_length,
-                });
-            }
-        }
-        for k in 0..self.neutral.nrows() {
-            let effort = place.efforts[picked + k] * self.unit;
-            let row = self.neutral.row(k);
-            let body = model.bodies.iter().max_by(|a, b| {
-                let size =
-                    |body: &crate::body::BodyModel| row.columns(body.velocity, body.width()).norm();
-                size(a).total_cmp(&size(b))
-            });
-            if let Some(body) = body
-                && effort.abs() > 1e-6 * self.unit
-            {
-                held.push(Held {
-                    origin: body.origin.clone(),
-                    effort,
-                    is_length: false,
                 });
             }
         }

@@ -8,8 +8,12 @@ use eng_system::code::Compiled;
 use eng_system::system::{Role, Start, StepControl};
 
 fn begin(compiled: &Compiled, start: Start) -> Simulation {
+    begin_with(compiled, start, 2e-4)
+}
+
+fn begin_with(compiled: &Compiled, start: Start, step: f64) -> Simulation {
     let options = Options {
-        step: StepControl::Fixed(2e-4),
+        step: StepControl::Fixed(step),
         start,
         ..Options::default()
     };
@@ -77,11 +81,14 @@ fn a_turning_flexible_body_starts_bent() {
             "{rate:e} {acceleration:e}"
         );
     }
+    // what is left is the integrator's error in the centrifugal force, of second order
     let (rings, amplitude) = ringing(bent);
     assert!(
-        amplitude > 1e-4 && rings < 1e-6 * amplitude,
+        amplitude > 1e-4 && rings < 1e-4 * amplitude,
         "{rings:e} {amplitude:e}"
     );
+    let (finer, _) = ringing(begin_with(&compiled, Start::QuasiStatic, 1e-4));
+    assert!(finer < 0.3 * rings, "{finer:e} {rings:e}");
     // straight at the start, it swings about the bent shape
     let (rings, _) = ringing(begin(&compiled, Start::Assembled));
     assert!(rings > amplitude, "{rings:e} {amplitude:e}");
@@ -134,23 +141,18 @@ fn a_mounted_body_starts_where_it_rests() {
     }
 }
 
-/// What nothing holds is left alone, and said.
+/// What nothing holds against its load has no steady motion: it is named, and left where it is.
 #[test]
-fn a_free_body_is_said_to_be_held_by_nothing() {
-    let compiled = hung([0.0, 0.0, -9.81], false);
-    let s = begin(&compiled, Start::QuasiStatic);
-    let StartReport::QuasiStatic(found) = s.start() else {
+fn a_falling_body_has_no_balance() {
+    let s = begin(&hung([0.0, 0.0, -9.81], false), Start::QuasiStatic);
+    let StartReport::NoBalance(obstacle) = s.start() else {
         panic!("{}", s.start());
     };
-    assert_eq!(found.freedoms, 0);
-    assert!(
-        found.held.iter().any(|h| h.origin.path == "block"),
-        "{found:?}"
-    );
-    assert!((s.state().acceleration[2] + 9.81).abs() < 1e-9);
-    // without gravity nothing is held against anything
+    assert_eq!(obstacle.origin.path, "block");
+    assert_eq!(s.state().pose, [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+    // without gravity it rests
     let s = begin(&hung([0.0; 3], false), Start::QuasiStatic);
-    assert!(matches!(s.start(), StartReport::QuasiStatic(e) if e.held.is_empty()));
+    assert!(matches!(s.start(), StartReport::QuasiStatic(e) if e.freedoms == 0));
 }
 
 /// A model without a cycle starts as assembled unless asked.
