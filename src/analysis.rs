@@ -3,9 +3,12 @@
 use crate::model::{Model, Parameter};
 use crate::results::{Column, Results};
 use crate::simulation::run_error;
-use crate::{Error, Program, Quantity};
-use eng_runtime::{Observer, RunSummary, Sample, Warning, run_transient};
-use eng_system::system::{AnalysisKind, Transient};
+use crate::{Error, Program, Quantity, RuntimeError};
+use eng_runtime::{
+    CycleReport, Observer, PeriodicSummary, RunSummary, Sample, StartReport, Warning, run_periodic,
+    run_transient,
+};
+use eng_system::system::{AnalysisKind, PointValue};
 use eng_system::{Dimension, DisplayUnit};
 use std::ops::ControlFlow;
 
@@ -25,6 +28,8 @@ pub struct Progress {
     pub fraction: f64,
     /// Unwrapped cycle angle (rad), if the model has a cycle.
     pub cycle_angle: Option<f64>,
+    /// Of a periodic analysis: whole cycles so far, and the largest change from the last to this one as a share of its swing.
+    pub cycles: Option<(u32, Option<f64>)>,
 }
 
 /// What a run made.
@@ -36,6 +41,10 @@ pub struct Outcome {
     pub warnings: Vec<Warning>,
     /// Steps and energy; absent where only the start was asked for, or the run failed.
     pub summary: Option<RunSummary>,
+    /// How the motion began; absent where it did not.
+    pub start: Option<StartReport>,
+    /// Cycles, decay and whirl of a periodic analysis; absent where it failed.
+    pub periodic: Option<PeriodicSummary>,
 }
 
 /// A run that failed, with what was computed before.
@@ -68,6 +77,16 @@ impl Analysis {
     /// Its name.
     pub fn name(&self) -> &str {
         &self.plan.origin.path
+    }
+
+    /// Its place in the text.
+    pub(crate) fn origin(&self) -> &eng_system::system::Origin {
+        &self.plan.origin
+    }
+
+    /// Where it stands in its sweep; empty for one without an index.
+    pub fn point(&self) -> &[PointValue] {
+        &self.plan.point
     }
 
     /// Its compiled model.
@@ -106,27 +125,33 @@ impl Analysis {
 
     /// Runs. `progress` is called after every step.
     pub fn run(&self, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, Failed> {
-        let system = &self.model.compiled().system;
+        let compiled = self.model.compiled();
         let mut recorder = Recorder {
             time: Vec::new(),
             cycle_angle: Vec::new(),
             cycle_rate: Vec::new(),
             energy: Default::default(),
-            channels: vec![Vec::new(); system.channels.len()],
+            channels: vec![Vec::new(); compiled.system.channels.len()],
             warnings: Vec::new(),
+            start: None,
+            cycles: None,
             progress,
         };
-        let transient = match &self.plan.kind {
-            AnalysisKind::Transient(t) => Some(*t),
-            AnalysisKind::Assemble => None,
+        let ran = match &self.plan.kind {
+            AnalysisKind::Transient(t) => {
+                run_transient(compiled, &self.overrides, t, &mut recorder, None)
+                    .map(|summary| (Some(summary), None))
+            }
+            AnalysisKind::Periodic(p) => run_periodic(compiled, &self.overrides, p, &mut recorder)
+                .map(|found| (Some(found.run.clone()), Some(found))),
+            AnalysisKind::Assemble => self.assembled(&mut recorder).map(|()| (None, None)),
         };
-        let summary = match transient {
-            Some(t) => self.transient(&t, &mut recorder).map(Some),
-            None => self.assembled(&mut recorder).map(|()| None),
-        };
-        let (recorded, cause) = match summary {
-            Ok(summary) => (recorder.finish(self, summary), None),
-            Err(cause) => (recorder.finish(self, None), Some(cause)),
+        let (recorded, cause) = match ran {
+            Ok((summary, periodic)) => (recorder.finish(self, summary, periodic), None),
+            Err(cause) => (
+                recorder.finish(self, None, None),
+                Some(run_error(&self.model, cause)),
+            ),
         };
         match (recorded, cause) {
             (Ok(outcome), None) => Ok(outcome),
@@ -144,38 +169,21 @@ impl Analysis {
         }
     }
 
-    fn transient(
-        &self,
-        transient: &Transient,
-        recorder: &mut Recorder<'_>,
-    ) -> Result<RunSummary, Error> {
-        run_transient(
-            self.model.compiled(),
-            &self.overrides,
-            transient,
-            recorder,
-            None,
-        )
-        .map_err(|cause| run_error(&self.model, cause))
-    }
-
-    fn assembled(&self, recorder: &mut Recorder<'_>) -> Result<(), Error> {
+    fn assembled(&self, recorder: &mut Recorder<'_>) -> Result<(), RuntimeError> {
         let mut simulation = eng_runtime::Simulation::new(
             self.model.compiled(),
             &self.overrides,
             eng_runtime::Options::default(),
-        )
-        .map_err(|cause| run_error(&self.model, cause))?;
+        )?;
         let mut values = vec![0.0; recorder.channels.len()];
-        simulation
-            .evaluate_channels(&mut values)
-            .map_err(|cause| run_error(&self.model, cause))?;
+        simulation.evaluate_channels(&mut values)?;
         let _ = recorder.sample(&Sample {
             time: simulation.time(),
             cycle_angle: simulation.cycle_angle(),
             cycle_rate: simulation.cycle_rate(),
             values: &values,
             energy: simulation.energy(),
+            eccentricities: &[],
         });
         Ok(())
     }
@@ -189,6 +197,8 @@ struct Recorder<'a> {
     energy: [Vec<f64>; 5],
     channels: Vec<Vec<f64>>,
     warnings: Vec<Warning>,
+    start: Option<StartReport>,
+    cycles: Option<(u32, Option<f64>)>,
     progress: &'a mut dyn FnMut(Progress),
 }
 
@@ -202,6 +212,14 @@ const ENERGY: [&str; 5] = [
 ];
 
 impl Observer for Recorder<'_> {
+    fn started(&mut self, report: &StartReport) {
+        self.start = Some(report.clone());
+    }
+
+    fn cycle(&mut self, cycle: &CycleReport) {
+        self.cycles = Some((cycle.cycles, cycle.slowest.as_ref().map(|s| s.change)));
+    }
+
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
         self.time.push(sample.time);
         if let (Some(angle), Some(rate)) = (sample.cycle_angle, sample.cycle_rate) {
@@ -223,6 +241,7 @@ impl Observer for Recorder<'_> {
         (self.progress)(Progress {
             fraction,
             cycle_angle,
+            cycles: self.cycles,
         });
     }
 
@@ -232,7 +251,12 @@ impl Observer for Recorder<'_> {
 }
 
 impl Recorder<'_> {
-    fn finish(self, analysis: &Analysis, summary: Option<RunSummary>) -> Result<Outcome, Error> {
+    fn finish(
+        self,
+        analysis: &Analysis,
+        summary: Option<RunSummary>,
+        periodic: Option<PeriodicSummary>,
+    ) -> Result<Outcome, Error> {
         let mut results = Results::new(analysis.name(), analysis.model.name());
         let samples = self.time.len();
         results.push(Column::time(self.time))?;
@@ -271,6 +295,15 @@ impl Recorder<'_> {
         results.set_metadata("version", env!("CARGO_PKG_VERSION"));
         results.set_metadata("file", analysis.program.file());
         results.set_metadata("source_hash", analysis.program.source_hash());
+        if let Some(start) = &self.start {
+            results.set_metadata("start", start.to_string());
+        }
+        for point in analysis.point() {
+            results.set_metadata(
+                format!("point.{}", point.name),
+                point.display.text(point.value),
+            );
+        }
         let bound = analysis.bound()?;
         for (parameter, value) in system.parameters.iter().zip(&bound.parameters) {
             let d = &parameter.display;
@@ -283,6 +316,8 @@ impl Recorder<'_> {
             results,
             warnings: self.warnings,
             summary,
+            start: self.start,
+            periodic,
         })
     }
 }

@@ -70,6 +70,15 @@ eng_grammar::codes! {
     ADVISED = "W0711", "an `advise` fails during the run",
         "The run goes on, but its class takes this for doubtful. It is said once for each element, at the first moment. The text is its author's.",
         "", "";
+    NO_BALANCE = "W0712", "no quasi-static start was found",
+        "A turning engine starts where its films and flexible bodies balance the loads of the steady motion. Here the thing that is named stands in the way: a journal that cannot carry its load, a mechanism that locks. The run starts as assembled, and rings at first. Mend it, or write `start: assembled`.",
+        "", "";
+    NOT_PERIODIC = "W0713", "the cycle does not repeat",
+        "`periodic` gave up after the stated number of `cycles`. The message names the channel that changes most, and the factor by which its change shrinks a cycle. With a factor well below 1, allow more cycles; near 1 the motion never repeats: whirl of a lightly loaded journal, a resonance, a speed that creeps. The last cycle is kept.",
+        "", "";
+    WHIRL = "W0714", "a journal whirls at about half speed",
+        "The pin moves at about half the shaft's speed and does not come back after a cycle: a film that carries little load is unstable so. Load it, widen the clearance, take thinner oil or a shorter bearing, or see whether the load of the model is too small.",
+        "", "";
     PARAMETER_ADVISED = "W0720", "parameters do not follow an `advise`",
         "The run goes on, but the class takes these parameters for doubtful: a clearance that may be diametral instead of radial. The text is its author's.",
         "", "";

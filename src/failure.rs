@@ -2,7 +2,7 @@
 
 use crate::codes;
 use eng_grammar::{Diagnostic, SourceId, Span};
-use eng_runtime::RuntimeError;
+use eng_runtime::{PeriodicSummary, RuntimeError, StartReport};
 use eng_system::code::BindError;
 use eng_system::system::{Location, Origin, System};
 
@@ -203,6 +203,141 @@ pub(crate) fn advice(warning: &eng_runtime::Warning) -> Diagnostic {
         ),
     );
     condition(message, &warning.origin, "this should hold")
+}
+
+/// A start that is not the one wanted.
+pub(crate) fn start_advice(start: &StartReport) -> Option<Diagnostic> {
+    let StartReport::NoBalance(obstacle) = start else {
+        return None;
+    };
+    let message = Diagnostic::warning(
+        codes::NO_BALANCE,
+        format!(
+            "no quasi-static start was found: {}: {}",
+            obstacle.origin.path, obstacle.message
+        ),
+    );
+    Some(
+        place(message, &obstacle.origin, "stands in the way")
+            .with_note(format!(
+                "so it stands with {:.3} % of the load; the run starts as assembled",
+                100.0 * obstacle.carried
+            ))
+            .with_help("`start: assembled` takes this start without a warning"),
+    )
+}
+
+/// Share of the clearance below which a motion that does not repeat is no whirl.
+const NO_WHIRL: f64 = 2e-3;
+
+/// What is to be told of a periodic analysis: facts, and warnings at its line.
+pub(crate) fn periodic(
+    found: &PeriodicSummary,
+    analysis: &crate::Analysis,
+    bound: &eng_system::code::Bound,
+) -> (Vec<String>, Vec<Diagnostic>) {
+    let system = &analysis.model().compiled().system;
+    let name = |channel: usize| system.channels.get(channel).map_or("", |c| c.path.as_str());
+    let mut facts = Vec::new();
+    let mut warnings = Vec::new();
+    if let Some(slowest) = &found.slowest {
+        facts.push(format!(
+            "{} after {} cycles; the last differs by {:.2e} of its swing in {}",
+            if found.repeats {
+                "repeats"
+            } else {
+                "does not repeat"
+            },
+            found.cycles,
+            slowest.change,
+            name(slowest.channel),
+        ));
+        if let Some(decay) = &found.decay {
+            facts.push(format!(
+                "slowest decay: the change in {} shrinks by the factor {:.3} a cycle",
+                name(decay.channel),
+                decay.factor,
+            ));
+        }
+        if !found.repeats {
+            let message = Diagnostic::warning(
+                codes::NOT_PERIODIC,
+                format!(
+                    "the cycle does not repeat after {} cycles: {} still changes by {:.3} % of its swing",
+                    found.cycles,
+                    name(slowest.channel),
+                    100.0 * slowest.change
+                ),
+            );
+            let message = place(message, analysis.origin(), "the last cycle is kept");
+            warnings.push(if slowest.known && slowest.factor < 0.98 {
+                message
+                    .with_note(format!(
+                        "its change shrinks by the factor {:.3} a cycle",
+                        slowest.factor
+                    ))
+                    .with_help("allow more: `cycles: 100`")
+            } else {
+                message
+                    .with_note(format!(
+                        "its change does not shrink: the factor is {:.3} a cycle",
+                        slowest.factor
+                    ))
+                    .with_help("look for whirl, a resonance or a speed that creeps; or accept more: `change: 1 %`")
+            });
+        }
+    }
+    for growth in &found.growing {
+        let unit = system
+            .channels
+            .get(growth.channel)
+            .map(|c| c.display.clone());
+        if let Some(unit) = unit {
+            facts.push(format!(
+                "{} grows by {:.6} {} a cycle",
+                name(growth.channel),
+                growth.by / unit.scale,
+                unit.symbol
+            ));
+        }
+    }
+    // the orbits of a run that repeats soon still hold its start
+    for whirl in found.whirl.iter().filter(|_| !found.repeats) {
+        let Some(journal) = system.journals.get(whirl.journal) else {
+            continue;
+        };
+        let Some(element) = system.elements.get(journal.element as usize) else {
+            continue;
+        };
+        let clearance = bound
+            .slots
+            .get(journal.radial_clearance.0 as usize)
+            .copied()
+            .unwrap_or(0.0);
+        if whirl.radius <= NO_WHIRL * clearance {
+            continue;
+        }
+        let told = format!(
+            "{} moves by {:.3} µm at {:.3} of the crank's speed besides its repeating orbit",
+            element.origin.path,
+            1e6 * whirl.radius,
+            whirl.order
+        );
+        if whirl.is_sustained() {
+            let message = Diagnostic::warning(
+                codes::WHIRL,
+                format!("{} whirls at about half speed", element.origin.path),
+            );
+            warnings.push(
+                place(message, &element.origin, "half-speed whirl")
+                    .with_note(told)
+                    .with_help("a film that carries little load whirls: load it, or take a larger clearance, thinner oil or a shorter bearing"),
+            );
+        } else {
+            facts.push(told);
+        }
+    }
+    (facts, warnings)
 }
 
 /// An `advise` on parameters that does not hold.

@@ -45,7 +45,10 @@ mod simulation;
 mod sources;
 
 pub use analysis::{Analysis, Failed, Outcome, Progress};
-pub use eng_runtime::{Energy, RuntimeError, Statistics, TopologyReport, Warning};
+pub use eng_runtime::{
+    Energy, PeriodicSummary, RuntimeError, StartReport, Statistics, TopologyReport, Warning,
+};
+pub use eng_system::system::Start;
 pub use eng_system::{Dimension, DisplayUnit};
 pub use error::Error;
 pub use local::Local;

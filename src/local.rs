@@ -2,14 +2,17 @@
 
 use crate::analysis::{Failed, Outcome};
 use crate::cli::{
-    AssemblyOutcome, CheckOutcome, Engine, EngineError, JournalGeometry, Progress, RunOutcome,
-    Setting,
+    AssemblyOutcome, CheckOutcome, Engine, EngineError, Event, JournalGeometry, Progress,
+    RunOutcome, Setting,
 };
 use crate::plot::Upright;
 use crate::{Analysis, Error, Program, Quantity, Sources};
 use eng_grammar::Diagnostics;
 use std::ffi::OsString;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
 
 /// Compiles and runs models of this machine's folders.
 #[derive(Debug, Default)]
@@ -92,9 +95,9 @@ impl Engine for Local {
         };
         let mut found = AssemblyOutcome::default();
         let mut told = Vec::new();
-        for name in program.analyses() {
-            let analysis = program.analysis(name).map_err(engine_error)?;
-            match analysis.topology() {
+        let names = program.analyses();
+        for (name, analysis) in names.iter().zip(program.analyses_of(&names)) {
+            match analysis.map_err(engine_error)?.topology() {
                 Ok(report) => found.facts.push(format!(
                     "{name}: assembles; {} velocities, {} constraint equations, {} freedoms",
                     report.velocities, report.equations, report.freedom
@@ -123,35 +126,94 @@ impl Engine for Local {
         let Some(program) = &self.program else {
             return Err(EngineError::System("no model was checked".into()));
         };
-        let mut analysis = program.analysis(analysis).map_err(engine_error)?;
-        for setting in settings {
-            let usage = |e: Error| EngineError::Usage(format!("--set {}: {e}", setting.path));
-            let parameter = analysis.model().parameter(&setting.path).map_err(usage)?;
-            let value: Quantity = setting
-                .value
-                .parse()
-                .map_err(|e: crate::QuantityError| usage(e.into()))?;
-            analysis = analysis.set(parameter, value).map_err(usage)?;
-        }
-        let ran = analysis.run(&mut |p| {
-            progress(Progress {
-                fraction: p.fraction,
-                time: 0.0,
-                cycle_angle: p.cycle_angle,
-            });
-        });
-        match ran {
-            Ok(outcome) => run_outcome(&analysis, outcome).map_err(engine_error),
-            Err(Failed { error, partial }) => {
-                let partial = partial.and_then(|o| run_outcome(&analysis, *o).ok());
-                Err(match engine_error(*error) {
-                    EngineError::Model { diagnostics, .. } => EngineError::Model {
-                        diagnostics,
-                        partial: partial.map(Box::new),
-                    },
-                    other => other,
-                })
+        let analysis = program.analysis(analysis).map_err(engine_error)?;
+        run(&with_settings(analysis, settings)?, progress)
+    }
+
+    fn run_many(
+        &mut self,
+        analyses: &[&str],
+        settings: &[Setting],
+        threads: NonZeroUsize,
+        tell: &mut dyn FnMut(usize, Event),
+    ) {
+        let Some(program) = &self.program else {
+            return;
+        };
+        let prepared: Vec<Result<Analysis, EngineError>> = program
+            .analyses_of(analyses)
+            .into_iter()
+            .map(|made| with_settings(made.map_err(engine_error)?, settings))
+            .collect();
+        let next = AtomicUsize::new(0);
+        let (sender, receiver) = mpsc::channel();
+        let (mut ready, mut refused) = (Vec::new(), Vec::new());
+        for (index, made) in prepared.into_iter().enumerate() {
+            match made {
+                Ok(analysis) => ready.push((index, analysis)),
+                Err(error) => refused.push((index, error)),
             }
+        }
+        for (index, error) in refused {
+            tell(index, Event::Done(Box::new(Err(error))));
+        }
+        std::thread::scope(|scope| {
+            for _ in 0..threads.get().min(ready.len()) {
+                let (sender, ready, next) = (sender.clone(), &ready, &next);
+                scope.spawn(move || {
+                    while let Some((index, analysis)) =
+                        ready.get(next.fetch_add(1, Ordering::Relaxed))
+                    {
+                        // nobody listens any more only when the caller has gone
+                        let result = run(analysis, &mut |p| {
+                            let _ = sender.send((*index, Event::Progress(p)));
+                        });
+                        let _ = sender.send((*index, Event::Done(Box::new(result))));
+                    }
+                });
+            }
+            drop(sender);
+            for (index, event) in receiver {
+                tell(index, event);
+            }
+        });
+    }
+}
+
+/// An analysis with the parameters set on the command line.
+fn with_settings(mut analysis: Analysis, settings: &[Setting]) -> Result<Analysis, EngineError> {
+    for setting in settings {
+        let usage = |e: Error| EngineError::Usage(format!("--set {}: {e}", setting.path));
+        let parameter = analysis.model().parameter(&setting.path).map_err(usage)?;
+        let value: Quantity = setting
+            .value
+            .parse()
+            .map_err(|e: crate::QuantityError| usage(e.into()))?;
+        analysis = analysis.set(parameter, value).map_err(usage)?;
+    }
+    Ok(analysis)
+}
+
+fn run(analysis: &Analysis, progress: &mut dyn FnMut(Progress)) -> Result<RunOutcome, EngineError> {
+    let ran = analysis.run(&mut |p| {
+        progress(Progress {
+            fraction: p.fraction,
+            time: 0.0,
+            cycle_angle: p.cycle_angle,
+            cycles: p.cycles,
+        });
+    });
+    match ran {
+        Ok(outcome) => run_outcome(analysis, outcome).map_err(engine_error),
+        Err(Failed { error, partial }) => {
+            let partial = partial.and_then(|o| run_outcome(analysis, *o).ok());
+            Err(match engine_error(*error) {
+                EngineError::Model { diagnostics, .. } => EngineError::Model {
+                    diagnostics,
+                    partial: partial.map(Box::new),
+                },
+                other => other,
+            })
         }
     }
 }
@@ -207,6 +269,17 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     }
     let gravity = system.gravity.map(at);
     let mut facts = Vec::new();
+    if let Some(start) = &outcome.start {
+        facts.push(start.to_string());
+        crate::failure::start_advice(start)
+            .into_iter()
+            .for_each(|d| diagnostics.push(d));
+    }
+    if let Some(periodic) = &outcome.periodic {
+        let (told, warnings) = crate::failure::periodic(periodic, analysis, &bound);
+        facts.extend(told);
+        warnings.into_iter().for_each(|d| diagnostics.push(d));
+    }
     if let Some(summary) = &outcome.summary {
         let s = &summary.statistics;
         facts.push(format!(
@@ -240,6 +313,8 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         },
         diagnostics,
         facts,
+        point: analysis.point().to_vec(),
+        periodic: outcome.periodic.as_ref().map(|p| (p.cycles, p.repeats)),
         results: outcome.results,
     })
 }

@@ -227,17 +227,44 @@ impl Program {
 
     /// The plan of an analysis and its compiled model.
     pub fn analysis(&self, name: &str) -> Result<crate::Analysis, crate::Error> {
-        let plan = self
-            .inner
+        let plan = self.plan(name)?;
+        let model = self.compile(plan.model, &plan.constants)?;
+        crate::Analysis::new(model, plan.analysis.clone(), self.clone())
+    }
+
+    /// Several analyses. Those of one model with the same constants, such as the points of a sweep over a parameter, share one
+    /// compiled model.
+    pub fn analyses_of(&self, names: &[&str]) -> Vec<Result<crate::Analysis, crate::Error>> {
+        let mut models: Vec<(&AnalysisPlan, Model)> = Vec::new();
+        names
+            .iter()
+            .map(|name| {
+                let plan = self.plan(name)?;
+                let known = models
+                    .iter()
+                    .find(|(p, _)| p.model == plan.model && p.constants == plan.constants);
+                let model = match known {
+                    Some((_, model)) => model.clone(),
+                    None => {
+                        let model = self.compile(plan.model, &plan.constants)?;
+                        models.push((plan, model.clone()));
+                        model
+                    }
+                };
+                crate::Analysis::new(model, plan.analysis.clone(), self.clone())
+            })
+            .collect()
+    }
+
+    fn plan(&self, name: &str) -> Result<&AnalysisPlan, crate::Error> {
+        self.inner
             .plans
             .iter()
             .find(|p| p.analysis.origin.path == name)
             .ok_or_else(|| crate::Error::NoAnalysis {
                 name: name.to_owned(),
                 known: self.analyses().iter().map(ToString::to_string).collect(),
-            })?;
-        let model = self.compile(plan.model, &plan.constants)?;
-        crate::Analysis::new(model, plan.analysis.clone(), self.clone())
+            })
     }
 
     fn compile(

@@ -4,7 +4,7 @@ use crate::model::{Channel, Model, Parameter};
 use crate::{Error, Quantity, Report, failure};
 use eng_grammar::{Diagnostic, Diagnostics};
 use eng_runtime::{Energy, Options, RuntimeError, Statistics};
-use eng_system::system::StepControl;
+use eng_system::system::{Start, StepControl};
 
 /// Parameters and options of a simulation that is about to start.
 #[derive(Clone, Debug)]
@@ -20,7 +20,10 @@ impl SimulationBuilder {
         SimulationBuilder {
             model,
             overrides,
-            options: Options::default(),
+            options: Options {
+                start: Start::Automatic,
+                ..Options::default()
+            },
         }
     }
 
@@ -46,6 +49,12 @@ impl SimulationBuilder {
     /// are constraints.
     pub fn rho_infinity(mut self, rho: f64) -> Self {
         self.options.rho_infinity = rho;
+        self
+    }
+
+    /// How the motion begins: as in the text, quasi-statically where a cycle turns and there are journals or flexible bodies.
+    pub fn start_from(mut self, start: Start) -> Self {
+        self.options.start = start;
         self
     }
 
@@ -135,6 +144,11 @@ impl Simulation {
         self.inner
             .evaluate_channels(out)
             .map_err(|cause| run_error(&self.model, cause))
+    }
+
+    /// How it began.
+    pub fn started(&self) -> &eng_runtime::StartReport {
+        self.inner.start()
     }
 
     /// Energy and work since the start.

@@ -27,6 +27,7 @@ fn help_names_the_commands_and_the_exit_codes() {
         "--set",
         "--out",
         "--csv",
+        "--threads",
         "--no-plots",
         "--quiet",
     ] {

@@ -107,6 +107,8 @@ fn outcome(analysis: &str) -> RunOutcome {
         upright: Upright::X,
         diagnostics: Diagnostics::new(),
         facts: vec!["1440 steps".to_owned()],
+        point: Vec::new(),
+        periodic: None,
     }
 }
 
@@ -150,6 +152,7 @@ impl Engine for Known {
             fraction: 0.5,
             time: 0.01,
             cycle_angle: Some(PI),
+            cycles: None,
         });
         if let Some(setting) = settings.iter().find(|s| s.path != "speed") {
             return Err(EngineError::Usage(format!("no parameter {}", setting.path)));

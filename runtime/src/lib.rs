@@ -11,9 +11,10 @@
 //! | [`elements`], [`dynamics`] | calls of element code; residual and exact matrix |
 //! | [`linear`] | sparse factorisation behind a trait |
 //! | [`assembly`], [`mod@topology`] | start positions and velocities; freedom and redundancy |
+//! | [`mod@start`] | the quasi-static start of a turning engine |
 //! | [`acceleration`] | projection of outputs, accelerations and reactions |
 //! | [`integrator`], [`control`] | generalised-α on the Lie group; step sizes |
-//! | [`simulation`], [`transient`], [`checkpoint`] | what a user holds |
+//! | [`simulation`], [`transient`], [`periodic`], [`checkpoint`] | what a user holds |
 
 #![forbid(unsafe_code)]
 // Loops over the same index of several arrays read like the formulas they stand for.
@@ -34,14 +35,18 @@ pub mod integrator;
 pub mod linear;
 pub mod model;
 pub mod outputs;
+pub mod periodic;
 pub mod rotation;
 pub mod simulation;
+pub mod start;
 pub mod state;
 pub mod topology;
 pub mod transient;
 
 pub use error::{Moment, NamedRow, RedundantGroup, RuntimeError};
 pub use integrator::Statistics;
+pub use periodic::{CycleReport, PeriodicSummary, run_periodic};
 pub use simulation::{CscView, Energy, Options, Simulation, StepReport, Warning};
+pub use start::StartReport;
 pub use topology::{TopologyReport, topology};
 pub use transient::{Observer, RunSummary, Sample, run_transient};

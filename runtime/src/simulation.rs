@@ -15,10 +15,11 @@ use crate::linear::Pattern;
 use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
 use crate::rotation::{M3, V3};
+use crate::start::{self, StartReport};
 use crate::state::State;
 use crate::topology;
 use eng_system::code::Compiled;
-use eng_system::system::{Origin, StepControl};
+use eng_system::system::{Origin, Start, StepControl};
 
 /// How a simulation integrates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +36,8 @@ pub struct Options {
     pub max_step: f64,
     /// Whether work is accumulated; one more evaluation a step.
     pub energy: bool,
+    /// How the motion begins; see [`mod@crate::start`].
+    pub start: Start,
 }
 
 impl Default for Options {
@@ -45,6 +48,7 @@ impl Default for Options {
             newton_tolerance: None,
             max_step: 0.01,
             energy: true,
+            start: Start::Assembled,
         }
     }
 }
@@ -139,6 +143,7 @@ pub struct Simulation {
     advised: Vec<bool>,
     warnings: Vec<Warning>,
     fingerprint: u64,
+    start: StartReport,
 }
 
 impl Simulation {
@@ -151,14 +156,16 @@ impl Simulation {
     ) -> Result<Simulation, RuntimeError> {
         let mut model = Model::bind(compiled, overrides)?;
         check(&options, model.rows)?;
-        let state = assembly::assemble(&mut model)?;
+        let mut state = assembly::assemble(&mut model)?;
         let report = topology::analyze(&model, &state)?;
         if !report.redundant.is_empty() {
             return Err(RuntimeError::Redundant {
                 groups: report.redundant,
             });
         }
+        let start = start::begin(&model, &mut state, options.start)?;
         let mut simulation = Simulation::with_state(model, state, options)?;
+        simulation.start = start;
         simulation.begin()?;
         Ok(simulation)
     }
@@ -218,6 +225,7 @@ impl Simulation {
             warnings,
             evaluated: None,
             fingerprint: checkpoint::fingerprint(&model),
+            start: StartReport::Assembled,
             completed: state,
             options,
             model,
@@ -263,6 +271,16 @@ impl Simulation {
     /// Energy and work at the last accepted state.
     pub fn energy(&self) -> Energy {
         self.energy
+    }
+
+    /// How it began.
+    pub fn start(&self) -> &StartReport {
+        &self.start
+    }
+
+    /// e of every journal (m): the pin's origin from the shell's, along the shell's x and y, at the state of the last outputs.
+    pub fn eccentricities(&self) -> Vec<[f64; 2]> {
+        start::motion::eccentricities(&self.model, &self.completed.pose)
     }
 
     /// Counts of work.

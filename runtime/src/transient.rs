@@ -2,7 +2,9 @@
 
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::Statistics;
+use crate::periodic::CycleReport;
 use crate::simulation::{Energy, Options, Simulation, Warning};
+use crate::start::StartReport;
 use eng_system::code::Compiled;
 use eng_system::system::{Extent, Transient};
 use std::ops::ControlFlow;
@@ -20,16 +22,22 @@ pub struct Sample<'a> {
     pub values: &'a [f64],
     /// Energy at the end of the step in which the sample lies.
     pub energy: Energy,
+    /// e of every journal (m): the pin's origin from the shell's, along the shell's x and y.
+    pub eccentricities: &'a [[f64; 2]],
 }
 
 /// What looks on.
 pub trait Observer {
+    /// How the motion began; once, before the first sample.
+    fn started(&mut self, _report: &StartReport) {}
     /// Takes a sample; `Break` ends the run after it.
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()>;
     /// After every step: the fraction 0…1 that is done.
     fn progress(&mut self, _fraction: f64, _cycle_angle: Option<f64>) {}
     /// An `advise` does not hold; each comes once.
     fn warning(&mut self, _warning: &Warning) {}
+    /// After every whole cycle of a periodic analysis.
+    fn cycle(&mut self, _cycle: &CycleReport) {}
     /// Whether a checkpoint is wanted after this step.
     fn wants_checkpoint(&mut self) -> bool {
         false
@@ -104,6 +112,7 @@ pub fn run_transient(
     let options = Options {
         step: transient.step,
         rho_infinity: transient.rho_infinity,
+        start: transient.start,
         ..Options::default()
     };
     let mut simulation = match resume {
@@ -151,6 +160,7 @@ pub fn run_transient(
         last: f64::NAN,
     };
     let mut next = 1;
+    run.observer.started(simulation.start());
     if resume.is_none() {
         run.values.fill(0.0);
         simulation.evaluate_channels(&mut run.values)?;
@@ -285,6 +295,7 @@ impl Run<'_> {
             cycle_rate: cycle.map(|c| c.1),
             values: &self.values,
             energy: simulation.energy(),
+            eccentricities: &simulation.eccentricities(),
         })
     }
 

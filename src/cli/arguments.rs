@@ -2,6 +2,7 @@
 
 use super::Setting;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// Eng: engines as text.
@@ -65,6 +66,9 @@ pub(super) struct RunArguments {
     /// Write CSV files, too: a row of paths, a row of units, then the numbers
     #[arg(long)]
     pub csv: bool,
+    /// Run so many analyses at a time [default: as many as the machine has processors]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
     /// Draw no pictures
     #[arg(long)]
     pub no_plots: bool,

@@ -3,6 +3,8 @@
 use crate::plot::Upright;
 use crate::results::Results;
 use eng_grammar::{Diagnostics, SourceMap};
+use eng_system::system::PointValue;
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 /// Checks and runs models for the command line.
@@ -23,6 +25,30 @@ pub trait Engine {
         settings: &[Setting],
         progress: &mut dyn FnMut(Progress),
     ) -> Result<RunOutcome, EngineError>;
+
+    /// Runs several analyses, up to `threads` at a time; `tell` hears of the one with an index among `analyses`. The results are those
+    /// of [`Engine::run`] to the last bit, whatever the number of threads.
+    fn run_many(
+        &mut self,
+        analyses: &[&str],
+        settings: &[Setting],
+        _threads: NonZeroUsize,
+        tell: &mut dyn FnMut(usize, Event),
+    ) {
+        for (index, analysis) in analyses.iter().enumerate() {
+            let result = self.run(analysis, settings, &mut |p| tell(index, Event::Progress(p)));
+            tell(index, Event::Done(Box::new(result)));
+        }
+    }
+}
+
+/// What is heard of an analysis among several.
+#[derive(Debug)]
+pub enum Event {
+    /// It goes on.
+    Progress(Progress),
+    /// It has ended.
+    Done(Box<Result<RunOutcome, EngineError>>),
 }
 
 /// What a check found.
@@ -65,6 +91,8 @@ pub struct Progress {
     pub time: f64,
     /// Unwrapped cycle angle (rad), if the model has a cycle.
     pub cycle_angle: Option<f64>,
+    /// Of a periodic analysis: whole cycles so far, and the largest change from the last to this one as a share of its swing.
+    pub cycles: Option<(u32, Option<f64>)>,
 }
 
 /// A journal for the summary and the pictures. The columns are named by the journal's path:
@@ -97,6 +125,10 @@ pub struct RunOutcome {
     pub diagnostics: Diagnostics,
     /// Facts worth a line each: steps, Newton iterations, computing time.
     pub facts: Vec<String>,
+    /// Where it stands in its sweep; empty for an analysis without an index.
+    pub point: Vec<PointValue>,
+    /// Of a periodic analysis: cycles, and whether the last repeats.
+    pub periodic: Option<(u32, bool)>,
 }
 
 /// Why a model was not checked or run.

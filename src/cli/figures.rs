@@ -44,7 +44,7 @@ pub(super) fn of_analysis(outcome: &RunOutcome) -> Vec<(String, String)> {
 }
 
 /// One figure a family of model outputs that several analyses have: an analysis a panel, up to four of one model.
-pub(super) fn comparisons(outcomes: &[RunOutcome]) -> Vec<(String, String)> {
+pub(super) fn comparisons(outcomes: &[&RunOutcome]) -> Vec<(String, String)> {
     let Some(first) = outcomes.first() else {
         return Vec::new();
     };

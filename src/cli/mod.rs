@@ -11,11 +11,12 @@ mod figures;
 mod reduce;
 mod run;
 mod summary;
+mod sweep;
 mod table;
 
 pub use engine::{
-    AssemblyOutcome, CheckOutcome, Engine, EngineError, JournalGeometry, Progress, RunOutcome,
-    Setting,
+    AssemblyOutcome, CheckOutcome, Engine, EngineError, Event, JournalGeometry, Progress,
+    RunOutcome, Setting,
 };
 pub use summary::{JournalSummary, journal_table};
 

@@ -3,14 +3,15 @@
 use super::arguments::RunArguments;
 use super::summary::{JournalSummary, journal_table};
 use super::{
-    CheckOutcome, Console, Engine, EngineError, MODEL_WRONG, Progress, RunOutcome, Stop,
-    USAGE_OR_SYSTEM, figures,
+    CheckOutcome, Console, Engine, EngineError, Event, MODEL_WRONG, Progress, RunOutcome, Stop,
+    USAGE_OR_SYSTEM, figures, sweep,
 };
 use crate::plot;
 use crate::render::{self, Colors};
 use crate::results::file_stem;
-use eng_grammar::{Diagnostics, SourceMap};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
+use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(
@@ -28,41 +29,165 @@ pub(super) fn run(
     }
     let analyses = chosen(arguments, &checked, console)?;
     let folder = output_folder(arguments);
-    let mut outcomes = Vec::new();
-    for analysis in analyses {
-        let bar = progress_bar(analysis, !arguments.quiet && console.live);
-        let ran = engine.run(analysis, &arguments.set, &mut |progress| {
-            show_progress(&bar, progress);
-        });
-        bar.finish_and_clear();
-        match ran {
+    let bars = MultiProgress::with_draw_target(if !arguments.quiet && console.live {
+        ProgressDrawTarget::stderr()
+    } else {
+        ProgressDrawTarget::hidden()
+    });
+    let mut shown: Vec<Option<ProgressBar>> = vec![None; analyses.len()];
+    let mut ended: Vec<Option<Result<RunOutcome, EngineError>>> =
+        analyses.iter().map(|_| None).collect();
+    let mut told = Told::default();
+    engine.run_many(
+        &analyses,
+        &arguments.set,
+        threads(arguments),
+        &mut |index, event| {
+            let (Some(bar), Some(end), Some(name)) = (
+                shown.get_mut(index),
+                ended.get_mut(index),
+                analyses.get(index),
+            ) else {
+                return;
+            };
+            match event {
+                Event::Progress(progress) => {
+                    let bar = bar.get_or_insert_with(|| bars.add(progress_bar(name)));
+                    show_progress(bar, progress);
+                }
+                Event::Done(result) => {
+                    if let Some(bar) = bar.take() {
+                        bar.finish_and_clear();
+                        bars.remove(&bar);
+                    }
+                    *end = Some(*result);
+                    bars.suspend(|| {
+                        told.go_on(&analyses, &mut ended, arguments, &checked, &folder, console);
+                    });
+                }
+            }
+        },
+    );
+    if let Some(stop) = told.stop {
+        return Err(stop);
+    }
+    let outcomes = told.outcomes;
+    for family in sweep::families(&outcomes) {
+        let table = sweep::table(&family);
+        if !arguments.quiet {
+            write!(console.output, "{}", sweep::text(&table))?;
+        }
+        let path = told_of(table.write_parquet(&folder), console)?;
+        wrote(&path, arguments, console)?;
+        if arguments.csv {
+            let path = told_of(table.write_csv(&folder), console)?;
+            wrote(&path, arguments, console)?;
+        }
+    }
+    if !arguments.no_plots {
+        let compared: Vec<&RunOutcome> = outcomes.iter().filter(|o| o.point.is_empty()).collect();
+        draw(figures::comparisons(&compared), &folder, arguments, console)?;
+    }
+    if told.failed {
+        return Err(Stop::Code(MODEL_WRONG));
+    }
+    Ok(())
+}
+
+/// As many as asked for, or as the machine has processors.
+fn threads(arguments: &RunArguments) -> NonZeroUsize {
+    arguments
+        .threads
+        .or_else(|| std::thread::available_parallelism().ok())
+        .unwrap_or(NonZeroUsize::MIN)
+}
+
+/// What was told of the analyses, in the order of the text whichever ends first.
+#[derive(Default)]
+struct Told {
+    next: usize,
+    outcomes: Vec<RunOutcome>,
+    /// Each message once, though analyses of one model fail alike.
+    messages: Vec<Diagnostic>,
+    failed: bool,
+    stop: Option<Stop>,
+}
+
+impl Told {
+    /// Tells of those that have ended and whose forerunners were told of.
+    fn go_on(
+        &mut self,
+        analyses: &[&str],
+        ended: &mut [Option<Result<RunOutcome, EngineError>>],
+        arguments: &RunArguments,
+        checked: &CheckOutcome,
+        folder: &Path,
+        console: &mut Console<'_>,
+    ) {
+        while self.stop.is_none()
+            && let Some(result) = ended.get_mut(self.next).and_then(Option::take)
+        {
+            let name = analyses.get(self.next).copied().unwrap_or_default();
+            self.next += 1;
+            if let Err(stop) = self.tell(name, result, arguments, checked, folder, console) {
+                self.stop = Some(stop);
+            }
+        }
+    }
+
+    fn tell(
+        &mut self,
+        analysis: &str,
+        result: Result<RunOutcome, EngineError>,
+        arguments: &RunArguments,
+        checked: &CheckOutcome,
+        folder: &Path,
+        console: &mut Console<'_>,
+    ) -> Result<(), Stop> {
+        match result {
             Ok(outcome) => {
-                show(&outcome.diagnostics, &checked.sources, console)?;
-                report(&outcome, arguments, &folder, console)?;
-                outcomes.push(outcome);
+                self.show(&outcome.diagnostics, checked, console)?;
+                report(&outcome, arguments, folder, console)?;
+                self.outcomes.push(outcome);
             }
             Err(EngineError::Model {
                 diagnostics,
                 partial,
             }) => {
-                show(&diagnostics, &checked.sources, console)?;
-                if let Some(partial) = partial {
-                    show(&partial.diagnostics, &checked.sources, console)?;
-                    writeln!(
-                        console.errors,
-                        "{analysis} failed; the results up to the failure are kept"
-                    )?;
-                    report(&partial, arguments, &folder, console)?;
+                self.failed = true;
+                self.show(&diagnostics, checked, console)?;
+                match partial {
+                    Some(partial) => {
+                        self.show(&partial.diagnostics, checked, console)?;
+                        writeln!(
+                            console.errors,
+                            "{analysis} failed; the results up to the failure are kept"
+                        )?;
+                        report(&partial, arguments, folder, console)?;
+                    }
+                    None => writeln!(console.errors, "{analysis} failed")?,
                 }
-                return Err(Stop::Code(MODEL_WRONG));
             }
             Err(error) => return Err(explain_error(&error, &checked.sources, console)),
         }
+        Ok(())
     }
-    if !arguments.no_plots {
-        draw(figures::comparisons(&outcomes), &folder, arguments, console)?;
+
+    fn show(
+        &mut self,
+        diagnostics: &Diagnostics,
+        checked: &CheckOutcome,
+        console: &mut Console<'_>,
+    ) -> Result<(), Stop> {
+        let mut new = Diagnostics::new();
+        for diagnostic in diagnostics.iter() {
+            if !self.messages.contains(diagnostic) {
+                self.messages.push(diagnostic.clone());
+                new.push(diagnostic.clone());
+            }
+        }
+        show(&new, &checked.sources, console)
     }
-    Ok(())
 }
 
 /// The analyses to run: those asked for, or all.
@@ -135,6 +260,14 @@ fn report(
             results.analysis(),
             results.model()
         )?;
+        let point: Vec<String> = outcome
+            .point
+            .iter()
+            .map(|p| format!("{} = {}", p.name, p.display.text(p.value)))
+            .collect();
+        if !point.is_empty() {
+            writeln!(console.output, "  {}", point.join(", "))?;
+        }
         for fact in &outcome.facts {
             writeln!(console.output, "  {fact}")?;
         }
@@ -143,17 +276,20 @@ fn report(
             .iter()
             .map(|journal| JournalSummary::new(results, journal, outcome.cycle_period))
             .collect();
-        write!(console.output, "{}", journal_table(&summaries))?;
+        if outcome.point.is_empty() {
+            write!(console.output, "{}", journal_table(&summaries))?;
+        }
     }
     let written = results.write_parquet(folder);
-    let path = told(written, console)?;
+    let path = told_of(written, console)?;
     wrote(&path, arguments, console)?;
     if arguments.csv {
         let written = results.write_csv(folder);
-        let path = told(written, console)?;
+        let path = told_of(written, console)?;
         wrote(&path, arguments, console)?;
     }
-    if !arguments.no_plots {
+    // of a sweep the table over its points tells more
+    if !arguments.no_plots && outcome.point.is_empty() {
         draw(figures::of_analysis(outcome), folder, arguments, console)?;
     }
     Ok(())
@@ -167,7 +303,7 @@ fn draw(
 ) -> Result<(), Stop> {
     for (name, svg) in figures {
         let written = plot::write_svg_and_png(&svg, folder, &file_stem(&name));
-        for path in told(written, console)? {
+        for path in told_of(written, console)? {
             wrote(&path, arguments, console)?;
         }
     }
@@ -182,7 +318,7 @@ fn wrote(path: &Path, arguments: &RunArguments, console: &mut Console<'_>) -> Re
 }
 
 /// The value, or the error on the console.
-fn told<T, E: std::fmt::Display>(
+fn told_of<T, E: std::fmt::Display>(
     result: Result<T, E>,
     console: &mut Console<'_>,
 ) -> Result<T, Stop> {
@@ -236,12 +372,8 @@ pub(super) fn explain_error(
 
 const BAR: u64 = 1000;
 
-fn progress_bar(analysis: &str, visible: bool) -> ProgressBar {
-    let target = if visible {
-        ProgressDrawTarget::stderr()
-    } else {
-        ProgressDrawTarget::hidden()
-    };
+fn progress_bar(analysis: &str) -> ProgressBar {
+    let target = ProgressDrawTarget::hidden();
     let bar = ProgressBar::with_draw_target(Some(BAR), target).with_prefix(analysis.to_owned());
     let template = "{prefix} {wide_bar} {percent:>3} %  {msg}  {eta} left";
     match ProgressStyle::with_template(template) {
@@ -257,6 +389,12 @@ fn show_progress(bar: &ProgressBar, progress: Progress) {
 
 /// `1260 °CA`, or the time of a model without cycle.
 fn place(progress: Progress) -> String {
+    if let Some((cycles, change)) = progress.cycles {
+        return match change {
+            Some(change) => format!("{cycles} cycles, {:.3} % change", 100.0 * change),
+            None => format!("{cycles} cycles"),
+        };
+    }
     match progress.cycle_angle {
         Some(angle) => format!("{:.0} °CA", angle.to_degrees()),
         None => format!("{:.6} s", progress.time),
@@ -273,11 +411,15 @@ mod tests {
             fraction: 0.5,
             time: 0.03,
             cycle_angle: Some(4.0 * std::f64::consts::PI),
+            cycles: None,
         };
         assert_eq!(place(progress), "720 °CA");
         progress.cycle_angle = None;
         assert_eq!(place(progress), "0.030000 s");
-        let bar = progress_bar("unfired", false);
+        progress.cycles = Some((3, Some(0.0125)));
+        assert_eq!(place(progress), "3 cycles, 1.250 % change");
+        progress.cycles = None;
+        let bar = progress_bar("unfired");
         show_progress(&bar, progress);
         assert_eq!((bar.position(), bar.length()), (500, Some(1000)));
     }

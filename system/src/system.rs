@@ -345,6 +345,18 @@ pub enum StepControl {
     Tolerance(f64),
 }
 
+/// How a motion begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Start {
+    /// Quasi-static where the cycle turns at the start and there are journals or flexible bodies; else as assembled.
+    Automatic,
+    /// In balance with the loads of the steady motion.
+    QuasiStatic,
+    /// As assembled: where the text and the joints put everything.
+    #[default]
+    Assembled,
+}
+
 /// A transient analysis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transient {
@@ -356,6 +368,25 @@ pub struct Transient {
     pub step: StepControl,
     /// Spectral radius at infinite frequency, 0…1.
     pub rho_infinity: f64,
+    /// How it begins.
+    pub start: Start,
+}
+
+/// A transient that runs until the cycle repeats; its result is the last cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Periodic {
+    /// Distance of the samples (rad of the cycle angle), shortened so that whole ones fill a cycle.
+    pub sample: f64,
+    /// Steps.
+    pub step: StepControl,
+    /// Spectral radius at infinite frequency, 0…1.
+    pub rho_infinity: f64,
+    /// How it begins.
+    pub start: Start,
+    /// Largest change from cycle to cycle, and largest estimated distance to the limit, as a share of each channel's swing.
+    pub change: f64,
+    /// Most cycles.
+    pub cycles: u32,
 }
 
 /// What an analysis does.
@@ -365,6 +396,21 @@ pub enum AnalysisKind {
     Assemble,
     /// The DAE in time.
     Transient(Transient),
+    /// The DAE in time until the cycle repeats.
+    Periodic(Periodic),
+}
+
+/// The value of a sweep's variable at one of its points: `s` of `analysis runup[s in …]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointValue {
+    /// The variable.
+    pub name: String,
+    /// Its value (SI); for what is no number its place in the list.
+    pub value: f64,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// How it is shown.
+    pub display: DisplayUnit,
 }
 
 /// An analysis of a model.
@@ -374,6 +420,8 @@ pub struct Analysis {
     pub origin: Origin,
     /// The model's name.
     pub model: String,
+    /// Of an analysis with an index: where in the sweep it stands.
+    pub point: Vec<PointValue>,
     /// Parameters set by the analysis (path, SI value).
     pub set: Vec<(String, f64)>,
     /// What is done.

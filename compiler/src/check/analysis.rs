@@ -14,6 +14,13 @@ use eng_system::Dimension;
 const EXAMPLE: &str =
     "for instance `analysis run = transient(Model(), duration: 1 s, sample: 1 ms)`";
 
+const STATE_A_CYCLE: &str =
+    "state the cycle in the model: `cycle angle = rotation(a, ground) { period = 720 deg }`";
+/// What can be done with a model.
+const ANALYSES: [&str; 3] = ["transient", "periodic", "assemble"];
+/// How a motion can begin.
+const STARTS: [&str; 2] = ["quasi_static", "assembled"];
+
 impl<'p> Checker<'p> {
     pub(super) fn analysis(&mut self, scope: &Scope<'p>, declaration: &'p Declaration) {
         let scope = self.binders(scope, &declaration.index);
@@ -46,10 +53,10 @@ impl<'p> Checker<'p> {
             _ => "",
         };
         match name {
-            "transient" | "assemble" => {
+            "transient" | "periodic" | "assemble" => {
                 self.model_and_options(&scope, name, value.span, arguments);
             }
-            "periodic" | "modes" | "modal" | "static" | "linearise" => {
+            "modes" | "modal" | "static" | "linearise" => {
                 self.not_built(callee.span, &format!("`{name}` analyses"));
             }
             _ => {
@@ -57,10 +64,8 @@ impl<'p> Checker<'p> {
                     codes::ANALYSIS,
                     format!("there is no analysis `{}`", self.sources.text(callee.span)),
                 )
-                .at(callee.span, "`transient` or `assemble`");
-                if let Some(near) =
-                    crate::resolve::suggest::nearest(name, ["transient", "assemble"])
-                {
+                .at(callee.span, "`transient`, `periodic` or `assemble`");
+                if let Some(near) = crate::resolve::suggest::nearest(name, ANALYSES) {
                     message = message
                         .with_help(format!("did you mean `{near}`?"))
                         .with_fix(format!("write `{near}`"), callee.span, near);
@@ -102,23 +107,40 @@ impl<'p> Checker<'p> {
         };
         let time = Type::Scalar(Quantity::hard(Dimension::TIME));
         let transient = name == "transient";
+        let periodic = name == "periodic";
         let mut slots = Vec::new();
-        if transient {
+        if transient || periodic {
             slots = vec![
                 slot("step", time, true, "us"),
                 slot("tolerance", Type::one(), true, ""),
                 slot("rho", Type::one(), true, ""),
             ];
         }
+        if periodic {
+            let angle = Type::Scalar(Quantity::hard(Dimension::ANGLE));
+            slots.push(slot("sample", angle, true, "deg"));
+            slots.push(slot("change", Type::one(), true, "%"));
+            slots.push(slot("cycles", Type::Int, true, ""));
+            if with_cycle == Some(false) {
+                self.report(
+                    Diagnostic::error(
+                        codes::NO_CYCLE,
+                        "`periodic` runs cycle by cycle, but the model has no cycle",
+                    )
+                    .at(first.value.span, "this model states none")
+                    .with_help(STATE_A_CYCLE),
+                );
+            }
+        }
         // A time or an angle, which the cycle counts.
         let mut others: Vec<Argument> = Vec::new();
         let mut given: Vec<(&str, Span)> = Vec::new();
         for argument in rest {
-            let extent = argument
-                .name
-                .as_ref()
-                .filter(|n| transient && matches!(n.text.as_str(), "duration" | "sample"));
-            match extent {
+            let own = argument.name.as_ref().filter(|n| {
+                let extent = transient && matches!(n.text.as_str(), "duration" | "sample");
+                extent || ((transient || periodic) && n.text == "start")
+            });
+            match own {
                 Some(label) => {
                     if let Some((_, first)) = given.iter().find(|(n, _)| *n == label.text) {
                         self.report(
@@ -131,6 +153,10 @@ impl<'p> Checker<'p> {
                         );
                     }
                     given.push((&label.text, argument.value.span));
+                    if label.text == "start" {
+                        self.start_word(&argument.value);
+                        continue;
+                    }
                     self.extent(scope, &label.text, &argument.value, with_cycle);
                 }
                 None => others.push(argument.clone()),
@@ -139,7 +165,7 @@ impl<'p> Checker<'p> {
         if transient {
             // Known to the common check, so that a misspelling finds them.
             for label in ["duration", "sample"] {
-                let present = given.iter().any(|(n, _)| *n == label);
+                let present = label == "sample" || given.iter().any(|(n, _)| *n == label);
                 slots.push(slot(
                     label,
                     Type::Scalar(Quantity::hard(Dimension::TIME)),
@@ -147,6 +173,9 @@ impl<'p> Checker<'p> {
                     "s",
                 ));
             }
+        }
+        if transient || periodic {
+            slots.push(slot("start", Type::one(), true, ""));
         }
         let mut solution = super::types::Solution::default();
         self.arguments(scope, name, &slots, &others, span, &mut solution);
@@ -211,6 +240,32 @@ impl<'p> Checker<'p> {
         }
     }
 
+    /// `quasi_static` or `assembled`.
+    fn start_word(&mut self, value: &Expr) {
+        let word = match &value.kind {
+            ExprKind::Name(name) => name.as_str(),
+            ExprKind::Error => return,
+            _ => "",
+        };
+        if STARTS.contains(&word) {
+            return;
+        }
+        let mut message = Diagnostic::error(
+            codes::ANALYSIS,
+            "`start` of an analysis is `quasi_static` or `assembled`",
+        )
+        .at(value.span, "neither of these words");
+        message = match crate::resolve::suggest::nearest(word, STARTS) {
+            Some(near) => message
+                .with_help(format!("did you mean `{near}`?"))
+                .with_fix(format!("write `{near}`"), value.span, near),
+            None => message.with_help(
+                "`quasi_static`: pins and flexible bodies stand where the loads of the steady motion hold them; `assembled`: where the text and the joints put them",
+            ),
+        };
+        self.report(message);
+    }
+
     /// A time, or an angle of the cycle.
     fn extent(&mut self, scope: &Scope<'p>, name: &str, value: &Expr, with_cycle: Option<bool>) {
         let ty = self.infer(scope, value);
@@ -232,9 +287,7 @@ impl<'p> Checker<'p> {
                             format!("`{name}` is an angle, but the model has no cycle"),
                         )
                         .at(value.span, "an angle of which cycle?")
-                        .with_help(
-                            "give a time, or state the cycle in the model: `cycle angle = rotation(a, ground) { period = 720 deg }`",
-                        ),
+                        .with_help(format!("give a time, or {STATE_A_CYCLE}")),
                     );
                 }
             }

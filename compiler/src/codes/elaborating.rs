@@ -67,7 +67,7 @@ eng_grammar::codes! {
         "analysis sweep[b in 80 mm .. 90 mm by -1 mm] = assemble(M(bore: b))",
         "analysis sweep[b in 80 mm .. 90 mm by 1 mm] = assemble(M(bore: b))";
     ANALYSIS_VALUE = "E0517", "a number of an analysis is out of its range",
-        "`duration`, `sample`, `step` and `tolerance` are positive; `rho` is from 0 to below 1.",
+        "`duration`, `sample`, `step` and `tolerance` are positive; `rho` is from 0 to below 1; `change` is positive and below 1, `cycles` a whole number from 2.",
         "analysis run = transient(M(), duration: 0 s, sample: 1 ms)",
         "analysis run = transient(M(), duration: 1 s, sample: 1 ms)";
     FILE = "E0518", "a data file cannot be read",

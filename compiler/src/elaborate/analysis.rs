@@ -6,12 +6,23 @@ use crate::codes;
 use crate::program::{DefinitionId, Program};
 use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
-use eng_system::Dimension;
 use eng_system::host::Host;
-use eng_system::system::{Analysis, AnalysisKind, Extent, Origin, StepControl, Transient};
+use eng_system::system::{
+    Analysis, AnalysisKind, Extent, Origin, Periodic, PointValue, Start, StepControl, Transient,
+};
+use eng_system::{Dimension, DisplayUnit};
 
 /// Samples an analysis may take: all are kept in memory until it ends.
 const MOST_SAMPLES: f64 = 1e7;
+
+/// Samples of a duration without `sample`.
+const PLAIN_SAMPLES: f64 = 1000.0;
+/// Distance of samples over the cycle angle (rad) without `sample`: half a degree.
+const PLAIN_ANGLE: f64 = std::f64::consts::PI / 360.0;
+/// `change` and `cycles` of `periodic`, where they are not stated, and most cycles.
+const PLAIN_CHANGE: f64 = 1e-3;
+const PLAIN_CYCLES: u32 = 40;
+const MOST_CYCLES: f64 = 1e5;
 
 /// An analysis and the model that it needs.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,7 +57,12 @@ pub fn analyses(
             // a message was given; the others still are planned
             let _ = elaborator.for_each(&d.index, scope, &mut |e, inner, position| {
                 let name = format!("{}{}", d.name.text, index_text(position));
-                plans.push(e.plan(name, value, d.name.span, inner)?);
+                let mut plan = e.plan(name, value, d.name.span, inner)?;
+                for (binder, place) in d.index.iter().zip(position) {
+                    let point = e.point(binder, *place, inner)?;
+                    plan.analysis.point.push(point);
+                }
+                plans.push(plan);
                 Ok(())
             });
         }
@@ -54,7 +70,71 @@ pub fn analyses(
     plans
 }
 
+/// The units written in an expression, in their order.
+fn units_of<'e>(expr: &'e ast::Expr, found: &mut Vec<&'e ast::UnitExpr>) {
+    match &expr.kind {
+        ExprKind::Number { unit, .. } => found.extend(unit),
+        ExprKind::List { items, unit } => {
+            found.extend(unit);
+            items.iter().for_each(|item| units_of(item, found));
+        }
+        ExprKind::Paren { inner, unit } => {
+            found.extend(unit);
+            units_of(inner, found);
+        }
+        ExprKind::Unary { operand, .. } => units_of(operand, found),
+        ExprKind::Binary { left, right, .. } => {
+            units_of(left, found);
+            units_of(right, found);
+        }
+        ExprKind::Range { from, to, by } => {
+            units_of(from, found);
+            units_of(to, found);
+            if let Some(by) = by {
+                units_of(by, found);
+            }
+        }
+        _ => {}
+    }
+}
+
+fn named<'a>(arguments: &'a [ast::Argument], wanted: &str) -> Option<&'a ast::Argument> {
+    arguments
+        .iter()
+        .find(|a| a.name.as_ref().is_some_and(|n| n.text == wanted))
+}
+
 impl<'a> Elaborator<'a, '_> {
+    /// The value of a binder, shown in the first unit that its range states for this dimension.
+    fn point(&mut self, binder: &'a ast::Binder, place: usize, scope: ScopeId) -> Eval<PointValue> {
+        let value = self.lookup(&binder.name.text, scope, binder.name.span)?;
+        let (value, dimension) = match value {
+            Value::Scalar(s) => (self.structural(s, binder.range.span)?, s.dimension),
+            Value::Int(i) => (i as f64, Dimension::ONE),
+            _ => (place as f64, Dimension::ONE),
+        };
+        let mut units = Vec::new();
+        units_of(&binder.range, &mut units);
+        let mut display = self.natural_unit(dimension);
+        for unit in units {
+            let unit = self.unit(unit)?;
+            if unit.dimension == dimension {
+                display = DisplayUnit {
+                    symbol: unit.symbol,
+                    scale: unit.scale,
+                    offset: unit.offset,
+                };
+                break;
+            }
+        }
+        Ok(PointValue {
+            name: binder.name.text.clone(),
+            value,
+            dimension,
+            display,
+        })
+    }
+
     fn plan(
         &mut self,
         name: String,
@@ -66,89 +146,19 @@ impl<'a> Elaborator<'a, '_> {
             return Err(self.not_an_analysis(value.span));
         };
         let kind = match &callee.kind {
-            ExprKind::Name(n) if n == "transient" || n == "assemble" => n.as_str(),
+            ExprKind::Name(n) if ["transient", "periodic", "assemble"].contains(&n.as_str()) => {
+                n.as_str()
+            }
             _ => return Err(self.not_an_analysis(callee.span)),
         };
         let Some(first) = arguments.first() else {
             return Err(self.not_an_analysis(value.span));
         };
         let (model, constants, set) = self.model_call(&first.value, scope)?;
-        let number = |e: &mut Self, wanted: &str| -> Eval<Option<(f64, Dimension, Span)>> {
-            let Some(argument) = arguments
-                .iter()
-                .find(|a| a.name.as_ref().is_some_and(|n| n.text == wanted))
-            else {
-                return Ok(None);
-            };
-            let v = e.evaluate(&argument.value, scope)?;
-            let s = e.as_scalar(v, argument.value.span)?;
-            let x = e.structural(s, argument.value.span)?;
-            Ok(Some((x, s.dimension, argument.value.span)))
-        };
-        let duration = number(self, "duration")?;
-        let sample = number(self, "sample")?;
-        let step = number(self, "step")?;
-        let tolerance = number(self, "tolerance")?;
-        let rho = number(self, "rho")?;
-        let kind = if kind == "assemble" {
-            AnalysisKind::Assemble
-        } else {
-            let Some(duration) = duration else {
-                return Err(self.internal(value.span, "no duration"));
-            };
-            let duration = self.extent("duration", duration)?;
-            let sample = match sample {
-                Some(s) => {
-                    let extent = self.extent("sample", s)?;
-                    let many = match (duration, extent) {
-                        (Extent::Time(whole), Extent::Time(part))
-                        | (Extent::Angle(whole), Extent::Angle(part)) => {
-                            whole / part > MOST_SAMPLES
-                        }
-                        _ => false,
-                    };
-                    if many {
-                        return Err(self.report(
-                            Diagnostic::error(
-                                codes::ANALYSIS_VALUE,
-                                "`sample` must be at least a ten-millionth of `duration`",
-                            )
-                            .at(s.2, "more samples than memory holds")
-                            .with_help("sample more coarsely, or run for a shorter time"),
-                        ));
-                    }
-                    extent
-                }
-                None => return Err(self.internal(value.span, "no distance of samples")),
-            };
-            let step = match (step, tolerance) {
-                (Some((h, _, s)), None) => {
-                    let positive = h > 0.0 && h.is_finite();
-                    StepControl::Fixed(self.fitting("step", h, positive, "positive", s)?)
-                }
-                (None, Some((t, _, s))) => {
-                    let due = "positive and at most 1e6; 1 is the default";
-                    let fits = t > 0.0 && t <= 1e6;
-                    StepControl::Tolerance(self.fitting("tolerance", t, fits, due, s)?)
-                }
-                (None, None) => StepControl::Tolerance(1.0),
-                (Some((_, _, s)), Some(_)) => {
-                    return Err(self.internal(s, "a fixed step and a tolerance"));
-                }
-            };
-            let rho_infinity = match rho {
-                Some((r, _, s)) => {
-                    let due = "from 0 to below 1; 0.8 is the default";
-                    self.fitting("rho", r, (0.0..1.0).contains(&r), due, s)?
-                }
-                None => 0.8,
-            };
-            AnalysisKind::Transient(Transient {
-                duration,
-                sample,
-                step,
-                rho_infinity,
-            })
+        let kind = match kind {
+            "assemble" => AnalysisKind::Assemble,
+            "periodic" => AnalysisKind::Periodic(self.periodic(arguments, scope)?),
+            _ => AnalysisKind::Transient(self.transient(arguments, value.span, scope)?),
         };
         let model_name = match self.program.item(model).map(|i| &i.kind) {
             Some(ItemKind::Declaration(d)) => d.name.text.clone(),
@@ -162,6 +172,7 @@ impl<'a> Elaborator<'a, '_> {
                     defined_at: None,
                 },
                 model: model_name,
+                point: Vec::new(),
                 set,
                 kind,
             },
@@ -170,10 +181,159 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
+    /// An argument of an analysis: its value (SI), dimension and place.
+    fn option(
+        &mut self,
+        arguments: &'a [ast::Argument],
+        wanted: &str,
+        scope: ScopeId,
+    ) -> Eval<Option<(f64, Dimension, Span)>> {
+        let Some(argument) = named(arguments, wanted) else {
+            return Ok(None);
+        };
+        let v = self.evaluate(&argument.value, scope)?;
+        let s = self.as_scalar(v, argument.value.span)?;
+        let x = self.structural(s, argument.value.span)?;
+        Ok(Some((x, s.dimension, argument.value.span)))
+    }
+
+    fn transient(
+        &mut self,
+        arguments: &'a [ast::Argument],
+        span: Span,
+        scope: ScopeId,
+    ) -> Eval<Transient> {
+        let duration = self.option(arguments, "duration", scope)?;
+        let sample = self.option(arguments, "sample", scope)?;
+        let Some(duration) = duration else {
+            return Err(self.internal(span, "no duration"));
+        };
+        let duration = self.extent("duration", duration)?;
+        let sample = match sample {
+            Some(s) => {
+                let extent = self.extent("sample", s)?;
+                let many = match (duration, extent) {
+                    (Extent::Time(whole), Extent::Time(part))
+                    | (Extent::Angle(whole), Extent::Angle(part)) => whole / part > MOST_SAMPLES,
+                    _ => false,
+                };
+                if many {
+                    return Err(self.report(
+                        Diagnostic::error(
+                            codes::ANALYSIS_VALUE,
+                            "`sample` must be at least a ten-millionth of `duration`",
+                        )
+                        .at(s.2, "more samples than memory holds")
+                        .with_help("sample more coarsely, or run for a shorter time"),
+                    ));
+                }
+                extent
+            }
+            None => match duration {
+                Extent::Time(whole) => Extent::Time(whole / PLAIN_SAMPLES),
+                Extent::Angle(_) => Extent::Angle(PLAIN_ANGLE),
+            },
+        };
+        let (step, rho_infinity) = self.steps(arguments, scope)?;
+        Ok(Transient {
+            duration,
+            sample,
+            step,
+            rho_infinity,
+            start: self.start(arguments)?,
+        })
+    }
+
+    fn periodic(&mut self, arguments: &'a [ast::Argument], scope: ScopeId) -> Eval<Periodic> {
+        let sample = match self.option(arguments, "sample", scope)? {
+            Some((x, _, s)) => {
+                let fits = x > 0.0 && x.is_finite();
+                self.fitting("sample", x, fits, "positive", s)?
+            }
+            None => PLAIN_ANGLE,
+        };
+        let change = match self.option(arguments, "change", scope)? {
+            Some((x, _, s)) => {
+                let due = "positive and below 1; 0.1 % is the default";
+                self.fitting("change", x, x > 0.0 && x < 1.0, due, s)?
+            }
+            None => PLAIN_CHANGE,
+        };
+        let cycles = match self.option(arguments, "cycles", scope)? {
+            Some((x, _, s)) if x < 2.0 => {
+                return Err(self.report(
+                    Diagnostic::error(codes::ANALYSIS_VALUE, "`cycles` must be at least 2")
+                        .at(s, "too few to see one repeat")
+                        .with_help(
+                            "it is the number of cycles after which to give up; 40 is the default",
+                        ),
+                ));
+            }
+            Some((x, _, s)) => {
+                let due = "at most 100000; 40 is the default";
+                self.fitting("cycles", x, x <= MOST_CYCLES, due, s)? as u32
+            }
+            None => PLAIN_CYCLES,
+        };
+        let (step, rho_infinity) = self.steps(arguments, scope)?;
+        Ok(Periodic {
+            sample,
+            step,
+            rho_infinity,
+            start: self.start(arguments)?,
+            change,
+            cycles,
+        })
+    }
+
+    /// `step` or `tolerance`, and `rho`.
+    fn steps(
+        &mut self,
+        arguments: &'a [ast::Argument],
+        scope: ScopeId,
+    ) -> Eval<(StepControl, f64)> {
+        let step = self.option(arguments, "step", scope)?;
+        let tolerance = self.option(arguments, "tolerance", scope)?;
+        let step = match (step, tolerance) {
+            (Some((h, _, s)), None) => {
+                let positive = h > 0.0 && h.is_finite();
+                StepControl::Fixed(self.fitting("step", h, positive, "positive", s)?)
+            }
+            (None, Some((t, _, s))) => {
+                let due = "positive and at most 1e6; 1 is the default";
+                let fits = t > 0.0 && t <= 1e6;
+                StepControl::Tolerance(self.fitting("tolerance", t, fits, due, s)?)
+            }
+            (None, None) => StepControl::Tolerance(1.0),
+            (Some((_, _, s)), Some(_)) => {
+                return Err(self.internal(s, "a fixed step and a tolerance"));
+            }
+        };
+        let rho_infinity = match self.option(arguments, "rho", scope)? {
+            Some((r, _, s)) => {
+                let due = "from 0 to below 1; 0.8 is the default";
+                self.fitting("rho", r, (0.0..1.0).contains(&r), due, s)?
+            }
+            None => 0.8,
+        };
+        Ok((step, rho_infinity))
+    }
+
+    fn start(&mut self, arguments: &'a [ast::Argument]) -> Eval<Start> {
+        let Some(argument) = named(arguments, "start") else {
+            return Ok(Start::Automatic);
+        };
+        match &argument.value.kind {
+            ExprKind::Name(n) if n == "quasi_static" => Ok(Start::QuasiStatic),
+            ExprKind::Name(n) if n == "assembled" => Ok(Start::Assembled),
+            _ => Err(self.internal(argument.value.span, "no start")),
+        }
+    }
+
     fn not_an_analysis(&mut self, span: Span) -> super::Reported {
         self.internal(
             span,
-            "neither `transient(Model(…), …)` nor `assemble(Model(…))`",
+            "neither `transient(Model(…), …)`, `periodic(Model(…), …)` nor `assemble(Model(…))`",
         )
     }
 

@@ -106,6 +106,7 @@ impl Simulation {
         let blank = State::new(&model);
         let mut simulation = Simulation::with_state(model, blank, options)?;
         simulation.warnings.clear();
+        simulation.start = crate::start::StartReport::Resumed;
         let i = &mut simulation.integrator;
         for state in [&mut i.current, &mut i.previous] {
             state.time = r.number()?;

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::sync::Arc;
 
 /// Numbers in −1…1, always the same.
-struct Draw(u64);
+pub struct Draw(pub u64);
 
 impl Draw {
     fn next(&mut self) -> f64 {
@@ -35,15 +35,15 @@ fn skew(v: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// A structure of nodes with three translations and three rotations each (all translations first).
-struct Nodes {
-    places: Vec<Vector3<f64>>,
+pub struct Nodes {
+    pub places: Vec<Vector3<f64>>,
     mass: DMatrix<f64>,
     shapes: DMatrix<f64>,
 }
 
 impl Nodes {
     /// A coupled, positive definite nodal mass, alike in x, y and z; rotary inertia where asked for.
-    fn new(count: usize, modes: usize, rotary: f64, draw: &mut Draw) -> Nodes {
+    pub fn new(count: usize, modes: usize, rotary: f64, draw: &mut Draw) -> Nodes {
         let places = (0..count)
             .map(|_| {
                 draw.vector().component_mul(&Vector3::new(0.4, 0.2, 0.3))
@@ -402,7 +402,7 @@ fn check_matrix(body: &Flexible, draw: &mut Draw) {
 }
 
 /// A flexible body whose shapes keep mean axes neither in place nor in turn, between springs and joints at its nodes.
-fn reduced(nodes: &Nodes, scale: f64, draw: &mut Draw) -> ReducedBody {
+pub fn reduced(nodes: &Nodes, scale: f64, draw: &mut Draw) -> ReducedBody {
     let n = nodes.shapes.ncols();
     let k = stiffness(n, draw) * scale;
     let c = &k * 2e-4;

@@ -10,4 +10,5 @@ mod mechanisms;
 mod motion;
 mod order;
 mod runs;
+mod start;
 mod support;

@@ -5,7 +5,7 @@ use crate::support::classes::*;
 use crate::support::*;
 use eng_runtime::{Observer, Options, RuntimeError, Sample, Simulation, Warning, run_transient};
 use eng_system::code::Compiled;
-use eng_system::system::{Extent, Role, StepControl, Transient};
+use eng_system::system::{Extent, Role, Start, StepControl, Transient};
 use std::ops::ControlFlow;
 
 #[derive(Default)]
@@ -58,6 +58,7 @@ fn free() -> SliderCrank {
 
 fn transient(duration: Extent, sample: Extent, step: StepControl) -> Transient {
     Transient {
+        start: Start::Assembled,
         duration,
         sample,
         step,

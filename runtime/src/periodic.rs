@@ -1,0 +1,276 @@
+//! Running until the cycle repeats; the last cycle is the result.
+//!
+//! After every cycle each channel is compared, sample by sample, with the cycle before ([`repetition`]). The analysis ends when
+//! the largest change and the estimated distance to the limit, `change |λ/(1 − λ)|` with the complex factor λ by which differences
+//! shrink and turn from cycle to cycle, are both below what is asked for. The orbits of the journals tell of half-speed whirl ([`whirl`]), which
+//! does not repeat with the cycle.
+
+pub mod repetition;
+pub mod whirl;
+
+use crate::error::RuntimeError;
+use crate::model::Model;
+use crate::simulation::{Energy, Warning};
+use crate::start::StartReport;
+use crate::transient::{Observer, RunSummary, Sample, run_transient};
+use eng_system::code::Compiled;
+use eng_system::system::{Extent, Periodic, Transient};
+use repetition::{Comparison, Decay, Growth};
+use std::collections::VecDeque;
+use std::ops::ControlFlow;
+use whirl::Whirl;
+
+/// Cycles whose orbits are looked at for whirl.
+const ORBITS: usize = 8;
+/// A change this far below what is asked for needs no estimate of the distance.
+const PLAIN: f64 = 1e-2;
+/// Least swing of lengths in position tolerances: the smallest clearance.
+const TOLERANCES: f64 = 1e3;
+/// A change this far above what is asked for tells of the engine, not of the steps' error.
+const ABOVE: f64 = 3.0;
+/// Samples of a cycle, at most.
+const MOST_SAMPLES: f64 = 1e6;
+
+/// After a whole cycle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CycleReport {
+    /// Cycles so far.
+    pub cycles: u32,
+    /// Largest change against the cycle before, and what is known of the decay; absent after the first cycle.
+    pub slowest: Option<Decay>,
+}
+
+/// How a periodic analysis went.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeriodicSummary {
+    /// The run.
+    pub run: RunSummary,
+    /// Whole cycles.
+    pub cycles: u32,
+    /// Whether the last one repeats the one before as asked for.
+    pub repeats: bool,
+    /// The channel that changed most from the last cycle but one to the last.
+    pub slowest: Option<Decay>,
+    /// What decayed slowest while changes were well above what is asked for: the engine's slow mode.
+    pub decay: Option<Decay>,
+    /// Channels that grow by the same amount every cycle: they are not asked to repeat.
+    pub growing: Vec<Growth>,
+    /// Motion of pins at about half the shaft's speed that does not repeat, by journal; empty after few cycles.
+    pub whirl: Vec<Whirl>,
+}
+
+/// Runs until the cycle repeats, or the most cycles are done; the observer gets the samples of the last cycle, of a run that fails
+/// those of the cycle in which it fails.
+pub fn run_periodic(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    periodic: &Periodic,
+    observer: &mut dyn Observer,
+) -> Result<PeriodicSummary, RuntimeError> {
+    let system = &compiled.system;
+    let Some(cycle) = &system.cycle else {
+        return Err(RuntimeError::NoCycle);
+    };
+    let model = Model::bind(compiled, overrides)?;
+    let period = model.slot(cycle.period);
+    let refuse = |message: String| Err(RuntimeError::Options { message });
+    let samples = libm::ceil(period / periodic.sample - 1e-6);
+    if !(periodic.sample > 0.0 && (1.0..=MOST_SAMPLES).contains(&samples)) {
+        return refuse(format!(
+            "a distance of the samples of {} rad does not fit a cycle of {period} rad",
+            periodic.sample
+        ));
+    }
+    if !(periodic.change > 0.0 && periodic.change.is_finite()) {
+        return refuse(format!(
+            "the change of a repeating cycle is {}; it must be positive",
+            periodic.change
+        ));
+    }
+    if periodic.cycles < 2 {
+        return refuse(format!(
+            "{} cycles are too few to see one repeat; take at least 2",
+            periodic.cycles
+        ));
+    }
+    let channels = system.channels.len();
+    let mut cycles = Cycles {
+        samples: samples as usize,
+        channels,
+        limit: *periodic,
+        comparison: Comparison::new(system, TOLERANCES * model.tolerance),
+        now: Record::default(),
+        last: Record::default(),
+        orbits: VecDeque::new(),
+        done: 0,
+        repeats: false,
+        slowest: None,
+        decay: None,
+        growing: Vec::new(),
+        fraction: 0.0,
+        observer,
+    };
+    let transient = Transient {
+        duration: Extent::Angle(period * f64::from(periodic.cycles)),
+        sample: Extent::Angle(period / samples),
+        step: periodic.step,
+        rho_infinity: periodic.rho_infinity,
+        start: periodic.start,
+    };
+    let run = run_transient(compiled, overrides, &transient, &mut cycles, None);
+    cycles.give();
+    let run = run?;
+    Ok(PeriodicSummary {
+        run: RunSummary {
+            interrupted: false,
+            ..run
+        },
+        cycles: cycles.done,
+        repeats: cycles.repeats,
+        slowest: cycles.slowest,
+        decay: cycles.decay,
+        growing: cycles.growing,
+        whirl: whirl::find(cycles.orbits.make_contiguous(), period),
+    })
+}
+
+/// Samples of a cycle, both ends among them.
+#[derive(Clone, Debug, Default)]
+struct Record {
+    heads: Vec<(f64, Option<f64>, Option<f64>, Energy)>,
+    values: Vec<f64>,
+    orbits: Vec<Vec<[f64; 2]>>,
+}
+
+impl Record {
+    fn push(&mut self, sample: &Sample<'_>) {
+        self.heads.push((
+            sample.time,
+            sample.cycle_angle,
+            sample.cycle_rate,
+            sample.energy,
+        ));
+        self.values.extend_from_slice(sample.values);
+        self.orbits.push(sample.eccentricities.to_vec());
+    }
+}
+
+/// Watches a transient cycle by cycle.
+struct Cycles<'a> {
+    samples: usize,
+    channels: usize,
+    limit: Periodic,
+    comparison: Comparison,
+    now: Record,
+    last: Record,
+    orbits: VecDeque<whirl::Orbits>,
+    done: u32,
+    repeats: bool,
+    slowest: Option<Decay>,
+    decay: Option<Decay>,
+    growing: Vec<Growth>,
+    fraction: f64,
+    observer: &'a mut dyn Observer,
+}
+
+impl Observer for Cycles<'_> {
+    fn started(&mut self, report: &StartReport) {
+        self.observer.started(report);
+    }
+
+    fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
+        self.now.push(sample);
+        if self.now.heads.len() <= self.samples {
+            return ControlFlow::Continue(());
+        }
+        self.done += 1;
+        self.compare();
+        self.observer.cycle(&CycleReport {
+            cycles: self.done,
+            slowest: self.slowest.clone(),
+        });
+        self.last = std::mem::take(&mut self.now);
+        // the end of a cycle is the begin of the next
+        self.now.push(sample);
+        if self.repeats {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+
+    fn progress(&mut self, fraction: f64, cycle_angle: Option<f64>) {
+        let run = fraction * f64::from(self.limit.cycles);
+        let expected = match &self.slowest {
+            Some(decay) if decay.factor > 0.0 && decay.factor < 1.0 => {
+                let far = decay.change.max(decay.distance()) / self.limit.change;
+                let more = libm::log(far.max(1.0)) / -libm::log(decay.factor);
+                (f64::from(self.done) + more.max(1.0)).min(f64::from(self.limit.cycles))
+            }
+            _ => f64::from(self.limit.cycles),
+        };
+        self.fraction = self.fraction.max((run / expected).clamp(0.0, 1.0));
+        self.observer.progress(self.fraction, cycle_angle);
+    }
+
+    fn warning(&mut self, warning: &Warning) {
+        self.observer.warning(warning);
+    }
+}
+
+impl Cycles<'_> {
+    fn compare(&mut self) {
+        let now = &self.now.values[self.channels..];
+        let verdict = self.comparison.next(now);
+        self.slowest = verdict.slowest;
+        self.growing = verdict.growing;
+        if let Some(now) = &self.slowest
+            && now.known
+            && (now.change > ABOVE * self.limit.change || self.decay.is_none())
+        {
+            self.decay = Some(now.clone());
+        }
+        self.repeats = match &self.slowest {
+            Some(decay) => {
+                decay.change <= PLAIN * self.limit.change
+                    || (decay.change <= self.limit.change
+                        && decay.known
+                        && decay.distance() <= self.limit.change)
+            }
+            // nothing to compare in a model without channels
+            None => self.channels == 0 && self.done > 1,
+        };
+        let angles: Vec<f64> = self.now.heads[1..]
+            .iter()
+            .map(|h| h.1.unwrap_or(0.0))
+            .collect();
+        let forward = angles.last() >= angles.first();
+        self.orbits.push_back(whirl::Orbits {
+            angles,
+            forward,
+            eccentricities: self.now.orbits[1..].to_vec(),
+        });
+        if self.orbits.len() > ORBITS {
+            self.orbits.pop_front();
+        }
+    }
+
+    /// Gives the last whole cycle to the observer, or, of a run that ended within a cycle, that.
+    fn give(&mut self) {
+        let whole = self.now.heads.len() <= 1 && !self.last.heads.is_empty();
+        let record = if whole { &self.last } else { &self.now };
+        for (i, (time, cycle_angle, cycle_rate, energy)) in record.heads.iter().enumerate() {
+            let flow = self.observer.sample(&Sample {
+                time: *time,
+                cycle_angle: *cycle_angle,
+                cycle_rate: *cycle_rate,
+                values: &record.values[i * self.channels..(i + 1) * self.channels],
+                energy: *energy,
+                eccentricities: &record.orbits[i],
+            });
+            if flow.is_break() {
+                return;
+            }
+        }
+    }
+}

@@ -1,0 +1,320 @@
+//! How a cycle differs from the one before, and how fast the differences shrink.
+
+use eng_system::dimension::Dimension;
+use eng_system::system::System;
+use std::collections::VecDeque;
+use std::f64::consts::PI;
+
+/// Share of the largest value of a dimension (of angles: of the largest swing) below which a channel's own swing does not count:
+/// what is left there is the steps' error.
+const LEAST_SWING: f64 = 1e-2;
+/// Least swing of an angle (rad).
+const LEAST_ANGLE: f64 = 1e-4;
+/// Factor up to which differences that turn count as sustained, not as growing.
+const SUSTAINED: f64 = 1.02;
+/// Share of a growth by which it may differ within a cycle and from the last cycle's.
+const STEADY: f64 = 1e-3;
+/// Squared sine between two differences below which they are one direction.
+const PARALLEL: f64 = 1e-3;
+
+/// The channel that changes most.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decay {
+    /// Index of the channel.
+    pub channel: usize,
+    /// Largest difference from the last cycle, as a share of the channel's swing within a cycle; that counts as at least the smallest
+    /// clearance for a length, and a hundredth of the largest value of the dimension for others.
+    pub change: f64,
+    /// Factor by which such differences shrink from cycle to cycle.
+    pub factor: f64,
+    /// Turn of the differences from cycle to cycle (rad, 0…π): 0 for one that creeps, π for one that alternates.
+    pub turn: f64,
+    /// Whether factor and turn could be estimated: from the third cycle on.
+    pub known: bool,
+}
+
+impl Decay {
+    /// Estimated distance to the limit, as a share of the swing: the sum of all differences to come, `change |λ/(1 − λ)|` with
+    /// `λ = factor·exp(i turn)`. Of a sustained beat (factor 1) it is its amplitude. Infinite for what grows.
+    pub fn distance(&self) -> f64 {
+        let (f, turn) = (self.factor, self.turn);
+        let gap = libm::hypot(1.0 - f * libm::cos(turn), f * libm::sin(turn));
+        if f <= SUSTAINED && gap > 0.0 {
+            self.change * f / gap
+        } else {
+            f64::INFINITY
+        }
+    }
+}
+
+/// A channel that grows by the same amount every cycle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Growth {
+    /// Index of the channel.
+    pub channel: usize,
+    /// Per cycle (SI).
+    pub by: f64,
+}
+
+/// What a comparison found.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Verdict {
+    /// The channel that changes most; absent after the first cycle and without channels.
+    pub slowest: Option<Decay>,
+    /// Channels that grow.
+    pub growing: Vec<Growth>,
+}
+
+/// Compares cycles of samples, each `channels` numbers long.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    dimensions: Vec<Dimension>,
+    /// Least swing of a length (m): a stroke says nothing of a film.
+    length: f64,
+    before: Vec<f64>,
+    /// Differences of the last cycles, the newest first.
+    differences: VecDeque<Vec<f64>>,
+}
+
+impl Comparison {
+    /// For the channels of a system; `length` is the least swing of a length (m), such as a bearing's clearance.
+    pub fn new(system: &System, length: f64) -> Comparison {
+        Comparison::of(
+            system.channels.iter().map(|c| c.dimension).collect(),
+            length,
+        )
+    }
+
+    fn of(dimensions: Vec<Dimension>, length: f64) -> Comparison {
+        Comparison {
+            dimensions,
+            length,
+            before: Vec::new(),
+            differences: VecDeque::new(),
+        }
+    }
+
+    /// Takes the next cycle: samples one after the other.
+    pub fn next(&mut self, values: &[f64]) -> Verdict {
+        let count = self.dimensions.len();
+        let before = std::mem::replace(&mut self.before, values.to_vec());
+        if count == 0 || before.len() != values.len() {
+            return Verdict::default();
+        }
+        let difference: Vec<f64> = values
+            .iter()
+            .zip(&before)
+            .enumerate()
+            .map(|(i, (now, before))| {
+                let d = now - before;
+                if self.dimensions[i % count] == Dimension::ANGLE {
+                    // unwrapped angles go on by whole turns
+                    d - 2.0 * PI * libm::round(d / (2.0 * PI))
+                } else {
+                    d
+                }
+            })
+            .collect();
+        self.differences.push_front(difference);
+        self.differences.truncate(3);
+        let swings = self.swings(values);
+        let mut verdict = Verdict::default();
+        let mut worst = None;
+        for (channel, swing) in swings.iter().enumerate() {
+            let newest = self.column(0, channel);
+            let largest = newest.iter().fold(0.0_f64, |w, d| w.max(d.abs()));
+            if largest == 0.0 {
+                continue;
+            }
+            if let Some(by) = self.growth(channel) {
+                verdict.growing.push(Growth { channel, by });
+                continue;
+            }
+            let change = largest / swing;
+            if worst.is_none_or(|(_, most)| change > most) {
+                worst = Some((channel, change));
+            }
+        }
+        let (channel, change) = worst.unwrap_or((0, 0.0));
+        let shrinking = self.shrinking(channel);
+        verdict.slowest = Some(Decay {
+            channel,
+            change,
+            factor: shrinking.map_or(0.0, |s| s.0),
+            turn: shrinking.map_or(0.0, |s| s.1),
+            known: shrinking.is_some(),
+        });
+        verdict
+    }
+
+    fn column(&self, age: usize, channel: usize) -> Vec<f64> {
+        let count = self.dimensions.len();
+        self.differences.get(age).map_or_else(Vec::new, |d| {
+            d.iter().skip(channel).step_by(count).copied().collect()
+        })
+    }
+
+    /// Swing of each channel within a cycle: largest less smallest, of an angle that goes round less the line through its ends; at
+    /// least a small share of the largest value of its dimension, of lengths a stated length.
+    fn swings(&self, values: &[f64]) -> Vec<f64> {
+        let count = self.dimensions.len();
+        let samples = values.len() / count;
+        let mut swings: Vec<f64> = (0..count)
+            .map(|channel| {
+                let at = |i: usize| values[i * count + channel];
+                let whole = at(samples - 1) - at(0);
+                let slope = if self.dimensions[channel] == Dimension::ANGLE && whole.abs() > PI {
+                    whole / (samples - 1).max(1) as f64
+                } else {
+                    0.0
+                };
+                let level = (0..samples).map(|i| at(i) - slope * i as f64);
+                let (low, high) = level.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+                    (l.min(x), h.max(x))
+                });
+                high - low
+            })
+            .collect();
+        let floors: Vec<f64> = (0..count)
+            .map(|channel| {
+                let dimension = self.dimensions[channel];
+                let alike = (0..count).filter(|i| self.dimensions[*i] == dimension);
+                if dimension == Dimension::LENGTH {
+                    self.length
+                } else if dimension == Dimension::ANGLE {
+                    alike.fold(LEAST_ANGLE, |w, i| w.max(LEAST_SWING * swings[i]))
+                } else {
+                    alike
+                        .flat_map(|i| values.iter().skip(i).step_by(count))
+                        .fold(0.0_f64, |w, x| w.max(LEAST_SWING * x.abs()))
+                }
+            })
+            .collect();
+        for (swing, floor) in swings.iter_mut().zip(floors) {
+            *swing = swing.max(floor).max(f64::MIN_POSITIVE);
+        }
+        swings
+    }
+
+    /// The growth a cycle of a channel whose difference is the same all over the cycle, and was the cycle before.
+    fn growth(&self, channel: usize) -> Option<f64> {
+        let mean_and_spread = |age: usize| {
+            let d = self.column(age, channel);
+            let mean = d.iter().sum::<f64>() / d.len().max(1) as f64;
+            let spread = d.iter().fold(0.0_f64, |w, x| w.max((x - mean).abs()));
+            (!d.is_empty()).then_some((mean, spread))
+        };
+        let (now, spread) = mean_and_spread(0)?;
+        let (before, _) = mean_and_spread(1)?;
+        let same = |x: f64| x.abs() <= STEADY * now.abs();
+        (same(spread) && same(now - before)).then_some(now)
+    }
+
+    /// Factor and turn of the slowest of the two modes that explain a channel's last three differences best,
+    /// `d₀ = a d₁ + b d₂`; of one mode where only two are known, or where they are one direction.
+    fn shrinking(&self, channel: usize) -> Option<(f64, f64)> {
+        let (d0, d1, d2) = (
+            self.column(0, channel),
+            self.column(1, channel),
+            self.column(2, channel),
+        );
+        let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+        let s11 = dot(&d1, &d1);
+        if d1.is_empty() || s11 == 0.0 {
+            return None;
+        }
+        let single = dot(&d0, &d1) / s11;
+        let alone = (single.abs(), if single < 0.0 { PI } else { 0.0 });
+        let (s12, s22) = (dot(&d1, &d2), dot(&d2, &d2));
+        let determinant = s11 * s22 - s12 * s12;
+        if d2.is_empty() || determinant <= PARALLEL * s11 * s22 {
+            return Some(alone);
+        }
+        let (r1, r2) = (dot(&d0, &d1), dot(&d0, &d2));
+        let a = (r1 * s22 - r2 * s12) / determinant;
+        let b = (r2 * s11 - r1 * s12) / determinant;
+        let discriminant = 0.25 * a * a + b;
+        Some(if discriminant < 0.0 {
+            let factor = libm::sqrt(-b);
+            (factor, libm::acos((0.5 * a / factor).clamp(-1.0, 1.0)))
+        } else {
+            let root = libm::sqrt(discriminant);
+            let (high, low) = (0.5 * a + root, 0.5 * a - root);
+            let slow = if high.abs() >= low.abs() { high } else { low };
+            (slow.abs(), if slow < 0.0 { PI } else { 0.0 })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SAMPLES: usize = 48;
+
+    /// Cycles of one channel and a counter, made of the periodic part and decaying modes.
+    fn verdicts(cycles: usize, sample: impl Fn(usize, f64) -> f64) -> Vec<Verdict> {
+        let mut comparison = Comparison::of(vec![Dimension::ONE, Dimension::TIME], 1e-3);
+        (0..cycles)
+            .map(|k| {
+                let mut values = Vec::new();
+                for i in 0..SAMPLES {
+                    let t = (i as f64 + 1.0) / SAMPLES as f64;
+                    values.push(sample(k, t));
+                    values.push(k as f64 + t);
+                }
+                comparison.next(&values)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn finds_the_factor_of_one_mode() {
+        let periodic = |t: f64| libm::sin(2.0 * PI * t);
+        let found = verdicts(6, |k, t| periodic(t) + libm::pow(0.6, k as f64 + t) * 0.1);
+        assert_eq!(found[0], Verdict::default());
+        let last = found[5].slowest.clone().unwrap();
+        assert_eq!(last.channel, 0);
+        assert!((last.factor - 0.6).abs() < 1e-9, "{last:?}");
+        assert_eq!(last.turn, 0.0);
+        // what is left is the sum of all later differences
+        let left = 0.1 * libm::pow(0.6, 5.0);
+        assert!(
+            (last.distance() * 2.0 - left).abs() < 0.05 * left,
+            "{last:?} {left}"
+        );
+        assert_eq!(
+            found[5].growing,
+            vec![Growth {
+                channel: 1,
+                by: 1.0
+            }]
+        );
+    }
+
+    #[test]
+    fn finds_a_turning_mode_beside_a_faster_one() {
+        // the slow pair: 0.7 a cycle, turning by 2 rad a cycle
+        let found = verdicts(12, |k, t| {
+            let x = k as f64 + t;
+            libm::cos(2.0 * PI * t)
+                + 0.3 * libm::pow(0.7, x) * libm::cos(2.0 * x)
+                + 0.2 * libm::pow(0.1, x)
+        });
+        let last = found[11].slowest.clone().unwrap();
+        assert!((last.factor - 0.7).abs() < 1e-6, "{last:?}");
+        assert!((last.turn - 2.0).abs() < 1e-6, "{last:?}");
+    }
+
+    #[test]
+    fn a_sustained_beat_does_not_repeat() {
+        let found = verdicts(12, |k, t| {
+            libm::cos(2.0 * PI * t) + 0.05 * libm::cos(2.0 * PI * 0.93 * (k as f64 + t))
+        });
+        let last = found[11].slowest.clone().unwrap();
+        // 0.05 of a swing of 2.1
+        assert!((last.factor - 1.0).abs() < 1e-9, "{last:?}");
+        assert!((0.02..0.03).contains(&last.distance()), "{last:?}");
+        assert!((last.turn - 2.0 * PI * 0.07).abs() < 1e-6, "{last:?}");
+    }
+}

@@ -1,0 +1,175 @@
+//! Half-speed whirl of journals: motion of the pin at about half the shaft's speed that does not repeat with the cycle.
+//!
+//! With the complex eccentricity `z = e_x + i e_y` (shell's axes) over the last cycles, less its mean over them at each angle, the
+//! part at half the speed is `c_k = mean over cycle k of z exp(∓i θ/2)`, in the sense in which it is larger. A whirl at the order
+//! ν turns c_k by `±(ν − ½) P` a cycle of P rad; the mean of that turn gives ν. In a four-stroke engine what repeats with the cycle
+//! has content at order ½ as well: it is taken off with the mean.
+
+/// Fewest cycles that show a whirl.
+const FEWEST: usize = 4;
+
+/// The orbits of a cycle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Orbits {
+    /// Cycle angle of each sample (rad).
+    pub angles: Vec<f64>,
+    /// Whether the cycle turns in the positive sense.
+    pub forward: bool,
+    /// e of each journal (m) at each sample.
+    pub eccentricities: Vec<Vec<[f64; 2]>>,
+}
+
+/// The whirl of one journal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Whirl {
+    /// Index of the journal.
+    pub journal: usize,
+    /// Radius of the part at about half speed that does not repeat (m), root of the mean square over the cycles.
+    pub radius: f64,
+    /// Its speed over the shaft's.
+    pub order: f64,
+    /// Its growth from cycle to cycle: below 1 it dies away.
+    pub growth: f64,
+}
+
+/// Looks for whirl in successive cycles of one period (rad) and of alike samples; empty where these are too few.
+pub fn find(cycles: &[Orbits], period: f64) -> Vec<Whirl> {
+    let Some(first) = cycles.first().filter(|_| cycles.len() >= FEWEST) else {
+        return Vec::new();
+    };
+    let samples = first.angles.len();
+    let alike = |c: &&Orbits| c.angles.len() == samples && c.eccentricities.len() == samples;
+    let cycles: Vec<&Orbits> = cycles.iter().filter(alike).collect();
+    let journals = first.eccentricities.first().map_or(0, Vec::len);
+    (0..journals)
+        .filter_map(|journal| whirl_of(&cycles, journal, period))
+        .collect()
+}
+
+/// The larger of the two senses: the cycle's angle need not be counted about the shell's z.
+fn whirl_of(cycles: &[&Orbits], journal: usize, period: f64) -> Option<Whirl> {
+    let along = in_sense(cycles, journal, period, 1.0)?;
+    let against = in_sense(cycles, journal, period, -1.0)?;
+    let found = if against.radius > along.radius {
+        against
+    } else {
+        along
+    };
+    (found.radius > 0.0).then_some(found)
+}
+
+fn in_sense(cycles: &[&Orbits], journal: usize, period: f64, sense: f64) -> Option<Whirl> {
+    let count = cycles.len() as f64;
+    let samples = cycles.first()?.angles.len();
+    let mut parts: Vec<[f64; 2]> = vec![[0.0; 2]; cycles.len()];
+    for i in 0..samples {
+        let at = |c: &Orbits| {
+            c.eccentricities
+                .get(i)
+                .and_then(|e| e.get(journal))
+                .copied()
+                .unwrap_or_default()
+        };
+        let mean = cycles.iter().fold([0.0; 2], |sum, c| {
+            let e = at(c);
+            [sum[0] + e[0] / count, sum[1] + e[1] / count]
+        });
+        for (part, cycle) in parts.iter_mut().zip(cycles) {
+            let e = at(cycle);
+            let [x, y] = [e[0] - mean[0], e[1] - mean[1]];
+            let half = -0.5 * sense * cycle.angles.get(i)?;
+            let (s, c) = (libm::sin(half), libm::cos(half));
+            part[0] += (x * c - y * s) / samples as f64;
+            part[1] += (x * s + y * c) / samples as f64;
+        }
+    }
+    let square = |p: &[f64; 2]| p[0] * p[0] + p[1] * p[1];
+    let radius = libm::sqrt(parts.iter().map(square).sum::<f64>() / count);
+    // Σ c_{k+1} conj(c_k)
+    let (mut real, mut imaginary, mut before) = (0.0, 0.0, 0.0);
+    for pair in parts.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        real += b[0] * a[0] + b[1] * a[1];
+        imaginary += b[1] * a[0] - b[0] * a[1];
+        before += square(&a);
+    }
+    let turn = libm::atan2(imaginary, real);
+    let forward = if cycles.first()?.forward { 1.0 } else { -1.0 };
+    Some(Whirl {
+        journal,
+        radius,
+        order: 0.5 + sense * forward * turn / period,
+        growth: if before > 0.0 {
+            libm::hypot(real, imaginary) / before
+        } else {
+            0.0
+        },
+    })
+}
+
+/// Orders between which a whirl is at about half speed.
+pub const HALF_SPEED: (f64, f64) = (0.35, 0.55);
+
+impl Whirl {
+    /// Whether it is at about half speed and does not die away fast.
+    pub fn is_sustained(&self) -> bool {
+        (HALF_SPEED.0..=HALF_SPEED.1).contains(&self.order) && self.growth > 0.9
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    fn cycles(period: f64, sense: f64, count: usize, e: impl Fn(f64) -> [f64; 2]) -> Vec<Orbits> {
+        let samples = 180;
+        (0..count)
+            .map(|k| {
+                let angles: Vec<f64> = (1..=samples)
+                    .map(|i| sense * period * (k as f64 + i as f64 / samples as f64))
+                    .collect();
+                Orbits {
+                    eccentricities: angles.iter().map(|a| vec![e(*a)]).collect(),
+                    forward: sense > 0.0,
+                    angles,
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn finds_order_and_radius_beside_the_repeating_orbit() {
+        for (period, sense) in [(4.0 * PI, 1.0), (4.0 * PI, -1.0), (2.0 * PI, 1.0)] {
+            let order = 0.47;
+            let found = find(
+                &cycles(period, sense, 8, |a| {
+                    // a repeating orbit far larger than the whirl
+                    let b = 2.0 * PI * a / period;
+                    [
+                        10.0 * libm::cos(b) + 3.0 + 0.2 * libm::cos(order * a),
+                        8.0 * libm::sin(2.0 * b) + 0.2 * libm::sin(order * a),
+                    ]
+                }),
+                period,
+            );
+            assert_eq!(found.len(), 1);
+            let whirl = found[0];
+            assert!((whirl.order - order).abs() < 0.02, "{whirl:?}");
+            assert!((0.12..0.22).contains(&whirl.radius), "{whirl:?}");
+            assert!(whirl.is_sustained(), "{whirl:?}");
+        }
+    }
+
+    #[test]
+    fn what_repeats_is_no_whirl() {
+        let found = find(
+            &cycles(4.0 * PI, 1.0, 6, |a| {
+                [libm::cos(0.5 * a), libm::sin(0.5 * a)]
+            }),
+            4.0 * PI,
+        );
+        assert!(found.iter().all(|w| w.radius < 1e-12), "{found:?}");
+        assert!(find(&cycles(4.0 * PI, 1.0, 3, |_| [1.0, 0.0]), 4.0 * PI).is_empty());
+    }
+}

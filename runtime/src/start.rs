@@ -1,0 +1,198 @@
+//! How a motion begins: as assembled, or quasi-statically.
+//!
+//! Assembly gives positions that close every joint and velocities of least energy. A turning engine that starts there rings: its
+//! pins do not stand where the films carry them, its flexible bodies are straight. The **quasi-static start** solves for the state
+//! in which
+//!
+//! - what the text states holds: every `start` row, the cycle's angle, and what is stated to move stays where it is;
+//! - the motion is steady ([`motion`]): modal rates, the rates of the eccentricities seen from their shells and the relative rates
+//!   of springs are zero, and remain zero;
+//! - all other freedoms are in balance ([`balance`]) with the inertia of that motion, gas, gravity and the films.
+//!
+//! The accelerations of the simulation's start are then those of the steady motion, save along what is held: there the engine
+//! speeds up or slows down as the loads of the moment want. It takes the ringing of stiff modes and films away. It is no periodic
+//! state: the slow modes of the drive line begin with no twist but what the text states.
+
+pub mod balance;
+pub mod motion;
+mod picking;
+
+use crate::dynamics::Dynamics;
+use crate::elements::Inputs;
+use crate::error::RuntimeError;
+use crate::model::Model;
+use crate::outputs::{Outputs, Watch};
+use crate::state::State;
+use balance::Balance;
+use eng_system::system::{ConditionKind, Origin, Role, Start};
+
+/// Where a simulation began.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StartReport {
+    /// As assembled.
+    Assembled,
+    /// In quasi-static balance.
+    QuasiStatic(Equilibrium),
+    /// As assembled, because the balance was not found.
+    NoBalance(Obstacle),
+    /// From a checkpoint.
+    Resumed,
+}
+
+/// A quasi-static start.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Equilibrium {
+    /// Freedoms in balance.
+    pub freedoms: usize,
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Portions in which the load was put on.
+    pub portions: usize,
+    /// Where the films stand.
+    pub journals: Vec<JournalStart>,
+    /// What is held at its place, with the force that would hold it: it is not in balance.
+    pub held: Vec<Held>,
+}
+
+/// A journal at the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JournalStart {
+    /// Path of the journal.
+    pub path: String,
+    /// |e|/c.
+    pub ratio: f64,
+}
+
+/// A direction that is not in balance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Held {
+    /// What holds it: the path of a `start`, or the cycle.
+    pub origin: Origin,
+    /// The generalised force that would hold it, in its row's unit (N for lengths, N m for angles).
+    pub effort: f64,
+    /// Whether the row is a length.
+    pub is_length: bool,
+}
+
+/// What stands in the way of a balance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// The journal, body or element.
+    pub origin: Origin,
+    /// What it does.
+    pub message: String,
+    /// Part of the load that was carried, 0…1.
+    pub carried: f64,
+}
+
+impl std::fmt::Display for StartReport {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            StartReport::Assembled => f.write_str("start: as assembled"),
+            StartReport::Resumed => f.write_str("start: from a checkpoint"),
+            StartReport::QuasiStatic(e) => {
+                write!(
+                    f,
+                    "start: quasi-static; {} freedoms in balance after {} iterations",
+                    e.freedoms, e.iterations
+                )?;
+                if e.portions > 1 {
+                    write!(f, " in {} portions of the load", e.portions)?;
+                }
+                let ratios = e.journals.iter().map(|j| j.ratio);
+                if let (Some(low), Some(high)) =
+                    (ratios.clone().reduce(f64::min), ratios.reduce(f64::max))
+                {
+                    write!(f, "; eccentricity ratios {low:.3} to {high:.3}")?;
+                }
+                for held in &e.held {
+                    let unit = if held.is_length { "N" } else { "N m" };
+                    write!(
+                        f,
+                        "; {} held with {:.4} {unit}",
+                        held.origin.path, held.effort
+                    )?;
+                }
+                Ok(())
+            }
+            StartReport::NoBalance(o) => write!(
+                f,
+                "start: as assembled; no quasi-static balance with more than {:.3} % of the load: {}: {}",
+                100.0 * o.carried,
+                o.origin.path,
+                o.message
+            ),
+        }
+    }
+}
+
+/// Whether an unstated start is quasi-static: the cycle turns at the start, and there are films to stand in or bodies to bend.
+fn is_turning_engine(model: &Model, state: &State) -> Result<bool, RuntimeError> {
+    let Some(cycle) = &model.compiled.system.cycle else {
+        return Ok(false);
+    };
+    if model.compiled.system.journals.is_empty() && model.bodies.iter().all(|b| b.modes() == 0) {
+        return Ok(false);
+    }
+    let mut watch = Outputs::watching(model, cycle.element as usize)?;
+    let mut dynamics = Dynamics::new(model);
+    dynamics.place(model, state.time, &state.pose, &state.velocity);
+    watch.evaluate(model, &dynamics, state)?;
+    Ok(watch.watched_values[1] != 0.0)
+}
+
+/// A condition that must hold at every state and does not hold in the balance: a pin that would touch its shell.
+fn forbidden(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeError> {
+    let elements = &model.compiled.system.elements;
+    let mut watch = Watch::new(model, |e| {
+        matches!(elements[e].role, Role::Dynamic | Role::Output)
+    });
+    let mut dynamics = Dynamics::new(model);
+    dynamics.place(model, state.time, &state.pose, &state.velocity);
+    let from = Inputs {
+        time: state.time,
+        markers: &dynamics.markers,
+        states: &state.states,
+        multipliers: &state.multipliers,
+        rotations: &state.rotations,
+    };
+    let mut found = None;
+    watch.violations(
+        model,
+        &from,
+        |kind| *kind == ConditionKind::Require,
+        |violation, values| {
+            let condition = &model.class(violation.element).conditions[violation.condition];
+            found.get_or_insert_with(|| Obstacle {
+                origin: elements[violation.element].origin.clone(),
+                message: condition.told(values),
+                carried: 1.0,
+            });
+        },
+    )?;
+    Ok(found)
+}
+
+/// Brings an assembled state to the start that is asked for.
+pub fn begin(model: &Model, state: &mut State, start: Start) -> Result<StartReport, RuntimeError> {
+    let wanted = match start {
+        Start::Assembled => false,
+        Start::QuasiStatic => true,
+        Start::Automatic => is_turning_engine(model, state)?,
+    };
+    if !wanted {
+        return Ok(StartReport::Assembled);
+    }
+    let mut trial = state.clone();
+    match Balance::new(model, &trial).and_then(|mut balance| balance.solve(&mut trial)) {
+        Ok(equilibrium) => {
+            if let Some(obstacle) = forbidden(model, &trial)? {
+                return Ok(StartReport::NoBalance(obstacle));
+            }
+            state.copy_from(&trial);
+            Ok(StartReport::QuasiStatic(equilibrium))
+        }
+        Err(balance::Stop::Obstacle(obstacle)) => Ok(StartReport::NoBalance(obstacle)),
+        Err(balance::Stop::Error(error)) => Err(error),
+    }
+}

@@ -1,0 +1,680 @@
+//! Balance of the freedoms that nothing states, in the steady motion: Newton's method with the exact matrix, the load put on in
+//! portions.
+//!
+//! Unknowns are increments of the places, multipliers λ of the constraints and efforts σ of what is held:
+//!
+//! ```text
+//! r = M v̇ − Q_v − Q_g − Σ JᵀW + Gᵀλ + Eᵀσ = (1 − s) r₀        Φ = 0        E: what is held stays
+//! ```
+//!
+//! with the velocities and accelerations of the steady motion, s from 0 to 1 and r₀ the residual of the assembled place, so
+//! that s = 0 is solved there. The portions of s are halved where Newton's method fails. No iterate comes nearer to a shell than a
+//! quarter of the film that is left.
+
+use super::motion::{NoMotion, SteadyMotion, film_ratios};
+use super::picking::{split, unit_rows};
+use super::{Equilibrium, Held, JournalStart, Obstacle};
+use crate::assembly::at;
+use crate::assembly::rows::{Along, Rows};
+use crate::body::{BodyModel, Weights};
+use crate::dynamics::Dynamics;
+use crate::dynamics::matrix::MatrixPlan;
+use crate::error::RuntimeError;
+use crate::model::Model;
+use crate::outputs::Outputs;
+use crate::state::{State, move_pose};
+use eng_system::system::{Origin, Role};
+use nalgebra::{DMatrix, DVector};
+
+/// A freedom whose stiffness is below this share of its inertia times the square of the engine's pace is held by nothing.
+const NEUTRAL: f64 = 1e-6;
+/// Part of a film that an iterate leaves.
+const LEFT: f64 = 0.25;
+/// Largest move of an iterate, in the model's length or rad.
+const REACH: f64 = 0.2;
+/// Iterations of a portion.
+const ITERATIONS: usize = 25;
+/// Smallest portion of the load.
+const PORTION: f64 = 1e-3;
+/// Scaled effort above which a freedom without stiffness is loaded.
+const UNHELD: f64 = 1e-6;
+/// Rounds of velocities and accelerations.
+const ROUNDS: usize = 8;
+
+/// Why a balance was not found.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stop {
+    /// Something stands in the way.
+    Obstacle(Obstacle),
+    /// The model cannot be evaluated.
+    Error(RuntimeError),
+}
+
+impl From<RuntimeError> for Stop {
+    fn from(error: RuntimeError) -> Stop {
+        match error {
+            RuntimeError::NotFinite { origin, .. } => Stop::Obstacle(Obstacle {
+                origin: *origin,
+                message: "its force is no number here".to_owned(),
+                carried: 0.0,
+            }),
+            other => Stop::Error(other),
+        }
+    }
+}
+
+/// The search for the balance of one model.
+#[derive(Debug)]
+pub struct Balance<'a> {
+    model: &'a Model,
+    motion: SteadyMotion,
+    dynamics: Dynamics,
+    plan: MatrixPlan,
+    values: Vec<f64>,
+    /// `start` rows on positions.
+    stated: Rows,
+    /// Those of [stated rows; fixed rows] that hold, none following from others.
+    holding: Vec<usize>,
+    /// Rows of what is held beside the stated positions, in scaled velocities.
+    fixed: DMatrix<f64>,
+    fixed_names: Vec<(Origin, bool)>,
+    factors: Vec<f64>,
+    /// Rows of freedoms that nothing holds.
+    neutral: DMatrix<f64>,
+    freedoms: usize,
+    /// Force times length against which residuals are measured.
+    unit: f64,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+}
+
+/// A place with its multipliers and efforts.
+#[derive(Clone, Debug)]
+struct Place {
+    state: State,
+    efforts: DVector<f64>,
+}
+
+impl<'a> Balance<'a> {
+    /// Decides what moves, what is held and what is in balance, at an assembled state.
+    pub fn new(model: &'a Model, state: &State) -> Result<Balance<'a>, Stop> {
+        let system = &model.compiled.system;
+        let motion = SteadyMotion::new(model, state).map_err(|e| locked(model, e))?;
+        let stated = Rows::new(
+            model,
+            (0..model.elements.len())
+                .filter(|e| {
+                    system.elements[*e].role == Role::StartPosition { exact: true }
+                        && !model.class(*e).rows.is_empty()
+                })
+                .collect(),
+        );
+        let (velocity, acceleration) = motion.rates(model, state).map_err(|e| locked(model, e))?;
+        let pace = motion.pace(&velocity);
+        let pace = if pace > 0.0 { pace } else { 1.0 };
+        let plan = MatrixPlan::new(model);
+        let mut balance = Balance {
+            model,
+            dynamics: Dynamics::new(model),
+            values: vec![0.0; plan.pattern.rows.len()],
+            plan,
+            stated,
+            holding: Vec::new(),
+            fixed: DMatrix::zeros(0, model.velocities),
+            fixed_names: Vec::new(),
+            factors: Vec::new(),
+            neutral: DMatrix::zeros(0, model.velocities),
+            freedoms: 0,
+            unit: model.mass * model.length * model.length * pace * pace,
+            velocity,
+            acceleration,
+            motion,
+        };
+        balance.hold_what_moves(state)?;
+        let (_, mut rows) = balance.holds(state)?;
+        balance.factors = unit_rows(&mut rows, 1e-12);
+        let mut free = balance.motion.free.clone();
+        for i in 0..rows.nrows() {
+            let left = split(&(rows.rows(i, 1) * &free)).ok_or_else(|| not_finite(model))?;
+            if left.pick.nrows() > 0 {
+                balance.holding.push(i);
+                free *= left.free;
+            }
+        }
+        balance.freedoms = free.ncols();
+        balance.find_neutral(state, &free, pace)?;
+        Ok(balance)
+    }
+
+    /// Rows of what is stated to move, and of the cycle's angle.
+    fn hold_what_moves(&mut self, state: &State) -> Result<(), Stop> {
+        let model = self.model;
+        let system = &model.compiled.system;
+        let mut rows: Vec<(Vec<f64>, Origin, bool)> = Vec::new();
+        let starts = Rows::new(
+            model,
+            (0..model.elements.len())
+                .filter(|e| {
+                    system.elements[*e].role == Role::StartVelocity { exact: true }
+                        && !model.class(*e).rows.is_empty()
+                })
+                .collect(),
+        );
+        let mut resting = state.clone();
+        resting.velocity.fill(0.0);
+        let (values, mut matrix) = starts.evaluate(model, &at(&resting), Along::Velocity)?;
+        for (mut column, scale) in matrix.column_iter_mut().zip(self.motion.scales()) {
+            column.scale_mut(*scale);
+        }
+        if let Some(cycle) = &system.cycle {
+            let row = self.cycle_rate(cycle.element as usize, state)?;
+            rows.push((row, cycle.origin.clone(), false));
+        }
+        for (i, (element, row)) in starts.owners.iter().enumerate() {
+            if values[i] != 0.0 {
+                let length = model.class(*element).rows[*row].dimension
+                    == eng_system::Dimension::LENGTH.over(eng_system::Dimension::TIME);
+                rows.push((
+                    matrix.row(i).iter().copied().collect(),
+                    system.elements[*element].origin.clone(),
+                    length,
+                ));
+            }
+        }
+        self.fixed = DMatrix::from_fn(rows.len(), model.velocities, |i, j| rows[i].0[j]);
+        self.fixed_names = rows.into_iter().map(|(_, o, l)| (o, l)).collect();
+        Ok(())
+    }
+
+    /// The cycle's rate by scaled velocities: it is affine in them.
+    fn cycle_rate(&mut self, element: usize, state: &State) -> Result<Vec<f64>, Stop> {
+        let model = self.model;
+        let mut watch = Outputs::watching(model, element)?;
+        let mut moving = state.clone();
+        moving.velocity.fill(0.0);
+        moving.acceleration.fill(0.0);
+        let mut rate = |dynamics: &mut Dynamics, moving: &State| -> Result<f64, RuntimeError> {
+            dynamics.place(model, moving.time, &moving.pose, &moving.velocity);
+            watch.evaluate(model, dynamics, moving)?;
+            Ok(watch.watched_values[1])
+        };
+        let still = rate(&mut self.dynamics, &moving)?;
+        let mut row = Vec::with_capacity(model.velocities);
+        for i in 0..model.velocities {
+            let scale = self.motion.scales()[i];
+            moving.velocity[i] = scale;
+            row.push(rate(&mut self.dynamics, &moving)? - still);
+            moving.velocity[i] = 0.0;
+        }
+        Ok(row)
+    }
+
+    /// Values and rows (scaled velocities) of everything that may be held.
+    fn holds(&self, state: &State) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
+        let n = self.model.velocities;
+        let (values, matrix) = self.stated.evaluate(self.model, &at(state), Along::Pose)?;
+        let count = matrix.nrows();
+        let rows = DMatrix::from_fn(count + self.fixed.nrows(), n, |i, j| {
+            if i < count {
+                matrix[(i, j)] * self.motion.scales()[j]
+            } else {
+                self.fixed[(i - count, j)]
+            }
+        });
+        let values = DVector::from_fn(rows.nrows(), |i, _| if i < count { values[i] } else { 0.0 });
+        Ok((values, rows))
+    }
+
+    /// What is held at a place: values and rows.
+    fn held(&self, state: &State) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
+        let (mut values, mut rows) = self.holds(state)?;
+        for (i, factor) in self.factors.iter().enumerate() {
+            values[i] *= factor;
+            rows.row_mut(i).scale_mut(*factor);
+        }
+        let (values, rows) = (
+            values.select_rows(&self.holding),
+            rows.select_rows(&self.holding),
+        );
+        let count = rows.nrows();
+        let all = DMatrix::from_fn(count + self.neutral.nrows(), rows.ncols(), |i, j| {
+            if i < count {
+                rows[(i, j)]
+            } else {
+                self.neutral[(i - count, j)]
+            }
+        });
+        let values = DVector::from_fn(all.nrows(), |i, _| if i < count { values[i] } else { 0.0 });
+        Ok((values, all))
+    }
+
+    /// Freedoms without stiffness: in mass-normalised coordinates of the free space, small singular values of the stiffness.
+    fn find_neutral(&mut self, state: &State, free: &DMatrix<f64>, pace: f64) -> Result<(), Stop> {
+        let model = self.model;
+        let n = model.velocities;
+        if free.ncols() == 0 {
+            return Ok(());
+        }
+        let place = Place {
+            state: state.clone(),
+            efforts: DVector::zeros(0),
+        };
+        self.residual(&place)?;
+        let matrix = self.matrix(&place.state)?;
+        let stiffness = free.transpose() * matrix.view((0, 0), (n, n)) * free * self.unit;
+        let mass = free.transpose() * self.motion.mass(model, state) * free;
+        let floor = 1e-12 * mass.diagonal().amax();
+        let count = mass.nrows();
+        let mass = mass + DMatrix::identity(count, count) * floor;
+        let root = mass
+            .cholesky()
+            .map(|c| c.l())
+            .and_then(|l| l.try_inverse())
+            .ok_or_else(|| not_finite(model))?;
+        let normal = &root * stiffness * root.transpose() / (pace * pace);
+        let svd = normal
+            .try_svd(false, true, f64::EPSILON, 10_000)
+            .ok_or_else(|| not_finite(model))?;
+        let right = svd.v_t.ok_or_else(|| not_finite(model))?;
+        let weak: Vec<usize> = (0..count)
+            .filter(|i| svd.singular_values[*i] <= NEUTRAL)
+            .collect();
+        self.neutral = DMatrix::from_fn(weak.len(), n, |i, j| {
+            // coordinates z = L⁻ᵀ right: directions free · L⁻ᵀ · right
+            (0..count)
+                .map(|a| {
+                    let inner: f64 = (0..count).map(|b| root[(b, a)] * right[(weak[i], b)]).sum();
+                    free[(j, a)] * inner
+                })
+                .sum()
+        });
+        unit_rows(&mut self.neutral, 0.0);
+        self.freedoms -= weak.len();
+        Ok(())
+    }
+
+    /// Scaled residual: balance, constraints, holds.
+    fn residual(&mut self, place: &Place) -> Result<DVector<f64>, RuntimeError> {
+        let model = self.model;
+        let (n, m) = (model.velocities, model.rows);
+        let state = &place.state;
+        self.dynamics
+            .place(model, state.time, &state.pose, &self.velocity);
+        self.dynamics
+            .gather(model, &state.states, &state.multipliers, &state.rotations);
+        self.dynamics.evaluate(model)?;
+        let mut balance = vec![0.0; n];
+        self.dynamics
+            .add_inertia(model, &self.velocity, &self.acceleration, &mut balance);
+        self.dynamics.add_forces(model, -1.0, &mut balance);
+        let (values, rows) = self.held(state)?;
+        let mut out = DVector::zeros(n + m + rows.nrows());
+        for i in 0..n {
+            let held: f64 = (0..place.efforts.len())
+                .map(|k| rows[(k, i)] * place.efforts[k])
+                .sum();
+            out[i] = balance[i] * self.motion.scales()[i] / self.unit + held;
+        }
+        for (i, scale) in model.row_scales().iter().enumerate() {
+            out[n + i] = self.dynamics.constraints[i] / scale;
+        }
+        for i in 0..rows.nrows() {
+            out[n + m + i] = values[i];
+        }
+        Ok(out)
+    }
+
+    /// The scaled matrix at the place of the last residual.
+    fn matrix(&mut self, state: &State) -> Result<DMatrix<f64>, RuntimeError> {
+        let model = self.model;
+        let (n, m, s) = (model.velocities, model.rows, model.states);
+        let zeros = vec![0.0; n];
+        self.plan.fill(
+            model,
+            &mut self.dynamics,
+            &self.velocity,
+            &self.acceleration,
+            &zeros,
+            Weights {
+                acceleration: 0.0,
+                velocity: 0.0,
+            },
+            1.0,
+            &mut self.values,
+        )?;
+        let (_, rows) = self.held(state)?;
+        let size = n + m + rows.nrows();
+        let mut out = DMatrix::zeros(size, size);
+        let scales = self.motion.scales();
+        let row_scales = model.row_scales();
+        let index = |i: usize| {
+            if i < n {
+                Some(i)
+            } else if i < n + s {
+                None
+            } else {
+                Some(i - s)
+            }
+        };
+        let pattern = &self.plan.pattern;
+        for column in 0..pattern.size {
+            let Some(c) = index(column) else { continue };
+            for k in pattern.columns[column]..pattern.columns[column + 1] {
+                let Some(r) = index(pattern.rows[k]) else {
+                    continue;
+                };
+                let value = self.values[k];
+                out[(r, c)] = match (r < n, c < n) {
+                    (true, true) => value * scales[r] * scales[c] / self.unit,
+                    (true, false) => value * scales[r] / row_scales[c - n],
+                    (false, true) => value * scales[c] / row_scales[r - n],
+                    (false, false) => 0.0,
+                };
+            }
+        }
+        for i in 0..rows.nrows() {
+            for j in 0..n {
+                out[(n + m + i, j)] = rows[(i, j)];
+                out[(j, n + m + i)] = rows[(i, j)];
+            }
+        }
+        Ok(out)
+    }
+
+    /// Brings a state into balance: its places, velocities and multipliers.
+    pub fn solve(&mut self, state: &mut State) -> Result<Equilibrium, Stop> {
+        let model = self.model;
+        let mut place = Place {
+            state: state.clone(),
+            efforts: DVector::zeros(self.holding.len() + self.neutral.nrows()),
+        };
+        place.state.multipliers.fill(0.0);
+        let mut found = Equilibrium {
+            freedoms: self.freedoms,
+            ..Equilibrium::default()
+        };
+        let goal = (1e-5 * model.tolerance / model.length).max(1e-14);
+        for round in 0..ROUNDS {
+            let before = place.state.pose.clone();
+            self.load(&mut place, goal, &mut found, round == 0)?;
+            let moved = before
+                .iter()
+                .zip(&place.state.pose)
+                .fold(0.0_f64, |w, (a, b)| w.max((a - b).abs()));
+            let (velocity, acceleration) = self
+                .motion
+                .rates(model, &place.state)
+                .map_err(|e| locked(model, e))?;
+            self.velocity = velocity;
+            self.acceleration = acceleration;
+            if round > 0 && moved <= 1e-3 * model.tolerance {
+                break;
+            }
+        }
+        place.state.velocity.copy_from_slice(&self.velocity);
+        found.journals = model
+            .compiled
+            .system
+            .journals
+            .iter()
+            .zip(film_ratios(model, &place.state.pose))
+            .map(|(journal, ratio)| JournalStart {
+                path: model.compiled.system.elements[journal.element as usize]
+                    .origin
+                    .path
+                    .clone(),
+                ratio,
+            })
+            .collect();
+        if let Some(obstacle) = self.unheld(&place) {
+            return Err(Stop::Obstacle(obstacle));
+        }
+        found.held = self.told(&place);
+        state.copy_from(&place.state);
+        Ok(found)
+    }
+
+    /// Puts the load on in portions, with the velocities and accelerations as they are.
+    fn load(
+        &mut self,
+        place: &mut Place,
+        goal: f64,
+        found: &mut Equilibrium,
+        first: bool,
+    ) -> Result<(), Stop> {
+        let n = self.model.velocities;
+        let offset = self.residual(place)?.rows(0, n).into_owned();
+        let (mut done, mut portion) = (0.0_f64, 1.0_f64);
+        while done < 1.0 {
+            let next = (done + portion).min(1.0);
+            let mut trial = place.clone();
+            match self.newton(&mut trial, &(&offset * (1.0 - next)), goal, found)? {
+                None => {
+                    *place = trial;
+                    done = next;
+                    portion *= 2.0;
+                    if first {
+                        found.portions += 1;
+                    }
+                }
+                Some((origin, message)) => {
+                    portion *= 0.5;
+                    if portion < PORTION {
+                        return Err(Stop::Obstacle(Obstacle {
+                            origin,
+                            message,
+                            carried: done,
+                        }));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Newton's method; what stood in the way, if it failed.
+    fn newton(
+        &mut self,
+        place: &mut Place,
+        offset: &DVector<f64>,
+        goal: f64,
+        found: &mut Equilibrium,
+    ) -> Result<Option<(Origin, String)>, Stop> {
+        let model = self.model;
+        let (n, m) = (model.velocities, model.rows);
+        let scales = self.motion.scales().to_vec();
+        let row_scales = model.row_scales();
+        let mut last = f64::INFINITY;
+        let mut worst = None;
+        let mut pose = place.state.pose.clone();
+        for _ in 0..ITERATIONS {
+            let mut residual = match self.residual(place) {
+                Ok(residual) => residual,
+                Err(RuntimeError::NotFinite { origin, .. }) => {
+                    return Ok(Some((*origin, "its force is no number here".to_owned())));
+                }
+                Err(error) => return Err(error.into()),
+            };
+            for i in 0..n {
+                residual[i] -= offset[i];
+            }
+            worst = Some(self.worst(&residual));
+            let matrix = self.matrix(&place.state)?;
+            let Some(step) = matrix.lu().solve(&(-residual)) else {
+                break;
+            };
+            let size = step.rows(0, n).amax();
+            if !size.is_finite() {
+                break;
+            }
+            found.iterations += 1;
+            let increment: Vec<f64> = (0..n).map(|i| step[i] * scales[i]).collect();
+            let factor = self.allowed(&place.state.pose, &increment, size, &mut pose);
+            move_pose(model, &place.state.pose, &increment, factor, &mut pose);
+            place.state.pose.copy_from_slice(&pose);
+            for i in 0..m {
+                place.state.multipliers[i] += factor * step[n + i] * self.unit / row_scales[i];
+            }
+            for i in 0..place.efforts.len() {
+                place.efforts[i] += factor * step[n + m + i];
+            }
+            if factor == 1.0 {
+                if size <= goal || (size <= 1e3 * goal && size >= 0.5 * last) {
+                    return Ok(None);
+                }
+                if size > 4.0 * last {
+                    break;
+                }
+                last = size;
+            } else {
+                last = f64::INFINITY;
+            }
+        }
+        // A film that is nearly gone is what stands in the way; else the balance that is farthest from zero.
+        let ratios = film_ratios(model, &place.state.pose);
+        let thinnest =
+            ratios
+                .iter()
+                .enumerate()
+                .fold(None, |best: Option<(usize, f64)>, (i, r)| match best {
+                    Some((_, most)) if most >= *r => best,
+                    _ => Some((i, *r)),
+                });
+        if let Some((journal, ratio)) = thinnest
+            && ratio > 0.95
+        {
+            let element = model.compiled.system.journals[journal].element as usize;
+            return Ok(Some((
+                model.compiled.system.elements[element].origin.clone(),
+                format!("the pin comes to {ratio:.4} of the clearance"),
+            )));
+        }
+        Ok(Some(worst.unwrap_or_else(|| {
+            (Origin::default(), "nothing moves".to_owned())
+        })))
+    }
+
+    /// The part of an increment that leaves films and reason.
+    fn allowed(&self, pose: &[f64], increment: &[f64], size: f64, trial: &mut [f64]) -> f64 {
+        let before = film_ratios(self.model, pose);
+        let mut factor = (REACH / size).min(1.0);
+        for _ in 0..40 {
+            move_pose(self.model, pose, increment, factor, trial);
+            let inside = before
+                .iter()
+                .zip(film_ratios(self.model, trial))
+                .all(|(old, new)| new <= *old || 1.0 - new >= LEFT * (1.0 - old));
+            if inside {
+                break;
+            }
+            factor *= 0.7;
+        }
+        factor
+    }
+
+    /// The body or constraint whose residual is largest.
+    fn worst(&self, residual: &DVector<f64>) -> (Origin, String) {
+        let model = self.model;
+        let n = model.velocities;
+        let row =
+            residual
+                .iter()
+                .take(n + model.rows)
+                .enumerate()
+                .fold((0, 0.0_f64), |best, (i, r)| {
+                    if r.abs() > best.1 { (i, r.abs()) } else { best }
+                });
+        if row.0 < n {
+            for body in &model.bodies {
+                if (body.velocity..body.velocity + body.width()).contains(&row.0) {
+                    let what = match row.0 - body.velocity {
+                        0..3 => "forces",
+                        3..6 => "torques",
+                        _ => "bending",
+                    };
+                    return (body.origin.clone(), format!("its {what} find no balance"));
+                }
+            }
+        } else if let Some((element, local)) = model.row_owner(row.0 - n) {
+            let named = model.named_row(element, local, row.1);
+            return (named.origin, format!("{} does not close", named.equation));
+        }
+        (Origin::default(), "nothing moves".to_owned())
+    }
+
+    /// A body that nothing holds against its load: it has no steady motion.
+    fn unheld(&self, place: &Place) -> Option<Obstacle> {
+        let first = self.holding.len();
+        (0..self.neutral.nrows()).find_map(|k| {
+            let effort = place.efforts.get(first + k)?;
+            let row = self.neutral.row(k);
+            let share = |body: &BodyModel| row.columns(body.velocity, body.width()).norm();
+            let body = self
+                .model
+                .bodies
+                .iter()
+                .max_by(|a, b| share(a).total_cmp(&share(b)))?;
+            (effort.abs() > UNHELD).then(|| Obstacle {
+                origin: body.origin.clone(),
+                message: "nothing holds it against its load".to_owned(),
+                carried: 0.0,
+            })
+        })
+    }
+
+    /// What is held against a force, by the rows it was made of.
+    fn told(&self, place: &Place) -> Vec<Held> {
+        let model = self.model;
+        let picked = self.holding.len();
+        let owners: Vec<(Origin, bool)> = self
+            .stated
+            .owners
+            .iter()
+            .map(|(element, row)| {
+                let named = model.named_row(*element, *row, 0.0);
+                (named.origin, named.is_length)
+            })
+            .chain(self.fixed_names.iter().cloned())
+            .collect();
+        let mut held: Vec<Held> = Vec::new();
+        for (k, i) in self.holding.iter().enumerate() {
+            let Some((origin, is_length)) = owners.get(*i).cloned() else {
+                continue;
+            };
+            let effort = place.efforts[k] * self.factors[*i] * self.unit;
+            if effort.abs() * (if is_length { model.length } else { 1.0 }) > 1e-6 * self.unit {
+                held.push(Held {
+                    origin,
+                    effort,
+                    is_length,
+                });
+            }
+        }
+        held
+    }
+}
+
+fn locked(model: &Model, error: NoMotion) -> Stop {
+    match error {
+        NoMotion::Singular => Stop::Obstacle(Obstacle {
+            origin: Origin {
+                path: model.compiled.system.name.clone(),
+                ..Origin::default()
+            },
+            message: "its velocities are not determined at the start: the mechanism stands where it locks".to_owned(),
+            carried: 0.0,
+        }),
+        NoMotion::Error(error) => error.into(),
+    }
+}
+
+fn not_finite(model: &Model) -> Stop {
+    Stop::Obstacle(Obstacle {
+        origin: Origin {
+            path: model.compiled.system.name.clone(),
+            ..Origin::default()
+        },
+        message: "its stiffness at the start is no number".to_owned(),
+        carried: 0.0,
+    })
+}

@@ -1,0 +1,511 @@
+//! The steady motion of an engine at a place: which velocities and accelerations it has when nothing but what is stated moves.
+//!
+//! The constraints leave freedoms. Their velocities are given in this order, each kind as far as those before it leave free
+//! (least squares where a kind contradicts itself):
+//!
+//! 1. velocities stated by `start` that are not zero;
+//! 2. modal rates: zero;
+//! 3. the rate of each eccentricity, seen from its shell: zero;
+//! 4. velocities that `start` states to be zero;
+//! 5. velocities stated by `guess`;
+//! 6. relative rates of what damps, then of what springs (the rows of its forces' derivatives): zero;
+//! 7. what is left has the least kinetic energy.
+//!
+//! Zeros come after the films: a shaft that is stated to turn about the ground's axis alone tilts by microradians in its bearings
+//! and turns about its own axis, else its pins would circle in their shells as fast as the shaft turns.
+//!
+//! Which combinations of rows decide is settled once, at the assembled place; at any other the same combinations give the
+//! velocities by a linear system. The steady acceleration is their rate along the motion itself.
+
+use super::picking::{split, unit_rows};
+use crate::assembly::at;
+use crate::assembly::rows::{self, Along, Rows};
+use crate::chain;
+use crate::elements;
+use crate::error::RuntimeError;
+use crate::flexible::Work;
+use crate::model::Model;
+use crate::rotation::V3;
+use crate::state::{State, move_pose};
+use eng_system::code::Function;
+use eng_system::system::Role;
+use nalgebra::{DMatrix, DVector};
+
+/// A row shorter than this (in scaled velocities) says nothing.
+const EMPTY: f64 = 1e-12;
+/// Share of an element's stiffest direction below which it does not count as held.
+const SOFT: f64 = 1e-6;
+/// Part of the time in which the motion goes about its own size, between two velocities whose difference is an acceleration.
+const APART: f64 = 5e-4;
+
+/// What gives velocities; the order is that of [`self`].
+#[derive(Clone, Debug)]
+enum Wish {
+    /// Some of the rows that state velocities.
+    Stated(Rows, Vec<usize>),
+    Bending,
+    Films,
+    Loads(Vec<usize>),
+}
+
+#[derive(Clone, Debug)]
+struct Level {
+    wish: Wish,
+    /// Factors of its rows.
+    factors: Vec<f64>,
+    /// Combinations that decide.
+    pick: DMatrix<f64>,
+}
+
+/// The steady motion over all places near the assembled one.
+#[derive(Clone, Debug)]
+pub struct SteadyMotion {
+    constraints: Rows,
+    factors: Vec<f64>,
+    levels: Vec<Level>,
+    /// Rows for what nothing else decides: space × mass, of the assembled place.
+    rest: DMatrix<f64>,
+    scales: Vec<f64>,
+    /// What the constraints leave free at the assembled place, in scaled velocities.
+    pub free: DMatrix<f64>,
+}
+
+/// Why there is no steady motion.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NoMotion {
+    /// The mechanism is locked here, or numbers are not finite.
+    Singular,
+    /// Something else failed.
+    Error(RuntimeError),
+}
+
+impl From<RuntimeError> for NoMotion {
+    fn from(error: RuntimeError) -> NoMotion {
+        NoMotion::Error(error)
+    }
+}
+
+impl SteadyMotion {
+    /// Decides what gives the velocities, at an assembled state.
+    pub fn new(model: &Model, state: &State) -> Result<SteadyMotion, NoMotion> {
+        let system = &model.compiled.system;
+        let of = |wanted: &dyn Fn(usize) -> bool| -> Rows {
+            let with_rows = |e: &usize| !model.class(*e).rows.is_empty();
+            Rows::new(
+                model,
+                (0..model.elements.len())
+                    .filter(|e| wanted(*e) && with_rows(e))
+                    .collect(),
+            )
+        };
+        let velocity =
+            |exact| move |e: usize| system.elements[e].role == Role::StartVelocity { exact };
+        let films: Vec<usize> = system.journals.iter().map(|j| j.element as usize).collect();
+        let loads = |damping: bool| -> Vec<usize> {
+            (0..model.elements.len())
+                .filter(|e| {
+                    let class = model.class(*e);
+                    model.elements[*e].dynamic
+                        && class.applies_load
+                        && class.uses_twist == damping
+                        && !films.contains(e)
+                })
+                .collect()
+        };
+        let mut resting = state.clone();
+        resting.velocity.fill(0.0);
+        let stated = of(&velocity(true));
+        let (values, _) = stated.evaluate(model, &at(&resting), Along::Velocity)?;
+        let (moving, still) = (0..stated.len()).partition(|i| values[*i] != 0.0);
+        let guessed = of(&velocity(false));
+        let all = (0..guessed.len()).collect();
+        let wishes = vec![
+            Wish::Stated(stated.clone(), moving),
+            Wish::Bending,
+            Wish::Films,
+            Wish::Stated(stated, still),
+            Wish::Stated(guessed, all),
+            Wish::Loads(loads(true)),
+            Wish::Loads(loads(false)),
+        ];
+        let mut motion = SteadyMotion {
+            constraints: of(&|e| model.elements[e].dynamic),
+            factors: Vec::new(),
+            levels: Vec::new(),
+            rest: DMatrix::zeros(0, model.velocities),
+            scales: model.velocity_scales(),
+            free: DMatrix::identity(model.velocities, model.velocities),
+        };
+        let (_, mut gradients) = motion.constraint_rows(model, state)?;
+        motion.factors = unit_rows(&mut gradients, EMPTY);
+        motion.free = split(&gradients).ok_or(NoMotion::Singular)?.free;
+        let mut open = motion.free.clone();
+        for wish in wishes {
+            let (_, mut matrix) = motion.wished(model, state, &wish)?;
+            let factors = unit_rows(&mut matrix, EMPTY);
+            let picked = split(&(&matrix * &open)).ok_or(NoMotion::Singular)?;
+            open = &open * picked.free;
+            motion.levels.push(Level {
+                wish,
+                factors,
+                pick: picked.pick,
+            });
+        }
+        motion.rest = open.transpose() * motion.mass(model, state);
+        unit_rows(&mut motion.rest, 0.0);
+        Ok(motion)
+    }
+
+    /// Mass matrix in scaled velocities.
+    pub fn mass(&self, model: &Model, state: &State) -> DMatrix<f64> {
+        let mut mass = DMatrix::zeros(model.velocities, model.velocities);
+        let mut work = Work::default();
+        for body in &model.bodies {
+            let width = body.width();
+            let mut block = vec![0.0; width * width];
+            body.add_mass(&body.frame(&state.pose), &mut work, &mut block);
+            for i in 0..width {
+                for j in 0..width {
+                    let (row, column) = (body.velocity + i, body.velocity + j);
+                    mass[(row, column)] +=
+                        block[i * width + j] * self.scales[row] * self.scales[column];
+                }
+            }
+        }
+        mass
+    }
+
+    /// Scale of each velocity.
+    pub fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+
+    /// Φ̇ at rest and G, columns scaled.
+    fn constraint_rows(
+        &self,
+        model: &Model,
+        state: &State,
+    ) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
+        let mut resting = state.clone();
+        resting.velocity.fill(0.0);
+        let (_, mut matrix) = self
+            .constraints
+            .evaluate(model, &at(&resting), Along::Pose)?;
+        self.scale_columns(&mut matrix);
+        Ok((self.constraints.rates(model, &at(&resting))?, matrix))
+    }
+
+    fn scale_columns(&self, matrix: &mut DMatrix<f64>) {
+        for (mut column, scale) in matrix.column_iter_mut().zip(&self.scales) {
+            column.scale_mut(*scale);
+        }
+    }
+
+    /// Rows `matrix · y + values` that are wished to be zero, y the scaled velocities.
+    fn wished(
+        &self,
+        model: &Model,
+        state: &State,
+        wish: &Wish,
+    ) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
+        let n = model.velocities;
+        let homogeneous = |matrix: DMatrix<f64>| (DVector::zeros(matrix.nrows()), matrix);
+        let (values, mut matrix) = match wish {
+            Wish::Stated(rows, chosen) => {
+                let mut resting = state.clone();
+                resting.velocity.fill(0.0);
+                let (values, matrix) = rows.evaluate(model, &at(&resting), Along::Velocity)?;
+                (values.select_rows(chosen), matrix.select_rows(chosen))
+            }
+            Wish::Bending => {
+                let modal: Vec<usize> = model
+                    .bodies
+                    .iter()
+                    .flat_map(|b| b.velocity + 6..b.velocity + b.width())
+                    .collect();
+                homogeneous(DMatrix::from_fn(modal.len(), n, |i, j| {
+                    f64::from(u8::from(modal[i] == j))
+                }))
+            }
+            Wish::Films => homogeneous(eccentricity_rates(model, state)),
+            Wish::Loads(elements) => {
+                let mut parts = Vec::new();
+                for element in elements {
+                    parts.extend(self.load_derivatives(model, state, *element)?);
+                }
+                let rows = parts.iter().map(DMatrix::nrows).sum();
+                let mut all = DMatrix::zeros(rows, n);
+                let mut first = 0;
+                for part in parts {
+                    all.rows_mut(first, part.nrows()).copy_from(&part);
+                    first += part.nrows();
+                }
+                homogeneous(all)
+            }
+        };
+        self.scale_columns(&mut matrix);
+        Ok((values, matrix))
+    }
+
+    /// Derivatives of an element's wrenches by velocities and by positions, each brought to the size of one; soft rows are zero.
+    fn load_derivatives(
+        &self,
+        model: &Model,
+        state: &State,
+        element: usize,
+    ) -> Result<Vec<DMatrix<f64>>, RuntimeError> {
+        let class_index = model.elements[element].class;
+        let class = &model.compiled.system.classes[class_index];
+        let layout = &class.layout;
+        let markers = &model.elements[element].markers;
+        let (rows, wrenches) = (layout.rows as usize, 6 * layout.markers as usize);
+        let tape = class.tape as usize;
+        let mut work = vec![[0.0; 2]; tape + layout.directions() as usize];
+        let mut out = vec![[0.0; 2]; layout.residual_len() as usize];
+        let inputs = rows::inputs(model, element, &at(state));
+        elements::call(
+            model,
+            class_index,
+            Function::Linearize,
+            &inputs,
+            &mut work[..tape],
+        )?;
+        let mut made = Vec::new();
+        for by_twist in [true, false] {
+            if by_twist && !class.uses_twist {
+                continue;
+            }
+            let mut matrix = DMatrix::zeros(wrenches, model.velocities);
+            for (k, marker) in markers.iter().enumerate() {
+                let Some((first, jacobian)) = marker_jacobian(model, *marker, state) else {
+                    continue;
+                };
+                let base = if by_twist {
+                    layout.twist_direction(k as u32)
+                } else {
+                    layout.pose_direction(k as u32)
+                } as usize;
+                for d in 0..6 {
+                    work[tape + base + d] = [1.0; 2];
+                    elements::call(model, class_index, Function::Tangent, &work, &mut out)?;
+                    work[tape + base + d] = [0.0; 2];
+                    for i in 0..wrenches {
+                        // a force at the model's length weighs as a torque
+                        let slope = out[rows + i][0] * if i % 6 < 3 { model.length } else { 1.0 };
+                        for w in 0..jacobian.ncols() {
+                            matrix[(i, first + w)] += slope * jacobian[(d, w)];
+                        }
+                    }
+                }
+            }
+            let mut scaled = matrix.clone();
+            self.scale_columns(&mut scaled);
+            let largest = scaled.row_iter().fold(0.0_f64, |w, r| w.max(r.norm()));
+            if largest > 0.0 && largest.is_finite() {
+                for i in 0..wrenches {
+                    let keep = scaled.row(i).norm() > SOFT * largest;
+                    matrix.row_mut(i).scale_mut(f64::from(u8::from(keep)));
+                }
+                made.push(matrix);
+            }
+        }
+        Ok(made)
+    }
+
+    /// Velocities at a place.
+    pub fn velocity(&self, model: &Model, state: &State) -> Result<Vec<f64>, NoMotion> {
+        let n = model.velocities;
+        let mut matrix = DMatrix::zeros(n, n);
+        let mut rhs = DVector::zeros(n);
+        let (values, gradients) = self.constraint_rows(model, state)?;
+        let mut next = 0;
+        let mut take = |rows: &DMatrix<f64>, values: &DVector<f64>| {
+            for i in 0..rows.nrows() {
+                if next < n {
+                    matrix.row_mut(next).copy_from(&rows.row(i));
+                    rhs[next] = -values[i];
+                }
+                next += 1;
+            }
+        };
+        let (values, gradients) = weighed(values, gradients, &self.factors);
+        take(&gradients, &values);
+        for level in &self.levels {
+            if level.pick.nrows() == 0 {
+                continue;
+            }
+            let (values, rows) = self.wished(model, state, &level.wish)?;
+            let (values, rows) = weighed(values, rows, &level.factors);
+            take(&(&level.pick * rows), &(&level.pick * values));
+        }
+        take(&self.rest, &DVector::zeros(self.rest.nrows()));
+        if next != n {
+            return Err(NoMotion::Singular);
+        }
+        let y = matrix.lu().solve(&rhs).ok_or(NoMotion::Singular)?;
+        if y.iter().any(|x| !x.is_finite()) {
+            return Err(NoMotion::Singular);
+        }
+        Ok(y.iter().zip(&self.scales).map(|(y, s)| y * s).collect())
+    }
+
+    /// Velocities at a place, and their rates along the motion: one-sided differences of fourth order.
+    pub fn rates(&self, model: &Model, state: &State) -> Result<(Vec<f64>, Vec<f64>), NoMotion> {
+        // f' = (−25 f₀ + 48 f₁ − 36 f₂ + 16 f₃ − 3 f₄)/12h
+        const WEIGHTS: [f64; 5] = [-25.0, 48.0, -36.0, 16.0, -3.0];
+        let velocity = self.velocity(model, state)?;
+        let pace = self.pace(&velocity);
+        if pace == 0.0 {
+            return Ok((velocity, vec![0.0; model.velocities]));
+        }
+        let h = APART / pace;
+        let mut rate = vec![0.0; model.velocities];
+        let mut near = state.clone();
+        let mut now = velocity.clone();
+        for (i, weight) in WEIGHTS.iter().enumerate() {
+            for (r, v) in rate.iter_mut().zip(&now) {
+                *r += weight * v / (12.0 * h);
+            }
+            if i + 1 == WEIGHTS.len() {
+                break;
+            }
+            let base = near.clone();
+            let start = now;
+            now = self.advance(model, &base, &start, h, &mut near)?;
+        }
+        Ok((velocity, rate))
+    }
+
+    /// Moves a place along the motion by h (s), a step of Runge and Kutta's fourth order; gives the velocities there.
+    fn advance(
+        &self,
+        model: &Model,
+        from: &State,
+        velocity: &[f64],
+        h: f64,
+        to: &mut State,
+    ) -> Result<Vec<f64>, NoMotion> {
+        let mut stage = |increment: &[f64], part: f64| -> Result<Vec<f64>, NoMotion> {
+            to.time = from.time + part * h;
+            move_pose(model, &from.pose, increment, part * h, &mut to.pose);
+            self.velocity(model, to)
+        };
+        let k2 = stage(velocity, 0.5)?;
+        let k3 = stage(&k2, 0.5)?;
+        let k4 = stage(&k3, 1.0)?;
+        let mean: Vec<f64> = (0..velocity.len())
+            .map(|i| (velocity[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0)
+            .collect();
+        stage(&mean, 1.0)
+    }
+
+    /// How fast the motion goes about its own size (1/s).
+    pub fn pace(&self, velocity: &[f64]) -> f64 {
+        velocity
+            .iter()
+            .zip(&self.scales)
+            .fold(0.0_f64, |w, (v, s)| w.max((v / s).abs()))
+    }
+}
+
+fn weighed(
+    mut values: DVector<f64>,
+    mut rows: DMatrix<f64>,
+    factors: &[f64],
+) -> (DVector<f64>, DMatrix<f64>) {
+    for (i, factor) in factors.iter().enumerate().take(rows.nrows()) {
+        values[i] *= factor;
+        rows.row_mut(i).scale_mut(*factor);
+    }
+    (values, rows)
+}
+
+/// First velocity of a marker's body, and J of the marker (6 × width); `None` on ground.
+fn marker_jacobian(model: &Model, marker: usize, state: &State) -> Option<(usize, DMatrix<f64>)> {
+    let body = &model.bodies[model.markers[marker].body?];
+    let width = body.width();
+    let mut jacobian = vec![0.0; 6 * width];
+    chain::jacobian(
+        body,
+        &body.frame(&state.pose),
+        &model.markers[marker],
+        &mut jacobian,
+    );
+    Some((body.velocity, DMatrix::from_row_slice(6, width, &jacobian)))
+}
+
+/// Markers of a journal: pin and shell.
+pub fn pin_and_shell(model: &Model, journal: usize) -> Option<(usize, usize)> {
+    let info = model.compiled.system.journals.get(journal)?;
+    let markers = &model.elements.get(info.element as usize)?.markers;
+    Some((
+        *markers.get(info.pin as usize)?,
+        *markers.get(info.shell as usize)?,
+    ))
+}
+
+/// Rates of the eccentricities of all journals, seen from their shells, by velocities: two rows (x, y) a journal.
+fn eccentricity_rates(model: &Model, state: &State) -> DMatrix<f64> {
+    let count = model.compiled.system.journals.len();
+    let mut matrix = DMatrix::zeros(2 * count, model.velocities);
+    for journal in 0..count {
+        let Some((pin, shell)) = pin_and_shell(model, journal) else {
+            continue;
+        };
+        let seen = rows::marker(model, shell, &state.pose, &state.velocity);
+        let place = rows::marker(model, pin, &state.pose, &state.velocity);
+        let back = seen.rotation.transpose();
+        let arm = back * (place.position - seen.position);
+        for (marker, of_shell) in [(pin, false), (shell, true)] {
+            let Some((first, jacobian)) = marker_jacobian(model, marker, state) else {
+                continue;
+            };
+            for w in 0..jacobian.ncols() {
+                let part = |from: usize| {
+                    V3::new(
+                        jacobian[(from, w)],
+                        jacobian[(from + 1, w)],
+                        jacobian[(from + 2, w)],
+                    )
+                };
+                let velocity = back * part(0);
+                let rate = if of_shell {
+                    -velocity - part(3).cross(&arm)
+                } else {
+                    velocity
+                };
+                matrix[(2 * journal, first + w)] += rate.x;
+                matrix[(2 * journal + 1, first + w)] += rate.y;
+            }
+        }
+    }
+    matrix
+}
+
+/// e of every journal (m): the pin's origin from the shell's, along the shell's x and y.
+pub fn eccentricities(model: &Model, pose: &[f64]) -> Vec<[f64; 2]> {
+    let rest = vec![0.0; model.velocities];
+    (0..model.compiled.system.journals.len())
+        .map(|journal| {
+            let Some((pin, shell)) = pin_and_shell(model, journal) else {
+                return [0.0; 2];
+            };
+            let seen = rows::marker(model, shell, pose, &rest);
+            let place = rows::marker(model, pin, pose, &rest);
+            let arm = seen.rotation.transpose() * (place.position - seen.position);
+            [arm.x, arm.y]
+        })
+        .collect()
+}
+
+/// |e|/c of every journal.
+pub fn film_ratios(model: &Model, pose: &[f64]) -> Vec<f64> {
+    model
+        .compiled
+        .system
+        .journals
+        .iter()
+        .zip(eccentricities(model, pose))
+        .map(|(journal, [x, y])| libm::hypot(x, y) / model.slot(journal.radial_clearance))
+        .collect()
+}

@@ -1,0 +1,80 @@
+//! Independent combinations of rows, and what they leave free.
+
+use nalgebra::DMatrix;
+
+/// A combination of unit rows below this determines nothing.
+const DETERMINED: f64 = 1e-6;
+
+/// Rows by what they determine in a space.
+pub(super) struct Picked {
+    /// Independent combinations of the rows: rank × rows.
+    pub pick: DMatrix<f64>,
+    /// What they leave free: space × rest, orthonormal.
+    pub free: DMatrix<f64>,
+}
+
+/// Splits the space (columns of `matrix`) into what its rows determine and the rest. `None` where the numbers are not finite.
+pub(super) fn split(matrix: &DMatrix<f64>) -> Option<Picked> {
+    let (rows, space) = matrix.shape();
+    if rows == 0 || space == 0 {
+        return Some(Picked {
+            pick: DMatrix::zeros(0, rows),
+            free: DMatrix::identity(space, space),
+        });
+    }
+    if matrix.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    // Rows of zeros make the right vectors complete.
+    let padded = matrix.clone().resize(rows.max(space), space, 0.0);
+    let svd = padded.try_svd(true, true, f64::EPSILON, 10_000)?;
+    let (left, right) = (svd.u?, svd.v_t?);
+    let determined = |i: &usize| svd.singular_values[*i] > DETERMINED;
+    let strong: Vec<usize> = (0..space).filter(determined).collect();
+    let weak: Vec<usize> = (0..space).filter(|i| !determined(i)).collect();
+    Some(Picked {
+        pick: DMatrix::from_fn(strong.len(), rows, |i, j| left[(j, strong[i])]),
+        free: DMatrix::from_fn(space, weak.len(), |i, j| right[(weak[j], i)]),
+    })
+}
+
+/// Divides each row by its length; rows of nothing but rounding against `least` become zero. Returns the factors.
+pub(super) fn unit_rows(matrix: &mut DMatrix<f64>, least: f64) -> Vec<f64> {
+    (0..matrix.nrows())
+        .map(|i| {
+            let size = matrix.row(i).norm();
+            let factor = if size > least { 1.0 / size } else { 0.0 };
+            matrix.row_mut(i).scale_mut(factor);
+            factor
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn splits_a_space() {
+        // the third row repeats the first two
+        let rows = DMatrix::from_row_slice(
+            3,
+            4,
+            &[1.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0],
+        );
+        let picked = split(&rows).unwrap();
+        assert_eq!((picked.pick.nrows(), picked.free.ncols()), (2, 2));
+        assert!((&rows * &picked.free).amax() < 1e-14);
+        // the combinations still see everything that the rows see
+        let square = DMatrix::from_fn(4, 4, |i, j| {
+            if i < 2 {
+                (&picked.pick * &rows)[(i, j)]
+            } else {
+                picked.free[(j, i - 2)]
+            }
+        });
+        assert!(square.determinant().abs() > 0.1);
+        assert!(split(&DMatrix::from_element(1, 1, f64::NAN)).is_none());
+        assert_eq!(split(&DMatrix::zeros(0, 3)).unwrap().free.ncols(), 3);
+    }
+}

@@ -1,0 +1,225 @@
+//! The points of a sweep side by side.
+
+use super::RunOutcome;
+use super::summary::JournalSummary;
+use super::table::Table;
+use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
+use eng_system::{Dimension, DisplayUnit};
+
+/// The analyses of one name with an index, two or more of them: `runup[1]`, `runup[2]`, …
+pub(super) fn families(outcomes: &[RunOutcome]) -> Vec<Vec<&RunOutcome>> {
+    let mut families: Vec<Vec<&RunOutcome>> = Vec::new();
+    for outcome in outcomes.iter().filter(|o| !o.point.is_empty()) {
+        let name = base(outcome);
+        match families
+            .iter_mut()
+            .find(|f| f.first().is_some_and(|o| base(o) == name))
+        {
+            Some(family) => family.push(outcome),
+            None => families.push(vec![outcome]),
+        }
+    }
+    families.retain(|family| family.len() > 1);
+    families
+}
+
+/// `runup` of `runup[3]`.
+fn base(outcome: &RunOutcome) -> &str {
+    let name = outcome.results.analysis();
+    name.split('[').next().unwrap_or(name)
+}
+
+/// One row a point: the variables; cycles of a periodic analysis, and 1 where the last repeats; of every journal the peak load, the
+/// smallest film and the friction; of every output of the model the smallest and the largest value. Over the last whole cycle where
+/// there is one, else over the whole run.
+pub(super) fn table(family: &[&RunOutcome]) -> Results {
+    let Some(first) = family.first() else {
+        return Results::new("", "");
+    };
+    let mut table = Results::new(base(first), first.results.model());
+    // names differ, lengths are one: nothing is refused
+    let mut push = |path: String, dimension, display: DisplayUnit, values: Vec<f64>| {
+        let _ = table.push(Column {
+            path,
+            dimension,
+            display,
+            frame: String::new(),
+            values,
+        });
+    };
+    for (k, point) in first.point.iter().enumerate() {
+        let value = |o: &&RunOutcome| o.point.get(k).map_or(f64::NAN, |p| p.value);
+        push(
+            point.name.clone(),
+            point.dimension,
+            point.display.clone(),
+            family.iter().map(value).collect(),
+        );
+    }
+    let plain = DisplayUnit::si(Dimension::ONE);
+    if first.periodic.is_some() {
+        let cycles = |o: &&RunOutcome| o.periodic.map_or(f64::NAN, |p| f64::from(p.0));
+        let repeats = |o: &&RunOutcome| o.periodic.map_or(0.0, |p| f64::from(u8::from(p.1)));
+        push(
+            "cycles".to_owned(),
+            Dimension::ONE,
+            plain.clone(),
+            family.iter().map(cycles).collect(),
+        );
+        push(
+            "repeats".to_owned(),
+            Dimension::ONE,
+            plain,
+            family.iter().map(repeats).collect(),
+        );
+    }
+    for (k, journal) in first.journals.iter().enumerate() {
+        let summaries: Vec<Option<JournalSummary>> = family
+            .iter()
+            .map(|o| {
+                o.journals
+                    .get(k)
+                    .map(|j| JournalSummary::new(&o.results, j, o.cycle_period))
+            })
+            .collect();
+        type Taken = fn(&JournalSummary) -> Option<f64>;
+        let taken: [(&str, Dimension, &str, f64, Taken); 3] = [
+            ("peak_load", force(), "N", 1.0, |s| s.peak_load),
+            ("minimum_film", Dimension::LENGTH, "um", 1e-6, |s| {
+                s.minimum_film
+            }),
+            ("friction", power(), "W", 1.0, |s| s.friction_power),
+        ];
+        for (name, dimension, symbol, scale, take) in taken {
+            let values = summaries
+                .iter()
+                .map(|s| s.as_ref().and_then(take).unwrap_or(f64::NAN))
+                .collect();
+            let display = DisplayUnit {
+                symbol: symbol.to_owned(),
+                scale,
+                offset: 0.0,
+            };
+            push(
+                format!("{}.{name}", journal.path),
+                dimension,
+                display,
+                values,
+            );
+        }
+    }
+    for column in first.results.columns() {
+        if column.path.contains('.') || column.path == TIME {
+            continue;
+        }
+        let extremes: Vec<(f64, f64)> = family
+            .iter()
+            .map(|o| extremes(o, &column.path).unwrap_or((f64::NAN, f64::NAN)))
+            .collect();
+        for (name, pick) in [("smallest", 0), ("largest", 1)] {
+            push(
+                format!("{}.{name}", column.path),
+                column.dimension,
+                column.display.clone(),
+                extremes
+                    .iter()
+                    .map(|e| if pick == 0 { e.0 } else { e.1 })
+                    .collect(),
+            );
+        }
+    }
+    table
+}
+
+/// Smallest and largest value of a column over the last whole cycle, or the whole run.
+fn extremes(outcome: &RunOutcome, path: &str) -> Option<(f64, f64)> {
+    let results = &outcome.results;
+    let angle = results.column(CYCLE_ANGLE).map(|c| c.values.as_slice());
+    let first = super::summary::last_cycle(angle, outcome.cycle_period).unwrap_or(0);
+    let values = results.column(path)?.values.get(first..)?;
+    values
+        .iter()
+        .filter(|v| v.is_finite())
+        .fold(None, |found: Option<(f64, f64)>, v| {
+            Some(found.map_or((*v, *v), |(low, high)| (low.min(*v), high.max(*v))))
+        })
+}
+
+fn force() -> Dimension {
+    Dimension::MASS
+        .times(Dimension::LENGTH)
+        .over(Dimension::TIME)
+        .over(Dimension::TIME)
+}
+
+fn power() -> Dimension {
+    force().times(Dimension::LENGTH).over(Dimension::TIME)
+}
+
+/// Columns of the printed table: more are in the file.
+const MOST_COLUMNS: usize = 9;
+
+/// The table as text.
+pub(super) fn text(table: &Results) -> String {
+    let columns = table.columns();
+    let shown = &columns[..columns.len().min(MOST_COLUMNS)];
+    let names: Vec<&str> = shown.iter().map(|c| c.path.as_str()).collect();
+    let units: Vec<&str> = shown.iter().map(|c| c.display.symbol.as_str()).collect();
+    let mut text = Table::new(&[&names, &units]);
+    for row in 0..table.samples() {
+        text.row(
+            shown
+                .iter()
+                .map(|c| match c.values.get(row) {
+                    Some(value) if value.is_finite() => short(c.display.from_si(*value)),
+                    _ => "–".to_owned(),
+                })
+                .collect(),
+        );
+    }
+    let more = columns.len() - shown.len();
+    let rest = if more > 0 {
+        format!("  and {more} more columns in the file\n")
+    } else {
+        String::new()
+    };
+    format!("{}\n{}{rest}", table.analysis(), text.render())
+}
+
+/// Five significant digits.
+fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let digits = 4 - libm::floor(libm::log10(value.abs())) as i32;
+    if (-1..=9).contains(&digits) {
+        let text = format!("{value:.*}", digits.max(0) as usize);
+        if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text
+        }
+    } else {
+        format!("{value:.4e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, text) in [
+            (0.0, "0"),
+            (1000.0, "1000"),
+            (99.5, "99.5"),
+            (1234.56, "1234.6"),
+            (0.012345678, "0.012346"),
+            (-250_000.0, "-250000"),
+            (1.5e9, "1.5000e9"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+    }
+}
