@@ -376,11 +376,9 @@ fn mode_reports(
                 *mass = x * x;
             }
             let count = set.sources.len();
-            let cosines = set
-                .shares
-                .get(mode * count..(mode + 1) * count)
-                .unwrap_or(&[]);
-            let (sources, description) = report::described(&set.sources, cosines);
+            let own = mode * count..(mode + 1) * count;
+            let amplitudes = set.amplitudes.get(own).unwrap_or(&[]);
+            let (sources, description) = report::described(&set.sources, amplitudes);
             ModeReport {
                 frequency: *frequency,
                 description,

@@ -301,4 +301,8 @@ fn hold(dependent: &mut BTreeMap<u32, Sum>, zero: &[u32]) {
         }
     }
     dependent.extend(held);
+    // what is held is zero, not the rounding of its sum
+    for freedom in zero {
+        dependent.insert(*freedom, Sum::new());
+    }
 }

@@ -40,9 +40,9 @@ pub struct ModeSet {
     pub eigenvalues: Vec<f64>,
     /// Labels of the modes that went into the set.
     pub sources: Vec<String>,
-    /// For each mode and each source (one row a mode) their cosine in the K-norm: the square is the share of the mode's strain energy
-    /// that the source alone holds. Sources are not orthogonal, so that a row's squares don't add to one.
-    pub shares: Vec<f64>,
+    /// For each mode (one row each) its amplitudes in the sources, each of unit strain energy as the mode is: φ = Σ cⱼ vⱼ. A row's squares
+    /// add to one where the sources are orthogonal in K.
+    pub amplitudes: Vec<f64>,
     /// What was left out.
     pub dropped: Vec<Dropped>,
 }
@@ -169,13 +169,28 @@ impl ModeSet {
             if largest < 0.0 {
                 mode.iter_mut().for_each(|x| *x = -*x);
             }
-            let shares = triangle
-                .iter()
-                .map(|along| -> f64 { along.iter().zip(small).map(|(x, y)| x * y).sum() });
-            set.shares.extend(shares);
+            set.amplitudes.extend(in_sources(&triangle, small));
             set.eigenvalues.push(1.0 / value);
             set.vectors.extend(mode);
         }
         Ok(set)
     }
+}
+
+/// Solves `T c = y` with an upper triangle by columns: from amplitudes in the basis to those in the sources.
+fn in_sources(triangle: &[Vec<f64>], y: &[f64]) -> Vec<f64> {
+    let mut rest = y.to_vec();
+    for (index, column) in triangle.iter().enumerate().rev() {
+        let Some((own, above)) = column.split_last() else {
+            continue;
+        };
+        let (before, from) = rest.split_at_mut(index.min(y.len()));
+        if let Some(x) = from.first_mut() {
+            *x /= own;
+            for (rest, t) in before.iter_mut().zip(above) {
+                *rest -= t * *x;
+            }
+        }
+    }
+    rest
 }

@@ -47,8 +47,8 @@ pub struct ModeReport {
     pub frequency: f64,
     /// What it is made of: `normal 3`, or `static main[2].y 81 %, normal 4 17 %`.
     pub description: String,
-    /// The sources with most of its strain energy: index into [`Report::sources`] and share. Shares don't add to one, as sources
-    /// are not orthogonal.
+    /// The sources it is made of most: index into [`Report::sources`] and part of the sum of squared amplitudes, each source being of the
+    /// mode's own strain energy.
     pub sources: Vec<(usize, f64)>,
     /// Effective modal masses (kg; kg m² about the centre of mass) in x, y, z and about these: `(Rᵀ M φ)²`. Over all modes of a held
     /// body they add to its mass and inertia as far as that moves; in the mean axes of a free one they vanish.
@@ -127,20 +127,24 @@ impl Report {
     }
 }
 
-/// Sources of a mode by their share, and in words.
-pub(super) fn described(sources: &[String], cosines: &[f64]) -> (Vec<(usize, f64)>, String) {
-    let mut shares: Vec<(usize, f64)> = cosines.iter().map(|x| x * x).enumerate().collect();
-    shares.sort_by(|a, b| b.1.total_cmp(&a.1)); // stable: the first of equals first
-    shares.truncate(3);
-    shares.retain(|(index, share)| *share >= 0.1 || *index == 0 && sources.len() == 1);
+/// Sources of a mode by their part of its squared amplitudes, and in words.
+pub(super) fn described(sources: &[String], amplitudes: &[f64]) -> (Vec<(usize, f64)>, String) {
+    let sum: f64 = amplitudes.iter().map(|x| x * x).sum();
+    let parts = amplitudes
+        .iter()
+        .map(|x| x * x / sum.max(f64::MIN_POSITIVE));
+    let mut parts: Vec<(usize, f64)> = parts.enumerate().collect();
+    parts.sort_by(|a, b| b.1.total_cmp(&a.1)); // stable: the first of equals first
+    let large = parts.iter().take_while(|(_, part)| *part >= 0.1).count();
+    parts.truncate(large.clamp(1, 3));
     let name = |index: usize| sources.get(index).map_or("", String::as_str);
-    let words = match shares.as_slice() {
-        [(index, share), ..] if *share > 0.995 => name(*index).to_string(),
-        shares => shares
+    let words = match parts.as_slice() {
+        [(index, part), ..] if *part > 0.995 => name(*index).to_string(),
+        parts => parts
             .iter()
-            .map(|(index, share)| format!("{} {:.0} %", name(*index), 100.0 * share))
+            .map(|(index, part)| format!("{} {:.0} %", name(*index), 100.0 * part))
             .collect::<Vec<_>>()
             .join(", "),
     };
-    (shares, words)
+    (parts, words)
 }
