@@ -88,7 +88,7 @@ class Block:
     bearing_size_mm: float = 11.0  # at the bearings
     barrel_size_mm: float = 13.2  # at the cylinders
     bridge_size_mm: float = 10.0  # between the bores in the middle
-    mount_size_mm: float = 9.0  # at the lugs
+    mount_size_mm: float = 11.0  # at the lugs
 
 
 def build(wanted=("crank", "block")):

@@ -68,7 +68,7 @@ def main(folder):
     figure.tight_layout()
     figure.canvas.draw()
     seen = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB")
-    seen.quantize(48, dither=Image.Dither.NONE).save(folder / "meshes.png", optimize=True)
+    seen.quantize(255, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(folder / "meshes.png", optimize=True)
 
 
 if __name__ == "__main__":

@@ -331,8 +331,8 @@ def compare(ours, theirs, rigid_modes, result):
 
 def main(wanted):
     path = HERE / "reference.json"
-    known = json.loads(path.read_text()) if path.exists() else {}
     made = {name: solve() for name, solve in (("crank", crank), ("block", block)) if name in wanted}
+    known = json.loads(path.read_text()) if path.exists() else {}
     reference = {"made_by": "reference.py: numpy, scipy (sparse LU, Lanczos)"} | {
         name: made.get(name, known.get(name)) for name in ("crank", "block")
     }

@@ -200,7 +200,7 @@ def block(e, b):
             # half of the bridge between bores 2 and 3, 3 mm thick at y = 0
             ((foot, 0, -8), (deck, 10, 0), b.bridge_size_mm, 14.0),
             # a lug
-            ((b.mount_up_mm, inside, mount - long / 2), (b.mount_up_mm + high, outside + wide, mount + long / 2), b.mount_size_mm, 10.0),
+            ((b.mount_up_mm, inside, mount - long / 2), (b.mount_up_mm + high, outside + wide, mount + long / 2), b.mount_size_mm, 30.0),
         ],
     }
 
