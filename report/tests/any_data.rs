@@ -9,6 +9,7 @@ use eng_report::signal::{
     Axis, Interpolation, SweepMap, difference, harmonics, maximum_at, resample_by_angle, rms_over,
 };
 use proptest::prelude::*;
+use proptest::test_runner::FileFailurePersistence;
 
 fn numbers() -> impl Strategy<Value = Vec<f64>> {
     proptest::collection::vec(
@@ -72,7 +73,11 @@ fn drawn(figure: impl Into<Figure>) -> Result<(), TestCaseError> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig {
+        cases: 64,
+        failure_persistence: Some(Box::new(FileFailurePersistence::WithSource("regressions"))),
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn histories(x in numbers(), y in numbers(), log in any::<bool>(), name in ".*", at in any::<f64>(), period in any::<f64>()) {

@@ -228,7 +228,7 @@
     const home = () => {
       state.azimuth = Math.atan2(first[0], first[2]);
       state.height = Math.asin(first[1]);
-      state.distance = model.radius * 2.5;
+      state.distance = model.radius * 2.8;
       state.target = model.center.slice();
     };
     home();

@@ -377,7 +377,12 @@ pub(super) fn marks(cell: &Cell<'_>, start: usize, period: f64) -> Vec<(i64, f64
     let mut found: Vec<(i64, f64, f64)> = Vec::new();
     let samples = cell.angle.len().min(cell.x.len()).min(cell.y.len());
     let quarter = |angle: f64| ((angle + 1e-6) / 90.0).floor();
-    let period = if period > 0.0 { period } else { 360.0 };
+    // a hundred revolutions are no cycle
+    let period = if period > 0.0 && period <= 36_000.0 {
+        period
+    } else {
+        360.0
+    };
     let last = match cell.angle.get(start) {
         Some(first) => first + period - 1e-6,
         None => return found,
@@ -387,8 +392,8 @@ pub(super) fn marks(cell: &Cell<'_>, start: usize, period: f64) -> Vec<(i64, f64
         // the first sample has a mark only where it stands on one
         let before = if index > start { index - 1 } else { index };
         let width = here - cell.angle[before];
-        // an angle that runs backwards, jumps or is no number has no marks
-        if !(0.0..=period).contains(&width) || !here.is_finite() {
+        // an angle that runs backwards, jumps, is no number or so large that 90° are lost in it has no marks
+        if !(0.0..=period).contains(&width) || here.abs() >= 1e9 {
             continue;
         }
         let mut mark = if index > start {

@@ -104,7 +104,7 @@ impl Waterfall {
         let rise = (spacing * 6.0).clamp(90.0, 220.0);
         let area = Area {
             left,
-            top: 96.0,
+            top: 116.0,
             width: WIDTH - left - 96.0,
             height: rise + spacing * map.speeds.len().max(1) as f64,
         };
@@ -201,6 +201,12 @@ impl Waterfall {
             &figure.unit,
         );
         svg.text(
+            area.right(),
+            area.top - 10.0,
+            &format!("upwards from each line: {}", figure.value_label()),
+            TextStyle::new(SMALL + 1.0, Anchor::End),
+        );
+        svg.text(
             area.left + area.width / 2.0,
             area.bottom() + 56.0,
             &format!("{name} ({unit})"),
@@ -209,8 +215,8 @@ impl Waterfall {
         svg.text(
             40.0,
             area.top + area.height / 2.0,
-            &format!("Speed (1/min), above it {}", figure.value_label()),
-            TextStyle::new(LABEL - 1.0, Anchor::Middle).upwards(),
+            "Speed (1/min)",
+            TextStyle::new(LABEL, Anchor::Middle).upwards(),
         );
         svg.finish()
     }
@@ -255,7 +261,7 @@ impl Campbell {
         let area = Area {
             left: 116.0,
             top: 110.0,
-            width: 880.0,
+            width: 856.0,
             height: 520.0,
         };
         let mut svg = Svg::new(WIDTH, area.bottom() + 78.0, &figure.title, target);
@@ -333,7 +339,7 @@ impl Campbell {
             svg.text(
                 right + if beyond { 0.0 } else { 4.0 },
                 height + if beyond { -6.0 } else { 4.0 },
-                &format!("{order}."),
+                &format!("order {order}"),
                 TextStyle::new(
                     SMALL,
                     if beyond {
@@ -514,7 +520,7 @@ fn draw_cells(
 
 /// The colours with their numbers.
 fn draw_levels(svg: &mut Svg<'_>, area: &Area, levels: &ticks::Ticks, label: &str) {
-    let (left, width) = (area.right() + 60.0, 20.0);
+    let (left, width) = (area.right() + 84.0, 20.0);
     let height = area.height / LEVEL_COUNT as f64;
     for level in 0..LEVEL_COUNT {
         svg.area(
@@ -623,7 +629,7 @@ mod tests {
             natural_frequencies: vec![("first".to_owned(), 800.0), ("far".to_owned(), 1e5)],
         };
         let svg = campbell.to_svg();
-        assert!(svg.contains(">2.<") && svg.contains(">4.<") && !svg.contains(">far"));
+        assert!(svg.contains(">order 2<") && svg.contains(">order 4<") && !svg.contains(">far"));
         assert!(svg.contains("first, 800 Hz") && !svg.contains("NaN"));
         assert!(svg.contains("Acceleration x (m/s²), axes of block"));
         let waterfall = |figure| Waterfall { figure }.to_svg();

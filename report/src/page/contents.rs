@@ -191,12 +191,7 @@ impl EnergyAudit {
 
     /// The residual over the largest of all parts; 0 where all are 0.
     pub fn relative_residual(&self) -> f64 {
-        let largest = self
-            .work
-            .iter()
-            .chain(&self.losses)
-            .map(|(_, v)| v.abs())
-            .fold(self.stored.abs(), f64::max);
+        let largest = self.largest();
         if largest > 0.0 {
             self.residual() / largest
         } else {
@@ -204,10 +199,25 @@ impl EnergyAudit {
         }
     }
 
+    fn largest(&self) -> f64 {
+        self.work
+            .iter()
+            .chain(&self.losses)
+            .map(|(_, v)| v.abs())
+            .fold(self.stored.abs(), f64::max)
+    }
+
     /// The audit with its residual.
     pub fn table(&self, caption: &str) -> Table {
+        // six digits of the largest part, the same decimals for all
+        let largest = self.largest();
+        let decimals = if largest > 0.0 && largest.is_finite() {
+            (5.0 - libm::log10(largest).floor()).clamp(0.0, 17.0) as usize
+        } else {
+            0
+        };
         let row = |name: &str, kind: &str, value: f64| {
-            vec![name.into(), kind.into(), Cell::Number { value, digits: 6 }]
+            vec![name.into(), kind.into(), Cell::Fixed { value, decimals }]
         };
         let mut rows: Vec<Vec<Cell>> = Vec::new();
         rows.extend(self.work.iter().map(|(n, v)| row(n, "work", *v)));
@@ -217,7 +227,10 @@ impl EnergyAudit {
         rows.push(vec![
             "residual over the largest part".into(),
             "".into(),
-            Cell::Text(format!("{:.1e}", self.relative_residual())),
+            Cell::Number {
+                value: self.relative_residual(),
+                digits: 2,
+            },
         ]);
         Table {
             caption: caption.to_owned(),
@@ -283,9 +296,9 @@ mod tests {
         assert_eq!(table.rows.len(), 6);
         assert_eq!(
             table.rows[2][2],
-            Cell::Number {
+            Cell::Fixed {
                 value: -60.0,
-                digits: 6
+                decimals: 3
             }
         );
     }

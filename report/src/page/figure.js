@@ -32,6 +32,12 @@
     return text.replace("e+", "e").replace(/-/g, "\u2212");
   };
 
+  // a number read from a pixel, as exact as the drawing's hundredths of a pixel are
+  const rounded = (value, pixel) => {
+    const step = 10 ** Math.floor(Math.log10(Math.abs(pixel) / 50));
+    return Number.isFinite(step) && step > 0 ? Number((Math.round(value / step) * step).toPrecision(12)) : value;
+  };
+
   // ---- one pair of axes
 
   class Panel {
@@ -85,12 +91,15 @@
     wholeX(x) { return this.view.left + ((x - this.left) / this.width) * this.view.width; }
     wholeY(y) { return this.view.top + ((y - this.top) / this.height) * this.view.height; }
     // whole pixel → value
-    valueX(x) { return this.x[0] + ((x - this.left) / this.width) * (this.x[1] - this.x[0]); }
+    valueX(x) {
+      const pixel = (this.x[1] - this.x[0]) / this.width;
+      return rounded(this.x[0] + (x - this.left) * pixel, pixel);
+    }
     evenY(y) { return this.y[1] - ((y - this.top) / this.height) * (this.y[1] - this.y[0]); }
     valueY(y, base) {
       if (base !== null && base !== undefined) y += Number(this.data.front) - base;
       const even = this.evenY(y);
-      return this.log ? 10 ** even : even;
+      return this.log ? 10 ** even : rounded(even, (this.y[1] - this.y[0]) / this.height);
     }
     pixelX(value) { return this.left + ((value - this.x[0]) / (this.x[1] - this.x[0])) * this.width; }
     pixelY(value) { return this.top + ((this.y[1] - value) / (this.y[1] - this.y[0])) * this.height; }

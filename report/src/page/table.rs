@@ -15,6 +15,13 @@ pub enum Cell {
         /// Digits that count, 1 to 17.
         digits: usize,
     },
+    /// A number with so many decimals, for columns that are to be added up.
+    Fixed {
+        /// Its value; no finite number is shown as a dash.
+        value: f64,
+        /// Digits after the point, at most 17.
+        decimals: usize,
+    },
     /// Text of a program: paths, hashes, commands.
     Code(String),
     /// Nothing is known.
@@ -96,7 +103,7 @@ impl Table {
                 self.rows
                     .iter()
                     .filter_map(|row| row.get(column))
-                    .any(|cell| matches!(cell, Cell::Number { .. }))
+                    .any(Cell::is_number)
             })
             .collect();
         for (column, numeric) in self.columns.iter().zip(&numeric) {
@@ -125,8 +132,7 @@ impl Table {
                 } else {
                     ("td", "td")
                 };
-                let right =
-                    matches!(cell, Cell::Number { .. }) || (*numeric && *cell == Cell::Empty);
+                let right = cell.is_number() || (*numeric && *cell == Cell::Empty);
                 let class = if right { " class=\"number\"" } else { "" };
                 let _ = write!(text, "<{open}{class}>{}</{close}>", cell.to_html());
             }
@@ -138,10 +144,16 @@ impl Table {
 }
 
 impl Cell {
+    fn is_number(&self) -> bool {
+        matches!(self, Cell::Number { .. } | Cell::Fixed { .. })
+    }
+
     pub(super) fn to_html(&self) -> String {
         match self {
             Cell::Text(text) => escaped(text),
             Cell::Number { value, digits } => significant(*value, *digits),
+            Cell::Fixed { value, .. } if !value.is_finite() => "–".to_owned(),
+            Cell::Fixed { value, decimals } => minus(&format!("{value:.*}", (*decimals).min(17))),
             Cell::Code(text) => format!("<code>{}</code>", escaped(text)),
             Cell::Empty => "–".to_owned(),
         }

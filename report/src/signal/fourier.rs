@@ -53,7 +53,7 @@ impl Complex {
     }
 }
 
-/// X[k] = Σₙ x[n]·exp(−2πi·k·n/N), k = 0…N−1, not scaled. Empty input gives empty output.
+/// `X[k] = Σₙ x[n]·exp(−2πi·k·n/N)`, k = 0…N−1, not scaled. Empty input gives empty output.
 pub fn transform(values: &[Complex]) -> Vec<Complex> {
     let length = values.len();
     match factors(length) {
@@ -67,7 +67,7 @@ pub fn transform(values: &[Complex]) -> Vec<Complex> {
     }
 }
 
-/// x[n] = 1/N·Σₖ X[k]·exp(+2πi·k·n/N): the inverse of [`transform`].
+/// `x[n] = 1/N·Σₖ X[k]·exp(+2πi·k·n/N)`: the inverse of [`transform`].
 pub fn inverse(values: &[Complex]) -> Vec<Complex> {
     let turned: Vec<Complex> = values.iter().map(|v| v.conjugate()).collect();
     let scale = 1.0 / values.len().max(1) as f64;

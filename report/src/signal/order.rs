@@ -124,7 +124,7 @@ pub fn order_track(
 ///
 /// # Errors
 /// As [`component`], and for different lengths, a block of fewer than two samples or longer than the run, an overlap
-/// outside of [0, 1).
+/// below 0 or not below 1.
 pub fn order_track_of_run_up(
     run: RunUp<'_>,
     orders: &[f64],

@@ -120,7 +120,7 @@ fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
 /// The angle must increase; it is not wrapped at 360° or 720°.
 ///
 /// # Errors
-/// As [`resample`], and for a step that is not a finite number above 0 or asks for more than 10⁸ values.
+/// As [`resample`], and for a step that is not a finite number above 0 or asks for more than 10⁷ values.
 pub fn resample_by_angle(
     angle: &[f64],
     values: &[f64],
@@ -135,10 +135,10 @@ pub fn resample_by_angle(
     // starts at a multiple of the step, so that runs share their grid
     let first = (from / step - 1e-9).ceil();
     let count = (to / step + 1e-9).floor() - first;
-    if count > 1e8 {
+    if count > 1e7 {
         return Err(SignalError::Setting {
             what: "the angle between samples",
-            range: "large enough for at most 10⁸ values",
+            range: "large enough for at most 10⁷ values",
             value: step,
         });
     }

@@ -133,12 +133,12 @@ pub struct Peak {
     pub amplitude: f64,
 }
 
-/// The one-sided linear amplitude spectrum of a signal: A[k] = 2·|Σ w[n]·x[n]·exp(−2πikn/N)|/Σw, and half of that for the
+/// The one-sided linear amplitude spectrum of a signal: `A[k] = 2·|Σ w[n]·x[n]·exp(−2πikn/N)|/Σw`, and half of that for the
 /// lines at 0 and at the Nyquist frequency, which have no mirror image. Blocks that do not fit whole are left out.
 ///
 /// # Errors
 /// Fewer than two samples in a block, a block longer than the signal, samples or settings that are not finite, an overlap
-/// outside of [0, 1).
+/// below 0 or not below 1.
 pub fn spectrum(signal: Signal<'_>, options: SpectrumOptions) -> Result<Spectrum, SignalError> {
     check_finite("the signal", signal.values)?;
     let (axis, rate) = match signal.sampling {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-/// A weight over a block, w[n] = Σⱼ (−1)ʲ·aⱼ·cos(2πjn/N), n = 0…N−1 (periodic, "DFT-even").
+/// A weight over a block, `w[n] = Σⱼ (−1)ʲ·aⱼ·cos(2πjn/N)`, n = 0…N−1 (periodic, "DFT-even").
 ///
 /// Amplitudes are divided by Σw/N, so that a sinusoid at the centre of a bin, at least as many bins away from 0 and the
 /// Nyquist frequency as the window has cosines, has its exact amplitude.
