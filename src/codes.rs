@@ -1,4 +1,4 @@
-//! The message codes of assembling and running (`07`), and all codes with their explanations.
+//! The message codes of assembling, running and reducing (`07`), and all codes with their explanations.
 //!
 //! The compiler's codes stand in [`eng_compiler::codes`], those of the grammar in [`mod@eng_grammar::codes`].
 
@@ -75,12 +75,36 @@ eng_grammar::codes! {
         "", "";
 }
 
+eng_grammar::codes! {
+    REDUCING:
+
+    MESH = "E0730", "a mesh cannot be read",
+        "The file is not there, not what its format says, or its elements make no structure. The message names the line, the card or the element.",
+        "flexible crank { mesh = nastran(\"crnk.bdf\", units: mm_tonne_s) }",
+        "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s) }";
+    MESH_MARKER = "E0731", "a marker does not stand on its mesh as it should",
+        "The node, set or ring is not there, or an element turns a marker that stands on the node of a solid, which has no rotation. Gathered nodes have one.",
+        "flexible rod { marker big = node(17) }",
+        "flexible rod { marker big = ring(center: [0, 0, 0] mm, axis: z, radius: 24 mm, width: 20 mm) }";
+    REDUCTION = "E0732", "a flexible body cannot be reduced",
+        "A part of the mesh hangs together with nothing, a matrix makes no sense, or modes of that number do not exist. The message says which.",
+        "", "";
+    MESH_UNITS = "W0730", "with the stated units, size or material make no engine part",
+        "Finite-element files don't state their units. Length, density and stiffness are compared with those of solids that exist.",
+        "flexible crank { mesh = nastran(\"crank.bdf\", units: si) }",
+        "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s) }";
+    UNREAD = "W0731", "cards of a mesh were not read that may matter",
+        "They carry mass, stiffness or a constraint that the reduced body does not have. Replace them in the file by what is read, or take matrices of the code that reads them.",
+        "", "";
+}
+
 /// All codes of all stages, in order.
 pub fn all() -> Vec<&'static Code> {
     let mut all: Vec<&Code> = eng_grammar::CODES
         .iter()
         .chain(eng_compiler::codes::all())
         .chain(RUNNING)
+        .chain(REDUCING)
         .collect();
     // by number; errors, warnings and notes of one stage stand together
     all.sort_by_key(|code| (code.code.get(1..3), code.code));

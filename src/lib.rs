@@ -40,6 +40,7 @@ mod local;
 mod model;
 mod program;
 mod quantity;
+mod reduction;
 mod simulation;
 mod sources;
 
@@ -51,6 +52,7 @@ pub use local::Local;
 pub use model::{Channel, ChannelInfo, Model, Parameter, ParameterInfo};
 pub use program::{Checked, Program, Report, check};
 pub use quantity::{Quantity, QuantityError};
+pub use reduction::Reduction;
 pub use results::Results;
 pub use simulation::{Simulation, SimulationBuilder};
 pub use sources::Sources;

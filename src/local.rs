@@ -8,7 +8,8 @@ use crate::cli::{
 use crate::plot::Upright;
 use crate::{Analysis, Error, Program, Quantity, Sources};
 use eng_grammar::Diagnostics;
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
 /// Compiles and runs models of this machine's folders.
 #[derive(Debug, Default)]
@@ -37,19 +38,28 @@ impl Engine for Local {
         if !model.is_file() {
             return Err(system(format!("there is no file {}", model.display())));
         }
-        let sources = Sources::folder(folder).map_err(|e| system(e.to_string()))?;
+        let mut sources = Sources::folder(folder).map_err(|e| system(e.to_string()))?;
+        if let Some(cache) = cache_folder(|name| std::env::var_os(name)) {
+            sources = sources.with_cache(cache);
+        }
         let checked = crate::check(&sources, file);
         let report = checked.report();
         self.program = checked.program().cloned();
         let mut facts = Vec::new();
+        let mut diagnostics = report.diagnostics().clone();
         if let Some(program) = &self.program {
             for name in program.models() {
-                facts.push(program.model(name).map_err(engine_error)?.summary());
+                match program.model(name) {
+                    Ok(model) => facts.push(model.summary()),
+                    // a mesh that reads well may still make no structure
+                    Err(Error::Report(report)) => diagnostics.extend(report.diagnostics().clone()),
+                    Err(other) => return Err(engine_error(other)),
+                }
             }
         }
         Ok(CheckOutcome {
             sources: report.texts().clone(),
-            diagnostics: report.diagnostics().clone(),
+            diagnostics,
             analyses: self
                 .program
                 .as_ref()
@@ -57,6 +67,23 @@ impl Engine for Local {
                 .unwrap_or_default(),
             facts,
         })
+    }
+
+    fn reduce(&mut self) -> Result<Vec<String>, EngineError> {
+        let Some(program) = &self.program else {
+            return Err(EngineError::System("no model was checked".into()));
+        };
+        let mut texts = Vec::new();
+        for name in program.models() {
+            let model = program.model(name).map_err(engine_error)?;
+            for reduction in model.reductions() {
+                let text = reduction.text();
+                if !texts.contains(&text) {
+                    texts.push(text);
+                }
+            }
+        }
+        Ok(texts)
     }
 
     fn assemble(&mut self) -> Result<AssemblyOutcome, EngineError> {
@@ -127,6 +154,25 @@ impl Engine for Local {
             }
         }
     }
+}
+
+/// Where reduced bodies are kept: `ENG_CACHE` (empty: nowhere), else a folder of the user's caches.
+fn cache_folder(variable: impl Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
+    if let Some(folder) = variable("ENG_CACHE") {
+        return (!folder.is_empty()).then(|| PathBuf::from(folder));
+    }
+    let set = |name: &str| variable(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    set("XDG_CACHE_HOME")
+        .or_else(|| set("LOCALAPPDATA"))
+        .or_else(|| {
+            let home = set("HOME")?;
+            Some(if cfg!(target_os = "macos") {
+                home.join("Library").join("Caches")
+            } else {
+                home.join(".cache")
+            })
+        })
+        .map(|folder| folder.join("eng"))
 }
 
 fn engine_error(error: Error) -> EngineError {

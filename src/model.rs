@@ -11,6 +11,7 @@ use std::sync::Arc;
 pub struct Model {
     compiled: Compiled,
     texts: Arc<SourceMap>,
+    reductions: Arc<[crate::Reduction]>,
 }
 
 /// A number of a model that can be set without compiling again.
@@ -52,8 +53,21 @@ pub struct ChannelInfo {
 }
 
 impl Model {
-    pub(crate) fn new(compiled: Compiled, texts: Arc<SourceMap>) -> Model {
-        Model { compiled, texts }
+    pub(crate) fn new(
+        compiled: Compiled,
+        texts: Arc<SourceMap>,
+        reductions: Vec<crate::Reduction>,
+    ) -> Model {
+        Model {
+            compiled,
+            texts,
+            reductions: reductions.into(),
+        }
+    }
+
+    /// Its flexible bodies as they were reduced.
+    pub fn reductions(&self) -> &[crate::Reduction] {
+        &self.reductions
     }
 
     pub(crate) fn compiled(&self) -> &Compiled {

@@ -81,9 +81,15 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
     let mut plans = Vec::new();
     if !diagnostics.has_errors() {
         plans = analyses(&resolved, &mut texts, sources, &mut diagnostics);
-        // what only shows with instances: paths, indices, files, connections
+        // what only shows with instances: paths, indices, files, connections, meshes
         for model in models_of(&resolved) {
-            elaborate(&resolved, &mut texts, sources, model, &[], &mut diagnostics);
+            let elaborated =
+                elaborate(&resolved, &mut texts, sources, model, &[], &mut diagnostics);
+            for flexible in elaborated.iter().flat_map(|e| &e.flexible) {
+                for found in crate::reduction::inspect(sources, flexible) {
+                    diagnostics.push(found);
+                }
+            }
         }
     }
     let failed = diagnostics.has_errors();
@@ -95,6 +101,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             plans,
             texts: Arc::clone(&texts),
             file: file.to_owned(),
+            reducer: crate::reduction::Reducer::default(),
         }),
     });
     Checked {
@@ -149,6 +156,7 @@ struct Inner {
     plans: Vec<AnalysisPlan>,
     texts: Arc<SourceMap>,
     file: String,
+    reducer: crate::reduction::Reducer,
 }
 
 /// A checked program: models and analyses.
@@ -253,6 +261,20 @@ impl Program {
                 diagnostics,
             )));
         };
+        let mut reductions = Vec::with_capacity(elaborated.flexible.len());
+        for (index, source) in (0..).zip(&elaborated.flexible) {
+            let turned = elaborated.turned_markers(index);
+            let reduction = self
+                .inner
+                .reducer
+                .reduce(&self.inner.sources, source, &turned)
+                .map_err(|diagnostic| {
+                    let mut diagnostics = Diagnostics::new();
+                    diagnostics.push(diagnostic);
+                    crate::Error::Report(Report::new(Arc::clone(&self.inner.texts), diagnostics))
+                })?;
+            reductions.push(reduction);
+        }
         let mut code = Vec::with_capacity(elaborated.classes.len());
         for functions in elaborated.classes {
             code.push(eng_compiler::generate::compile_class(functions, true)?);
@@ -262,9 +284,10 @@ impl Program {
                 system: Arc::new(elaborated.system),
                 code,
                 bind: Arc::new(elaborated.bind),
-                reduced: Vec::new(),
+                reduced: reductions.iter().map(|r| Arc::clone(&r.body)).collect(),
             },
             Arc::clone(&self.inner.texts),
+            reductions,
         ))
     }
 }

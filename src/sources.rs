@@ -9,6 +9,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Sources {
     kind: Kind,
+    cache: Option<PathBuf>,
 }
 
 #[derive(Clone, Debug)]
@@ -33,6 +34,7 @@ impl Sources {
         }
         Ok(Sources {
             kind: Kind::Folder(canonical),
+            cache: None,
         })
     }
 
@@ -45,7 +47,66 @@ impl Sources {
     pub fn from_texts(texts: impl IntoIterator<Item = (String, String)>) -> Sources {
         Sources {
             kind: Kind::Texts(Arc::new(texts.into_iter().collect())),
+            cache: None,
         }
+    }
+}
+
+impl Sources {
+    /// Keeps reduced flexible bodies in a folder, so that a mesh is reduced once and not at every run. The folder is made when
+    /// it is first needed.
+    pub fn with_cache(mut self, folder: impl Into<PathBuf>) -> Sources {
+        self.cache = Some(folder.into());
+        self
+    }
+
+    pub(crate) fn cache(&self) -> Option<&Path> {
+        self.cache.as_deref()
+    }
+
+    /// Opens a data file of any kind, under the rules of [`Host::read_text`].
+    pub(crate) fn open_data(&self, path: &str) -> Result<Box<dyn std::io::Read>, HostError> {
+        match &self.kind {
+            Kind::Texts(texts) => match texts.get(path) {
+                Some(text) => Ok(Box::new(std::io::Cursor::new(text.clone().into_bytes()))),
+                None => Err(HostError::NotFound(path.into())),
+            },
+            Kind::Folder(folder) => {
+                let file = std::fs::File::open(inside(folder, path)?)
+                    .map_err(|error| refused(path, &error))?;
+                Ok(Box::new(file))
+            }
+        }
+    }
+}
+
+/// The real place of a file of a folder.
+fn inside(folder: &Path, path: &str) -> Result<PathBuf, HostError> {
+    let relative = Path::new(path);
+    let stays = relative
+        .components()
+        .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+    if !stays {
+        return Err(HostError::Outside(path.into()));
+    }
+    // a link may point outside: what counts is where it ends
+    let real = folder
+        .join(relative)
+        .canonicalize()
+        .map_err(|error| refused(path, &error))?;
+    if !real.starts_with(folder) {
+        return Err(HostError::Outside(path.into()));
+    }
+    Ok(real)
+}
+
+fn refused(path: &str, error: &std::io::Error) -> HostError {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => HostError::NotFound(path.into()),
+        _ => HostError::System {
+            path: path.into(),
+            message: error.to_string(),
+        },
     }
 }
 
@@ -57,26 +118,8 @@ impl Host for Sources {
                 .cloned()
                 .ok_or_else(|| HostError::NotFound(path.into())),
             Kind::Folder(folder) => {
-                let relative = Path::new(path);
-                let inside = relative
-                    .components()
-                    .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
-                if !inside {
-                    return Err(HostError::Outside(path.into()));
-                }
-                let system = |error: std::io::Error| match error.kind() {
-                    std::io::ErrorKind::NotFound => HostError::NotFound(path.into()),
-                    _ => HostError::System {
-                        path: path.into(),
-                        message: error.to_string(),
-                    },
-                };
-                // a link may point outside: what counts is where it ends
-                let real = folder.join(relative).canonicalize().map_err(system)?;
-                if !real.starts_with(folder) {
-                    return Err(HostError::Outside(path.into()));
-                }
-                let bytes = std::fs::read(&real).map_err(system)?;
+                let bytes =
+                    std::fs::read(inside(folder, path)?).map_err(|error| refused(path, &error))?;
                 String::from_utf8(bytes).map_err(|_| HostError::System {
                     path: path.into(),
                     message: "the file is not UTF-8 text".into(),

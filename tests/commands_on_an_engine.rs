@@ -127,6 +127,10 @@ impl Engine for Known {
         })
     }
 
+    fn reduce(&mut self) -> Result<Vec<String>, EngineError> {
+        Ok(Vec::new())
+    }
+
     fn assemble(&mut self) -> Result<AssemblyOutcome, EngineError> {
         Ok(AssemblyOutcome {
             facts: vec!["fired: 5 freedoms".to_owned()],

@@ -12,3 +12,4 @@ pub mod jit;
 pub mod library;
 pub mod program;
 pub mod resolve;
+mod words;

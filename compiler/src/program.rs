@@ -81,6 +81,13 @@ impl Program {
         self.modules.get(module as usize)?.scope.get(name).copied()
     }
 
+    /// The class that holds a flexible body with supports on the ground, if a text has one.
+    pub fn weld(&self) -> Option<DefinitionId> {
+        let (path, name) = crate::resolve::WELD;
+        let module = self.modules.iter().position(|m| m.path == path)?;
+        self.lookup(module as u32, name)
+    }
+
     /// The root module's index.
     pub fn root(&self) -> u32 {
         self.modules.len().saturating_sub(1) as u32

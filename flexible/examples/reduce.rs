@@ -1,6 +1,7 @@
-//! Reduces a Nastran deck in SI and prints times: `cargo run --release -p eng-flexible --example reduce -- DECK`.
+//! Reduces the crankshaft of the test data (or a deck alike in SI) and prints what was found: `cargo run --release -p eng-flexible
+//! --example reduce -- DECK [static | constraint | held]`: static modes at the journals and free normal modes, constraint modes and
+//! fixed-interface modes, or static modes with the first journal held.
 
-use eng_flexible::fe::Rules;
 use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
 use eng_flexible::read::Files;
 use eng_flexible::reduce::{Interface, Request, Term, reduce};
@@ -42,40 +43,86 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             },
         })
         .collect();
-    let at = (0..5)
+    let at: Vec<Interface> = (0..5)
         .map(|marker| Interface {
             marker,
             components: 0b110,
         })
         .collect();
+    let normal = |fixed: Vec<Interface>| Term::Normal {
+        modes: Modes::Count(20),
+        fixed,
+    };
+    let kind = std::env::args().nth(2);
+    let (support, terms) = match kind.as_deref() {
+        None | Some("static") => (vec![], vec![Term::Static(at), normal(vec![])]),
+        Some("constraint") => (vec![], vec![Term::Constraint(at.clone()), normal(at)]),
+        Some("held") => {
+            let first = Interface {
+                marker: 0,
+                components: 0b11_1111,
+            };
+            (
+                vec![first],
+                vec![Term::Static(at[1..].to_vec()), normal(vec![])],
+            )
+        }
+        Some(other) => return Err(format!("{other} is none of static, constraint, held").into()),
+    };
     let request = Request {
-        rules: if std::env::args().nth(2).is_some() {
-            Rules::calculix()
-        } else {
-            Rules::default()
-        },
         markers,
-        support: vec![],
-        terms: vec![
-            Term::Static(at),
-            Term::Normal {
-                modes: Modes::Count(20),
-                fixed: vec![],
-            },
-        ],
+        support,
+        terms,
         damping_ratio: 0.02,
         damping_up_to: 3000.0,
+        asked: (0..5)
+            .map(|marker| Interface {
+                marker,
+                components: 0b11_1111,
+            })
+            .collect(),
+        ..Request::default()
     };
     let begin = Instant::now();
     let reduced = reduce(mesh, &request)?;
     println!("reduce {:.2} s", begin.elapsed().as_secs_f64());
-    let c = &reduced.body.invariants;
+    let report = &reduced.report;
     println!(
-        "mass {} kg, first moment {:?}, inertia {:?}",
-        c.mass, c.first_moment, c.inertia
+        "{} kg, centre {:?} m, inertia {:?} kg m²",
+        report.body.mass, report.body.centre, report.body.inertia
     );
-    println!("frequencies {:?}", reduced.body.frequencies);
-    println!("dropped {:?}", reduced.report.dropped);
+    if let Some(estimate) = &report.estimate {
+        println!("between straight edges {} kg", estimate.mass);
+    }
+    println!(
+        "rigid motion leaves {:.1e} of the forces",
+        report.rigid_residual
+    );
+    for mode in &report.modes {
+        let effective: Vec<String> = mode
+            .effective_mass
+            .iter()
+            .map(|x| format!("{x:.1e}"))
+            .collect();
+        println!(
+            "{:10.2} Hz  {}  {}",
+            mode.frequency,
+            effective.join(" "),
+            mode.description
+        );
+    }
+    for served in &report.served {
+        println!("{served:?}");
+    }
+    for dropped in &report.dropped {
+        println!("{dropped:?}");
+    }
+    for load in &report.unserved {
+        println!("{} is not served: {:.1e} missing", load.label, load.missing);
+    }
+    for warning in &report.warnings {
+        println!("warning: {warning}");
+    }
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     if let Some(line) = status.lines().find(|l| l.starts_with("VmHWM")) {
         println!("peak memory {}", line.trim_start_matches("VmHWM:").trim());

@@ -15,14 +15,19 @@
 
 pub mod error;
 pub mod fe;
+pub mod foreign;
+pub mod geometric;
 pub mod invariants;
 pub mod markers;
 pub mod mesh;
 pub mod modes;
 pub mod read;
+pub mod recover;
 pub mod reduce;
+pub mod rotary;
 pub mod solve;
 pub mod sparse;
+pub mod store;
 pub mod units;
 
 pub use error::{FileProblem, FlexibleError, Place};

@@ -47,6 +47,19 @@ pub enum Selection {
         /// Distance from the surface within which a node counts (m).
         tolerance: f64,
     },
+    /// The nodes in a plane within a distance of one of its points.
+    Patch {
+        /// The point (m).
+        center: [f64; 3],
+        /// Normal of the plane.
+        normal: [f64; 3],
+        /// Distance from the point (m); infinite for the whole plane.
+        radius: f64,
+        /// Distance from the plane within which a node counts (m).
+        tolerance: f64,
+    },
+    /// The nodes of the elements of a property.
+    Property(String),
 }
 
 /// A marker to be made on a mesh.
@@ -119,6 +132,78 @@ pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>
             }
             Ok(nodes)
         }
+        Selection::Patch {
+            center,
+            normal,
+            radius,
+            tolerance,
+        } => {
+            let length = libm::sqrt(dot(normal, normal));
+            if length.is_nan() || length <= 0.0 {
+                return Err(refuse(
+                    format!("{name}: the plane has no normal"),
+                    "give a direction",
+                ));
+            }
+            let along = normal.map(|x| x / length);
+            let nodes: Vec<u32> = (0..mesh.nodes.len())
+                .filter(|i| {
+                    let p = mesh.nodes[*i].position;
+                    let from = [p[0] - center[0], p[1] - center[1], p[2] - center[2]];
+                    let height = dot(&from, &along);
+                    let square = (dot(&from, &from) - height * height).max(0.0);
+                    height.abs() <= *tolerance && libm::sqrt(square) <= radius + tolerance
+                })
+                .map(|i| i as u32)
+                .collect();
+            if nodes.len() < 3 {
+                return Err(refuse(
+                    format!(
+                        "{name}: {} nodes lie in the plane at {center:?} m",
+                        nodes.len()
+                    ),
+                    "check place, normal and the units of the mesh, or widen the tolerance",
+                ));
+            }
+            Ok(nodes)
+        }
+        Selection::Property(property) => {
+            let wanted = mesh.properties.iter().position(|p| p.name == *property);
+            let Some(wanted) = wanted else {
+                let known: Vec<&str> = mesh
+                    .properties
+                    .iter()
+                    .map(|p| p.name.as_str())
+                    .take(20)
+                    .collect();
+                return Err(refuse(
+                    format!("{name}: the mesh has no property {property}"),
+                    &format!("its properties are {}", known.join(", ")),
+                ));
+            };
+            let mut taken = vec![false; mesh.nodes.len()];
+            for element in &mesh.elements {
+                if element.property as usize == wanted {
+                    for node in mesh.nodes_of(element) {
+                        if let Some(flag) = taken.get_mut(*node as usize) {
+                            *flag = true;
+                        }
+                    }
+                }
+            }
+            let nodes: Vec<u32> = (0..)
+                .zip(&taken)
+                .filter(|(_, taken)| **taken)
+                .map(|(node, _)| node)
+                .collect();
+            if nodes.len() < 3 {
+                return Err(refuse(
+                    format!("{name}: no elements have the property {property}"),
+                    "check its number",
+                ));
+            }
+            Ok(nodes)
+        }
     }
 }
 
@@ -151,7 +236,7 @@ pub fn place(mesh: &mut Mesh, markers: &[MarkerRequest]) -> Result<Vec<u32>, Fle
                 let middle = match (center, nodes) {
                     (Some(center), _) => *center,
                     (None, Selection::Ring { center, .. }) => *center,
-                    (None, Selection::Set(_)) => {
+                    (None, _) => {
                         let mut mean = [0.0; 3];
                         for node in &gathered {
                             for (m, x) in mean.iter_mut().zip(mesh.nodes[*node as usize].position) {

@@ -1,19 +1,31 @@
 //! From a mesh to a reduced body: markers, matrices, modes, constants.
 
+mod candidates;
+mod interface;
+mod report;
+
+pub use report::{BodyMass, ModeReport, Report, Served, Unserved};
+
 use crate::error::FlexibleError;
 use crate::fe::mass::rigid_motions;
-use crate::fe::{FreedomMap, Reduction, Rules, assemble};
+use crate::fe::{
+    self, FreedomMap, NodalMatrix, Reduction, RigidMass, Rules, assemble, from_matrices,
+};
+use crate::foreign::{ForeignMatrices, GivenModes};
+use crate::geometric::{Model, geometric};
 use crate::invariants::{Full, invariants};
 use crate::markers::{MarkerRequest, place};
 use crate::mesh::{Mesh, Support};
-use crate::modes::normal::normal_modes;
-use crate::modes::statics::{attachment_modes, constraint_modes};
-use crate::modes::{Boundary, Candidate, Dropped, Load, ModeSet, Structure};
-use crate::solve::{Modes, SturmCount};
-use eng_system::reduced::{ReducedBody, ReducedMarker};
+use crate::modes::rigid::residuals;
+use crate::modes::{ModeSet, Structure};
+use crate::rotary::{add_turning, split_offsets};
+use crate::solve::Modes;
+use candidates::Candidates;
+use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
+use interface::MarkerFreedoms;
 
-/// Names of a marker's freedoms.
-const COMPONENTS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+/// The rounding of a stiffness above which it is told: more than files of 13 digits leave.
+const FEW_DIGITS: f64 = 1e-12;
 
 /// Freedoms of a marker: bits 0…5 are x, y, z and the rotations about them, basic axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,10 +50,12 @@ pub enum Term {
         /// Held besides the supports.
         fixed: Vec<Interface>,
     },
+    /// Mode shapes from a file.
+    Given(GivenModes),
 }
 
 /// What is to be reduced, and how.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Integration rules.
     pub rules: Rules,
@@ -55,23 +69,12 @@ pub struct Request {
     pub damping_ratio: f64,
     /// The ratio holds up to this frequency (Hz) and rises to one at five times it; infinite: it holds for all.
     pub damping_up_to: f64,
-}
-
-/// What a reduction found, for tables.
-#[derive(Clone, Debug)]
-pub struct Report {
-    /// Nodes of the mesh.
-    pub nodes: usize,
-    /// Elements.
-    pub elements: usize,
-    /// Free freedoms of the finite-element model.
-    pub freedoms: usize,
-    /// Labels of the modes that the set spans.
-    pub sources: Vec<String>,
-    /// Modes left out because others span them.
-    pub dropped: Vec<Dropped>,
-    /// That no normal mode was missed, one a term of normal modes.
-    pub sturm: Vec<SturmCount>,
+    /// Whether stresses of spin, acceleration and of loads at the markers of static modes change the stiffness.
+    pub geometric_stiffness: bool,
+    /// Stiffness and mass of another code in place of those of the elements, which then are there for pictures only.
+    pub matrices: Option<ForeignMatrices>,
+    /// Loads at markers of which [`Report::unserved`] tells those that the set does not serve.
+    pub asked: Vec<Interface>,
 }
 
 /// A reduction with what recovery needs.
@@ -89,20 +92,41 @@ pub struct Reduced {
     pub report: Report,
 }
 
+/// How far a foreign mass may be from that of the mesh's volumes before it is told.
+const MASS_APART: f64 = 0.05;
+
+/// Forces of a rigid motion above this part don't cancel: something holds the structure.
+const RESISTED: f64 = 1e-6;
+
 /// Reduces a mesh in SI.
 ///
 /// # Errors
-/// As the steps give them: meshes that make no sense, mechanisms, markers that are not there, freedoms that a marker does not have.
+/// As the steps give them: meshes that make no sense, mechanisms, markers that are not there, freedoms that a marker does not have,
+/// foreign matrices that don't fit the mesh.
 pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleError> {
-    let nodes = (mesh.nodes.len(), mesh.elements.len());
+    let mut report = Report {
+        nodes: mesh.nodes.len(),
+        elements: mesh.elements.len(),
+        estimate: fe::volume::estimate(&mesh).map(BodyMass::from),
+        ..Report::default()
+    };
+    // rows are those of the mesh before it has nodes of markers
+    let nodal = match &request.matrices {
+        Some(foreign) => Some(foreign.nodal(&mesh)?),
+        None => None,
+    };
     let places = place(&mut mesh, &request.markers)?;
-    let full = assemble(&mesh, &request.rules)?;
+    // another code's mass has its point masses in it
+    let own = nodal.is_none();
+    if own {
+        split_offsets(&mut mesh);
+    }
+    let (full, mut held) = matrices(&mesh, request, nodal, &mut report)?;
     let marker_freedoms = MarkerFreedoms {
         request,
         places: &places,
         freedoms: &full.freedoms,
     };
-    let mut held = Vec::new();
     for support in &request.support {
         marker_freedoms.freedoms(support)?;
         held.push(Support {
@@ -110,62 +134,46 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
             components: support.components,
         });
     }
+    let held_by_file = report.supported;
+    report.supported |= !request.support.is_empty();
     let reduction = Reduction::new(&mesh, &full, &held)?;
     let stiffness = reduction.reduce_stiffness(&full.stiffness)?;
     let mass = reduction.reduce_mass(&full.mass)?;
     let motions = rigid_motions(&mesh, &full.freedoms);
-    let structure = if held.is_empty() {
-        Structure::free(&stiffness, &mass, free_motions(&reduction, &motions))?
-    } else {
+    let structure = if report.supported {
         Structure::supported(&stiffness, &mass)
+    } else {
+        Structure::free(&stiffness, &mass, reduction.restrict(&motions))?
     };
-    let size = structure.size();
+    report.freedoms = structure.size();
+    report.rigid_residual = match &structure.rigid {
+        Some(rigid) => rigid.residual(),
+        None if held_by_file => 0.0,
+        // the stiffness before it is held
+        None => residuals(&full.stiffness, &motions)
+            .into_iter()
+            .fold(0.0, f64::max),
+    };
 
-    let (mut candidates, mut sturm) = (Vec::new(), Vec::new());
-    let mut add = |labels: Vec<String>, vectors: &[f64]| {
-        for (label, vector) in labels.into_iter().zip(vectors.chunks_exact(size.max(1))) {
-            candidates.push(Candidate {
-                label,
-                vector: vector.to_vec(),
-            });
-        }
+    let mut candidates = Candidates {
+        structure: &structure,
+        markers: &marker_freedoms,
+        reduction: &reduction,
+        mesh: &mesh,
+        report: &mut report,
     };
-    for term in &request.terms {
-        match term {
-            Term::Static(at) => {
-                let mut loads = Vec::new();
-                for interface in at {
-                    for (label, freedom) in marker_freedoms.freedoms(interface)? {
-                        let (rows, factors) = reduction.row(freedom);
-                        loads.push(Load {
-                            label: format!("static {label}"),
-                            entries: rows.iter().copied().zip(factors.iter().copied()).collect(),
-                        });
-                    }
-                }
-                let vectors = attachment_modes(&structure, &loads)?;
-                add(loads.into_iter().map(|l| l.label).collect(), &vectors);
-            }
-            Term::Constraint(at) => {
-                let (labels, freedoms) = marker_freedoms.free(at, &reduction)?;
-                let vectors = constraint_modes(&structure, &freedoms)?;
-                let labels = labels.into_iter().map(|l| format!("constraint {l}"));
-                add(labels.collect(), &vectors);
-            }
-            Term::Normal { modes, fixed } => {
-                let boundary = if fixed.is_empty() {
-                    Boundary::AsIs
-                } else {
-                    Boundary::Fixed(marker_freedoms.free(fixed, &reduction)?.1)
-                };
-                let found = normal_modes(&structure, *modes, &boundary)?;
-                let labels = (1..=found.eigenvalues.len()).map(|i| format!("normal {i}"));
-                add(labels.collect(), &found.vectors);
-                sturm.push(found.sturm);
-            }
-        }
+    let found = candidates
+        .find(&request.terms, &request.asked)
+        .map_err(|error| at_node(error, &reduction))?;
+    let set = ModeSet::new(&structure, found.candidates)?;
+    report.sources.clone_from(&set.sources);
+    report.dropped.clone_from(&set.dropped);
+    for served in &mut report.served {
+        served.kept = set.sources.contains(&served.mode);
     }
-    let set = ModeSet::new(&structure, candidates)?;
+    report.unserved = found.asked.unserved(&structure, &set);
+    warn_of_rounding(&structure, &set, &mut report);
+
     let shapes = reduction.expand(set.len(), &set.vectors);
     let frequencies = set.frequencies();
     let mut constants = invariants(
@@ -177,10 +185,46 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         },
         &shapes,
     );
+    if own {
+        add_turning(&mut constants, &mesh.point_masses, &full.freedoms, &shapes);
+    }
     for (i, lambda) in set.eigenvalues.iter().enumerate() {
         let ratio = damping_ratio(request, frequencies[i]);
         constants.damping[i * set.len() + i] = 2.0 * ratio * libm::sqrt(lambda.max(0.0));
     }
+    if request.geometric_stiffness {
+        let model = Model {
+            mesh: &mesh,
+            full: &full,
+            rules: &request.rules,
+            reduction: &reduction,
+            structure: &structure,
+            motions: &motions,
+        };
+        if request.matrices.is_some() {
+            return Err(FlexibleError::Structure {
+                problem: "matrices of another code don't tell the stresses that geometric stiffness comes from".into(),
+                advice: "leave geometric stiffness out, or let the elements of the mesh give stiffness and mass".into(),
+            });
+        }
+        let loads = marker_freedoms.loaded()?;
+        constants.geometric = Some(geometric(&model, &shapes, &loads)?);
+    }
+    report.body = RigidMass {
+        mass: constants.mass,
+        first_moment: constants.first_moment,
+        inertia: constants.inertia,
+    }
+    .into();
+    if let (Some(estimate), true) = (&report.estimate, request.matrices.is_some()) {
+        let (mass, volumes) = (report.body.mass, estimate.mass);
+        if (mass / volumes - 1.0).abs() > MASS_APART {
+            report.warnings.push(format!(
+                "the mass matrix holds {mass:.4e} kg, the volumes and densities of the mesh make {volumes:.4e} kg: look at the units, or for masses of the run that the mesh does not name"
+            ));
+        }
+    }
+    report.modes = mode_reports(&set, &frequencies, &constants, &report.body);
     let n = set.len();
     let markers = request
         .markers
@@ -205,14 +249,6 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
             }
         })
         .collect();
-    let report = Report {
-        nodes: nodes.0,
-        elements: nodes.1,
-        freedoms: size,
-        sources: set.sources,
-        dropped: set.dropped,
-        sturm,
-    };
     Ok(Reduced {
         body: ReducedBody {
             invariants: constants,
@@ -226,6 +262,135 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     })
 }
 
+/// Stiffness and mass over full freedoms, of the elements or of another code, and what the latter holds.
+fn matrices(
+    mesh: &Mesh,
+    request: &Request,
+    nodal: Option<(NodalMatrix, NodalMatrix)>,
+    report: &mut Report,
+) -> Result<(fe::Structure, Vec<Support>), FlexibleError> {
+    let Some((stiffness, mass)) = nodal else {
+        let full = assemble(mesh, &request.rules)?;
+        let shells = full.without_stiffness.len();
+        if shells > 0 {
+            report.warnings.push(format!(
+                "{shells} shell elements carry mass, and no stiffness here"
+            ));
+        }
+        return Ok((full, Vec::new()));
+    };
+    let found = from_matrices(mesh, &stiffness, &mass)?;
+    let full = &found.structure;
+    let partly = found.missing.iter().filter(|s| s.components & 0b111 != 0);
+    let absent: Vec<u64> = full
+        .unused_nodes
+        .iter()
+        .chain(partly.map(|support| &support.node))
+        .filter_map(|node| mesh.nodes.get(*node as usize))
+        .map(|node| node.id)
+        .collect();
+    if let Some(first) = absent.first() {
+        let resisted = residuals(&full.stiffness, &rigid_motions(mesh, &full.freedoms));
+        let nodes = format!(
+            "{} has no rows of {} nodes or some of their translations (node {first}, …)",
+            stiffness.title,
+            absent.len()
+        );
+        report.supported = resisted.iter().any(|share| *share > RESISTED);
+        report.warnings.push(if report.supported {
+            format!(
+                "{nodes} and resists rigid motion: the body is taken as held to the ground there; write the matrices without supports for a free one"
+            )
+        } else {
+            format!("{nodes}: these don't move in pictures")
+        });
+    }
+    Ok((found.structure, found.missing))
+}
+
+/// A singular row by its node.
+fn at_node(error: FlexibleError, reduction: &Reduction) -> FlexibleError {
+    match error {
+        FlexibleError::Singular {
+            row,
+            problem,
+            advice,
+        } => match reduction.name(row) {
+            Some((node, component)) => FlexibleError::Structure {
+                problem: format!("{problem} (component {} of node {node})", component + 1),
+                advice,
+            },
+            None => FlexibleError::Singular {
+                row,
+                problem,
+                advice,
+            },
+        },
+        other => other,
+    }
+}
+
+/// Says when the stiffness has few digits, and what that does to the first frequency.
+fn warn_of_rounding(structure: &Structure, set: &ModeSet, report: &mut Report) {
+    if report.rigid_residual <= FEW_DIGITS {
+        return;
+    }
+    let digits = -libm::log10(report.rigid_residual);
+    let mut text = format!(
+        "the stiffness resists rigid motion with {:.1e} of its forces: it was written with about {digits:.0} digits",
+        report.rigid_residual
+    );
+    if let (Some(rigid), Some(first)) = (&structure.rigid, set.eigenvalues.first()) {
+        // f ~ √λ
+        let uncertain = 0.5 * rigid.noise() / first;
+        text += &format!(", which makes the first frequency uncertain by about {uncertain:.0e}");
+    }
+    text += "; OP2 and binary OP4 keep all of them";
+    report.warnings.push(text);
+}
+
+/// Frequencies, what modes are made of, and effective masses.
+fn mode_reports(
+    set: &ModeSet,
+    frequencies: &[f64],
+    constants: &Invariants,
+    body: &BodyMass,
+) -> Vec<ModeReport> {
+    let (n, c) = (set.len(), body.centre);
+    frequencies
+        .iter()
+        .enumerate()
+        .map(|(mode, frequency)| {
+            let row =
+                |block: &[f64], axis: usize| block.get(axis * n + mode).copied().unwrap_or(0.0);
+            let momentum: [f64; 3] = std::array::from_fn(|k| row(&constants.translation, k));
+            let moment: [f64; 3] = std::array::from_fn(|k| {
+                let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+                row(&constants.rotation, k) - c[next] * momentum[last] + c[last] * momentum[next]
+            });
+            let mut effective_mass = [0.0; 6];
+            for (mass, x) in effective_mass
+                .iter_mut()
+                .zip(momentum.iter().chain(&moment))
+            {
+                *mass = x * x;
+            }
+            let count = set.sources.len();
+            let cosines = set
+                .shares
+                .get(mode * count..(mode + 1) * count)
+                .unwrap_or(&[]);
+            let (sources, description) = report::described(&set.sources, cosines);
+            ModeReport {
+                frequency: *frequency,
+                description,
+                sources,
+                effective_mass,
+            }
+        })
+        .collect()
+}
+
 /// The stated ratio up to a frequency, rising with it to one at five times that.
 fn damping_ratio(request: &Request, frequency: f64) -> f64 {
     let (ratio, limit) = (request.damping_ratio, request.damping_up_to);
@@ -234,77 +399,5 @@ fn damping_ratio(request: &Request, frequency: f64) -> f64 {
     } else {
         let share = ((frequency - limit) / (4.0 * limit)).min(1.0);
         ratio + share * (1.0 - ratio).max(0.0)
-    }
-}
-
-/// Rigid motions over the free freedoms.
-fn free_motions(reduction: &Reduction, motions: &[f64]) -> Vec<f64> {
-    let size = reduction.full_size();
-    motions
-        .chunks_exact(size.max(1))
-        .flat_map(|motion| reduction.free().iter().map(|f| motion[*f as usize]))
-        .collect()
-}
-
-struct MarkerFreedoms<'a> {
-    request: &'a Request,
-    places: &'a [u32],
-    freedoms: &'a FreedomMap,
-}
-
-impl MarkerFreedoms<'_> {
-    /// Labels and full freedoms of an interface.
-    fn freedoms(&self, interface: &Interface) -> Result<Vec<(String, usize)>, FlexibleError> {
-        let (Some(marker), Some(node)) = (
-            self.request.markers.get(interface.marker),
-            self.places.get(interface.marker),
-        ) else {
-            return Err(FlexibleError::Structure {
-                problem: format!("there is no marker {}", interface.marker),
-                advice: String::new(),
-            });
-        };
-        let mut found = Vec::new();
-        for component in (0..6u8).filter(|c| interface.components & (1 << c) != 0) {
-            let name = format!("{}.{}", marker.name, COMPONENTS[usize::from(component)]);
-            match self.freedoms.freedom(*node, component) {
-                Some(freedom) => found.push((name, freedom)),
-                None => {
-                    return Err(FlexibleError::Structure {
-                        problem: format!("{name}: the node of a solid does not turn"),
-                        advice:
-                            "gather nodes by a ring or a set, tied by a spider: its centre turns"
-                                .into(),
-                    });
-                }
-            }
-        }
-        Ok(found)
-    }
-
-    /// Labels and free freedoms of interfaces that are to be held.
-    fn free(
-        &self,
-        at: &[Interface],
-        reduction: &Reduction,
-    ) -> Result<(Vec<String>, Vec<u32>), FlexibleError> {
-        let (mut labels, mut freedoms) = (Vec::new(), Vec::new());
-        for interface in at {
-            for (label, freedom) in self.freedoms(interface)? {
-                match reduction.row(freedom) {
-                    ([free], [factor]) if *factor == 1.0 => {
-                        freedoms.push(*free);
-                        labels.push(label);
-                    }
-                    _ => {
-                        return Err(FlexibleError::Structure {
-                            problem: format!("{label} follows other nodes and can't be held"),
-                            advice: "hold a rigid spider's centre or a node; at an averaging spider use attachment modes (`static`)".into(),
-                        });
-                    }
-                }
-            }
-        }
-        Ok((labels, freedoms))
     }
 }

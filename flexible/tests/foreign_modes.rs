@@ -138,14 +138,22 @@ fn op2_places_of_points() {
             );
         }
         op2.table("BGPDT", [105, 3, 0, 0, 0, 0, 0], &[data]);
-        let nodes = good(read_op2_nodes(&OneFile(op2.finish()), "a.op2"));
+        let file = OneFile(op2.finish());
+        let nodes = good(read_op2_nodes(&file, "a.op2"));
         assert_eq!(nodes, [(40, [1.5, 2.5, 3.5]), (12, [2.5, 3.5, 4.5])]);
+        let turned = bad(read_op2_basic_nodes(&file, "a.op2"));
+        assert!(
+            turned
+                .problem
+                .contains("1 grid points with analysis frames"),
+            "{turned}"
+        );
         // in double precision, with numbers
         let mut op2 = Op2::new(big_endian, wide, release);
         let mut data = op2.0.integers(&[0, 1, 77, 61, 0, 0]);
         data.extend([0.1, 0.2, 0.3].iter().flat_map(|x| op2.0.real(*x, false)));
         op2.table("BGPDTS", [105, 1, 0, 0, 0, 0, 0], &[data]);
-        let nodes = good(read_op2_nodes(&OneFile(op2.finish()), "a.op2"));
+        let nodes = good(read_op2_basic_nodes(&OneFile(op2.finish()), "a.op2"));
         assert_eq!(nodes, [(77, [0.1, 0.2, 0.3])]);
         // cards
         for frame in [0, 5] {

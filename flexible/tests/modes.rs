@@ -3,6 +3,7 @@
 
 mod systems;
 
+use eng_flexible::modes::interface::Interface;
 use eng_flexible::modes::normal::normal_modes;
 use eng_flexible::modes::statics::{attachment_modes, constraint_modes};
 use eng_flexible::modes::{Boundary, Candidate, Load, ModeSet, Structure};
@@ -73,6 +74,7 @@ fn candidates(name: &str, size: usize, vectors: &[f64]) -> Vec<Candidate> {
         .map(|(i, vector)| Candidate {
             label: format!("{name} {}", i + 1),
             vector: vector.to_vec(),
+            noise: 0.0,
         })
         .collect()
 }
@@ -200,7 +202,23 @@ fn craig_bampton_sets_converge_from_above() {
         .flat_map(|n| (0..3).map(move |axis| 3 * n + axis))
         .collect();
     let structure = Structure::free(&k, &m, motions()).unwrap();
-    let constraint = constraint_modes(&structure, &held).unwrap();
+    let rows: Vec<Load> = held
+        .iter()
+        .map(|freedom| Load {
+            label: format!("freedom {freedom}"),
+            entries: vec![(*freedom, 1.0)],
+        })
+        .collect();
+    let constraint = constraint_modes(&structure, &rows).unwrap();
+    // the same by loads
+    let looked = Interface::new(&structure, &rows).unwrap();
+    assert_eq!((looked.left(), looked.plain()), (0, Some(held.clone())));
+    let by_loads = looked
+        .constraint_modes(&attachment_modes(&structure, &rows).unwrap())
+        .unwrap();
+    for (x, y) in constraint.iter().zip(&by_loads) {
+        assert!((x - y).abs() < 1e-10, "{x} {y}");
+    }
     for (mode, freedom) in constraint.chunks_exact(size).zip(&held) {
         for other in &held {
             let expected = if other == freedom { 1.0 } else { 0.0 };
@@ -221,7 +239,7 @@ fn craig_bampton_sets_converge_from_above() {
             let fixed = normal_modes(
                 &structure,
                 Modes::Count(count),
-                &Boundary::Fixed(held.clone()),
+                &Boundary::Fixed(rows.clone()),
             )
             .unwrap();
             let mut sum = candidates("constraint", size, &constraint);
@@ -255,10 +273,12 @@ fn what_depends_on_the_rest_is_dropped_and_named() {
     all.push(Candidate {
         label: "sum".into(),
         vector: sum,
+        noise: 0.0,
     });
     all.push(Candidate {
         label: "rigid".into(),
         vector: motions()[4 * size..5 * size].to_vec(),
+        noise: 0.0,
     });
     let set = ModeSet::new(&structure, all).unwrap();
     let dropped: Vec<&str> = set.dropped.iter().map(|d| d.label.as_str()).collect();
@@ -306,4 +326,198 @@ fn a_mechanism_and_a_held_free_body_are_told() {
         error.to_string().contains("resisted by its stiffness"),
         "{error}"
     );
+}
+
+/// A mean over some nodes, as an averaging spider takes it.
+fn mean(label: &str, nodes: &[u32], axis: u32) -> Load {
+    Load {
+        label: label.into(),
+        entries: nodes
+            .iter()
+            .map(|n| (3 * n + axis, 1.0 / nodes.len() as f64))
+            .collect(),
+    }
+}
+
+/// `Zᵀ A Z` with the columns of Z spanning what the rows leave: in each row the freedom of its first entry is given up.
+fn restricted(matrix: &SymmetricMatrix, rows: &[Load]) -> SymmetricMatrix {
+    let size = matrix.size();
+    let given_up: Vec<u32> = rows.iter().map(|row| row.entries[0].0).collect();
+    let kept: Vec<u32> = (0..size as u32).filter(|f| !given_up.contains(f)).collect();
+    let columns: Vec<Vec<f64>> = kept
+        .iter()
+        .map(|freedom| {
+            let mut z = vec![0.0; size];
+            z[*freedom as usize] = 1.0;
+            for row in rows {
+                let (own, factor) = row.entries[0];
+                let other = row.entries.iter().find(|(f, _)| f == freedom);
+                z[own as usize] = other.map_or(0.0, |(_, x)| -x / factor);
+            }
+            z
+        })
+        .collect();
+    let images: Vec<Vec<f64>> = columns.iter().map(|z| product(matrix, z)).collect();
+    let mut entries = Vec::new();
+    for (i, z) in columns.iter().enumerate() {
+        for (j, image) in images.iter().enumerate().take(i + 1) {
+            entries.push((i as u32, j as u32, dot(z, image)));
+        }
+    }
+    SymmetricMatrix::from_triplets(kept.len(), &entries).unwrap()
+}
+
+/// Mean motions of faces and a node, held together: constraint modes by their definition, fixed modes against a dense solution.
+#[test]
+fn mean_motions_are_held_like_freedoms() {
+    let (k, m) = systems::elastic_box(ELEMENTS);
+    let size = k.size();
+    let structure = Structure::free(&k, &m, motions()).unwrap();
+    let left: Vec<u32> = (0..4)
+        .flat_map(|z| (0..3).map(move |y| node(0, y, z)))
+        .collect();
+    let right: Vec<u32> = (0..4).map(|z| node(6, 1, z)).collect();
+    let mut rows: Vec<Load> = (0..3).map(|axis| mean("left", &left, axis)).collect();
+    rows.extend((1..3).map(|axis| mean("right", &right, axis)));
+    // turning about x, by the upper and lower edge
+    rows.push(Load {
+        label: "left.rx".into(),
+        entries: vec![(3 * node(1, 0, 3) + 1, 0.5), (3 * node(1, 1, 0) + 1, -0.5)],
+    });
+    rows.push(unit("middle.z", node(3, 1, 1), 2));
+    let looked = Interface::new(&structure, &rows).unwrap();
+    assert_eq!((looked.left(), looked.plain()), (0, None));
+    let modes = constraint_modes(&structure, &rows).unwrap();
+    let space = restricted(&k, &rows);
+    for (number, mode) in modes.chunks_exact(size).enumerate() {
+        for (other, row) in rows.iter().enumerate() {
+            let expected = if other == number { 1.0 } else { 0.0 };
+            assert!((row.displacement(mode) - expected).abs() < 1e-11);
+        }
+        // forces are along the rows alone: what they leave of any other motion is nothing
+        let force = product(&k, mode);
+        // one of these modes is a rigid motion, and without forces
+        let scale = k
+            .values()
+            .iter()
+            .chain(mode)
+            .fold(0.0_f64, |w, x| w.max(x.abs()));
+        let given_up: Vec<u32> = rows.iter().map(|row| row.entries[0].0).collect();
+        for freedom in (0..size as u32).filter(|f| !given_up.contains(f)) {
+            let mut work = force[freedom as usize];
+            for row in &rows {
+                if let Some((_, x)) = row.entries.iter().find(|(f, _)| *f == freedom) {
+                    let (own, factor) = row.entries[0];
+                    work -= x / factor * force[own as usize];
+                }
+            }
+            assert!(work.abs() < 1e-12 * scale, "{freedom}: {work}");
+        }
+    }
+    let exact = systems::dense_eigenvalues(&space, &restricted(&m, &rows));
+    for request in [Modes::Count(9), Modes::UpTo(0.5 * (exact[8] + exact[9]))] {
+        let found = normal_modes(&structure, request, &Boundary::Fixed(rows.clone())).unwrap();
+        assert_eq!((found.eigenvalues.len(), found.sturm.count), (9, 9));
+        for (value, exact) in found.eigenvalues.iter().zip(&exact) {
+            assert!((value / exact - 1.0).abs() < 1e-9, "{value} {exact}");
+        }
+        for vector in found.vectors.chunks_exact(size) {
+            let largest = vector.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+            for row in &rows {
+                assert!(row.displacement(vector).abs() < 1e-11 * largest);
+            }
+        }
+    }
+}
+
+/// Means along a line leave axial motion and spin: these are neither fixed modes nor in the way.
+#[test]
+fn what_collinear_journals_leave_is_no_mode() {
+    let (k, m) = systems::elastic_box(ELEMENTS);
+    let size = k.size();
+    let structure = Structure::free(&k, &m, motions()).unwrap();
+    let rows: Vec<Load> = [0, 3, 6]
+        .iter()
+        .flat_map(|x| {
+            let pair = [node(*x, 1, 1), node(*x, 1, 2)];
+            [1, 2].map(|axis| mean(&format!("journal {x}"), &pair, axis))
+        })
+        .collect();
+    let looked = Interface::new(&structure, &rows).unwrap();
+    assert_eq!(looked.left(), 2);
+    let modes = constraint_modes(&structure, &rows).unwrap();
+    for (number, mode) in modes.chunks_exact(size).enumerate() {
+        for (other, row) in rows.iter().enumerate() {
+            let expected = if other == number { 1.0 } else { 0.0 };
+            assert!((row.displacement(mode) - expected).abs() < 1e-10);
+        }
+    }
+    let fixed = normal_modes(&structure, Modes::Count(5), &Boundary::Fixed(rows.clone())).unwrap();
+    let exact = systems::dense_eigenvalues(&restricted(&k, &rows), &restricted(&m, &rows));
+    assert!(exact[1].abs() < 1e-6 * exact[2]);
+    for (value, exact) in fixed.eigenvalues.iter().zip(&exact[2..]) {
+        assert!((value / exact - 1.0).abs() < 1e-9, "{value} {exact}");
+    }
+    let mut all = candidates("constraint", size, &modes);
+    all.extend(candidates("fixed", size, &fixed.vectors));
+    let set = ModeSet::new(&structure, all).unwrap();
+    // of six constraint modes four are rigid motions
+    assert_eq!((set.len(), set.dropped.len()), (7, 4), "{:?}", set.dropped);
+    check_orthonormal(&k, &m, &set);
+    let free = systems::dense_eigenvalues(&k, &m);
+    for (value, exact) in set.eigenvalues.iter().zip(&free[6..]) {
+        assert!(value / exact - 1.0 > -1e-9, "{value} {exact}");
+    }
+    // the static answer to loads at the interface that balance each other is exact
+    let bending = Load {
+        label: "bending".into(),
+        entries: [(0, 1.0), (2, -2.0), (4, 1.0)]
+            .iter()
+            .flat_map(|(row, load)| rows[*row].entries.iter().map(move |(f, x)| (*f, x * load)))
+            .collect(),
+    };
+    let own = attachment_modes(&structure, std::slice::from_ref(&bending)).unwrap();
+    let exact = bending.displacement(&own);
+    let spanned: f64 = set
+        .vectors
+        .chunks_exact(size)
+        .zip(&set.eigenvalues)
+        .map(|(mode, value)| bending.displacement(mode).powi(2) / value)
+        .sum();
+    assert!(
+        (spanned / exact - 1.0).abs() < 1e-9,
+        "{spanned:e} {exact:e}"
+    );
+}
+
+#[test]
+fn an_interface_that_repeats_itself_is_told() {
+    let (k, m) = systems::elastic_box(ELEMENTS);
+    let structure = Structure::free(&k, &m, motions()).unwrap();
+    let (a, b) = (node(0, 0, 0), node(6, 2, 3));
+    let rows = vec![
+        unit("left.x", a, 0),
+        unit("right.x", b, 0),
+        mean("both.x", &[a, b], 0),
+    ];
+    let error = constraint_modes(&structure, &rows).unwrap_err().to_string();
+    assert!(
+        error.ends_with("moves only with the other freedoms of the interface"),
+        "{error}"
+    );
+    // of freedoms that are held anyway a mean says nothing new
+    normal_modes(&structure, Modes::Count(2), &Boundary::Fixed(rows)).unwrap();
+    let rows = vec![mean("one.x", &[a, b], 0), mean("two.x", &[b, a], 0)];
+    let error = normal_modes(&structure, Modes::Count(2), &Boundary::Fixed(rows)).unwrap_err();
+    let error = error.to_string();
+    assert!(
+        error.ends_with("moves only with the other freedoms of the interface"),
+        "{error}"
+    );
+    let none = vec![Load {
+        label: "held".into(),
+        entries: vec![],
+    }];
+    let error = constraint_modes(&structure, &none).unwrap_err();
+    assert_eq!(error.to_string(), "held is held by a support already");
 }

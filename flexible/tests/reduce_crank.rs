@@ -44,6 +44,7 @@ fn request(rules: Rules, terms: Vec<Term>) -> Request {
         terms,
         damping_ratio: 0.02,
         damping_up_to: 3000.0,
+        ..Request::default()
     }
 }
 

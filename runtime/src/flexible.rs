@@ -17,12 +17,24 @@
 //! modal                 Pᵀβ + Bᵀω̇ + m_ff ä + Σ ω_k (G_k − G_kᵀ) ȧ − ½ Σ ω_i ω_k ∂J_ik/∂a + k a + c ȧ
 //! ```
 //!
-//! (A. A. Shabana, Dynamics of Multibody Systems, 2013, chapter 5; J. Gerstmayr, A. Zwölfer 2021.) Geometric stiffening is not in it.
+//! (A. A. Shabana, Dynamics of Multibody Systems, 2013, chapter 5; J. Gerstmayr, A. Zwölfer 2021.)
+//!
+//! Geometric stiffness, where the constants have it ([`Geometric`]): the blocks N of spin, T of turn and L of acceleration are the
+//! second-order parts of J, B and S, that is of what a displacement a moves the mass in second order,
+//!
+//! ```text
+//! J_ii −= a·N_ii a    J_ik −= ½ a·N_ik a    B_k += (T_k a)ᵀ    S_i += ½ a·L_i a
+//! ```
+//!
+//! The equations above then have `Σ ω_iω_k N_ik a + Σ ω̇_k T_k a + Σ β_i L_i a` in the modal rows, and what belongs to it in the rows of
+//! force and torque: the mass matrix stays symmetric, momentum and energy are kept. The centrifugal softening is that of H alone.
+//! Loads at markers change the stiffness as well, by blocks that are not used here: the second-order displacement of markers
+//! (foreshortening) is left out, in position as in force.
 
 use crate::body::{BodyFrame, Weights};
 use crate::dense::{add_product, add_scaled, add_transposed, dot};
 use crate::rotation::{M3, V3, skew};
-use eng_system::reduced::Invariants;
+use eng_system::reduced::{Block, Geometric, Invariants};
 use std::sync::Arc;
 
 /// Pairs of axes of the six distinct `H_ik`.
@@ -31,8 +43,10 @@ const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 
 /// A flexible body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flexible {
-    /// Its constants.
+    /// Its constants, with geometric stiffness of spin and turn in the centrifugal and Coriolis blocks.
     pub constants: Arc<Invariants>,
+    /// Second-order parts of the first moment, where there are any.
+    bending: Option<[Block; 3]>,
     first_moment: V3,
     inertia: M3,
     /// `G_k − G_kᵀ`.
@@ -49,6 +63,7 @@ pub struct Work {
     along_omega: Vec<f64>,
     by_rates: Vec<f64>,
     turned: Vec<f64>,
+    moment_by_rate: Vec<f64>,
     coriolis: Vec<f64>,
 }
 
@@ -63,8 +78,12 @@ struct Shape {
     coupling: Vec<f64>,
     /// ∂J_ik/∂a for [`PAIRS`], n each.
     by_shape: [Vec<f64>; 6],
-    /// P ȧ.
+    /// ∂S/∂a, 3 × n: P, and L a where there is geometric stiffness.
+    translation: Vec<f64>,
+    /// Ṡ.
     momentum: V3,
+    /// S̈ at ä = 0.
+    swing: V3,
 }
 
 /// Sets a length and zeros, in the room that is there.
@@ -86,11 +105,45 @@ fn add_rows(out: &mut [f64], factor: &V3, block: &[f64]) {
     }
 }
 
+/// `out_k += L_k x`, 3 × n.
+fn add_blocks(out: &mut [f64], blocks: &[Block; 3], x: &[f64]) {
+    for (row, block) in out.chunks_exact_mut(x.len().max(1)).zip(blocks) {
+        add_product(row, 1.0, block, x);
+    }
+}
+
+/// Constants with the blocks of spin and turn in them, and the blocks of acceleration unless they vanish (a free body's do).
+fn with_geometric(
+    constants: &Invariants,
+    geometric: &Geometric,
+) -> (Arc<Invariants>, Option<[Block; 3]>) {
+    let mut own = constants.clone();
+    for (p, (block, spin)) in own.centrifugal.iter_mut().zip(&geometric.spin).enumerate() {
+        // an off-diagonal pair stands twice in Σ_ik
+        let factor = if p < 3 { 1.0 } else { 0.5 };
+        for (x, n) in block.iter_mut().zip(spin) {
+            *x -= factor * n;
+        }
+    }
+    for (block, turn) in own.coriolis.iter_mut().zip(&geometric.turn) {
+        for (x, t) in block.iter_mut().zip(turn) {
+            *x += t;
+        }
+    }
+    let vanish = geometric.acceleration.iter().flatten().all(|x| *x == 0.0);
+    let bending = (!vanish).then(|| geometric.acceleration.clone());
+    (Arc::new(own), bending)
+}
+
 impl Flexible {
     /// From its constants.
     pub fn new(constants: Arc<Invariants>) -> Flexible {
         let first_moment = V3::from(constants.first_moment);
         let inertia = M3::from_fn(|i, j| constants.inertia[i][j]);
+        let (constants, bending) = match &constants.geometric {
+            Some(geometric) => with_geometric(&constants, geometric),
+            None => (constants, None),
+        };
         let n = constants.modes;
         let gyroscopic = std::array::from_fn(|k| {
             let g = &constants.coriolis[k];
@@ -100,6 +153,7 @@ impl Flexible {
         });
         Flexible {
             constants,
+            bending,
             first_moment,
             inertia,
             gyroscopic,
@@ -143,8 +197,27 @@ impl Flexible {
                 shape.inertia[(k, i)] += value;
             }
         }
+        shape.translation.clear();
+        shape.translation.extend_from_slice(&c.translation);
         shape.moment = self.first_moment + rows(&c.translation, n, a);
-        shape.momentum = rows(&c.translation, n, rates);
+        shape.swing = V3::zeros();
+        if let Some(blocks) = &self.bending {
+            add_blocks(&mut shape.translation, blocks, a);
+            let half = rows(&shape.translation, n, a) - rows(&c.translation, n, a);
+            shape.moment += half * 0.5;
+            shape.swing = self.bent_by(blocks, rates, rates);
+        }
+        shape.momentum = rows(&shape.translation, n, rates);
+    }
+
+    /// `x·L_k y` for k = x, y, z.
+    fn bent_by(&self, blocks: &[Block; 3], x: &[f64], y: &[f64]) -> V3 {
+        let n = self.modes();
+        V3::from_fn(|k, _| {
+            (0..n)
+                .map(|i| x[i] * dot(&blocks[k][i * n..(i + 1) * n], y))
+                .sum()
+        })
     }
 
     /// `∂(J x)/∂a`, 3 × n: the rows `Σ_k x_k ∂J_ik/∂a`.
@@ -195,7 +268,8 @@ impl Flexible {
         let acceleration = V3::new(rate[0], rate[1], rate[2]) - gravity;
         let beta = frame.rotation.transpose() * acceleration;
         let bent = alpha.cross(&shape.moment)
-            + rows(&c.translation, n, second)
+            + rows(&shape.translation, n, second)
+            + shape.swing
             + omega.cross(&omega.cross(&shape.moment))
             + omega.cross(&shape.momentum) * 2.0;
         let force = acceleration * c.mass + frame.rotation * bent;
@@ -219,7 +293,7 @@ impl Flexible {
             out[3 + i] += torque[i];
         }
         let modal = &mut out[6..6 + n];
-        add_rows(modal, &beta, &c.translation);
+        add_rows(modal, &beta, &shape.translation);
         add_rows(modal, &alpha, &shape.coupling);
         add_product(modal, 1.0, &c.modal_mass, second);
         for (p, (i, k)) in PAIRS.into_iter().enumerate() {
@@ -248,7 +322,7 @@ impl Flexible {
             }
             for j in 0..n {
                 let momentum: f64 = (0..3)
-                    .map(|k| frame.rotation[(i, k)] * c.translation[k * n + j])
+                    .map(|k| frame.rotation[(i, k)] * shape.translation[k * n + j])
                     .sum();
                 out[i * width + 6 + j] += factor * momentum;
                 out[(6 + j) * width + i] += factor * momentum;
@@ -293,6 +367,7 @@ impl Flexible {
             along_omega,
             by_rates,
             turned,
+            moment_by_rate,
             coriolis,
             ..
         } = work;
@@ -310,7 +385,8 @@ impl Flexible {
         };
         let w = skew(&omega);
         let bent = alpha.cross(&shape.moment)
-            + rows(&c.translation, n, second)
+            + rows(&shape.translation, n, second)
+            + shape.swing
             + omega.cross(&omega.cross(&shape.moment))
             + omega.cross(&shape.momentum) * 2.0;
         let force_by_omega = (skew(&omega.cross(&shape.moment))
@@ -333,8 +409,19 @@ impl Flexible {
         for i in 0..3 {
             for k in 0..3 {
                 let line = &mut out[i * width + 6..(i + 1) * width];
-                add_scaled(line, by_rate[(i, k)], &c.translation[k * n..(k + 1) * n]);
+                add_scaled(line, by_rate[(i, k)], &shape.translation[k * n..(k + 1) * n]);
             }
+        }
+        if let Some(blocks) = &self.bending {
+            self.add_bending(
+                blocks,
+                frame,
+                (&w, &beta),
+                (rates, second),
+                speed,
+                moment_by_rate,
+                out,
+            );
         }
         // torque by a and ȧ
         self.inertia_by_shape(shape, &alpha, by_shape);
@@ -380,7 +467,7 @@ impl Flexible {
                 let range = k * n..(k + 1) * n;
                 add_scaled(line, w[(i, k)], &turned[range.clone()]);
                 add_scaled(line, speed * w[(i, k)], &shape.coupling[range.clone()]);
-                add_scaled(line, -beta_cross[(i, k)], &c.translation[range]);
+                add_scaled(line, -beta_cross[(i, k)], &shape.translation[range]);
             }
         }
         // modal by the frame's turn and ω
@@ -389,7 +476,7 @@ impl Flexible {
             for i in 0..3 {
                 let mut x = speed * (coriolis[i * n + row] - along_omega[i * n + row]);
                 for k in 0..3 {
-                    x += c.translation[k * n + row] * by_turn[(k, i)];
+                    x += shape.translation[k * n + row] * by_turn[(k, i)];
                 }
                 line[3 + i] += x;
             }
@@ -407,6 +494,43 @@ impl Flexible {
             for (p, (i, k)) in PAIRS.into_iter().enumerate() {
                 let factor = if i == k { 1.0 } else { 2.0 } * omega[i] * omega[k];
                 add_scaled(line, -factor, &c.centrifugal[p][range.clone()]);
+            }
+        }
+    }
+
+    /// Adds to the derivative what second-order parts of the first moment bring: to the force `A (2 ω~ L ȧ + L ä)` by a and
+    /// `2 A L ȧ` by ȧ (of S̈), to the modal rows `Σ β_k L_k` by a. `turning` is (ω~, β), `rates` (ȧ, ä).
+    #[allow(clippy::too_many_arguments)]
+    fn add_bending(
+        &self,
+        blocks: &[Block; 3],
+        frame: &BodyFrame,
+        turning: (&M3, &V3),
+        rates: (&[f64], &[f64]),
+        speed: f64,
+        room: &mut Vec<f64>,
+        out: &mut [f64],
+    ) {
+        let n = self.modes();
+        let width = 6 + n;
+        let (w, beta) = turning;
+        let by_rate = frame.rotation * (w * 2.0 + M3::identity() * (2.0 * speed));
+        for (matrix, x) in [(&by_rate, rates.0), (&frame.rotation, rates.1)] {
+            clear(room, 3 * n);
+            add_blocks(room, blocks, x);
+            for i in 0..3 {
+                for j in 0..n {
+                    let sum: f64 = (0..3).map(|k| matrix[(i, k)] * room[k * n + j]).sum();
+                    out[i * width + 6 + j] += sum;
+                }
+            }
+        }
+        for row in 0..n {
+            let line = &mut out[(6 + row) * width + 6..(7 + row) * width];
+            for (j, y) in line.iter_mut().enumerate() {
+                *y += (0..3)
+                    .map(|k| beta[k] * blocks[k][row * n + j])
+                    .sum::<f64>();
             }
         }
     }

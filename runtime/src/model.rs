@@ -423,7 +423,17 @@ impl Model {
         for body in &self.bodies {
             scales[body.velocity..body.velocity + 3].fill(self.length);
         }
-        // an amplitude by what it moves the markers
+        // an amplitude by what it moves the body's mass on average, or its markers if that is more
+        for body in &self.bodies {
+            if let BodyKind::Flexible(flexible) = &body.kind {
+                let constants = &flexible.constants;
+                let n = constants.modes;
+                for i in 0..n {
+                    let share = constants.modal_mass[i * n + i] / constants.mass;
+                    scales[body.velocity + 6 + i] = self.length / libm::sqrt(share);
+                }
+            }
+        }
         for marker in &self.markers {
             let (Some(b), Some(shape)) = (marker.body, &marker.shape) else {
                 continue;
@@ -432,9 +442,7 @@ impl Model {
             for (i, x) in shape.rows[..3 * n].iter().enumerate() {
                 let reach = self.length / x.abs();
                 let scale = &mut scales[first + i % n];
-                if *scale == 1.0 || reach < *scale {
-                    *scale = reach;
-                }
+                *scale = scale.min(reach);
             }
         }
         for scale in &mut scales {

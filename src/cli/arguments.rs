@@ -28,8 +28,17 @@ pub(super) enum Command {
     ///
     /// Reports everything that is wrong or doubtful in one go: names, units, connections, degrees of freedom.
     Check(CheckArguments),
+    /// Reduce the flexible bodies of a model and print what they are: mass, modes, frequencies
+    Reduce(ReduceArguments),
     /// Explain a message code, such as E0301; list all without one
     Explain(ExplainArguments),
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ReduceArguments {
+    /// The model's file
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
 }
 
 #[derive(Debug, Args)]

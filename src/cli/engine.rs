@@ -10,6 +10,9 @@ pub trait Engine {
     /// Reads a model and everything it uses, and checks it. An `Err` means that its file could not be read.
     fn check(&mut self, model: &Path) -> Result<CheckOutcome, EngineError>;
 
+    /// Reduces the flexible bodies of the models that were checked last and had no errors: a text a body.
+    fn reduce(&mut self) -> Result<Vec<String>, EngineError>;
+
     /// Assembles the models that were checked last and had no errors, and counts their freedoms: what no text shows.
     fn assemble(&mut self) -> Result<AssemblyOutcome, EngineError>;
 

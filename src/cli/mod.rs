@@ -8,6 +8,7 @@ mod check;
 mod engine;
 mod explain;
 mod figures;
+mod reduce;
 mod run;
 mod summary;
 mod table;
@@ -86,6 +87,7 @@ pub fn run_on(
     let done = match &arguments.command {
         Command::Run(run) => run::run(run, engine, console),
         Command::Check(check) => check::check(check, engine, console),
+        Command::Reduce(reduce) => reduce::reduce(reduce, engine, console),
         Command::Explain(code) => explain::explain(code, console),
     };
     match done {

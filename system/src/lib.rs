@@ -6,6 +6,7 @@
 
 pub mod code;
 pub mod dimension;
+pub mod flexible;
 pub mod host;
 pub mod layout;
 pub mod reduced;

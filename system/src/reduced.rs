@@ -9,6 +9,8 @@
 //!
 //! Matrices are row-major. Lengths are metres, masses kilograms, amplitudes carry the unit that makes Φa a displacement.
 
+use crate::flexible::Damping;
+
 /// A square matrix of the modes, or three rows of them, row-major.
 pub type Block = Vec<f64>;
 
@@ -39,6 +41,40 @@ pub struct Invariants {
     pub stiffness: Block,
     /// Damping (n × n).
     pub damping: Block,
+    /// What stresses of spin, acceleration and loads add to the stiffness; none when it was not asked for.
+    pub geometric: Option<Geometric>,
+}
+
+/// Geometric stiffness in modes: `Φᵀ K_σ Φ` (n × n, symmetric) with the initial-stress matrix `K_σ` of the static stress σ under
+/// each of the loads that a body feels, per unit of the load's factor. The modal equation has the sum of factor times block times
+/// `a` on the side of the elastic force.
+///
+/// To the same order the structure's quasi-static answer to a displacement `Φa` is a second displacement `u₂(a)` with
+/// `f·u₂ = −½ aᵀ(Φᵀ K_σ(f) Φ) a` for every load f: what a bent beam loses in length. So the blocks are also the second-order parts
+/// of the body's first moment, inertia and angular momentum, and the equations that follow from these keep energy and momentum.
+/// (O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method, vol. 2, initial-stress matrix; O. Wallrapp, R. Schwertassek,
+/// Dynamik flexibler Mehrkörpersysteme, 1998, section 5.4, for the reference loads.)
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Geometric {
+    /// Of the centrifugal loads, a unit of `ω_j ω_k` (N/(rad/s)²), for jk = xx, yy, zz, xy, yz, zx.
+    pub spin: [Block; 6],
+    /// Of the loads `−M R_r` a unit of angular acceleration `ω̇_k` (body axes).
+    pub turn: [Block; 3],
+    /// Of the loads `−M R_t` a unit of `Aᵀ(r̈ − g)` (body axes).
+    pub acceleration: [Block; 3],
+    /// Of a unit force (N) or torque (N m) at a marker.
+    pub loads: Vec<MarkerStiffness>,
+}
+
+/// Geometric stiffness of a load at a marker.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct MarkerStiffness {
+    /// Index of the marker.
+    pub marker: usize,
+    /// Component 0…5 of force and torque (body axes).
+    pub component: u8,
+    /// n × n, per N or N m.
+    pub stiffness: Block,
 }
 
 /// A marker of a flexible body.
@@ -65,6 +101,65 @@ pub struct ReducedBody {
     pub markers: Vec<ReducedMarker>,
 }
 
+impl ReducedBody {
+    /// Puts damping on the modes: `2 ζ ω m` on the diagonal for a ratio, `α m + β k` for Rayleigh's. The shapes of a ratio are
+    /// normal modes of the set, whose modal mass and stiffness are diagonal.
+    pub fn damp(&mut self, damping: &Damping) {
+        let constants = &mut self.invariants;
+        let n = constants.modes;
+        match damping {
+            Damping::Modal { ratio, up_to } => {
+                constants.damping = vec![0.0; n * n];
+                for (i, frequency) in self.frequencies.iter().enumerate().take(n) {
+                    // beyond the frequency the ratio rises with it, to one at five times that
+                    let share = if frequency > up_to {
+                        ((frequency - up_to) / (4.0 * up_to)).min(1.0)
+                    } else {
+                        0.0
+                    };
+                    let own = ratio + share * (1.0 - ratio).max(0.0);
+                    let omega = 2.0 * std::f64::consts::PI * frequency;
+                    let at = i * n + i;
+                    constants.damping[at] = 2.0 * own * omega * constants.modal_mass[at];
+                }
+            }
+            Damping::Rayleigh { mass, stiffness } => {
+                constants.damping = constants
+                    .modal_mass
+                    .iter()
+                    .zip(&constants.stiffness)
+                    .map(|(m, k)| mass * m + stiffness * k)
+                    .collect();
+            }
+        }
+    }
+}
+
+impl Geometric {
+    /// All blocks zero, no loads.
+    pub fn zero(modes: usize) -> Geometric {
+        let square = || vec![0.0; modes * modes];
+        Geometric {
+            spin: std::array::from_fn(|_| square()),
+            turn: std::array::from_fn(|_| square()),
+            acceleration: std::array::from_fn(|_| square()),
+            loads: Vec::new(),
+        }
+    }
+
+    /// Its blocks with their names.
+    fn blocks(&self) -> impl Iterator<Item = (&'static str, &Block)> {
+        let named = |name: &'static str| move |block| (name, block);
+        let spin = self.spin.iter().map(named("spin stiffness"));
+        let turn = self.turn.iter().map(named("turn stiffness"));
+        let acceleration = self.acceleration.iter();
+        let loads = self.loads.iter().map(|load| &load.stiffness);
+        spin.chain(turn)
+            .chain(acceleration.map(named("acceleration stiffness")))
+            .chain(loads.map(named("load stiffness")))
+    }
+}
+
 impl Invariants {
     /// Constants of a body without modes or with n of them, all zero.
     pub fn zero(modes: usize) -> Invariants {
@@ -83,6 +178,7 @@ impl Invariants {
             modal_mass: square(),
             stiffness: square(),
             damping: square(),
+            geometric: None,
         }
     }
 
@@ -110,6 +206,7 @@ impl Invariants {
                 ("stiffness", &self.stiffness),
                 ("damping", &self.damping),
             ])
+            .chain(self.geometric.iter().flat_map(Geometric::blocks))
             .map(|(name, block)| (name, block, n * n));
         for (name, block, length) in rows.chain(squares) {
             if block.len() != length {

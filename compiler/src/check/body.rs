@@ -1,16 +1,16 @@
 //! Bodies and markers.
 
 use super::Checker;
-use super::call::FLEXIBLE_WORDS;
 use super::mismatch::Due;
 use super::scope::{Scope, block_of};
 use super::types::{Quantity, Type};
 use crate::codes;
 use crate::resolve::suggest::nearest;
-use eng_grammar::Diagnostic;
+use crate::words::{Place, word};
 use eng_grammar::ast::{
     Argument, Declaration, Expr, ExprKind, Form, Item, ItemKind, Kind, Name, Statement,
 };
+use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
 const ATTRIBUTES: [&str; 4] = ["mass", "inertia", "products_of_inertia", "center_of_mass"];
@@ -51,21 +51,7 @@ impl<'p> Checker<'p> {
                     self.body_attribute(&inner, &attribute.name, &attribute.value);
                 }
                 ItemKind::Declaration(marker) if marker.kind == Kind::Marker => {
-                    if marker.name.text == "origin" {
-                        self.report(
-                            Diagnostic::error(
-                                codes::DEFINED_TWICE,
-                                "`origin` is a marker of every body",
-                            )
-                            .at(marker.name.span, "another one")
-                            .with_help("give the marker a name of its own"),
-                        );
-                    } else if let Some(first) = markers.iter().find(|n| n.text == marker.name.text)
-                    {
-                        let first = first.span;
-                        self.defined_twice(&marker.name.text, marker.name.span, first);
-                    }
-                    markers.push(&marker.name);
+                    self.marker_name(&mut markers, marker);
                     self.marker(&inner, marker);
                 }
                 ItemKind::Statement(
@@ -95,7 +81,30 @@ impl<'p> Checker<'p> {
         }
     }
 
-    fn misplaced_in_body(&mut self, item: &Item) {
+    /// A marker's name is its own.
+    pub(super) fn marker_name(&mut self, known: &mut Vec<&'p Name>, marker: &'p Declaration) {
+        if marker.name.text == "origin" {
+            self.report(
+                Diagnostic::error(codes::DEFINED_TWICE, "`origin` is a marker of every body")
+                    .at(marker.name.span, "another one")
+                    .with_help("give the marker a name of its own"),
+            );
+        } else if let Some(first) = known.iter().find(|n| n.text == marker.name.text) {
+            let first = first.span;
+            self.defined_twice(&marker.name.text, marker.name.span, first);
+        }
+        known.push(&marker.name);
+    }
+
+    fn mesh_without_body(&mut self, word: &str, span: Span) {
+        self.report(
+            Diagnostic::error(codes::MARKER, format!("`{word}` is a place on a mesh"))
+                .at(span, "this body has none")
+                .with_help("a body with a mesh is `flexible name { mesh = … }`; a marker of a rigid body has coordinates: `[0, 0, 0] mm`"),
+        );
+    }
+
+    pub(super) fn misplaced_in_body(&mut self, item: &Item) {
         let (what, help) = match &item.kind {
             ItemKind::Binding(_) => (
                 "a named value",
@@ -144,7 +153,7 @@ impl<'p> Checker<'p> {
         self.expect(scope, value, &ty, &due);
     }
 
-    fn start_of_body(&mut self, scope: &Scope<'p>, target: &Expr, value: &Expr) {
+    pub(super) fn start_of_body(&mut self, scope: &Scope<'p>, target: &Expr, value: &Expr) {
         let name = match &target.kind {
             ExprKind::Name(name) => name.as_str(),
             ExprKind::Error => return,
@@ -216,8 +225,8 @@ impl<'p> Checker<'p> {
                 ExprKind::Name(word) if word == "at" => {
                     self.place_with_axes(&scope, name, value, arguments);
                 }
-                ExprKind::Name(word) if FLEXIBLE_WORDS.contains(&word.as_str()) => {
-                    self.flexible(callee.span);
+                ExprKind::Name(name) if word(Place::Marker, name).is_some() => {
+                    self.mesh_without_body(name, callee.span);
                 }
                 _ => self.place(&scope, name, value),
             },

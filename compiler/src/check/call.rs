@@ -38,18 +38,7 @@ const PLACED: [(&str, &str); 6] = [
     ("origin", "a marker of every body"),
 ];
 
-/// What flexible bodies are made with.
-pub(super) const FLEXIBLE_WORDS: [&str; 6] = ["node", "ring", "static", "normal", "nastran", "op4"];
-
 impl<'p> Checker<'p> {
-    pub(super) fn flexible(&mut self, span: Span) {
-        self.report(
-            Diagnostic::error(codes::FLEXIBLE, "flexible bodies are not built yet")
-                .at(span, "belongs to flexible bodies")
-                .with_help("use a rigid `body` with mass, inertia and markers"),
-        );
-    }
-
     pub(super) fn not_built(&mut self, span: Span, what: &str) {
         self.report(
             Diagnostic::error(codes::NOT_BUILT, format!("{what} are not built yet"))
@@ -77,9 +66,9 @@ impl<'p> Checker<'p> {
             {
                 return self.built_in(scope, name, span, arguments);
             }
-            if !found && FLEXIBLE_WORDS.contains(&name.as_str()) {
-                self.flexible(callee.span);
-                return Type::Error;
+            if !found && let Some(ty) = self.call_of_word(scope, name, callee.span, span, arguments)
+            {
+                return ty;
             }
             if !found && let Some((_, place)) = PLACED.iter().find(|(word, _)| word == name) {
                 self.report(

@@ -97,8 +97,9 @@ fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'static str)> 
             ),
         },
         ItemKind::Declaration(declaration) => match declaration.kind {
-            Kind::Flexible | Kind::Default => (true, "", ""),
+            Kind::Default => (true, "", ""),
             Kind::Body
+            | Kind::Flexible
             | Kind::Marker
             | Kind::Joint
             | Kind::Force
@@ -148,7 +149,10 @@ impl<'p> Checker<'p> {
                 "the index stands at a use",
             );
         }
-        if matches!(kind, Kind::Body | Kind::Marker | Kind::Part | Kind::Cycle) {
+        if matches!(
+            kind,
+            Kind::Body | Kind::Flexible | Kind::Marker | Kind::Part | Kind::Cycle
+        ) {
             self.misplaced(
                 declaration.kind_span,
                 &with_article(kind_word(kind)),
@@ -195,7 +199,7 @@ impl<'p> Checker<'p> {
                     self.model_attribute(&scope, attribute, kind);
                 }
                 ItemKind::Declaration(inner) => match inner.kind {
-                    Kind::Flexible => self.flexible(inner.kind_span),
+                    Kind::Flexible => self.flexible(&scope, inner),
                     Kind::Default => self.not_built(inner.kind_span, "`default` blocks"),
                     Kind::Body => self.body(&scope, inner),
                     Kind::Marker => self.marker(&scope, inner),

@@ -15,8 +15,8 @@ use eng_grammar::{Diagnostic, Span};
 use std::rc::Rc;
 
 /// Types that the language itself gives.
-const BUILT_IN_TYPES: [&str; 8] = [
-    "Int", "Bool", "Text", "Vector", "Vector2", "Vector3", "Marker", "Body",
+const BUILT_IN_TYPES: [&str; 9] = [
+    "Int", "Bool", "Text", "Vector", "Vector2", "Vector3", "Marker", "Body", "ModeSet",
 ];
 
 /// The unit that an expression is written in, if it is a literal.
@@ -128,10 +128,7 @@ impl<'p> Checker<'p> {
             "Text" => return Type::Text,
             "Marker" => return Type::Marker,
             "Body" => return Type::Body(None),
-            "ModeSet" => {
-                self.flexible(name.span);
-                return Type::Error;
-            }
+            "ModeSet" => return Type::ModeSet,
             "Vector" | "Vector2" | "Vector3" => {
                 self.report(
                     Diagnostic::error(
@@ -420,7 +417,7 @@ impl<'p> Checker<'p> {
         }
         if binding.kind == BindingKind::Param
             && around != Some(Kind::Interface)
-            && matches!(ty, Type::Int | Type::Bool | Type::Text)
+            && matches!(ty, Type::Int | Type::Bool | Type::Text | Type::ModeSet)
         {
             let found = self.describe(ty);
             let message = Diagnostic::error(

@@ -219,6 +219,7 @@ impl Checker<'_> {
             Type::Int => "a whole number".to_owned(),
             Type::Bool => "true or false".to_owned(),
             Type::Text => "a text".to_owned(),
+            Type::ModeSet => "a mode set".to_owned(),
             Type::Scalar(quantity) if quantity.dim.is_one() => "a plain number".to_owned(),
             Type::Scalar(quantity) => with_article(&self.quantity_name(quantity)),
             Type::Vector { quantity, .. } if quantity.dim.is_one() => {

@@ -55,6 +55,12 @@ impl<'p> Checker<'p> {
                 if let Some(marker) = super::scope::marker_of(declared, &name.text) {
                     return self.arrayed(&marker.index, Type::Marker);
                 }
+                if name.text == "support"
+                    && super::flexible::has_support(declared)
+                    && let Some(weld) = self.program.weld()
+                {
+                    return Type::Instance(weld);
+                }
                 let markers = self.markers_of(body);
                 let title = format!("the body `{}` has no marker `{}`", body.name, name.text);
                 self.no_member(title, name, markers.iter().map(String::as_str));

@@ -440,7 +440,7 @@ impl<'p> Levels<'_, 'p> {
             Member::Table(_) => Abstract::Unknown,
             Member::Reaction(_) => Abstract::Number(Level::new(2, span, Cause::Reaction)),
             Member::Declaration(declaration) => match declaration.kind {
-                Kind::Body => Abstract::Body,
+                Kind::Body | Kind::Flexible => Abstract::Body,
                 Kind::Marker => Abstract::Marker,
                 _ => {
                     let ty = self

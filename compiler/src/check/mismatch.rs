@@ -190,7 +190,8 @@ impl<'p> Checker<'p> {
             | (Type::Text, Type::Text)
             | (Type::Marker, Type::Marker)
             | (Type::Body(_), Type::Body(_))
-            | (Type::Cycle, Type::Cycle) => found.clone(),
+            | (Type::Cycle, Type::Cycle)
+            | (Type::ModeSet, Type::ModeSet) => found.clone(),
             (Type::Instance(a), Type::Instance(b)) if a == b => found.clone(),
             (Type::InstanceOf(a), Type::InstanceOf(b)) if a == b => found.clone(),
             (Type::InstanceOf(interface), Type::Instance(class))

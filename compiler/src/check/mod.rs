@@ -14,6 +14,7 @@ mod declare;
 mod describe;
 mod expression;
 mod field;
+mod flexible;
 mod function;
 mod level;
 mod mismatch;
@@ -182,7 +183,6 @@ impl<'p> Checker<'p> {
                 "a value that all may use is a `const`",
             ),
             ItemKind::Declaration(declaration) => match (&declaration.form, declaration.kind) {
-                (_, Kind::Flexible) => self.flexible(declaration.kind_span),
                 (_, Kind::Default) => self.not_built(declaration.kind_span, "`default` blocks"),
                 (_, Kind::Analysis) => self.analysis(&scope, declaration),
                 (Form::Class { .. }, _)

@@ -72,6 +72,7 @@ impl<'p> Checker<'p> {
                 self.comparison(&sides, &a, &b);
                 Type::Bool
             }
+            BinaryOp::Add if a == Type::ModeSet && b == Type::ModeSet => Type::ModeSet,
             BinaryOp::Add | BinaryOp::Subtract => self.sum(&sides, &a, &b),
             BinaryOp::Multiply => self.product(&sides, &a, &b),
             BinaryOp::Divide => self.quotient(&sides, &a, &b),

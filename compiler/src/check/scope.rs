@@ -395,7 +395,7 @@ impl<'p> Checker<'p> {
                 framed: true,
             },
             Member::Declaration(declaration) => match declaration.kind {
-                Kind::Body => {
+                Kind::Body | Kind::Flexible => {
                     let body = Type::Body(Some(BodyRef {
                         definition: id,
                         name: name.to_owned(),
@@ -557,12 +557,13 @@ pub(super) fn marker_of<'p>(body: &'p Declaration, name: &str) -> Option<&'p Dec
 }
 
 fn has_mass(body: &Declaration) -> bool {
-    block_of(body).is_some_and(|block| {
-        block
-            .items
-            .iter()
-            .any(|item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == "mass"))
-    })
+    body.kind == Kind::Body
+        && block_of(body).is_some_and(|block| {
+            block
+                .items
+                .iter()
+                .any(|item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == "mass"))
+        })
 }
 
 /// kg m/s².

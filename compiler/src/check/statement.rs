@@ -72,7 +72,7 @@ impl<'p> Checker<'p> {
     }
 
     /// The `{expression as unit}` places of a message.
-    fn message(&mut self, scope: &Scope<'p>, message: &Name) {
+    pub(super) fn message(&mut self, scope: &Scope<'p>, message: &Name) {
         // The parser has said what cannot be read in it.
         let mut said = Diagnostics::new();
         for part in parse_message(message, &mut said) {

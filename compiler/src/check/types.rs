@@ -366,6 +366,8 @@ pub enum Type {
     /// An instance of a class known only by its interface.
     InstanceOf(DefinitionId),
     Cycle,
+    /// Modes of a flexible body.
+    ModeSet,
 }
 
 impl Type {

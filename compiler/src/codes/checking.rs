@@ -102,10 +102,10 @@ eng_grammar::codes! {
     TOO_DEEP = "E0326", "values build on each other too deeply",
         "More than 100 values or calls stand on each other. Shorten the chain.",
         "", "";
-    FLEXIBLE = "E0390", "flexible bodies are not built yet",
-        "The word is reserved. Use a rigid `body`.",
-        "flexible crank { mesh = file(\"crank.nas\") }",
-        "body crank { mass = 12 kg; inertia = [1, 1, 1] kg*m^2 }";
+    FLEXIBLE = "E0390", "a flexible body is described by something that is not known",
+        "A mesh, a matrix, a mode set and a damping are written with words of their own; the message lists those of the place.",
+        "flexible crank { mesh = file(\"crank.bdf\") }",
+        "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s) }";
     NOT_BUILT = "E0391", "a part of the language is not built yet",
         "The form is reserved for a later version.",
         "analysis steady = periodic(Engine())",

@@ -97,6 +97,18 @@ eng_grammar::codes! {
         "Counts, indices and the ends of ranges of whole numbers are below 9e15.",
         "const count = 9000000000000000*9000000000000000\nlet all = sum(i for i in 1..count)",
         "const count = 9000\nlet all = sum(i for i in 1..count)";
+    FLEXIBLE_NUMBER = "E0525", "a number of a flexible body makes no sense",
+        "Radii, widths and numbers of nodes and modes are positive, damping is not negative, Poisson's ratio is below 1/2.",
+        "flexible crank { marker main = ring(center: [0, 0, 0] mm, axis: z, radius: 0 mm, width: 20 mm) }",
+        "flexible crank { marker main = ring(center: [0, 0, 0] mm, axis: z, radius: 27 mm, width: 20 mm) }";
+    FLEXIBLE_MATRICES = "E0526", "a flexible body has one matrix from a file and one from its mesh",
+        "Stiffness and mass of two sources do not belong to one structure. Give both from files, or neither.",
+        "flexible block { stiffness = op4(\"block.op4\", matrix: \"KGG\") }",
+        "flexible block { stiffness = op4(\"block.op4\", matrix: \"KGG\"); mass = op4(\"block.op4\", matrix: \"MGG\") }";
+    MODE_MARKER = "E0527", "a mode set or support names a marker that its body does not have",
+        "Names in a mode set are looked up in the flexible body that uses it.",
+        "flexible crank { marker main = node(12); modes = static(at: mian) }",
+        "flexible crank { marker main = node(12); modes = static(at: main) }";
     INTERNAL = "E0599", "the compiler or the runtime contradicts itself",
         "No model should bring this about: an earlier check should have told what is wrong. Please report it with the model. Changing what stands at the place named may help until it is mended.",
         "", "";
@@ -113,6 +125,10 @@ eng_grammar::codes! {
     ADRIFT = "W0504", "bodies have no path to the ground",
         "They hang together, but nothing ties one of them to the ground: together they fall or drift.",
         "", "";
+    UNSERVED = "W0505", "a load on a flexible body has no static mode",
+        "Normal modes alone converge slowly under a load at one place: the body seems too stiff there. A static mode at that marker answers the load exactly. A term that lists its freedoms is taken as it is.",
+        "flexible crank { modes = normal(16) }",
+        "flexible crank { modes = static(at: [main, pin]) + normal(16) }";
     NO_GRAVITY = "N0501", "no gravity is stated",
         "It is zero then. State it, or state zeros to say that this is meant.",
         "model Engine { }",

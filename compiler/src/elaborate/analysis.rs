@@ -294,6 +294,7 @@ impl<'a> Elaborator<'a, '_> {
             Value::Int(i) => Structural::Int(i),
             Value::Bool(b) => Structural::Bool(b),
             Value::Text(t) => Structural::Text(t),
+            Value::ModeSet(parts) => Structural::ModeSet(parts.to_vec()),
             Value::Scalar(s) => Structural::Number(self.structural(s, span)?, s.dimension),
             Value::List(items) => Structural::List(
                 items

@@ -432,7 +432,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// The value of an expression that does not live as long as the program: only names, fields and arithmetic with numbers.
-    fn evaluate_owned(&mut self, expr: &ast::Expr, scope: ScopeId) -> Eval<Value<'a>> {
+    pub fn evaluate_owned(&mut self, expr: &ast::Expr, scope: ScopeId) -> Eval<Value<'a>> {
         use ast::ExprKind as K;
         match &expr.kind {
             K::Name(name) => self.lookup(name, scope, expr.span),

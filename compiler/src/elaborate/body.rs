@@ -83,6 +83,29 @@ impl<'a> Elaborator<'a, '_> {
         self.markers.len() as u32 - 1
     }
 
+    /// A body's frame.
+    pub fn frame_marker(&mut self, body: BodyRef, path: String) -> u32 {
+        let zero = self.zero();
+        let identity = self.identity();
+        self.add_marker(body, path, None, [zero; 3], identity)
+    }
+
+    /// A marker whose place comes from the reduction of a mesh.
+    pub fn marker_of_mesh(
+        &mut self,
+        body: BodyRef,
+        path: String,
+        span: Span,
+        axes: [f64; 9],
+        shape: u32,
+    ) -> u32 {
+        let zero = self.zero();
+        let axes = axes.map(|x| self.bench.bind.graph.constant(x));
+        let marker = self.add_marker(body, path, Some(span), [zero; 3], axes);
+        self.markers[marker as usize].shape = Some(shape);
+        marker
+    }
+
     /// Something refers to a marker.
     pub fn used_marker(&mut self, marker: u32) {
         if let Some(used) = self.used_markers.get_mut(marker as usize) {
@@ -152,7 +175,7 @@ impl<'a> Elaborator<'a, '_> {
         self.bind_vector(expr, scope)
     }
 
-    fn direction(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<[Scalar; 3]> {
+    pub fn direction(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<[Scalar; 3]> {
         let value = self.evaluate(expr, scope)?;
         let v = self.as_vector(value, expr.span)?;
         let known: Vec<f64> = v.iter().filter_map(|s| self.bench.known(*s)).collect();
@@ -175,7 +198,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Marker → body from stated x and z directions (unit vectors in body axes): z is kept, x is made perpendicular to it.
-    fn orientation(&mut self, x: Option<[Scalar; 3]>, z: Option<[Scalar; 3]>) -> Matrix {
+    pub fn orientation(&mut self, x: Option<[Scalar; 3]>, z: Option<[Scalar; 3]>) -> Matrix {
         let ex = self.unit_vector(0);
         let ey = self.unit_vector(1);
         let ez = self.unit_vector(2);
@@ -250,9 +273,6 @@ impl<'a> Elaborator<'a, '_> {
         declaration: &'a ast::Declaration,
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
-        if declaration.kind == Kind::Flexible {
-            return Err(self.internal(declaration.kind_span, "a flexible body"));
-        }
         let Form::Plain { block } = &declaration.form else {
             return Err(self.internal(declaration.name.span, "a body without a block"));
         };
@@ -261,10 +281,11 @@ impl<'a> Elaborator<'a, '_> {
         let mut made = Vec::new();
         self.for_each(&declaration.index, scope, &mut |e, inner, position| {
             let path = format!("{base}{}", index_text(position));
-            made.push((
-                position.to_vec(),
-                Value::Body(e.body(declaration, block, inner, path)?),
-            ));
+            let body = match declaration.kind {
+                Kind::Flexible => e.flexible_body(declaration, block, inner, path)?,
+                _ => e.body(declaration, block, inner, path)?,
+            };
+            made.push((position.to_vec(), Value::Body(body)));
             Ok(())
         })?;
         if declaration.index.is_empty() {
@@ -354,14 +375,7 @@ impl<'a> Elaborator<'a, '_> {
         });
         self.body_scopes.push(own);
         let reference = BodyRef::Body(index);
-        let identity = self.identity();
-        let origin = self.add_marker(
-            reference,
-            format!("{path}.origin"),
-            None,
-            [zero; 3],
-            identity,
-        );
+        let origin = self.frame_marker(reference, format!("{path}.origin"));
         self.define(own, "origin", Entry::Value(Value::Marker(origin)));
         for item in &block.items {
             match &item.kind {
@@ -433,7 +447,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// `start` and `guess` inside a body.
-    fn body_start(
+    pub fn body_start(
         &mut self,
         body: u32,
         origin: u32,

@@ -97,10 +97,25 @@ impl<'a> Elaborator<'a, '_> {
             other => return Err(self.unfit(callee.span, "a class", &other)),
         };
         self.bench.element = Some(ElementBuilder::default());
+        self.bench.bind.owner.clone_from(&path);
+        let bound = self.bind_arguments(class, arguments, scope, &path, value.span)?;
+        self.element_of_class(class, bound, block, scope, path, declaration.name.span)
+    }
+
+    /// An instance of a class with its arguments.
+    pub fn element_of_class(
+        &mut self,
+        class: Class<'a>,
+        bound: Vec<(String, Argument<'a>)>,
+        block: Option<&'a ast::Block>,
+        scope: ScopeId,
+        path: String,
+        span: Span,
+    ) -> Eval<u32> {
+        self.bench.element = Some(ElementBuilder::default());
         self.rates = None;
         self.bench.bind.owner.clone_from(&path);
-        let used_at = Some(location(declaration.name.span));
-        let bound = self.bind_arguments(class, arguments, scope, &path, value.span)?;
+        let used_at = Some(location(span));
         let source = ElementSource {
             definition: class.definition,
             arguments: bound,
@@ -169,7 +184,7 @@ impl<'a> Elaborator<'a, '_> {
         };
         let index = self.finish_element(
             origin,
-            declaration.name.span,
+            span,
             Role::Dynamic,
             class.declaration.name.text.clone(),
             Some(source),
@@ -702,7 +717,10 @@ pub(crate) fn is_marker(ty: &ast::TypeExpr) -> bool {
 fn is_structural(ty: &ast::TypeExpr) -> bool {
     match &ty.kind {
         TypeExprKind::Name(n) => {
-            matches!(n.text.as_str(), "Int" | "Bool" | "Text" | "Marker" | "Body")
+            matches!(
+                n.text.as_str(),
+                "Int" | "Bool" | "Text" | "Marker" | "Body" | "ModeSet"
+            )
         }
         TypeExprKind::Array(inner, _) => is_structural(inner),
         TypeExprKind::Function(..) => true,

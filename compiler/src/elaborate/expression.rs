@@ -469,6 +469,10 @@ impl<'a> Elaborator<'a, '_> {
                 return Ok(Value::Int(i));
             }
         }
+        if let (B::Add, Value::ModeSet(x), Value::ModeSet(y)) = (op, &a, &b) {
+            let sum = x.iter().chain(y.iter()).cloned().collect();
+            return Ok(Value::ModeSet(std::rc::Rc::new(sum)));
+        }
         match op {
             B::Add | B::Subtract => {
                 let f = |e: &mut Self, x: Scalar, y: Scalar| {
@@ -695,7 +699,10 @@ impl<'a> Elaborator<'a, '_> {
                 Some(value) => value,
                 None => match super::builtin::find(name) {
                     Some(builtin) => Value::Builtin(builtin),
-                    None => return self.lookup(name, scope, callee.span),
+                    None => match crate::words::word(crate::words::Place::Modes, name) {
+                        Some(term) => return self.mode_set(term, expr.span, arguments, scope),
+                        None => return self.lookup(name, scope, callee.span),
+                    },
                 },
             },
             _ => self.evaluate(callee, scope)?,

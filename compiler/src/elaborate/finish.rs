@@ -8,6 +8,7 @@ use crate::program::{DefinitionId, Program};
 use eng_grammar::ast::{Form, ItemKind, Kind};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::Dimension;
+use eng_system::flexible::FlexibleSource;
 use eng_system::host::Host;
 use eng_system::system::{Element, ElementClass, Role, System};
 use std::collections::BTreeMap;
@@ -23,6 +24,8 @@ pub struct Elaborated {
     pub bodies: Vec<ClassBody>,
     /// The bind graph.
     pub bind: BindProgram,
+    /// What is to be reduced, by the index that bodies name.
+    pub flexible: Vec<FlexibleSource>,
 }
 
 /// A structural argument of a model.
@@ -38,6 +41,8 @@ pub enum Structural {
     Number(f64, Dimension),
     /// A list.
     List(Vec<Structural>),
+    /// Modes of a flexible body.
+    ModeSet(Vec<super::ModePart>),
 }
 
 /// Elaborates a model. `None` where an error was reported.
@@ -79,6 +84,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             instances: 0,
             bodies: Vec::new(),
             body_scopes: Vec::new(),
+            flexible: Vec::new(),
             markers: Vec::new(),
             used_markers: Vec::new(),
             parameters: Vec::new(),
@@ -111,6 +117,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             Structural::Bool(b) => Value::Bool(*b),
             Structural::Text(t) => Value::Text(t.clone()),
             Structural::Number(v, d) => Value::Scalar(self.bench.constant(*v, *d)),
+            Structural::ModeSet(parts) => Value::ModeSet(std::rc::Rc::new(parts.clone())),
             Structural::List(items) => {
                 Value::List(items.iter().map(|v| self.structural_value(v)).collect())
             }
@@ -136,6 +143,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         );
         self.lasting(scope);
         self.block_with(items, scope, constants);
+        self.weld_supports();
         self.finish_pending();
         let cycle = self.lower_cycle();
         self.bench.element = None;
@@ -276,12 +284,15 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             cycle,
             journals: std::mem::take(&mut self.journals),
         };
-        Ok(Elaborated {
+        let mut elaborated = Elaborated {
             system,
             classes: functions,
             bodies,
             bind: program,
-        })
+            flexible: Vec::new(),
+        };
+        self.flexible_sources(&mut elaborated);
+        Ok(elaborated)
     }
 
     /// Whether an element acts in the model (for the topology).

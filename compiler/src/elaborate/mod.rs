@@ -10,17 +10,20 @@ mod builtin;
 mod element;
 mod expression;
 mod finish;
+mod flexible;
 mod model;
 mod output;
 mod reference;
 mod scalar;
 mod table;
 mod topology;
+mod transmit;
 mod value;
 
 pub use analysis::{AnalysisPlan, analyses};
 pub use binding::{BindProgram, Check, MessagePart, ParameterDefault};
 pub use finish::{Elaborated, Structural, elaborate};
+pub use flexible::{MarkerName, ModePart};
 
 use crate::codes;
 use crate::program::{DefinitionId, Program};
@@ -156,6 +159,7 @@ pub(crate) struct Elaborator<'a, 'd> {
 
     pub bodies: Vec<eng_system::system::Body>,
     pub body_scopes: Vec<ScopeId>,
+    pub flexible: Vec<Option<flexible::FlexibleDraft>>,
     pub markers: Vec<eng_system::system::Marker>,
     pub used_markers: Vec<bool>,
     pub parameters: Vec<eng_system::system::Parameter>,

@@ -45,6 +45,7 @@ pub(crate) enum Value<'a> {
     /// A class, record, model, component: something that is called with arguments.
     Definition(DefinitionId),
     Cycle,
+    ModeSet(std::rc::Rc<Vec<super::ModePart>>),
 }
 
 /// A table as a value.
@@ -88,6 +89,7 @@ impl Value<'_> {
             Value::Table(_) => "a table",
             Value::Definition(_) => "a class",
             Value::Cycle => "the cycle",
+            Value::ModeSet(_) => "a mode set",
         }
     }
 }

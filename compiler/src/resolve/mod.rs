@@ -14,6 +14,8 @@ use eng_system::host::Host;
 
 /// The module that every file uses.
 pub const PRELUDE: &str = "std.prelude";
+/// Module and class with which a flexible body that has supports stands on the ground.
+pub const WELD: (&str, &str) = ("std.joints", "Fixed");
 
 /// Reads the root file and every module it uses. `root` is a file's name for `host`; `library` maps the paths of
 /// modules (`std.joints`) to their texts. Modules come before those that use them; the root is the last.

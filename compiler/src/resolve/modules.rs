@@ -4,7 +4,7 @@ use super::PRELUDE;
 use super::suggest::nearest;
 use crate::codes;
 use crate::program::{Module, Program};
-use eng_grammar::ast::{ItemKind, Use, UseNames};
+use eng_grammar::ast::{Form, Item, ItemKind, Kind, Use, UseNames};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
 use eng_system::host::{Host, HostError};
 use std::collections::BTreeMap;
@@ -207,6 +207,9 @@ impl Loader<'_> {
                 }
             }
         }
+        if tree.items.iter().any(has_support) && self.text_of_library(super::WELD.0).is_some() {
+            self.module(super::WELD.0, None);
+        }
         self.open.pop();
         self.program.modules.push(Module {
             path: path.to_owned(),
@@ -237,6 +240,21 @@ impl Loader<'_> {
             used.names = UseNames::All;
         }
     }
+}
+
+/// Whether a model or component has a flexible body that stands on the ground.
+fn has_support(item: &Item) -> bool {
+    let ItemKind::Declaration(declaration) = &item.kind else {
+        return false;
+    };
+    let (Form::Class { block, .. } | Form::Plain { block }) = &declaration.form else {
+        return false;
+    };
+    block.items.iter().any(|inner| match &inner.kind {
+        ItemKind::Declaration(_) => has_support(inner),
+        ItemKind::Attribute(a) => declaration.kind == Kind::Flexible && a.name.text == "support",
+        _ => false,
+    })
 }
 
 fn is_library(path: &str) -> bool {

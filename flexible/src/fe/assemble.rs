@@ -14,7 +14,7 @@ use super::rules::{Rules, Table};
 use super::solid::{self, PAIR, Present, pair};
 use super::surface;
 use crate::error::FlexibleError;
-use crate::mesh::{Element, ElementKind, Mesh};
+use crate::mesh::{BeamAxes, Element, ElementKind, Material, Mesh, Section};
 use crate::sparse::SymmetricMatrix;
 
 /// Elements computed at a time.
@@ -323,7 +323,7 @@ impl System<'_> {
     ) -> Result<(), FlexibleError> {
         for &index in beams {
             let element = self.mesh.elements[index as usize];
-            let matrices = beam_matrices(self.mesh, &element)?;
+            let matrices = of_beam(self.mesh, &element, beam::matrices)?;
             let nodes = self.mesh.nodes_of(&element);
             let freedoms: Vec<usize> = nodes
                 .iter()
@@ -398,8 +398,12 @@ impl System<'_> {
     }
 }
 
-/// Matrices of a beam of a checked mesh.
-fn beam_matrices(mesh: &Mesh, element: &Element) -> Result<beam::BeamMatrices, FlexibleError> {
+/// Something of a beam of a checked mesh: [`beam::matrices`] or [`beam::tension`].
+pub(super) fn of_beam<T>(
+    mesh: &Mesh,
+    element: &Element,
+    what: impl Fn([[f64; 3]; 2], &BeamAxes, &Section, &Material) -> Result<T, String>,
+) -> Result<T, FlexibleError> {
     let fault = |what: String| {
         wrong(
             format!("beam {}: {what}", element.id),
@@ -420,7 +424,7 @@ fn beam_matrices(mesh: &Mesh, element: &Element) -> Result<beam::BeamMatrices, F
         return Err(fault("it begins and ends at the same node".into()));
     }
     let positions = [first, second].map(|node| mesh.nodes[node as usize].position);
-    beam::matrices(positions, axes, &property.section, material).map_err(fault)
+    what(positions, axes, &property.section, material).map_err(fault)
 }
 
 /// Shape functions at the integration points of the kinds a mesh has.

@@ -46,6 +46,8 @@ struct Beam {
     bending: [[f64; 2]; 2],
     /// Which of v, w, θ_y, θ_z bending holds together.
     active: [bool; 4],
+    /// Polar radius of gyration squared, (I_y + I_z)/A (m²).
+    gyration: f64,
     /// Mass a length (kg/m) and inertia of the section a length about y, z, with their product (kg m).
     mass: f64,
     inertia: [[f64; 2]; 2],
@@ -87,6 +89,7 @@ impl Beam {
             shear: shear.map(|factor| inverse(factor * modulus * area)),
             bending,
             active: [about_z, about_y, about_y, about_z],
+            gyration: (moment_y + moment_z) / area,
             mass: material.density * area + mass_per_length,
             inertia: [
                 [material.density * moment_y, -material.density * product],
@@ -232,7 +235,8 @@ impl Beam {
         shape
     }
 
-    fn mass(&self) -> EndMatrix {
+    /// Forces (F_y, F_z, M_y, M_z) at the second end a unit of the bending freedoms of both: 4 × 8.
+    fn end_forces(&self) -> [[f64; 8]; 4] {
         let (end, deformation) = (self.end_stiffness(), self.deformation());
         let mut force = [[0.0; 8]; 4];
         for (row, line) in force.iter_mut().enumerate() {
@@ -240,6 +244,11 @@ impl Beam {
                 *x = (0..4).map(|k| end[row][k] * deformation[k][column]).sum();
             }
         }
+        force
+    }
+
+    fn mass(&self) -> EndMatrix {
+        let force = self.end_forces();
         let mut mass = [[0.0; 12]; 12];
         // cubic displacements: products of degree 6, exact with four points
         for (t, weight) in unit_interval(4) {
@@ -263,14 +272,60 @@ impl Beam {
     }
 }
 
+impl Beam {
+    /// Geometric stiffness a unit of tension (1/m, –, m): `∫ v'v'ᵀ + w'w'ᵀ + (I_y + I_z)/A θ_x'θ_x'ᵀ dx` with the slopes of the
+    /// stiffness' own deformation, v' = θ_z + V_y/(k_y GA) and w' = −θ_y + V_z/(k_z GA) (Przemieniecki, ch. 15; the last term is
+    /// H. Wagner's, of the fibres that a turn inclines). Shear forces and moments at rest add nothing here.
+    fn tension(&self) -> EndMatrix {
+        let force = self.end_forces();
+        let mut matrix = [[0.0; 12]; 12];
+        // quadratic slopes: products of degree 4, exact with three points
+        for (t, weight) in unit_interval(3) {
+            let shape = self.section_shape(t * self.length, &force);
+            let weight = weight * self.length;
+            let mut slopes = [[0.0; 12]; 2];
+            for (axis, slope) in slopes.iter_mut().enumerate() {
+                if self.active[axis] {
+                    let turn = if axis == 0 { (5, 1.0) } else { (4, -1.0) };
+                    for (x, theta) in slope.iter_mut().zip(&shape[turn.0]) {
+                        *x = turn.1 * theta;
+                    }
+                    for (j, f) in force[axis].iter().enumerate() {
+                        slope[bending(j)] += self.shear[axis] * f;
+                    }
+                } else {
+                    slope[BENDING[axis]] = -1.0 / self.length;
+                    slope[BENDING[axis] + 6] = 1.0 / self.length;
+                }
+            }
+            for (i, row) in matrix.iter_mut().enumerate() {
+                for (j, x) in row.iter_mut().enumerate() {
+                    *x += weight * (slopes[0][i] * slopes[0][j] + slopes[1][i] * slopes[1][j]);
+                }
+            }
+        }
+        let twist = self.gyration / self.length;
+        for (i, j, sign) in [(3, 3, 1.0), (9, 9, 1.0), (3, 9, -1.0), (9, 3, -1.0)] {
+            matrix[i][j] += sign * twist;
+        }
+        matrix
+    }
+}
+
 /// Index among twelve of the bending freedom 0…7 of both ends.
 fn bending(index: usize) -> usize {
     6 * (index / 4) + BENDING[index % 4]
 }
 
+/// Stiffness, and another matrix over the same freedoms that follows it where ends are released: mass or geometric stiffness.
+struct Pair {
+    stiffness: EndMatrix,
+    other: EndMatrix,
+}
+
 /// Lets a freedom of an end go: no force passes through it, so it follows the others, K ← K − k kᵀ/K_rr and M ← Tᵀ M T with
-/// the same T (static condensation, R. J. Guyan, AIAA J. 3, 1965).
-fn release(matrices: &mut BeamMatrices, freedom: usize, whole: f64) -> Result<(), String> {
+/// the same T, also for the geometric matrix (static condensation, R. J. Guyan, AIAA J. 3, 1965).
+fn release(matrices: &mut Pair, freedom: usize, whole: f64) -> Result<(), String> {
     let row = matrices.stiffness[freedom];
     let pivot = row[freedom];
     if pivot <= 1e-12 * whole {
@@ -292,10 +347,10 @@ fn release(matrices: &mut BeamMatrices, freedom: usize, whole: f64) -> Result<()
         matrices.stiffness[i][freedom] = 0.0;
         matrices.stiffness[freedom][i] = 0.0;
     }
-    let old = matrices.mass;
+    let old = matrices.other;
     for i in 0..12 {
         for j in 0..12 {
-            matrices.mass[i][j] = if i == freedom || j == freedom {
+            matrices.other[i][j] = if i == freedom || j == freedom {
                 0.0
             } else {
                 old[i][j]
@@ -308,16 +363,14 @@ fn release(matrices: &mut BeamMatrices, freedom: usize, whole: f64) -> Result<()
     Ok(())
 }
 
-/// Stiffness and mass of a beam between two nodes.
-///
-/// # Errors
-/// In words: no length, an orientation along the beam, releases that leave a mechanism, a section that isn't a beam's.
-pub fn matrices(
+/// The stiffness and another matrix of a beam in element axes, and the transformation from the nodes' freedoms in basic ones.
+fn placed(
     positions: [[f64; 3]; 2],
     axes: &BeamAxes,
     section: &Section,
     material: &Material,
-) -> Result<BeamMatrices, String> {
+    other: impl Fn(&Beam) -> EndMatrix,
+) -> Result<(Pair, EndMatrix), String> {
     let ends = [
         add(positions[0], axes.offsets[0]),
         add(positions[1], axes.offsets[1]),
@@ -336,9 +389,9 @@ pub fn matrices(
     let z = scale(1.0 / across, normal);
     let frame = [x, cross(z, x), z];
     let beam = Beam::new(length, section, material).ok_or("its section isn't a beam's")?;
-    let mut local = BeamMatrices {
+    let mut local = Pair {
         stiffness: beam.stiffness(),
-        mass: beam.mass(),
+        other: other(&beam),
     };
     let whole: [f64; 12] = std::array::from_fn(|i| local.stiffness[i][i]);
     for (end, released) in axes.released.into_iter().enumerate() {
@@ -361,9 +414,55 @@ pub fn matrices(
             }
         }
     }
+    Ok((local, transformation))
+}
+
+/// Stiffness and mass of a beam between two nodes.
+///
+/// # Errors
+/// In words: no length, an orientation along the beam, releases that leave a mechanism, a section that isn't a beam's.
+pub fn matrices(
+    positions: [[f64; 3]; 2],
+    axes: &BeamAxes,
+    section: &Section,
+    material: &Material,
+) -> Result<BeamMatrices, String> {
+    let (local, transformation) = placed(positions, axes, section, material, Beam::mass)?;
     Ok(BeamMatrices {
         stiffness: turned(&local.stiffness, &transformation),
-        mass: turned(&local.mass, &transformation),
+        mass: turned(&local.other, &transformation),
+    })
+}
+
+/// What a beam's tension does, over the nodes' twelve freedoms in basic axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeamTension {
+    /// Mean tension (N) a unit of each freedom.
+    pub tension: [f64; 12],
+    /// Geometric stiffness a unit of tension (1/m, –, m).
+    pub stiffness: EndMatrix,
+}
+
+/// Tension and geometric stiffness of a beam between two nodes.
+///
+/// # Errors
+/// As [`matrices`].
+pub fn tension(
+    positions: [[f64; 3]; 2],
+    axes: &BeamAxes,
+    section: &Section,
+    material: &Material,
+) -> Result<BeamTension, String> {
+    let (local, transformation) = placed(positions, axes, section, material, Beam::tension)?;
+    let mut tension = [0.0; 12];
+    for (force, line) in local.stiffness[6].iter().zip(&transformation) {
+        for (sum, x) in tension.iter_mut().zip(line) {
+            *sum += force * x;
+        }
+    }
+    Ok(BeamTension {
+        tension,
+        stiffness: turned(&local.other, &transformation),
     })
 }
 

@@ -150,6 +150,16 @@ fn section_fault(section: &Section, role: Role) -> Option<String> {
 /// By id, the first kind of fault found: a place that is not a number; an index out of range; a corner that is missing; a
 /// section or constant that the element can't do with.
 pub(super) fn check(mesh: &Mesh) -> Result<(), FlexibleError> {
+    check_nodes(mesh)?;
+    check_elements(mesh)?;
+    check_attachments(mesh)
+}
+
+/// Checks places and analysis frames of nodes.
+///
+/// # Errors
+/// As [`check`].
+pub(super) fn check_nodes(mesh: &Mesh) -> Result<(), FlexibleError> {
     let bad: Vec<u64> = mesh
         .nodes
         .iter()
@@ -176,6 +186,10 @@ pub(super) fn check(mesh: &Mesh) -> Result<(), FlexibleError> {
             ));
         }
     }
+    Ok(())
+}
+
+fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
     let mut seen = vec![false; mesh.materials.len()];
     for element in &mesh.elements {
         check_element(mesh, element)?;
@@ -219,7 +233,7 @@ pub(super) fn check(mesh: &Mesh) -> Result<(), FlexibleError> {
             *seen = true;
         }
     }
-    check_attachments(mesh)
+    Ok(())
 }
 
 fn is_rotation(rotation: &[[f64; 3]; 3]) -> bool {
@@ -276,7 +290,11 @@ pub(super) fn check_element(mesh: &Mesh, element: &Element) -> Result<(), Flexib
     Ok(())
 }
 
-fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
+/// Checks point masses, springs, ties and supports.
+///
+/// # Errors
+/// As [`check`].
+pub(super) fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
     let known = |node: u32| (node as usize) < mesh.nodes.len();
     let missing = |what: &str, id: u64| {
         wrong(

@@ -4,6 +4,7 @@ use super::check::{Role, list, role, wrong};
 use super::freedoms::FreedomMap;
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, Mesh, Tie};
+use crate::sparse::SymmetricMatrix;
 
 /// Sets of nodes that are joined; each is named by its smallest node.
 struct Sets {
@@ -26,85 +27,147 @@ impl Sets {
     }
 }
 
+/// Nodes as they are joined, and which of them something stiff holds.
+struct Pieces {
+    sets: Sets,
+    held: Vec<bool>,
+}
+
+impl Pieces {
+    fn new(count: usize) -> Self {
+        Pieces {
+            sets: Sets {
+                parent: (0..count as u32).collect(),
+            },
+            held: vec![false; count],
+        }
+    }
+
+    fn join(&mut self, nodes: impl Iterator<Item = u32>) {
+        let mut first = None;
+        for node in nodes.filter(|node| *node != ABSENT) {
+            self.held[node as usize] = true;
+            self.sets.join(*first.get_or_insert(node), node);
+        }
+    }
+
+    fn join_ties(&mut self, mesh: &Mesh) {
+        for tie in &mesh.ties {
+            match tie {
+                Tie::Rigid {
+                    independent,
+                    dependent,
+                    ..
+                } => self.join(
+                    std::iter::once(*independent).chain(dependent.iter().map(|(node, _)| *node)),
+                ),
+                Tie::Averaging {
+                    reference,
+                    independent,
+                    ..
+                } => self.join(
+                    std::iter::once(*reference).chain(independent.iter().map(|(node, ..)| *node)),
+                ),
+                Tie::Equation { terms, .. } => self.join(terms.iter().map(|(node, ..)| *node)),
+            }
+        }
+    }
+
+    /// Refuses nodes that nothing stiff holds, and several parts.
+    fn finish(
+        mut self,
+        mesh: &Mesh,
+        freedoms: &FreedomMap,
+        advice: &str,
+    ) -> Result<(), FlexibleError> {
+        let id = |node: usize| mesh.nodes[node].id.to_string();
+        let used = |node: &usize| !freedoms.of(*node as u32).is_empty();
+        let loose: Vec<usize> = (0..mesh.nodes.len())
+            .filter(used)
+            .filter(|node| !self.held[*node])
+            .collect();
+        if !loose.is_empty() {
+            return Err(wrong(
+                format!(
+                    "{} nodes have mass but no stiffness: {}",
+                    loose.len(),
+                    list(loose.iter().map(|node| id(*node)))
+                ),
+                advice,
+            ));
+        }
+        let mut size = vec![0usize; mesh.nodes.len()];
+        for node in (0..mesh.nodes.len()).filter(used) {
+            size[self.sets.find(node as u32) as usize] += 1;
+        }
+        let parts: Vec<usize> = (0..size.len()).filter(|node| size[*node] > 0).collect();
+        if parts.len() > 1 {
+            return Err(wrong(
+                format!(
+                    "the structure falls into {} parts that nothing connects: {}",
+                    parts.len(),
+                    list(parts.iter().map(|node| format!(
+                        "{} nodes with node {}",
+                        size[*node],
+                        id(*node)
+                    )))
+                ),
+                "merge coincident nodes or tie the parts; a body is one piece",
+            ));
+        }
+        Ok(())
+    }
+}
+
 /// Checks that every node with freedoms is held by something stiff and that all are one part.
 ///
 /// # Errors
 /// Nodes that carry mass but are held by no element with stiffness, spring or tie; parts that nothing connects, with the
 /// number of nodes and a node of each.
 pub(super) fn check(mesh: &Mesh, freedoms: &FreedomMap) -> Result<(), FlexibleError> {
-    let mut sets = Sets {
-        parent: (0..mesh.nodes.len() as u32).collect(),
-    };
-    let mut held = vec![false; mesh.nodes.len()];
-    let mut together = |nodes: &mut dyn Iterator<Item = u32>| {
-        let mut first = None;
-        for node in nodes.filter(|node| *node != ABSENT) {
-            held[node as usize] = true;
-            sets.join(*first.get_or_insert(node), node);
-        }
-    };
+    let mut pieces = Pieces::new(mesh.nodes.len());
     for element in &mesh.elements {
         if matches!(role(mesh, element), Some(Role::Solid(_) | Role::Beam(_))) {
-            together(&mut mesh.nodes_of(element).iter().copied());
+            pieces.join(mesh.nodes_of(element).iter().copied());
         }
     }
     for spring in &mesh.springs {
         let ends = [Some(spring.first), spring.second];
-        together(&mut ends.into_iter().flatten().map(|(node, _)| node));
+        pieces.join(ends.into_iter().flatten().map(|(node, _)| node));
     }
-    for tie in &mesh.ties {
-        match tie {
-            Tie::Rigid {
-                independent,
-                dependent,
-                ..
-            } => together(
-                &mut std::iter::once(*independent).chain(dependent.iter().map(|(node, _)| *node)),
-            ),
-            Tie::Averaging {
-                reference,
-                independent,
-                ..
-            } => together(
-                &mut std::iter::once(*reference).chain(independent.iter().map(|(node, ..)| *node)),
-            ),
-            Tie::Equation { terms, .. } => together(&mut terms.iter().map(|(node, ..)| *node)),
+    pieces.join_ties(mesh);
+    pieces.finish(
+        mesh,
+        freedoms,
+        "shells carry no stiffness here, only mass on the nodes of solids; attach such nodes by ties, or leave them out",
+    )
+}
+
+/// As [`check`], joined by the entries of a stiffness over the freedoms.
+///
+/// # Errors
+/// As [`check`].
+pub(super) fn check_matrix(
+    mesh: &Mesh,
+    freedoms: &FreedomMap,
+    stiffness: &SymmetricMatrix,
+) -> Result<(), FlexibleError> {
+    let mut pieces = Pieces::new(mesh.nodes.len());
+    let owner: Vec<u32> = (0..mesh.nodes.len() as u32)
+        .flat_map(|node| freedoms.of(node).map(move |_| node))
+        .collect();
+    for (column, node) in owner.iter().enumerate().take(stiffness.size()) {
+        let (rows, values) = stiffness.column(column);
+        for (row, _) in rows.iter().zip(values).filter(|(_, x)| **x != 0.0) {
+            if let Some(other) = owner.get(*row as usize) {
+                pieces.join([*node, *other].into_iter());
+            }
         }
     }
-    let id = |node: usize| mesh.nodes[node].id.to_string();
-    let used = |node: &usize| !freedoms.of(*node as u32).is_empty();
-    let loose: Vec<usize> = (0..mesh.nodes.len())
-        .filter(used)
-        .filter(|node| !held[*node])
-        .collect();
-    if !loose.is_empty() {
-        return Err(wrong(
-            format!(
-                "{} nodes have mass but no stiffness: {}",
-                loose.len(),
-                list(loose.iter().map(|node| id(*node)))
-            ),
-            "shells carry no stiffness here, only mass on the nodes of solids; attach such nodes by ties, or leave them out",
-        ));
-    }
-    let mut size = vec![0usize; mesh.nodes.len()];
-    for node in (0..mesh.nodes.len()).filter(used) {
-        size[sets.find(node as u32) as usize] += 1;
-    }
-    let parts: Vec<usize> = (0..size.len()).filter(|node| size[*node] > 0).collect();
-    if parts.len() > 1 {
-        return Err(wrong(
-            format!(
-                "the structure falls into {} parts that nothing connects: {}",
-                parts.len(),
-                list(parts.iter().map(|node| format!(
-                    "{} nodes with node {}",
-                    size[*node],
-                    id(*node)
-                )))
-            ),
-            "merge coincident nodes or tie the parts; a body is one piece",
-        ));
-    }
-    Ok(())
+    pieces.join_ties(mesh);
+    pieces.finish(
+        mesh,
+        freedoms,
+        "the matrices hold mass but no stiffness there; tie such nodes, or write the matrices without them",
+    )
 }

@@ -24,7 +24,6 @@ impl FreedomMap {
                 *n = freedoms.max(*n);
             }
         };
-        let needs = |component: u8| if component < 3 { 3 } else { 6 };
         for element in &mesh.elements {
             if role(mesh, element).is_none_or(|role| role == Role::Facet) {
                 continue;
@@ -48,6 +47,16 @@ impl FreedomMap {
                 need(node, needs(component));
             }
         }
+        Self::with_ties(mesh, count)
+    }
+
+    /// At least `count` freedoms a node (0, 3 or 6), and what the ties need.
+    pub(super) fn with_ties(mesh: &Mesh, mut count: Vec<u32>) -> Result<Self, FlexibleError> {
+        let mut need = |node: u32, freedoms: u32| {
+            if let Some(n) = count.get_mut(node as usize) {
+                *n = freedoms.max(*n);
+            }
+        };
         for tie in &mesh.ties {
             match tie {
                 Tie::Rigid {
@@ -92,6 +101,20 @@ impl FreedomMap {
         Ok(FreedomMap { first })
     }
 
+    /// From the first freedom of each node and the number of all; `None` unless every node has 0, 3 or 6.
+    pub fn from_starts(first: Vec<u32>) -> Option<Self> {
+        let sound = first.first() == Some(&0)
+            && first
+                .windows(2)
+                .all(|pair| matches!(pair[1].checked_sub(pair[0]), Some(0 | 3 | 6)));
+        sound.then_some(FreedomMap { first })
+    }
+
+    /// The first freedom of each node, and the number of all.
+    pub fn starts(&self) -> &[u32] {
+        &self.first
+    }
+
     /// Number of freedoms.
     pub fn size(&self) -> usize {
         self.first.last().map_or(0, |&total| total as usize)
@@ -134,6 +157,11 @@ impl FreedomMap {
             - 1;
         Some((node as u32, (freedom - self.first[node] as usize) as u8))
     }
+}
+
+/// Freedoms of a node that has this component.
+fn needs(component: u8) -> u32 {
+    if component < 3 { 3 } else { 6 }
 }
 
 /// Whether a point mass is the same in all directions and at its node: then it needs no rotations.

@@ -19,6 +19,8 @@ pub struct Reduction {
     free: Vec<u32>,
     /// Id of the node and component of each free freedom, for messages.
     names: Vec<(u64, u8)>,
+    /// Free freedoms in the axes of an analysis frame: the first of the three full ones of their kind there, and the axis.
+    turned: std::collections::BTreeMap<u32, (u32, [f64; 3])>,
     /// Terms of each full freedom.
     start: Vec<usize>,
     column: Vec<u32>,
@@ -55,10 +57,16 @@ impl Reduction {
         let constraints = Constraints::new(mesh, freedoms, held)?;
         let mut index = vec![None; freedoms.size()];
         let (mut free, mut names) = (Vec::new(), Vec::new());
+        let mut turned = std::collections::BTreeMap::new();
         for (node, place) in mesh.nodes.iter().enumerate() {
             for (component, freedom) in freedoms.of(node as u32).enumerate() {
                 if !constraints.dependent.contains_key(&(freedom as u32)) {
                     index[freedom] = Some(free.len() as u32);
+                    if constraints.turned[node] {
+                        let first = freedom - component % 3;
+                        let axis = direction(mesh, node as u32, component as u8);
+                        turned.insert(free.len() as u32, (first as u32, axis));
+                    }
                     free.push(freedom as u32);
                     names.push((place.id, component as u8));
                 }
@@ -106,6 +114,7 @@ impl Reduction {
         Ok(Reduction {
             free,
             names,
+            turned,
             start,
             column,
             coefficient,
@@ -125,6 +134,11 @@ impl Reduction {
     /// Index of the full freedom of each free one (in the axes told at [`Reduction`]).
     pub fn free(&self) -> &[u32] {
         &self.free
+    }
+
+    /// Number of the node and component 0…5 of a free freedom, for messages.
+    pub fn name(&self, free: usize) -> Option<(u64, u8)> {
+        self.names.get(free).copied()
     }
 
     /// A full freedom as a sum over free ones: their indices and coefficients. Empty where held, or unknown.
@@ -163,6 +177,21 @@ impl Reduction {
             }
         }
         full
+    }
+
+    /// What the free freedoms are in full vectors that satisfy the ties, one after the other.
+    pub fn restrict(&self, full: &[f64]) -> Vec<f64> {
+        let mut free = Vec::with_capacity(full.len() / self.full_size().max(1) * self.size());
+        for vector in full.chunks_exact(self.full_size().max(1)) {
+            let at = |freedom: usize| vector.get(freedom).copied().unwrap_or(0.0);
+            free.extend(self.free.iter().enumerate().map(|(index, freedom)| {
+                match self.turned.get(&(index as u32)) {
+                    Some((first, axis)) => (0..3).map(|k| axis[k] * at(*first as usize + k)).sum(),
+                    None => at(*freedom as usize),
+                }
+            }));
+        }
+        free
     }
 
     /// Forces on free freedoms from forces on full ones, Tᵀ f: `columns` vectors one after the other.

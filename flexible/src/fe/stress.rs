@@ -87,21 +87,15 @@ impl ElementRecovery {
         rules: &Rules,
     ) -> Result<Option<Self>, FlexibleError> {
         check::check_element(mesh, element)?;
-        let Some(Role::Solid(material)) = role(mesh, element) else {
+        let Some(mut recovery) = Self::at_points(mesh, element, rules)? else {
             return Ok(None);
         };
-        let present = Present::new(element.kind, mesh.nodes_of(element));
         let integration = rules::stiffness_points(element.kind, rules.stiffness);
-        let samples: Vec<([f64; 3], f64)> = integration
-            .iter()
-            .map(|point| (point.at, point.weight))
-            .collect();
-        let points = strain_points(mesh, element, &present, &samples)?;
         let at: Vec<[f64; 3]> = integration.iter().map(|point| point.at).collect();
         let corner = extrapolation(element.kind, &at);
         let edges = shape::edges(element.kind);
         let corners = element.kind.corner_count();
-        let lines = mesh
+        recovery.extrapolation = mesh
             .nodes_of(element)
             .iter()
             .enumerate()
@@ -115,11 +109,29 @@ impl ElementRecovery {
                 }
             })
             .collect();
+        Ok(Some(recovery))
+    }
+
+    /// As [`ElementRecovery::new`] for a checked element, without what carries values to the nodes.
+    pub(super) fn at_points(
+        mesh: &Mesh,
+        element: &Element,
+        rules: &Rules,
+    ) -> Result<Option<Self>, FlexibleError> {
+        let Some(Role::Solid(material)) = role(mesh, element) else {
+            return Ok(None);
+        };
+        let present = Present::new(element.kind, mesh.nodes_of(element));
+        let integration = rules::stiffness_points(element.kind, rules.stiffness);
+        let samples: Vec<([f64; 3], f64)> = integration
+            .iter()
+            .map(|point| (point.at, point.weight))
+            .collect();
         Ok(Some(ElementRecovery {
             nodes: present.nodes().to_vec(),
             material: material.clone(),
-            points,
-            extrapolation: lines,
+            points: strain_points(mesh, element, &present, &samples)?,
+            extrapolation: Vec::new(),
             kind: element.kind,
         }))
     }
@@ -284,11 +296,43 @@ pub fn nodal_stress(
     rules: &Rules,
     full: &[f64],
 ) -> Result<Vec<Option<Components>>, FlexibleError> {
-    if full.len() != freedoms.size() || freedoms.node_count() != mesh.nodes.len() {
+    let all = vec![true; mesh.nodes.len()];
+    let (found, values) = nodal_stresses(mesh, freedoms, rules, full, &all)?;
+    let components = |node: usize| {
+        let mut own = [0.0; 6];
+        own.copy_from_slice(&values[6 * node..6 * node + 6]);
+        own
+    };
+    Ok((0..mesh.nodes.len())
+        .map(|node| found[node].then(|| components(node)))
+        .collect())
+}
+
+/// As [`nodal_stress`] for several full vectors, one after the other, at the nodes that are `wanted`: whether there is a stress
+/// at each node of the mesh, and 6 × vectors numbers each (node by node, vector by vector; zero where there is none).
+///
+/// # Errors
+/// As [`nodal_stress`].
+pub(crate) fn nodal_stresses(
+    mesh: &Mesh,
+    freedoms: &FreedomMap,
+    rules: &Rules,
+    full: &[f64],
+    wanted: &[bool],
+) -> Result<(Vec<bool>, Vec<f64>), FlexibleError> {
+    let size = freedoms.size();
+    let nodes = mesh.nodes.len();
+    let vectors = full.len().checked_div(size).unwrap_or(0);
+    if vectors * size != full.len() || freedoms.node_count() != nodes || wanted.len() != nodes {
         return Err(wrong("the displacements are another mesh's".into(), ""));
     }
-    let mut sums: Vec<Option<(Option<u32>, f64, Components)>> = vec![None; mesh.nodes.len()];
+    let mut sums = vec![0.0; 6 * vectors * nodes];
+    let mut counts: Vec<Option<(Option<u32>, f64)>> = vec![None; nodes];
     for element in &mesh.elements {
+        let mut own = mesh.nodes_of(element).iter();
+        if !own.any(|node| wanted.get(*node as usize) == Some(&true)) {
+            continue;
+        }
         let Some(recovery) = ElementRecovery::new(mesh, element, rules)? else {
             continue;
         };
@@ -296,20 +340,44 @@ pub fn nodal_stress(
             .properties
             .get(element.property as usize)
             .and_then(|property| property.material);
-        let displacements = recovery.displacements(freedoms, full);
-        let values = recovery.at_nodes(&recovery.stresses(&displacements));
-        for (&node, value) in recovery.nodes.iter().zip(values) {
-            let (own, count, sum) = sums[node as usize].get_or_insert((material, 0.0, [0.0; 6]));
-            if *own == material {
-                *count += 1.0;
-                for (x, y) in sum.iter_mut().zip(value) {
+        let takes: Vec<bool> = recovery
+            .nodes
+            .iter()
+            .map(|&node| {
+                let node = node as usize;
+                let (first, count) = counts[node].get_or_insert((material, 0.0));
+                let takes = wanted[node] && *first == material;
+                *count += if takes { 1.0 } else { 0.0 };
+                takes
+            })
+            .collect();
+        for (vector, full) in full.chunks_exact(size.max(1)).enumerate() {
+            let displacements = recovery.displacements(freedoms, full);
+            let values = recovery.at_nodes(&recovery.stresses(&displacements));
+            for ((&node, value), _) in recovery
+                .nodes
+                .iter()
+                .zip(values)
+                .zip(&takes)
+                .filter(|(_, takes)| **takes)
+            {
+                let at = 6 * (node as usize * vectors + vector);
+                for (x, y) in sums[at..at + 6].iter_mut().zip(value) {
                     *x += y;
                 }
             }
         }
     }
-    Ok(sums
-        .into_iter()
-        .map(|sum| sum.map(|(_, count, sum)| sum.map(|x| x / count)))
-        .collect())
+    let found: Vec<bool> = counts
+        .iter()
+        .map(|count| count.is_some_and(|(_, count)| count > 0.0))
+        .collect();
+    for (own, count) in sums.chunks_exact_mut((6 * vectors).max(1)).zip(&counts) {
+        if let Some((_, count)) = count
+            && *count > 0.0
+        {
+            own.iter_mut().for_each(|x| *x /= count);
+        }
+    }
+    Ok((found, sums))
 }

@@ -7,6 +7,8 @@
 //!
 //! Vectors are over the structure's free freedoms, one after the other.
 
+pub mod given;
+pub mod interface;
 pub mod normal;
 pub mod rigid;
 pub mod set;
@@ -66,7 +68,8 @@ impl<'a> Structure<'a> {
     }
 }
 
-/// A unit load on the structure, and the displacement it works on: a row of a marker over the free freedoms.
+/// A unit load on the structure, and the displacement it works on: a row of a marker over the free freedoms. That displacement can
+/// be held too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
     /// `main[2].x`.
@@ -82,6 +85,14 @@ impl Load {
             .iter()
             .map(|(freedom, factor)| factor * vector.get(*freedom as usize).copied().unwrap_or(0.0))
             .sum()
+    }
+
+    /// The single freedom that this simply is.
+    pub fn plain(&self) -> Option<u32> {
+        match self.entries.as_slice() {
+            [(freedom, factor)] if *factor == 1.0 => Some(*freedom),
+            _ => None,
+        }
     }
 
     fn add_to(&self, vector: &mut [f64]) -> Result<(), FlexibleError> {

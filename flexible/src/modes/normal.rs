@@ -1,8 +1,13 @@
 //! Normal modes: free or supported as the structure is, or with freedoms held.
 
-use super::{Structure, applied};
+use super::interface::{Interface, independent};
+use super::{Load, Structure, applied};
 use crate::error::FlexibleError;
+use crate::solve::factor::diagonal;
 use crate::solve::{EigenOptions, Modes, SturmCount, lowest_modes};
+
+/// An elastic mode's eigenvalue below this part of the typical ratio of the diagonals of stiffness and mass is rounding.
+const LOOSE: f64 = 1e-12;
 
 /// What is held besides the structure's own supports.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -10,8 +15,8 @@ pub enum Boundary {
     /// Nothing: free modes of a free body, supported ones of a supported body.
     #[default]
     AsIs,
-    /// These freedoms: fixed-interface modes.
-    Fixed(Vec<u32>),
+    /// What these loads work on: fixed-interface modes. A freedom is taken out; a combination of freedoms is held by a multiplier.
+    Fixed(Vec<Load>),
 }
 
 /// Normal modes without rigid ones.
@@ -49,6 +54,11 @@ pub fn normal_modes(
                 &EigenOptions::default(),
             )?;
             let first = rigid.min(found.eigenvalues.len());
+            loose(
+                structure,
+                &found.eigenvalues[first..],
+                &found.vectors[first * size..],
+            )?;
             let mut vectors = found.vectors[first * size..].to_vec();
             if let Some(rigid) = &structure.rigid {
                 rigid.remove(&mut vectors);
@@ -60,41 +70,126 @@ pub fn normal_modes(
                 sturm: found.sturm,
             })
         }
-        Boundary::Fixed(freedoms) => {
-            let mut held = vec![false; size];
-            for freedom in freedoms {
-                match held.get_mut(*freedom as usize) {
-                    Some(held) => *held = true,
-                    None => {
-                        return Err(FlexibleError::Matrix {
-                            problem: format!("interface freedom {freedom} of {size}"),
-                            advice: String::new(),
-                        });
-                    }
-                }
-            }
-            let stiffness = structure.stiffness.without(&held)?;
-            let mass = structure.mass.without(&held)?;
-            let found = lowest_modes(&stiffness, &mass, request, &EigenOptions::default())?;
-            let inner = stiffness.size();
-            let mut vectors = Vec::with_capacity(found.eigenvalues.len() * size);
-            for vector in found.vectors.chunks_exact(inner.max(1)) {
-                let mut own = vector.iter();
-                vectors.extend(held.iter().map(|held| {
-                    if *held {
-                        0.0
-                    } else {
-                        own.next().copied().unwrap_or(0.0)
-                    }
-                }));
-            }
-            Ok(NormalModes {
-                eigenvalues: found.eigenvalues,
-                vectors,
-                sturm: found.sturm,
-            })
+        Boundary::Fixed(rows) => fixed(structure, request, rows),
+    }
+}
+
+/// Modes with an interface held. Rigid motions that it leaves (axial motion and spin of collinear journals) are not counted.
+fn fixed(
+    structure: &Structure,
+    request: Modes,
+    rows: &[Load],
+) -> Result<NormalModes, FlexibleError> {
+    let size = structure.size();
+    let left = Interface::new(structure, rows)?.left();
+    let mut held = vec![false; size];
+    for freedom in rows.iter().filter_map(Load::plain) {
+        // in range: the interface was looked at
+        if let Some(held) = held.get_mut(freedom as usize) {
+            *held = true;
         }
     }
+    let stiffness = structure.stiffness.without(&held)?;
+    let mass = structure.mass.without(&held)?;
+    let mut place = vec![None; size];
+    let kept = (0..size).filter(|freedom| !held[*freedom]);
+    for (index, freedom) in kept.enumerate() {
+        place[freedom] = Some(index as u32);
+    }
+    let combinations: Vec<Load> = rows
+        .iter()
+        .filter(|row| row.plain().is_none())
+        .map(|row| {
+            let entries = row.entries.iter();
+            let entries = entries.filter_map(|(freedom, factor)| {
+                let place = place.get(*freedom as usize).copied().flatten();
+                place.map(|place| (place, *factor))
+            });
+            Load {
+                label: row.label.clone(),
+                entries: entries.collect(),
+            }
+        })
+        .filter(|row| !row.entries.is_empty())
+        .collect();
+    independent(stiffness.size(), &combinations)?;
+    let options = EigenOptions {
+        held: combinations.into_iter().map(|row| row.entries).collect(),
+        ..EigenOptions::default()
+    };
+    let request = match request {
+        Modes::Count(count) => Modes::Count(count + left),
+        other => other,
+    };
+    let found =
+        lowest_modes(&stiffness, &mass, request, &options).map_err(|error| match error {
+            // the row's number among all freedoms
+            FlexibleError::Singular {
+                row,
+                problem,
+                advice,
+            } => FlexibleError::Singular {
+                row: place
+                    .iter()
+                    .position(|own| *own == Some(row as u32))
+                    .unwrap_or(row),
+                problem,
+                advice,
+            },
+            other => other,
+        })?;
+    let inner = stiffness.size();
+    let first = left.min(found.eigenvalues.len());
+    let mut vectors = Vec::with_capacity((found.eigenvalues.len() - first) * size);
+    for vector in found.vectors.chunks_exact(inner.max(1)).skip(first) {
+        let own = place.iter().map(|place| match place {
+            Some(index) => vector.get(*index as usize).copied().unwrap_or(0.0),
+            None => 0.0,
+        });
+        vectors.extend(own);
+    }
+    Ok(NormalModes {
+        eigenvalues: found.eigenvalues.get(first..).unwrap_or(&[]).to_vec(),
+        vectors,
+        sturm: found.sturm,
+    })
+}
+
+/// Refuses elastic modes without stiffness: a mechanism.
+fn loose(structure: &Structure, eigenvalues: &[f64], vectors: &[f64]) -> Result<(), FlexibleError> {
+    let mut ratios: Vec<f64> = diagonal(structure.stiffness)
+        .iter()
+        .zip(diagonal(structure.mass))
+        .map(|(stiffness, mass)| stiffness / mass)
+        .filter(|ratio| ratio.is_finite() && *ratio > 0.0)
+        .collect();
+    ratios.sort_unstable_by(f64::total_cmp);
+    let typical = ratios.get(ratios.len() / 2).copied().unwrap_or(0.0);
+    let count = eigenvalues.iter().filter(|x| **x < LOOSE * typical).count();
+    if count == 0 {
+        return Ok(());
+    }
+    let row = vectors
+        .iter()
+        .take(structure.size())
+        .enumerate()
+        .fold((0, 0.0f64), |most, (row, x)| {
+            if x.abs() > most.1 {
+                (row, x.abs())
+            } else {
+                most
+            }
+        })
+        .0;
+    Err(FlexibleError::Singular {
+        row,
+        problem: format!(
+            "the structure has {count} more motion{} without stiffness than its rigid ones: it is a mechanism",
+            if count == 1 { "" } else { "s" }
+        ),
+        advice: "parts may touch in a node or an edge alone: join them by whole faces, or by ties"
+            .into(),
+    })
 }
 
 fn normalise(structure: &Structure, vectors: &mut [f64]) {

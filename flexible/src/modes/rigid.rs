@@ -2,12 +2,17 @@
 
 use super::{applied, products, subtract};
 use crate::error::FlexibleError;
+use crate::solve::dense::symmetric_eigen;
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 
 /// Rigid motions R, orthonormal in the mass.
 #[derive(Clone, Debug)]
 pub struct Rigid {
     size: usize,
+    /// See [`Rigid::residual`].
+    residual: f64,
+    /// See [`Rigid::noise`].
+    noise: f64,
     /// R with `RᵀMR = I`.
     motions: Vec<f64>,
     /// `M R`.
@@ -30,7 +35,7 @@ impl Rigid {
                 advice: String::new(),
             });
         }
-        check_stretch(stiffness, &motions)?;
+        let residual = check_stretch(stiffness, &motions)?;
         let count = motions.len() / size;
         // Gram–Schmidt in the mass, twice for the digits
         let mut inertial = applied(mass, &motions);
@@ -61,8 +66,13 @@ impl Rigid {
                 *x *= scale;
             }
         }
+        let resisted = products(size, &motions, &applied(stiffness, &motions));
+        let (values, _) = symmetric_eigen(count, resisted)?;
+        let noise = values.iter().fold(0.0f64, |most, x| most.max(x.abs()));
         Ok(Rigid {
             size,
+            residual,
+            noise,
             motions,
             inertial,
         })
@@ -83,6 +93,22 @@ impl Rigid {
             let coefficients = products(self.size, &self.motions, loads);
             subtract(self.size, &self.inertial, &coefficients, loads);
         }
+    }
+
+    /// The largest `‖K r‖ / ‖|K| |r|‖` of a rigid motion r: the part of the forces freedom by freedom that does not cancel. It is about the
+    /// rounding of the entries of K.
+    pub fn residual(&self) -> f64 {
+        self.residual
+    }
+
+    /// The largest |eigenvalue| of `RᵀKR` (rad²/s²): zero but for the rounding of K, and about what that does to every eigenvalue.
+    pub fn noise(&self) -> f64 {
+        self.noise
+    }
+
+    /// The motions, one after the other, `RᵀMR = I`.
+    pub fn motions(&self) -> &[f64] {
+        &self.motions
     }
 
     /// Number of rigid motions.
@@ -126,27 +152,38 @@ impl Rigid {
     }
 }
 
-/// Refuses motions that the stiffness resists: `|K r|` against `|K| |r|`, row by row in the sum.
-fn check_stretch(stiffness: &SymmetricMatrix, motions: &[f64]) -> Result<(), FlexibleError> {
+/// `‖K r‖ / ‖|K| |r|‖` of each motion r: the part of the forces, freedom by freedom, that does not cancel.
+pub fn residuals(stiffness: &SymmetricMatrix, motions: &[f64]) -> Vec<f64> {
     let size = stiffness.size();
     let mut sizes = stiffness.clone();
     sizes.values_mut().iter_mut().for_each(|x| *x = x.abs());
     let (mut force, mut bound) = (vec![0.0; size], vec![0.0; size]);
-    for (number, motion) in motions.chunks_exact(size).enumerate() {
-        let positive: Vec<f64> = motion.iter().map(|x| x.abs()).collect();
-        stiffness.apply(1, motion, &mut force);
-        sizes.apply(1, &positive, &mut bound);
-        let norm = |x: &[f64]| libm::sqrt(x.iter().map(|x| x * x).sum());
-        let share = norm(&force) / norm(&bound);
+    let norm = |x: &[f64]| libm::sqrt(x.iter().map(|x| x * x).sum());
+    motions
+        .chunks_exact(size.max(1))
+        .map(|motion| {
+            let positive: Vec<f64> = motion.iter().map(|x| x.abs()).collect();
+            stiffness.apply(1, motion, &mut force);
+            sizes.apply(1, &positive, &mut bound);
+            norm(&force) / norm(&bound)
+        })
+        .collect()
+}
+
+/// Refuses motions that the stiffness resists; gives the largest of the [`residuals`].
+fn check_stretch(stiffness: &SymmetricMatrix, motions: &[f64]) -> Result<f64, FlexibleError> {
+    let mut worst = 0.0f64;
+    for (number, share) in residuals(stiffness, motions).into_iter().enumerate() {
+        worst = worst.max(share);
         if share.is_nan() || share > 1e-6 {
             return Err(FlexibleError::Structure {
                 problem: format!(
                     "rigid motion {} of the structure is resisted by its stiffness: {share:.1e} of the forces remain",
                     number + 1
                 ),
-                advice: "a free body must not be supported or tied to the ground; matrices of another code need all their digits".into(),
+                advice: "a free body must not be supported or tied to the ground; matrices of another code need all their digits, the mesh of the same run and its units".into(),
             });
         }
     }
-    Ok(())
+    Ok(worst)
 }

@@ -18,6 +18,8 @@ pub struct Candidate {
     pub label: String,
     /// Over the free freedoms.
     pub vector: Vec<f64>,
+    /// Rounding of its entries, of the largest: zero for computed ones. What is left of it within ten times that is noise.
+    pub noise: f64,
 }
 
 /// A mode that is left out.
@@ -38,6 +40,9 @@ pub struct ModeSet {
     pub eigenvalues: Vec<f64>,
     /// Labels of the modes that went into the set.
     pub sources: Vec<String>,
+    /// For each mode and each source (one row a mode) their cosine in the K-norm: the square is the share of the mode's strain energy
+    /// that the source alone holds. Sources are not orthogonal, so that a row's squares don't add to one.
+    pub shares: Vec<f64>,
     /// What was left out.
     pub dropped: Vec<Dropped>,
 }
@@ -75,7 +80,15 @@ impl ModeSet {
         let mut set = ModeSet::default();
         // K-orthonormal vectors and their products with K
         let (mut basis, mut forces): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
-        for Candidate { label, mut vector } in candidates {
+        // each source at unit energy, in the basis up to itself
+        let mut triangle: Vec<Vec<f64>> = Vec::new();
+        for Candidate {
+            label,
+            mut vector,
+            noise,
+        } in candidates
+        {
+            let largest = |vector: &[f64]| vector.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
             if vector.len() != size || vector.iter().any(|x| !x.is_finite()) {
                 return Err(FlexibleError::Matrix {
                     problem: format!("the mode {label} is not finite or of another size"),
@@ -83,11 +96,10 @@ impl ModeSet {
                 });
             }
             if let Some(rigid) = &structure.rigid {
-                let largest = |vector: &[f64]| vector.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
                 let before = largest(&vector);
                 rigid.remove(&mut vector);
                 // what is left of a rigid motion is rounding
-                if largest(&vector) <= RIGID * before {
+                if largest(&vector) <= RIGID.max(10.0 * noise) * before {
                     set.dropped.push(Dropped {
                         label,
                         remains: 0.0,
@@ -110,12 +122,17 @@ impl ModeSet {
                 continue;
             }
             vector.iter_mut().for_each(|x| *x /= first);
+            let before = largest(&vector);
+            let mut along = vec![0.0; set.sources.len()];
             for _ in 0..2 {
                 let coefficients = products(size, &forces, &vector);
                 subtract(size, &basis, &coefficients, &mut vector);
+                for (sum, x) in along.iter_mut().zip(&coefficients) {
+                    *sum += x;
+                }
             }
             let remains = norm(&vector, &mut force);
-            if remains < DEPENDENCE {
+            if remains < DEPENDENCE || largest(&vector) <= 10.0 * noise * before {
                 set.dropped.push(Dropped { label, remains });
                 continue;
             }
@@ -123,6 +140,8 @@ impl ModeSet {
             force.iter_mut().for_each(|x| *x /= remains);
             basis.extend(vector);
             forces.extend(force);
+            along.push(remains);
+            triangle.push(along);
             set.sources.push(label);
         }
         let count = set.sources.len();
@@ -150,6 +169,10 @@ impl ModeSet {
             if largest < 0.0 {
                 mode.iter_mut().for_each(|x| *x = -*x);
             }
+            let shares = triangle
+                .iter()
+                .map(|along| -> f64 { along.iter().zip(small).map(|(x, y)| x * y).sum() });
+            set.shares.extend(shares);
             set.eigenvalues.push(1.0 / value);
             set.vectors.extend(mode);
         }

@@ -1,5 +1,6 @@
 //! Static modes: attachment modes (a unit load each) and constraint modes (a unit displacement each).
 
+use super::interface::Interface;
 use super::{Load, Structure, applied};
 use crate::error::FlexibleError;
 use crate::solve::{Analysis, Definiteness, Factorization};
@@ -21,13 +22,9 @@ fn solve(
         Factorization::new(&analysis, &matrix, Definiteness::Positive).map_err(|error| {
             match error {
                 // the row's number among all freedoms
-                FlexibleError::Singular {
-                    row,
-                    problem,
-                    advice,
-                } => FlexibleError::Singular {
+                FlexibleError::Singular { row, advice, .. } => FlexibleError::Singular {
                     row: kept.get(row).copied().unwrap_or(row),
-                    problem,
+                    problem: "a load on the structure meets no resistance: it is a mechanism, or not held".into(),
                     advice,
                 },
                 other => other,
@@ -77,31 +74,34 @@ pub fn attachment_modes(structure: &Structure, loads: &[Load]) -> Result<Vec<f64
     Ok(vectors)
 }
 
-/// Constraint modes: the displacement for a unit displacement of each freedom in `interface`, the others of them held and all
-/// else unloaded (R. R. Craig, M. C. C. Bampton, AIAA Journal 6 (1968) 1313). Their span holds the rigid motions of a free body.
+/// Constraint modes: the displacement for a unit displacement of each row of `interface`, the others of them held and all else
+/// unloaded (R. R. Craig, M. C. C. Bampton, AIAA Journal 6 (1968) 1313). Their span holds the rigid motions of a free body that the
+/// interface holds; from those that it leaves (spin of collinear journals) the modes are free.
 ///
 /// # Errors
-/// [`FlexibleError::Singular`] when the interface does not hold the structure.
+/// [`FlexibleError::Singular`] when the structure is a mechanism, a row that follows from others.
 pub fn constraint_modes(
     structure: &Structure,
-    interface: &[u32],
+    interface: &[Load],
 ) -> Result<Vec<f64>, FlexibleError> {
+    let seen = Interface::new(structure, interface)?;
+    match seen.plain() {
+        Some(freedoms) => by_freedoms(structure, &freedoms),
+        None => seen.constraint_modes(&attachment_modes(structure, interface)?),
+    }
+}
+
+/// The same for freedoms that hold the structure.
+fn by_freedoms(structure: &Structure, interface: &[u32]) -> Result<Vec<f64>, FlexibleError> {
     let size = structure.size();
     let mut held = vec![false; size];
-    for freedom in interface {
-        match held.get_mut(*freedom as usize) {
-            Some(held) => *held = true,
-            None => {
-                return Err(FlexibleError::Matrix {
-                    problem: format!("interface freedom {freedom} of {size}"),
-                    advice: String::new(),
-                });
-            }
-        }
-    }
     let mut units = vec![0.0; size * interface.len()];
     for (unit, freedom) in units.chunks_exact_mut(size.max(1)).zip(interface) {
-        unit[*freedom as usize] = 1.0;
+        let freedom = *freedom as usize;
+        if let (Some(held), Some(unit)) = (held.get_mut(freedom), unit.get_mut(freedom)) {
+            *held = true;
+            *unit = 1.0;
+        }
     }
     // K_oo u_o = −K_ob u_b
     let mut vectors = applied(structure.stiffness, &units);

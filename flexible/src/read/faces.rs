@@ -50,7 +50,7 @@ pub(super) fn edges(kind: ElementKind) -> &'static [[usize; 2]] {
 }
 
 /// The corners of each face of a solid, in the order S1, S2, … of Abaqus; a shell is one face.
-pub(super) fn faces(kind: ElementKind) -> &'static [&'static [usize]] {
+pub(crate) fn faces(kind: ElementKind) -> &'static [&'static [usize]] {
     use ElementKind::*;
     match kind {
         Beam2 => &[],
@@ -84,7 +84,7 @@ pub(super) fn faces(kind: ElementKind) -> &'static [&'static [usize]] {
 
 /// Nodes of the edge or face with these corners: each corner, and after it the mid-side node between it and the next one where
 /// there is one.
-pub(super) fn around(
+pub(crate) fn around(
     kind: ElementKind,
     nodes: &[u32],
     corners: &[usize],

@@ -1,7 +1,7 @@
 //! Readers of finite-element files. One module a family of formats; what they give is a [`crate::Mesh`] or matrices.
 
 pub mod abaqus;
-mod faces;
+pub(crate) mod faces;
 pub mod gmsh;
 mod labels;
 pub mod matrix;

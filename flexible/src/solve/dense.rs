@@ -102,3 +102,62 @@ pub(crate) fn inverse_eigen(
     let vectors = vectors.rchunks(size.max(1)).flatten().copied().collect();
     Ok((values, vectors))
 }
+
+/// The inverse of a symmetric positive definite matrix of which the lower triangle is read, scaled to a unit diagonal for the test of
+/// its eigenvalues; or the row that most belongs to a combination of rows that vanishes, when the smallest eigenvalue of the scaled
+/// matrix is below `least` of the largest.
+///
+/// # Errors
+/// As [`symmetric_eigen`].
+pub(crate) fn positive_inverse(
+    size: usize,
+    matrix: &[f64],
+    least: f64,
+) -> Result<Result<Vec<f64>, usize>, FlexibleError> {
+    if size == 0 {
+        return Ok(Ok(Vec::new()));
+    }
+    let mut scales = Vec::with_capacity(size);
+    for row in 0..size {
+        let own = matrix.get(row * (size + 1)).copied().unwrap_or(0.0);
+        if own.is_nan() || own <= 0.0 {
+            return Ok(Err(row));
+        }
+        scales.push(1.0 / libm::sqrt(own));
+    }
+    let mut scaled = matrix.to_vec();
+    for (line, x) in scaled.chunks_exact_mut(size.max(1)).zip(&scales) {
+        for (entry, y) in line.iter_mut().zip(&scales) {
+            *entry *= x * y;
+        }
+    }
+    let (values, vectors) = symmetric_eigen(size, scaled)?;
+    let largest = values.last().copied().unwrap_or(1.0);
+    if values
+        .first()
+        .is_some_and(|value| *value <= least * largest)
+    {
+        let row = vectors
+            .iter()
+            .take(size)
+            .enumerate()
+            .fold((0, 0.0f64), |best, (row, x)| {
+                if x.abs() > best.1 {
+                    (row, x.abs())
+                } else {
+                    best
+                }
+            });
+        return Ok(Err(row.0));
+    }
+    let mut inverse = vec![0.0; size * size];
+    for (value, vector) in values.iter().zip(vectors.chunks_exact(size.max(1))) {
+        let vector: Vec<f64> = vector.iter().zip(&scales).map(|(x, s)| x * s).collect();
+        for (line, x) in inverse.chunks_exact_mut(size.max(1)).zip(&vector) {
+            for (entry, y) in line.iter_mut().zip(&vector) {
+                *entry += x * y / value;
+            }
+        }
+    }
+    Ok(Ok(inverse))
+}

@@ -34,6 +34,8 @@ pub struct EigenOptions {
     /// Residual of a mode in the inverse iteration, relative, at which it counts as found. The eigenvalue's relative error is
     /// about the square of it.
     pub tolerance: f64,
+    /// Combinations of rows (row and coefficient) that every mode keeps at zero. They must not follow from each other.
+    pub held: Vec<Vec<(u32, f64)>>,
     /// Blocks solved for, at most; else a number that is plenty for the modes.
     pub solves: Option<usize>,
 }
@@ -46,6 +48,7 @@ impl Default for EigenOptions {
             block: 8,
             basis: None,
             tolerance: 1e-9,
+            held: Vec::new(),
             solves: None,
         }
     }
@@ -69,7 +72,7 @@ pub struct EigenSolution {
     /// Vectors one after the other, each of the matrices' size, `xᵀ M x = 1`, the largest component positive (the first of
     /// those within a millionth of the largest).
     pub vectors: Vec<f64>,
-    /// `‖K x − λ M x‖ / (|λ − σ| ‖M x‖)` of each.
+    /// `‖K x − λ M x‖ / (|λ − σ| ‖M x‖)` of each, without what the forces along held combinations balance.
     pub residuals: Vec<f64>,
     /// That none is missing.
     pub sturm: SturmCount,

@@ -7,9 +7,9 @@
 //! `T` is not taken as banded: every new column is projected on all others, which also makes restarts simple.
 
 use super::dense::symmetric_eigen;
-use super::factor::Factorization;
 use super::product::multiply;
 use super::random::Random;
+use super::restrained::Restrained;
 use crate::error::FlexibleError;
 use crate::sparse::SymmetricMatrix;
 use faer::linalg::matmul::matmul;
@@ -66,7 +66,7 @@ impl<'a> Lanczos<'a> {
     /// When memory runs out.
     pub(crate) fn new(
         mass: &'a SymmetricMatrix,
-        factor: &Factorization,
+        factor: &Restrained,
         block: usize,
         limit: usize,
     ) -> Result<Self, FlexibleError> {
@@ -139,7 +139,7 @@ impl<'a> Lanczos<'a> {
     ///
     /// # Errors
     /// When memory runs out.
-    pub(crate) fn inject(&mut self, factor: &Factorization) -> Result<(), FlexibleError> {
+    pub(crate) fn inject(&mut self, factor: &Restrained) -> Result<(), FlexibleError> {
         self.basis.truncate(self.processed * self.size);
         self.next = 0;
         self.coupled = self.processed;
@@ -160,7 +160,7 @@ impl<'a> Lanczos<'a> {
     ///
     /// # Errors
     /// When memory runs out.
-    pub(crate) fn step(&mut self, factor: &Factorization) -> Result<(), FlexibleError> {
+    pub(crate) fn step(&mut self, factor: &Restrained) -> Result<(), FlexibleError> {
         let mut image = std::mem::take(&mut self.mass_next);
         factor.solve_in_place(&mut image)?;
         self.solves += 1;

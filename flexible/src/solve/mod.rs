@@ -19,6 +19,7 @@ pub mod ordering;
 pub mod pencil;
 mod product;
 mod random;
+pub(crate) mod restrained;
 mod search;
 mod separator;
 mod sturm;

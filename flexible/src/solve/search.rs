@@ -6,6 +6,7 @@ use super::factor::{Analysis, Definiteness, Factorization, diagonal, norm};
 use super::lanczos::{Lanczos, Ritz, dot};
 use super::pencil::shifted;
 use super::product::multiply;
+use super::restrained::{self, Combination, Restrained};
 use super::sturm::{BORDER, Pairs, Place, agree, miscounted};
 use crate::error::FlexibleError;
 use crate::sparse::SymmetricMatrix;
@@ -23,6 +24,9 @@ const DENSE_MANY: usize = 2500;
 const RIGID: f64 = 1e-4;
 /// |σ| over the first elastic eigenvalue: outside of these σ is moved…
 const SHIFT_RANGE: std::ops::Range<f64> = 1e-6..20.0;
+/// The same where combinations are held: what holds a rigid motion is taken out of solutions, in which it must not be much larger than the
+/// modes looked for.
+const HELD_RANGE: std::ops::Range<f64> = 0.02..20.0;
 /// …so often at most.
 const MOVES: usize = 3;
 /// Times the search is taken up again when the count shows that modes are missing.
@@ -33,6 +37,8 @@ pub(super) struct Search<'a> {
     pub(super) stiffness: &'a SymmetricMatrix,
     pub(super) mass: &'a SymmetricMatrix,
     options: &'a EigenOptions,
+    /// Combinations held at zero, of unit length.
+    held: Vec<Combination>,
     analysis: Arc<Analysis>,
     /// Median of the ratios of stiffness's and mass's diagonals.
     pub(super) typical: f64,
@@ -89,6 +95,7 @@ impl<'a> Search<'a> {
             stiffness,
             mass,
             options,
+            held: restrained::unit(&options.held, mass.size())?,
             analysis,
             typical,
             factorizations: 0,
@@ -113,13 +120,15 @@ impl<'a> Search<'a> {
         &mut self,
         count: usize,
         limit: Option<f64>,
-        spare: Option<Factorization>,
+        spare: Option<Restrained>,
     ) -> Result<EigenSolution, FlexibleError> {
         let size = self.mass.size();
-        if count > size {
-            return Err(too_few(size, count));
+        let most = size.saturating_sub(self.held.len());
+        if count > most {
+            return Err(too_few(most, count));
         }
-        if size <= DENSE || (size <= DENSE_MANY && count >= size / 3) {
+        let dense = size <= DENSE || (size <= DENSE_MANY && count >= size / 3);
+        if dense && self.held.is_empty() {
             self.run_dense(count, limit, spare)
         } else {
             self.run_lanczos(count, limit, spare)
@@ -130,7 +139,7 @@ impl<'a> Search<'a> {
         &mut self,
         count: usize,
         limit: Option<f64>,
-        spare: Option<Factorization>,
+        spare: Option<Restrained>,
     ) -> Result<EigenSolution, FlexibleError> {
         let size = self.mass.size();
         let shift = self.options.shift.unwrap_or(-DENSE_SHIFT * self.typical);
@@ -159,7 +168,7 @@ impl<'a> Search<'a> {
         &mut self,
         count: usize,
         limit: Option<f64>,
-        spare: Option<Factorization>,
+        spare: Option<Restrained>,
     ) -> Result<EigenSolution, FlexibleError> {
         let (mut shift, mut factor) = self.positive(spare)?;
         let mut lanczos = self.start(&factor, count)?;
@@ -229,8 +238,8 @@ impl<'a> Search<'a> {
     /// A factor of `K − σ M`, with a σ low enough.
     fn positive(
         &mut self,
-        mut spare: Option<Factorization>,
-    ) -> Result<(f64, Factorization), FlexibleError> {
+        mut spare: Option<Restrained>,
+    ) -> Result<(f64, Restrained), FlexibleError> {
         if let Some(shift) = self.options.shift {
             return Ok((shift, self.factor_positive(spare, shift)?));
         }
@@ -247,27 +256,28 @@ impl<'a> Search<'a> {
 
     fn factor_positive(
         &mut self,
-        spare: Option<Factorization>,
+        spare: Option<Restrained>,
         shift: f64,
-    ) -> Result<Factorization, FlexibleError> {
+    ) -> Result<Restrained, FlexibleError> {
         self.factor(spare, shift, Definiteness::Positive)
     }
 
     pub(super) fn factor(
         &mut self,
-        spare: Option<Factorization>,
+        spare: Option<Restrained>,
         shift: f64,
         kind: Definiteness,
-    ) -> Result<Factorization, FlexibleError> {
+    ) -> Result<Restrained, FlexibleError> {
         let matrix = shifted(self.stiffness, self.mass, shift)?;
         self.factorizations += 1;
-        match spare {
-            Some(spare) => spare.replace(&matrix, kind),
+        let factor = match spare {
+            Some(spare) => spare.into_factor().replace(&matrix, kind),
             None => Factorization::new(&self.analysis, &matrix, kind),
-        }
+        }?;
+        Restrained::new(factor, &self.held, kind)
     }
 
-    fn start(&self, factor: &Factorization, count: usize) -> Result<Lanczos<'a>, FlexibleError> {
+    fn start(&self, factor: &Restrained, count: usize) -> Result<Lanczos<'a>, FlexibleError> {
         let block = self.options.block.clamp(1, self.mass.size());
         let basis = self.options.basis.unwrap_or(2 * count + 10 * block);
         let most = basis.min(self.mass.size()).max(count + 4 * block);
@@ -278,7 +288,7 @@ impl<'a> Search<'a> {
     fn converge(
         &mut self,
         lanczos: &mut Lanczos<'_>,
-        factor: &Factorization,
+        factor: &Restrained,
         shift: f64,
         wanted: usize,
         may_move: bool,
@@ -306,7 +316,12 @@ impl<'a> Search<'a> {
                     shift,
                     complete,
                 );
-                if may_move && let Some(better) = better_shift(&pairs, &ritz, shift) {
+                let range = if self.held.is_empty() {
+                    SHIFT_RANGE
+                } else {
+                    HELD_RANGE
+                };
+                if may_move && let Some(better) = better_shift(&pairs, &ritz, shift, range) {
                     return Ok(Progress::Move(better));
                 }
                 if pairs.sure >= wanted {
@@ -373,11 +388,14 @@ impl<'a> Search<'a> {
                 .zip(values)
             {
                 // neither scale nor sign matter to the residual
-                let rest: Vec<f64> = stiff
+                let mut rest: Vec<f64> = stiff
                     .iter()
                     .zip(heavy)
                     .map(|(stiff, heavy)| stiff - value * heavy)
                     .collect();
+                if !self.held.is_empty() {
+                    restrained::without(&self.held, &mut rest)?;
+                }
                 residuals.push(norm(&rest) / ((value - shift).abs() * norm(heavy)));
                 let largest = vector.iter().fold(0.0f64, |most, x| most.max(x.abs()));
                 let leading = vector
@@ -402,7 +420,12 @@ impl<'a> Search<'a> {
 }
 
 /// A shift in proportion to the first elastic eigenvalue, if that is known and the shift is out of proportion.
-fn better_shift(pairs: &Pairs, ritz: &Ritz, shift: f64) -> Option<f64> {
+fn better_shift(
+    pairs: &Pairs,
+    ritz: &Ritz,
+    shift: f64,
+    range: std::ops::Range<f64>,
+) -> Option<f64> {
     let elastic = pairs
         .eigenvalues
         .iter()
@@ -410,7 +433,7 @@ fn better_shift(pairs: &Pairs, ritz: &Ritz, shift: f64) -> Option<f64> {
         .find(|(value, residual)| **value > RIGID * shift.abs() && **residual < 1e-3)
         .map(|(value, _)| *value)?;
     let share = shift.abs() / elastic;
-    (!SHIFT_RANGE.contains(&share)).then_some(-0.25 * elastic)
+    (!range.contains(&share)).then_some(-0.25 * elastic)
 }
 
 fn too_few(there: usize, wanted: usize) -> FlexibleError {

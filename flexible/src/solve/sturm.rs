@@ -1,9 +1,10 @@
 //! Proof by Sturm count that no mode is missing.
 
 use super::eigen::SturmCount;
-use super::factor::{Definiteness, Factorization};
+use super::factor::Definiteness;
 use super::product::multiply;
 use super::random::Random;
+use super::restrained::Restrained;
 use super::search::{FIRST_SHIFT, Search};
 use crate::error::FlexibleError;
 
@@ -85,9 +86,9 @@ impl Search<'_> {
     /// when it hits an eigenvalue, or the factor turns out inexact.
     pub(super) fn inertia(
         &mut self,
-        mut spare: Option<Factorization>,
+        mut spare: Option<Restrained>,
         place: f64,
-    ) -> Result<(usize, f64, Factorization), FlexibleError> {
+    ) -> Result<(usize, f64, Restrained), FlexibleError> {
         let mut offset = 0.0;
         loop {
             let place = place + offset * place.abs();
@@ -98,7 +99,7 @@ impl Search<'_> {
             };
             if let Some(factor) = factor {
                 if self.trusted(&factor, place)? {
-                    return Ok((factor.negative_pivots(), place, factor));
+                    return Ok((factor.negative(), place, factor));
                 }
                 spare = Some(factor);
             }
@@ -143,11 +144,11 @@ impl Search<'_> {
     /// Counts, a second time further away when fewer are counted than were found.
     pub(super) fn prove(
         &mut self,
-        spare: Option<Factorization>,
+        spare: Option<Restrained>,
         expected: usize,
         below: f64,
         gap: f64,
-    ) -> Result<(Proof, Factorization), FlexibleError> {
+    ) -> Result<(Proof, Restrained), FlexibleError> {
         let (mut count, mut below, mut factor) = self.inertia(spare, below)?;
         if count < expected {
             (count, below, factor) = self.inertia(Some(factor), below + 0.25 * gap)?;
@@ -161,12 +162,12 @@ impl Search<'_> {
     }
 
     /// Whether a factor solves its equations.
-    fn trusted(&self, factor: &Factorization, shift: f64) -> Result<bool, FlexibleError> {
+    fn trusted(&self, factor: &Restrained, shift: f64) -> Result<bool, FlexibleError> {
         let size = self.mass.size();
         let mut random = Random::new(1);
         let right: Vec<f64> = (0..size).map(|_| random.symmetric()).collect();
         let mut solution = right.clone();
-        factor.solve_in_place(&mut solution)?;
+        factor.factor().solve_in_place(&mut solution)?;
         let (mut stiff, mut heavy) = (vec![0.0; size], vec![0.0; size]);
         multiply(self.stiffness, &solution, &mut stiff);
         multiply(self.mass, &solution, &mut heavy);

@@ -9,7 +9,7 @@ use eng_runtime::flexible::{Flexible, Work};
 use eng_runtime::integrator::{Integrator, Trial};
 use eng_runtime::{Moment, Options, Simulation};
 use eng_system::code::Compiled;
-use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
+use eng_system::reduced::{Geometric, Invariants, ReducedBody, ReducedMarker};
 use eng_system::system::{Role, StepControl};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::sync::Arc;
@@ -133,6 +133,7 @@ impl Nodes {
             modal_mass: flat(&(self.shapes.transpose() * &self.mass * &self.shapes)),
             stiffness: flat(stiffness),
             damping: flat(damping),
+            geometric: None,
         }
     }
 
@@ -330,7 +331,14 @@ fn matrix_of_inertia_is_its_derivative() {
     let nodes = Nodes::new(5, modes, 0.3, &mut draw);
     let (k, c) = (stiffness(modes, &mut draw), stiffness(modes, &mut draw));
     let body = Flexible::new(Arc::new(nodes.invariants(&k, &c)));
-    let m = Moving::new(modes, &mut draw);
+    check_matrix(&body, &mut draw);
+    let (_, body) = geometric_body(modes, &mut draw);
+    check_matrix(&body, &mut draw);
+}
+
+fn check_matrix(body: &Flexible, draw: &mut Draw) {
+    let modes = body.modes();
+    let m = Moving::new(modes, draw);
     let weights = Weights {
         acceleration: 3.0,
         velocity: 1.7,
@@ -406,12 +414,17 @@ fn reduced(nodes: &Nodes, scale: f64, draw: &mut Draw) -> ReducedBody {
 }
 
 fn flexible_chain() -> Compiled {
+    chain_of(|_| {})
+}
+
+fn chain_of(change: impl FnOnce(&mut ReducedBody)) -> Compiled {
     let mut draw = Draw(3);
     let nodes = Nodes::new(3, 3, 0.05, &mut draw);
     let mut b = Builder::new([0.3, -0.5, -9.81]);
     let oblique = [0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6];
     let end = nodes.places[0];
-    let body = reduced(&nodes, 40.0, &mut draw);
+    let mut body = reduced(&nodes, 40.0, &mut draw);
+    change(&mut body);
     let (_, markers) = b.flexible(
         "bar",
         body,
@@ -612,6 +625,152 @@ fn a_stiff_body_moves_as_a_rigid_one() {
     let (soft, stiff) = (miss(1e3), miss(1e5));
     println!("{soft:e} {stiff:e}");
     assert!(stiff < 5e-6 && stiff < 0.05 * soft, "{soft:e} {stiff:e}");
+}
+
+/// Symmetric blocks of geometric stiffness.
+fn geometric(modes: usize, scale: f64, draw: &mut Draw) -> Geometric {
+    let mut block = || {
+        let half = DMatrix::from_fn(modes, modes, |_, _| scale * draw.next());
+        (&half + half.transpose()).as_slice().to_vec()
+    };
+    Geometric {
+        spin: std::array::from_fn(|_| block()),
+        turn: std::array::from_fn(|_| block()),
+        acceleration: std::array::from_fn(|_| block()),
+        loads: vec![],
+    }
+}
+
+fn geometric_body(modes: usize, draw: &mut Draw) -> (Invariants, Flexible) {
+    let nodes = Nodes::new(5, modes, 0.3, draw);
+    let (k, c) = (stiffness(modes, draw), stiffness(modes, draw));
+    let mut constants = nodes.invariants(&k, &c);
+    constants.geometric = Some(geometric(modes, 0.4, draw));
+    let body = Flexible::new(Arc::new(constants.clone()));
+    (constants, body)
+}
+
+fn force(body: &Flexible, m: &Moving) -> DVector<f64> {
+    let mut out = vec![0.0; m.v.len()];
+    let work = &mut Work::default();
+    body.add_inertia(&m.frame(), &m.v, &m.rate, &m.gravity, work, &mut out);
+    DVector::from_vec(out)
+}
+
+/// The modal rows have the sum of factors times blocks times amplitudes, no more.
+#[test]
+fn geometric_stiffness_is_in_the_modal_rows() {
+    let mut draw = Draw(29);
+    let modes = 4;
+    let (constants, body) = geometric_body(modes, &mut draw);
+    let blocks = constants.geometric.clone().unwrap();
+    let plain = Flexible::new(Arc::new(Invariants {
+        geometric: None,
+        ..constants
+    }));
+    for _ in 0..5 {
+        let m = Moving::new(modes, &mut draw);
+        let difference = force(&body, &m) - force(&plain, &m);
+        let omega = [m.v[3], m.v[4], m.v[5]];
+        let beta =
+            m.rotation.transpose() * (Vector3::new(m.rate[0], m.rate[1], m.rate[2]) - m.gravity);
+        let mut sum = DVector::zeros(modes);
+        let mut add = |factor: f64, block: &[f64]| {
+            sum += DMatrix::from_row_slice(modes, modes, block) * &m.a * factor;
+        };
+        for (p, (j, k)) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)]
+            .into_iter()
+            .enumerate()
+        {
+            add(omega[j] * omega[k], &blocks.spin[p]);
+        }
+        for k in 0..3 {
+            add(m.rate[3 + k], &blocks.turn[k]);
+            add(beta[k], &blocks.acceleration[k]);
+        }
+        let miss = (difference.rows(6, modes) - &sum).amax();
+        assert!(miss < 1e-12 * sum.amax(), "{miss:e}");
+    }
+}
+
+/// With geometric stiffness and gravity: the rate of all energy is force · velocity less damping, along any motion.
+#[test]
+fn power_balances_with_geometric_stiffness() {
+    let mut draw = Draw(31);
+    let modes = 4;
+    let (_, body) = geometric_body(modes, &mut draw);
+    for _ in 0..5 {
+        let m = Moving::new(modes, &mut draw);
+        let energy = |time: f64| {
+            let omega = Vector3::new(m.v[3], m.v[4], m.v[5]);
+            let moved = Moving {
+                rotation: m.rotation * nalgebra::Rotation3::new(omega * time).into_inner(),
+                position: m.position + Vector3::new(m.v[0], m.v[1], m.v[2]) * time,
+                a: &m.a + DVector::from_row_slice(&m.v[6..]) * time,
+                v: m.v.iter().zip(&m.rate).map(|(v, a)| v + time * a).collect(),
+                rate: m.rate.clone(),
+                gravity: m.gravity,
+            };
+            let work = &mut Work::default();
+            let [kinetic, gravity, strain, _] =
+                body.energy(&moved.frame(), &moved.v, &moved.gravity, work);
+            kinetic + gravity + strain
+        };
+        let central = |h: f64| (energy(h) - energy(-h)) / (2.0 * h);
+        let h = 1e-3;
+        let (one, two, four) = (central(h), central(2.0 * h), central(4.0 * h));
+        let (fine, coarse) = ((4.0 * one - two) / 3.0, (4.0 * two - four) / 3.0);
+        let rate = (16.0 * fine - coarse) / 15.0;
+        let [.., lost] = body.energy(&m.frame(), &m.v, &m.gravity, &mut Work::default());
+        let power = force(&body, &m).dot(&DVector::from_row_slice(&m.v)) - lost;
+        assert!(
+            (power - rate).abs() < 1e-9 * (1.0 + power.abs()),
+            "{power} {rate}"
+        );
+    }
+}
+
+#[test]
+fn matrix_of_a_step_is_exact_with_geometric_stiffness() {
+    let mut draw = Draw(37);
+    let compiled = chain_of(|body| body.invariants.geometric = Some(geometric(3, 0.3, &mut draw)));
+    jacobian::check(&compiled, 0.05, 0.1);
+    jacobian::check(&compiled, 0.01, 0.02);
+}
+
+/// A free body with geometric stiffness keeps its energy to the integrator's order.
+#[test]
+fn a_free_body_with_geometric_stiffness_keeps_energy() {
+    let mut draw = Draw(41);
+    let modes = 3;
+    let nodes = Nodes::new(5, modes, 0.0, &mut draw);
+    let mut body = reduced(&nodes, 30.0, &mut draw);
+    body.invariants.damping = vec![0.0; modes * modes];
+    body.invariants.geometric = Some(geometric(modes, 0.1, &mut draw));
+    let compiled = free(&nodes, body);
+    let drift = |h: f64| {
+        let options = Options {
+            step: StepControl::Fixed(h),
+            rho_infinity: 1.0,
+            ..Options::default()
+        };
+        let mut s = Simulation::new(&compiled, &[], options).unwrap();
+        let energy = |s: &mut Simulation| {
+            let e = s.energy();
+            e.kinetic + e.strain
+        };
+        let before = energy(&mut s);
+        while s.time() < 1.0 {
+            s.step_within(1.0).unwrap();
+        }
+        (energy(&mut s) - before).abs() / before
+    };
+    let (coarse, fine) = (drift(4e-4), drift(2e-4));
+    println!("{coarse:e} {fine:e}");
+    assert!(
+        fine < 1e-4 && (fine < 1e-9 || coarse / fine > 3.5),
+        "{coarse} {fine}"
+    );
 }
 
 /// Modes that a step cannot resolve are not in the error norm; those it can are.

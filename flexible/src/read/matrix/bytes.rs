@@ -103,7 +103,7 @@ impl Records {
         Err(records.problem(
             format!("this is no {what}: it begins with the bytes {start:02x?}"),
             format!(
-                "give a {what} as Nastran writes it, unformatted; one copied as text between machines is damaged"
+                "give the {what} as Nastran writes it, unformatted; one copied as text between machines is damaged"
             ),
         ))
     }
@@ -161,6 +161,21 @@ impl Records {
         )
     }
 
+    /// The file ends inside a record of this length: too early, or the length has its bytes in the other order.
+    fn ended(&self, length: i32) -> FileProblem {
+        let other = u64::from(length.swap_bytes().unsigned_abs());
+        if self.record.1 + other >= self.byte {
+            return self.cut();
+        }
+        self.problem(
+            format!(
+                "the record would be {} bytes long, beyond the end of the file; with its bytes in the other order {other}",
+                length.unsigned_abs()
+            ),
+            "the file mixes both orders of bytes: it was converted in part, or put together from two machines; write it again",
+        )
+    }
+
     /// The next record; `None` at the end of the file. A record in parts (a negative length before a part says that more follow) is
     /// given as a whole.
     pub fn next_record(&mut self) -> Result<Option<Vec<u8>>, FileProblem> {
@@ -176,7 +191,7 @@ impl Records {
             }
             let count = u64::from(length.unsigned_abs());
             if self.bytes(count, &mut data)? < count {
-                return Err(self.cut());
+                return Err(self.ended(length));
             }
             let Some(after) = self.length()? else {
                 return Err(self.cut());

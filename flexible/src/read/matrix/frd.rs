@@ -29,9 +29,7 @@ pub fn read_frd_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, Fil
     let mut ended = false;
     while let Some(line) = text.next_line()? {
         let key = columns(line, 0, 5);
-        if let Some(name) = key.strip_prefix("1P") {
-            // "    1PMODE   1": the name goes on behind the fifth column
-            let name = format!("{name}{}", columns(line, 5, line.len()));
+        if let Some(name) = line.trim_start().strip_prefix("1P").filter(|_| key == "1") {
             let mut words = name.split_whitespace();
             match (words.next(), words.next()) {
                 (Some("MODE"), Some(number)) => before.mode = count(number),
@@ -52,7 +50,7 @@ pub fn read_frd_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, Fil
                     ));
                 }
             };
-            let is_mode = columns(line, 63, 73).starts_with("MODE") || before.mode.is_some();
+            let is_mode = columns(line, 63, 73).starts_with("MOD") || before.mode.is_some();
             let taken = std::mem::take(&mut before);
             let number = taken.mode.or_else(|| count(columns(line, 58, 63)));
             let eigenvalue = match (taken.stiffness, taken.mass) {

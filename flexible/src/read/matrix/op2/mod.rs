@@ -8,7 +8,7 @@ mod blocks;
 mod points;
 mod shapes;
 
-use super::{COMPLEX, ForeignFreedoms, ForeignMatrix, ForeignModes, Held, chosen};
+use super::{COMPLEX, ForeignFreedoms, ForeignMatrix, ForeignModes, Held, chosen, whole};
 use crate::error::FileProblem;
 use crate::read::Files;
 use blocks::{Block, Blocks, Step};
@@ -220,6 +220,29 @@ pub fn read_op2_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, Fil
 /// # Errors
 /// With file and record: a file that is none, is cut or damaged, holds no places, or holds them in frames other than the basic one only.
 pub fn read_op2_nodes(files: &dyn Files, file: &str) -> Result<Vec<(u64, [f64; 3])>, FileProblem> {
+    points(files, file)?.places(file)
+}
+
+/// As [`read_op2_nodes`], for matrices and shapes whose rows are along the basic axes.
+///
+/// # Errors
+/// As [`read_op2_nodes`], and points with analysis frames of their own: the file does not say their axes.
+pub fn read_op2_basic_nodes(
+    files: &dyn Files,
+    file: &str,
+) -> Result<Vec<(u64, [f64; 3])>, FileProblem> {
+    let points = points(files, file)?;
+    match points.turned() {
+        0 => points.places(file),
+        count => Err(whole(
+            file,
+            format!("has {count} grid points with analysis frames of their own"),
+            "give the bulk data as the mesh: rows of matrices are along these frames",
+        )),
+    }
+}
+
+fn points(files: &dyn Files, file: &str) -> Result<Points, FileProblem> {
     let mut blocks = Blocks::open(files, file)?;
     let mut points = Points::default();
     while let Some(block) = blocks.next_block()? {
@@ -229,5 +252,5 @@ pub fn read_op2_nodes(files: &dyn Files, file: &str) -> Result<Vec<(u64, [f64; 3
             while blocks.next_step()?.is_some() {}
         }
     }
-    points.places(file)
+    Ok(points)
 }

@@ -21,6 +21,8 @@ pub(super) struct Points {
     basic: Vec<Option<(Option<i64>, [f64; 3])>>,
     /// Number, input frame, place.
     cards: Vec<(i64, i64, [f64; 3])>,
+    /// How many points have an analysis frame of their own, by the table of places and by cards.
+    turned: [usize; 2],
 }
 
 /// Codes of `GRID` in the table of geometry.
@@ -82,6 +84,7 @@ impl Points {
                 let words = blocks.integers(head);
                 let number = words.get(2).copied();
                 let frame = words.first().copied()?;
+                self.turned[0] += usize::from(frame > 0);
                 let mut reals = place.chunks_exact(real).map(|bytes| blocks.real(bytes));
                 let place = [reals.next()?, reals.next()?, reals.next()?];
                 (frame >= 0).then_some((number, place))
@@ -102,7 +105,17 @@ impl Points {
             let place = (reals.nth(2), reals.next(), reals.next());
             if let ([number, frame, ..], (Some(x), Some(y), Some(z))) = (words.as_slice(), place) {
                 self.cards.push((*number, *frame, [x, y, z]));
+                self.turned[1] += usize::from(words.get(5).is_some_and(|frame| *frame > 0));
             }
+        }
+    }
+
+    /// How many grid points have an analysis frame other than the basic one.
+    pub fn turned(&self) -> usize {
+        if self.basic.is_empty() {
+            self.turned[1]
+        } else {
+            self.turned[0]
         }
     }
 

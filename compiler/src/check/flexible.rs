@@ -1,0 +1,602 @@
+//! Flexible bodies: their attributes, markers on meshes, mode sets.
+
+use super::Checker;
+use super::mismatch::Due;
+use super::scope::{Member, Scope, block_of};
+use super::types::{Quantity, Type};
+use crate::codes;
+use crate::resolve::suggest::{listing, nearest};
+use crate::words::{ELEMENT_RULES, Place, Takes, Word, argument, belongs, word, words};
+use eng_grammar::ast::{
+    Argument, Attribute, BinaryOp, Declaration, Expr, ExprKind, Form, IndexArgument, ItemKind,
+    Kind, Name, Statement,
+};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
+use eng_system::flexible::FREEDOM_NAMES;
+
+/// Attributes of a flexible body; the first three are required.
+const ATTRIBUTES: [&str; 9] = [
+    "mesh",
+    "modes",
+    "damping",
+    "stiffness",
+    "mass",
+    "material",
+    "support",
+    "element_rules",
+    "geometric_stiffness",
+];
+
+/// What the required ones look like.
+const REQUIRED: [(&str, &str); 3] = [
+    ("mesh", "mesh = nastran(\"crank.bdf\", units: mm_tonne_s)"),
+    ("modes", "modes = static(at: main) + normal(10)"),
+    ("damping", "damping = 2 %"),
+];
+
+impl<'p> Checker<'p> {
+    /// `flexible name[index] { … }`.
+    pub(super) fn flexible(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
+        let scope = self.binders(outer, &declaration.index);
+        let name = &declaration.name.text;
+        let (Form::Plain { .. }, Some(block)) = (&declaration.form, block_of(declaration)) else {
+            self.report(
+                Diagnostic::error(
+                    codes::MISSING_VALUE,
+                    format!("the flexible body `{name}` needs a block"),
+                )
+                .at(declaration.name.span, "of which mesh?")
+                .with_help(format!(
+                    "write `flexible {name} {{ mesh = …; modes = …; damping = … }}`"
+                )),
+            );
+            return;
+        };
+        let inner = Scope {
+            body: Some(declaration),
+            ..scope
+        };
+        let mut attributes: Vec<&'p Name> = Vec::new();
+        let mut markers: Vec<&'p Name> = Vec::new();
+        for item in &block.items {
+            match &item.kind {
+                ItemKind::Error => {}
+                ItemKind::Attribute(attribute) => {
+                    self.attribute_once(&mut attributes, &attribute.name);
+                    self.flexible_attribute(&inner, attribute);
+                }
+                ItemKind::Declaration(marker) if marker.kind == Kind::Marker => {
+                    self.marker_name(&mut markers, marker);
+                    if marker.name.text == "support" {
+                        self.report(
+                            Diagnostic::error(
+                                codes::DEFINED_TWICE,
+                                "`support` is the joint that holds a body on the ground",
+                            )
+                            .at(marker.name.span, "another one")
+                            .with_help("give the marker a name of its own, such as `mount`"),
+                        );
+                    }
+                    self.marker_on_mesh(&inner, marker);
+                }
+                ItemKind::Statement(
+                    Statement::Start { target, value } | Statement::Guess { target, value },
+                ) => self.start_of_body(&inner, target, value),
+                _ => self.misplaced_in_body(item),
+            }
+        }
+        for (wanted, example) in REQUIRED {
+            let near = |given: &&&Name| {
+                given.text == wanted || nearest(&given.text, ATTRIBUTES) == Some(wanted)
+            };
+            if attributes.iter().find(near).is_none() {
+                self.report(
+                    Diagnostic::error(
+                        codes::MISSING_ATTRIBUTE,
+                        format!("the flexible body `{name}` needs its {wanted}"),
+                    )
+                    .at(declaration.name.span, format!("no `{wanted}`"))
+                    .with_help(format!("for instance `{example}`")),
+                );
+            }
+        }
+    }
+
+    fn flexible_attribute(&mut self, scope: &Scope<'p>, attribute: &'p Attribute) {
+        let Attribute { name, value } = attribute;
+        let due = Due::new(format!("`{}` of a flexible body", name.text));
+        match name.text.as_str() {
+            "mesh" => self.worded(scope, Place::Mesh, value),
+            "stiffness" | "mass" => self.worded(scope, Place::Matrix, value),
+            "modes" => self.modes(scope, value),
+            "damping" => match &value.kind {
+                ExprKind::Call { callee, .. } if called(callee, Place::Damping).is_some() => {
+                    self.worded(scope, Place::Damping, value);
+                }
+                _ => {
+                    self.expect(scope, value, &Type::one(), &due);
+                }
+            },
+            "material" => self.material(scope, value),
+            "support" => self.markers_named(scope, value),
+            "element_rules" => self.one_of(value, ELEMENT_RULES, "the rules of elements"),
+            "geometric_stiffness" => {
+                self.expect(scope, value, &Type::Bool, &due);
+            }
+            _ => {
+                let mut message = Diagnostic::error(
+                    codes::UNKNOWN_ATTRIBUTE,
+                    format!("a flexible body has no attribute `{}`", name.text),
+                )
+                .at(name.span, "not known");
+                message = match (name.text.as_str(), nearest(&name.text, ATTRIBUTES)) {
+                    ("inertia" | "center_of_mass" | "products_of_inertia", _) => {
+                        message.with_help("mass and inertia follow from the mesh; leave them out")
+                    }
+                    (_, Some(near)) => message
+                        .with_help(format!("did you mean `{near}`?"))
+                        .with_fix(format!("write `{near}`"), name.span, near),
+                    _ => message.with_note(format!("it has {}", listing(ATTRIBUTES, 12))),
+                };
+                self.report(message);
+            }
+        }
+    }
+
+    /// A record with density, Young's modulus and Poisson's ratio.
+    fn material(&mut self, scope: &Scope<'p>, value: &Expr) {
+        let ty = self.infer(scope, value);
+        if ty.is_error() {
+            return;
+        }
+        let fits = match &ty {
+            Type::Instance(id) => ["density", "young_modulus", "poisson_ratio"]
+                .iter()
+                .all(|field| matches!(self.member(*id, field), Some(Member::Binding(_)))),
+            _ => false,
+        };
+        if !fits {
+            let found = self.describe(&ty);
+            self.report(
+                Diagnostic::error(
+                    codes::WRONG_TYPE,
+                    format!("the material must be a `Solid`, not {found}"),
+                )
+                .at(value.span, format!("this is {found}"))
+                .with_help("take one: `use std.materials.Steel`, or make one: `Solid(density: 7850 kg/m^3, young_modulus: 210 GPa, poisson_ratio: 0.3)`"),
+            );
+        }
+    }
+
+    /// `marker name[index] = ring(…)` on a mesh.
+    fn marker_on_mesh(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
+        let scope = self.binders(outer, &declaration.index);
+        let name = &declaration.name.text;
+        let Form::Instance { value, .. } = &declaration.form else {
+            self.report(
+                Diagnostic::error(codes::MARKER, format!("the marker `{name}` needs a place"))
+                    .at(declaration.name.span, "where on the mesh?")
+                    .with_help(format!("for instance `marker {name} = node(9201)`")),
+            );
+            return;
+        };
+        match &value.kind {
+            ExprKind::Error => {}
+            ExprKind::Call { callee, .. } if called(callee, Place::Marker).is_some() => {
+                self.worded(&scope, Place::Marker, value);
+            }
+            ExprKind::Call { callee, .. } if near_word(callee).is_some() => {
+                self.no_word(Place::Marker, callee.span, near_word(callee));
+            }
+            _ => {
+                let examples: Vec<&str> = words(Place::Marker).map(|w| w.example).collect();
+                self.report(
+                    Diagnostic::error(
+                        codes::MARKER,
+                        format!("`{name}` does not say which nodes it stands on"),
+                    )
+                    .at(value.span, "no place on a mesh")
+                    .with_note("a marker of a flexible body moves with nodes of its mesh")
+                    .with_help(format!(
+                        "for instance `{}` or `{}`",
+                        examples.first().unwrap_or(&""),
+                        examples.get(1).unwrap_or(&""),
+                    )),
+                );
+            }
+        }
+    }
+
+    /// A call of one of the words of a place.
+    fn worded(&mut self, scope: &Scope<'p>, place: Place, value: &Expr) {
+        let (callee, arguments) = match &value.kind {
+            ExprKind::Error => return,
+            ExprKind::Call { callee, arguments } => (callee, arguments.as_slice()),
+            _ => {
+                self.no_word(place, value.span, None);
+                return;
+            }
+        };
+        match called(callee, place) {
+            Some(word) => self.word_arguments(scope, word, value.span, arguments),
+            None => {
+                let name = match &callee.kind {
+                    ExprKind::Name(name) => Some(name.as_str()),
+                    _ => None,
+                };
+                self.no_word(place, callee.span, name);
+            }
+        }
+    }
+
+    fn no_word(&mut self, place: Place, span: Span, name: Option<&str>) {
+        let mut message = Diagnostic::error(
+            codes::FLEXIBLE,
+            match name {
+                Some(name) => format!("`{name}` is not {}", place.text()),
+                None => format!("this is not {}", place.text()),
+            },
+        )
+        .at(span, "not known here");
+        let near = name.and_then(|n| nearest(n, words(place).map(|w| w.word)));
+        message = match near {
+            Some(near) => message
+                .with_help(format!("did you mean `{near}`?"))
+                .with_fix(format!("write `{near}`"), span, near),
+            None => message.with_help(format!(
+                "write one of: {}",
+                words(place)
+                    .map(|w| w.example)
+                    .collect::<Vec<_>>()
+                    .join("; ")
+            )),
+        };
+        self.report(message);
+    }
+
+    fn word_arguments(
+        &mut self,
+        scope: &Scope<'p>,
+        word: &'static Word,
+        span: Span,
+        arguments: &[Argument],
+    ) {
+        let mut given: Vec<&str> = Vec::new();
+        let mut position = 0;
+        for given_argument in arguments {
+            let slot = match &given_argument.name {
+                Some(name) => word.arguments.iter().find(|a| a.name == name.text),
+                None => {
+                    position += 1;
+                    word.arguments.iter().filter(|a| !a.named).nth(position - 1)
+                }
+            };
+            let Some(slot) = slot else {
+                let names = word.arguments.iter().map(|a| a.name);
+                let place = given_argument
+                    .name
+                    .as_ref()
+                    .map_or(given_argument.value.span, |n| n.span);
+                let mut message = match &given_argument.name {
+                    Some(name) => Diagnostic::error(
+                        codes::UNKNOWN_ARGUMENT,
+                        format!("`{}` has no parameter `{}`", word.word, name.text),
+                    )
+                    .at(place, "no parameter of this name"),
+                    None => Diagnostic::error(
+                        codes::TOO_MANY_ARGUMENTS,
+                        format!("the arguments of `{}` have names", word.word),
+                    )
+                    .at(place, "which one is this?"),
+                };
+                let near = given_argument
+                    .name
+                    .as_ref()
+                    .and_then(|n| nearest(&n.text, names.clone()));
+                if let Some(near) = near {
+                    given.push(near);
+                    message = message
+                        .with_help(format!("did you mean `{near}`?"))
+                        .with_fix(format!("write `{near}`"), place, near);
+                } else {
+                    message = message
+                        .with_note(format!("it takes {}", listing(names, 12)))
+                        .with_help(format!("for instance `{}`", word.example));
+                }
+                self.report(message);
+                continue;
+            };
+            if given.contains(&slot.name) {
+                self.report(
+                    Diagnostic::error(
+                        codes::ARGUMENT_TWICE,
+                        format!("`{}` is given twice", slot.name),
+                    )
+                    .at(given_argument.value.span, "again here"),
+                );
+            }
+            given.push(slot.name);
+            self.taken(scope, word, slot.name, slot.takes, &given_argument.value);
+        }
+        for missing in word
+            .arguments
+            .iter()
+            .filter(|a| a.required && !given.contains(&a.name))
+        {
+            self.report(
+                Diagnostic::error(
+                    codes::MISSING_ARGUMENT,
+                    format!("`{}` needs `{}`", word.word, missing.name),
+                )
+                .at(span, format!("no `{}`", missing.name))
+                .with_help(format!("for instance `{}`", word.example)),
+            );
+        }
+        // how many modes: one of two ways
+        if matches!(word.word, "normal" | "craig_bampton") {
+            let number = argument(word, arguments, "number");
+            let up_to = argument(word, arguments, "up_to");
+            match (number, up_to) {
+                (None, None) => self.report(
+                    Diagnostic::error(
+                        codes::MISSING_ARGUMENT,
+                        format!("`{}` needs a number of modes or a frequency", word.word),
+                    )
+                    .at(span, "how many modes?")
+                    .with_help(
+                        "write `number: 10` for the ten lowest, or `up_to: 3000 Hz` for all below",
+                    ),
+                ),
+                (Some(_), Some(second)) => self.report(
+                    Diagnostic::error(
+                        codes::ARGUMENT_TWICE,
+                        format!("`{}` takes a number of modes or a frequency", word.word),
+                    )
+                    .at(second.span, "both are given")
+                    .with_help("leave one out"),
+                ),
+                _ => {}
+            }
+        }
+    }
+
+    /// An argument of a word.
+    fn taken(&mut self, scope: &Scope<'p>, word: &Word, name: &str, takes: Takes, value: &Expr) {
+        let mut due = Due::new(format!("`{name}` of `{}`", word.word));
+        let per_time = || Dimension::ONE.over(Dimension::TIME);
+        let (ty, unit) = match takes {
+            Takes::Text => {
+                // `"MAIN{j}"` shows values as a message does
+                if matches!(value.kind, ExprKind::Text(_)) {
+                    let shown = crate::words::inside_quotes(self.sources, value.span);
+                    self.message(scope, &shown);
+                    return;
+                }
+                (Type::Text, None)
+            }
+            Takes::Count => (Type::Int, None),
+            Takes::Length => (Type::Scalar(Quantity::hard(Dimension::LENGTH)), Some("mm")),
+            Takes::Place => (Type::vector(Quantity::hard(Dimension::LENGTH)), Some("mm")),
+            Takes::Direction => (Type::vector(Quantity::one()), None),
+            Takes::Axis => {
+                if matches!(&value.kind, ExprKind::Name(n) if ["x", "y", "z"].contains(&n.as_str()))
+                {
+                    return;
+                }
+                (Type::vector(Quantity::one()), None)
+            }
+            Takes::Frequency => (Type::Scalar(Quantity::hard(per_time())), Some("Hz")),
+            Takes::PerTime => (Type::Scalar(Quantity::hard(per_time())), Some("1/s")),
+            Takes::Time => (Type::Scalar(Quantity::hard(Dimension::TIME)), Some("s")),
+            Takes::Ratio => (Type::one(), None),
+            Takes::Word(known) => {
+                self.one_of(value, known, &format!("`{name}`"));
+                return;
+            }
+            Takes::Markers => {
+                self.markers_named(scope, value);
+                return;
+            }
+            Takes::Freedoms => {
+                self.freedoms(value);
+                return;
+            }
+        };
+        due.unit = unit.map(str::to_owned);
+        self.expect(scope, value, &ty, &due);
+    }
+
+    /// A bare word out of some.
+    fn one_of(&mut self, value: &Expr, known: &[&'static str], what: &str) {
+        let ExprKind::Name(name) = &value.kind else {
+            if !matches!(value.kind, ExprKind::Error) {
+                self.report(
+                    Diagnostic::error(codes::FLEXIBLE, format!("{what} is a word"))
+                        .at(value.span, "no word")
+                        .with_help(format!("one of {}", listing(known.iter().copied(), 12))),
+                );
+            }
+            return;
+        };
+        if known.contains(&name.as_str()) {
+            return;
+        }
+        let mut message =
+            Diagnostic::error(codes::FLEXIBLE, format!("`{name}` is not known for {what}"))
+                .at(value.span, "not known")
+                .with_note(format!("known are {}", listing(known.iter().copied(), 12)));
+        if let Some(near) = nearest(name, known.iter().copied()) {
+            message = message
+                .with_help(format!("did you mean `{near}`?"))
+                .with_fix(format!("write `{near}`"), value.span, near);
+        }
+        self.report(message);
+    }
+
+    /// `[x, y, rz]`, or one of them.
+    fn freedoms(&mut self, value: &Expr) {
+        match &value.kind {
+            ExprKind::List { items, unit: None } => {
+                for item in items {
+                    self.one_of(item, &FREEDOM_NAMES, "a freedom of a marker");
+                }
+            }
+            _ => self.one_of(value, &FREEDOM_NAMES, "a freedom of a marker"),
+        }
+    }
+
+    /// `main`, `main[1]`, `main[2..4]`, or a list of such: markers of the flexible body that uses it.
+    fn markers_named(&mut self, scope: &Scope<'p>, value: &Expr) {
+        match &value.kind {
+            ExprKind::Error => {}
+            ExprKind::List { items, unit: None } => {
+                for item in items {
+                    self.markers_named(scope, item);
+                }
+            }
+            ExprKind::Index { base, indices } => {
+                self.markers_named(scope, base);
+                for index in indices {
+                    if let IndexArgument::At(at) = index {
+                        let ty = self.infer(scope, at);
+                        let counts = match &ty {
+                            Type::Range(inner) => **inner == Type::Int,
+                            Type::Int | Type::Error => true,
+                            _ => false,
+                        };
+                        if !counts {
+                            let found = self.describe(&ty);
+                            self.report(
+                                Diagnostic::error(
+                                    codes::INDEX,
+                                    "an index of markers is a whole number or a range of them",
+                                )
+                                .at(at.span, format!("this is {found}")),
+                            );
+                        }
+                    }
+                }
+            }
+            ExprKind::Name(name) => {
+                let Some(body) = scope.body else {
+                    return;
+                };
+                let known: Vec<&str> = block_of(body)
+                    .into_iter()
+                    .flat_map(|b| &b.items)
+                    .filter_map(|item| match &item.kind {
+                        ItemKind::Declaration(d) if d.kind == Kind::Marker => {
+                            Some(d.name.text.as_str())
+                        }
+                        _ => None,
+                    })
+                    .collect();
+                if known.contains(&name.as_str()) {
+                    return;
+                }
+                let mut message = Diagnostic::error(
+                    codes::NO_MEMBER,
+                    format!("the body `{}` has no marker `{name}`", body.name.text),
+                )
+                .at(value.span, "not among its markers");
+                message = match nearest(name, known.iter().copied()) {
+                    Some(near) => message
+                        .with_help(format!("did you mean `{near}`?"))
+                        .with_fix(format!("write `{near}`"), value.span, near),
+                    None => message.with_note(format!("it has {}", listing(known, 12))),
+                };
+                self.report(message);
+            }
+            ExprKind::Field { name, .. } => self.report(
+                Diagnostic::error(codes::FLEXIBLE, "markers are named without their body here")
+                    .at(value.span, "a path")
+                    .with_help(format!(
+                        "write `{}`: names are looked up in the body that uses them",
+                        name.text
+                    ))
+                    .with_fix("the name alone", value.span, name.text.clone()),
+            ),
+            _ => self.report(
+                Diagnostic::error(codes::FLEXIBLE, "names of markers are due here")
+                    .at(value.span, "no marker's name")
+                    .with_help("for instance `main`, `main[1]`, `[main, pin[2..4]]`"),
+            ),
+        }
+    }
+
+    /// The attribute `modes`: terms, or constants of the type `ModeSet`.
+    fn modes(&mut self, scope: &Scope<'p>, value: &Expr) {
+        // a sum is looked at term by term, so that names are found in this body
+        match &value.kind {
+            ExprKind::Binary {
+                op: BinaryOp::Add,
+                left,
+                right,
+                ..
+            } => {
+                self.modes(scope, left);
+                self.modes(scope, right);
+            }
+            ExprKind::Paren { inner, unit: None } => self.modes(scope, inner),
+            _ => {
+                self.expect(
+                    scope,
+                    value,
+                    &Type::ModeSet,
+                    &Due::new("`modes` of a flexible body"),
+                );
+            }
+        }
+    }
+
+    /// A call that no name of the model explains: a term of a mode set, or a word in the wrong place.
+    pub(super) fn call_of_word(
+        &mut self,
+        scope: &Scope<'p>,
+        name: &str,
+        callee: Span,
+        span: Span,
+        arguments: &[Argument],
+    ) -> Option<Type> {
+        if let Some(term) = word(Place::Modes, name) {
+            self.word_arguments(scope, term, span, arguments);
+            return Some(Type::ModeSet);
+        }
+        let other = belongs(name)?;
+        self.report(
+            Diagnostic::error(codes::MISPLACED, format!("`{name}` is no function"))
+                .at(callee, format!("it is {}", other.place.text()))
+                .with_help(format!("for instance `{}`", other.example)),
+        );
+        Some(Type::Error)
+    }
+}
+
+/// The name that is called, if it is much like a word for a place on a mesh.
+fn near_word(callee: &Expr) -> Option<&str> {
+    match &callee.kind {
+        ExprKind::Name(name) => {
+            nearest(name, words(Place::Marker).map(|w| w.word)).map(|_| name.as_str())
+        }
+        _ => None,
+    }
+}
+
+/// The word that is called, if it belongs to the place.
+fn called(callee: &Expr, place: Place) -> Option<&'static Word> {
+    match &callee.kind {
+        ExprKind::Name(name) => word(place, name),
+        _ => None,
+    }
+}
+
+/// Whether a body stands on the ground.
+pub(super) fn has_support(body: &Declaration) -> bool {
+    body.kind == Kind::Flexible
+        && block_of(body).is_some_and(|block| {
+            block.items.iter().any(
+                |item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == "support"),
+            )
+        })
+}

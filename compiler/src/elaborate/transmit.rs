@@ -1,0 +1,337 @@
+//! Which loads the elements of a model can put on a marker: what the static modes of a flexible body are made for.
+
+use super::flexible::TermKind;
+use super::{Elaborated, Elaborator};
+use crate::codes;
+use crate::ir::interpret::Interpreter;
+use eng_grammar::Diagnostic;
+use eng_system::code::{BindCode, Pair};
+use eng_system::flexible::{ALL_FREEDOMS, Freedoms, Interface, ModeTerm, freedom_text};
+use eng_system::layout::{InputLayout, MARKER_WIDTH};
+use eng_system::system::{BodyInertia, BodyRef, Element, Role};
+
+/// Random states at which an element is tried.
+const TRIALS: usize = 12;
+/// A component that never reaches this share of a wrench is not counted: friction of a film, misalignment.
+const SHARE: f64 = 0.01;
+/// Moments count as forces at this arm (m).
+const ARM: f64 = 0.1;
+/// Distance of the partners in a trial (m), and their relative tilt (rad): small, as in an assembled engine.
+const APART: f64 = 1e-5;
+/// Relative tilt of the partners (rad).
+const TILT: f64 = 1e-4;
+/// Angular velocity of a trial (rad/s).
+const SPIN: f64 = 300.0;
+
+/// What reaches a marker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Transmitted {
+    /// Wrench components along the marker's axes.
+    pub freedoms: Freedoms,
+    /// Whether an element looks at the marker's axes or turns it.
+    pub turns: bool,
+}
+
+/// What the elements of a model can put on a marker of the system.
+pub fn transmitted(elaborated: &Elaborated, slots: &[f64], marker: u32) -> Transmitted {
+    let system = &elaborated.system;
+    let mut found = Transmitted::default();
+    for element in &system.elements {
+        if element.role != Role::Dynamic {
+            continue;
+        }
+        for (place, m) in (0..).zip(&element.markers) {
+            if *m == marker {
+                let by_element = tried(elaborated, slots, element, place);
+                found.freedoms |= by_element.freedoms;
+                found.turns |= by_element.turns;
+            }
+        }
+    }
+    found
+}
+
+/// One element, at random states near those of an assembled engine: partners at one place with parallel z axes.
+fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) -> Transmitted {
+    let everything = Transmitted {
+        freedoms: ALL_FREEDOMS,
+        turns: true,
+    };
+    let Some(functions) = elaborated.classes.get(element.class as usize) else {
+        return everything;
+    };
+    let layout = functions.layout;
+    let interpreter = Interpreter::new(&functions.residual);
+    let number = |slot: &eng_system::system::Slot| slots.get(slot.0 as usize).copied();
+    let constants: Vec<f64> = element.constants.iter().filter_map(number).collect();
+    let states: Vec<f64> = element.state_start.iter().filter_map(number).collect();
+    if constants.len() != layout.constants as usize || states.len() != layout.states as usize {
+        return everything;
+    }
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let mut scratch = Vec::new();
+    let mut evaluate = |inputs: &[f64]| -> Option<Vec<f64>> {
+        let pairs: Vec<Pair> = inputs.iter().map(|x| [*x; 2]).collect();
+        let mut outputs = vec![[0.0; 2]; layout.residual_len() as usize];
+        interpreter
+            .evaluate(
+                &pairs,
+                &mut outputs,
+                &elaborated.system.tables,
+                &mut scratch,
+            )
+            .then(|| outputs.iter().map(|p| p[0]).collect())
+            .filter(|values: &Vec<f64>| values.iter().all(|x| x.is_finite()))
+    };
+    let mut found = Transmitted::default();
+    let mut greatest = [0.0f64; 6];
+    let mut tries = 0;
+    // what a parameter of zero switches off may be switched on
+    let switched: Vec<f64> = constants
+        .iter()
+        .map(|x| if *x == 0.0 { 1.0 } else { *x })
+        .collect();
+    for trial in 0..TRIALS {
+        let constants = if trial % 2 == 0 {
+            &constants
+        } else {
+            &switched
+        };
+        let inputs = state(&layout, constants, &states, &mut random);
+        let Some(values) = evaluate(&inputs) else {
+            continue;
+        };
+        tries += 1;
+        let rotation = &inputs[layout.marker(place) as usize + 3..][..9];
+        let wrench = wrench(&layout, &values, place, rotation);
+        for (most, x) in greatest.iter_mut().zip(wrench) {
+            *most = most.max(x.abs());
+        }
+        // the same with the marker turned: axes that matter change something
+        let mut turned = inputs.clone();
+        let small = rotation_of([0.3 * TILT, -0.5 * TILT, 0.2]);
+        let product = times(rotation, &small);
+        turned[layout.marker(place) as usize + 3..][..9].copy_from_slice(&product);
+        if let Some(other) = evaluate(&turned) {
+            let rows = layout.rows as usize;
+            let change = |range: std::ops::Range<usize>| {
+                let size = values[range.clone()]
+                    .iter()
+                    .fold(0.0, |m: f64, x| m.max(x.abs()));
+                values[range.clone()]
+                    .iter()
+                    .zip(&other[range])
+                    .any(|(a, b)| (a - b).abs() > SHARE * size.max(1e-12))
+            };
+            let force = rows + 6 * place as usize;
+            found.turns |= change(0..rows) || change(force..force + 3);
+        }
+    }
+    found.freedoms = counted(&greatest);
+    found.turns |= found.freedoms & 0b11_1000 != 0;
+    if tries == 0 { everything } else { found }
+}
+
+fn state(layout: &InputLayout, constants: &[f64], states: &[f64], random: &mut Random) -> Vec<f64> {
+    let mut inputs = vec![0.0; layout.len() as usize];
+    for marker in 0..layout.markers {
+        let at = layout.marker(marker) as usize;
+        let numbers = &mut inputs[at..at + MARKER_WIDTH as usize];
+        for x in &mut numbers[..3] {
+            *x = APART * random.next();
+        }
+        let tilt = [TILT * random.next(), TILT * random.next()];
+        let about_z = rotation_of([0.0, 0.0, std::f64::consts::PI * random.next()]);
+        let tilted = rotation_of([tilt[0], tilt[1], 0.0]);
+        numbers[3..12].copy_from_slice(&times(&tilted, &about_z));
+        for x in &mut numbers[12..15] {
+            *x = APART * SPIN * random.next();
+        }
+        numbers[15] = TILT * SPIN * random.next();
+        numbers[16] = TILT * SPIN * random.next();
+        numbers[17] = SPIN * random.next();
+    }
+    for (i, x) in states.iter().enumerate() {
+        inputs[layout.state(i as u32) as usize] = *x;
+    }
+    for row in 0..layout.rows {
+        inputs[layout.multiplier(row) as usize] = random.next();
+    }
+    for (i, x) in constants.iter().enumerate() {
+        inputs[layout.constant(i as u32) as usize] = *x;
+    }
+    inputs
+}
+
+/// Force and torque on a marker, along its axes.
+fn wrench(layout: &InputLayout, values: &[f64], place: u32, rotation: &[f64]) -> [f64; 6] {
+    let at = (layout.rows + 6 * place) as usize;
+    let force = &values[at..at + 3];
+    let mut wrench = [0.0; 6];
+    for i in 0..3 {
+        wrench[i] = (0..3).map(|j| rotation[3 * j + i] * force[j]).sum();
+        wrench[3 + i] = values[at + 3 + i];
+    }
+    wrench
+}
+
+/// The components whose greatest value is a good part of the greatest of all.
+fn counted(wrench: &[f64; 6]) -> Freedoms {
+    let weighed = |i: usize| wrench[i] / if i < 3 { 1.0 } else { ARM };
+    let whole = (0..6).map(weighed).fold(0.0, f64::max);
+    if whole <= 0.0 {
+        return 0;
+    }
+    (0..6)
+        .filter(|i| weighed(*i) > SHARE * whole)
+        .fold(0, |bits, i| bits | (1 << i))
+}
+
+/// exp(v~), row-major (Rodrigues).
+fn rotation_of(v: [f64; 3]) -> [f64; 9] {
+    let angle = libm::sqrt(v.iter().map(|x| x * x).sum());
+    let (a, b) = if angle < 1e-9 {
+        (1.0, 0.5)
+    } else {
+        let half = libm::sin(0.5 * angle) / angle;
+        (libm::sin(angle) / angle, 2.0 * half * half)
+    };
+    let skew = [0.0, -v[2], v[1], v[2], 0.0, -v[0], -v[1], v[0], 0.0];
+    let square = times(&skew, &skew);
+    std::array::from_fn(|i| f64::from(u8::from(i % 4 == 0)) + a * skew[i] + b * square[i])
+}
+
+fn times(a: &[f64], b: &[f64; 9]) -> [f64; 9] {
+    std::array::from_fn(|i| (0..3).map(|k| a[i / 3 * 3 + k] * b[3 * k + i % 3]).sum())
+}
+
+/// Numbers in -1…1 that are the same everywhere (xorshift; G. Marsaglia, J. Stat. Softw. 8 (2003) 14).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+impl Elaborator<'_, '_> {
+    /// Gives the mode sets their freedoms, and says what they leave out.
+    pub fn flexible_sources(&mut self, elaborated: &mut Elaborated) {
+        let drafts: Vec<_> = self.flexible.drain(..).flatten().collect();
+        if drafts.is_empty() {
+            return;
+        }
+        let defaults = vec![None; elaborated.system.parameters.len()];
+        // parameters that fit no model are said when it is bound
+        let slots = elaborated
+            .bind
+            .bind(&defaults, &elaborated.system.tables)
+            .map(|b| b.slots)
+            .unwrap_or_default();
+        let mut sources = Vec::with_capacity(drafts.len());
+        for draft in drafts {
+            let mut source = draft.source;
+            let loads: Vec<Transmitted> = draft
+                .markers
+                .iter()
+                .map(|m| transmitted(elaborated, &slots, *m))
+                .collect();
+            let mut served = vec![0; loads.len()];
+            for term in draft.terms {
+                let at: Vec<Interface> = term
+                    .at
+                    .iter()
+                    .map(|marker| Interface {
+                        marker: *marker,
+                        freedoms: term
+                            .freedoms
+                            .unwrap_or_else(|| loads[*marker as usize].freedoms),
+                    })
+                    .collect();
+                source.modes.push(match term.kind {
+                    TermKind::Static | TermKind::Constraint => {
+                        for interface in &at {
+                            // listed freedoms are their author's choice
+                            served[interface.marker as usize] |= match term.freedoms {
+                                Some(_) => ALL_FREEDOMS,
+                                None => interface.freedoms,
+                            };
+                        }
+                        if matches!(term.kind, TermKind::Static) {
+                            ModeTerm::Static(at)
+                        } else {
+                            ModeTerm::Constraint(at)
+                        }
+                    }
+                    TermKind::Normal(count) => ModeTerm::Normal { count, fixed: at },
+                    TermKind::Given { format, file } => ModeTerm::Given {
+                        format,
+                        file,
+                        at: super::location(term.span),
+                    },
+                });
+            }
+            let unserved: Vec<String> = source
+                .markers
+                .iter()
+                .zip(loads.iter().zip(&served))
+                .enumerate()
+                .filter(|(i, _)| !source.support.contains(&(*i as u32)))
+                .filter_map(|(_, (marker, (load, served)))| {
+                    let rest = load.freedoms & !served;
+                    (rest != 0).then(|| format!("{} ({})", marker.name, freedom_text(rest)))
+                })
+                .collect();
+            if !unserved.is_empty() {
+                self.diagnostics.push(
+                    Diagnostic::warning(
+                        codes::UNSERVED,
+                        format!("no static mode of {} serves some of its loads", source.origin.path),
+                    )
+                    .at(
+                        super::binding::span_of(source.modes_at),
+                        "the body is stiffer there than its mesh",
+                    )
+                    .with_note(format!("loads without a mode: {}", unserved.join(", ")))
+                    .with_help("add `static(at: …)` with these markers; forces and torques that hardly bend the body may be left"),
+                );
+            }
+            sources.push(source);
+        }
+        elaborated.flexible = sources;
+    }
+}
+
+impl Elaborated {
+    /// Markers of a flexible body, by their index in its source, that an element turns or whose axes it looks at.
+    pub fn turned_markers(&self, flexible: u32) -> Vec<bool> {
+        let defaults = vec![None; self.system.parameters.len()];
+        let slots = self
+            .bind
+            .bind(&defaults, &self.system.tables)
+            .map(|b| b.slots)
+            .unwrap_or_default();
+        let body = self
+            .system
+            .bodies
+            .iter()
+            .position(|b| b.inertia == BodyInertia::Flexible(flexible));
+        let count = self
+            .flexible
+            .get(flexible as usize)
+            .map_or(0, |s| s.markers.len());
+        let mut turned = vec![false; count];
+        for (m, marker) in (0..).zip(&self.system.markers) {
+            let here = body.is_some_and(|b| marker.body == BodyRef::Body(b as u32));
+            if let (true, Some(shape)) = (here, marker.shape)
+                && let Some(flag) = turned.get_mut(shape as usize)
+            {
+                *flag = transmitted(self, &slots, m).turns;
+            }
+        }
+        turned
+    }
+}

@@ -1,0 +1,363 @@
+//! The words that flexible bodies are made with, and what each takes: the checker and elaboration read the same tables.
+
+/// What an argument is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Takes {
+    /// A text: file, set, matrix.
+    Text,
+    /// A whole number.
+    Count,
+    /// One of some words.
+    Word(&'static [&'static str]),
+    /// A length.
+    Length,
+    /// Three lengths.
+    Place,
+    /// Three plain numbers, or `x`, `y`, `z`.
+    Axis,
+    /// Three plain numbers.
+    Direction,
+    /// Cycles a second.
+    Frequency,
+    /// A plain number.
+    Ratio,
+    /// Markers of the body, by name.
+    Markers,
+    /// Freedoms of a marker, by name.
+    Freedoms,
+    /// One a time.
+    PerTime,
+    /// A time.
+    Time,
+}
+
+/// An argument of a word.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Argument {
+    pub name: &'static str,
+    pub takes: Takes,
+    pub required: bool,
+    /// Taken by name only.
+    pub named: bool,
+}
+
+/// Where a word belongs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    Mesh,
+    Matrix,
+    Marker,
+    Modes,
+    Damping,
+}
+
+impl Place {
+    /// For messages.
+    pub fn text(self) -> &'static str {
+        match self {
+            Place::Mesh => "the `mesh` of a flexible body",
+            Place::Matrix => "the `stiffness` or `mass` of a flexible body",
+            Place::Marker => "the place of a marker of a flexible body",
+            Place::Modes => "a mode set",
+            Place::Damping => "the `damping` of a flexible body",
+        }
+    }
+}
+
+/// A word with its arguments.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Word {
+    pub word: &'static str,
+    pub place: Place,
+    pub arguments: &'static [Argument],
+    /// How it is written.
+    pub example: &'static str,
+}
+
+const fn positional(name: &'static str, takes: Takes) -> Argument {
+    Argument {
+        name,
+        takes,
+        required: true,
+        named: false,
+    }
+}
+
+const fn named(name: &'static str, takes: Takes) -> Argument {
+    Argument {
+        name,
+        takes,
+        required: true,
+        named: true,
+    }
+}
+
+const fn optional(name: &'static str, takes: Takes) -> Argument {
+    Argument {
+        name,
+        takes,
+        required: false,
+        named: true,
+    }
+}
+
+/// Systems of units of finite-element files.
+pub(crate) const UNITS: &[&str] = &[
+    "si",
+    "m_kg_s",
+    "mm_tonne_s",
+    "mm_kg_s",
+    "mm_kg_ms",
+    "cm_kg_s",
+    "inch_lbf_s",
+];
+/// How elements are integrated.
+pub(crate) const ELEMENT_RULES: &[&str] = &["exact", "calculix", "abaqus"];
+/// How nodes are tied to a marker.
+const TIES: &[&str] = &["averaging", "rigid"];
+
+const FILE: Argument = positional("file", Takes::Text);
+const MESH: &[Argument] = &[FILE, named("units", Takes::Word(UNITS))];
+const NAMED_MATRIX: &[Argument] = &[FILE, named("matrix", Takes::Text)];
+const PLAIN_MATRIX: &[Argument] = &[FILE, optional("freedoms", Takes::Text)];
+const X: Argument = optional("x", Takes::Direction);
+const Z: Argument = optional("z", Takes::Direction);
+const TIE: Argument = optional("tie", Takes::Word(TIES));
+const AT: Argument = named("at", Takes::Markers);
+const FREEDOMS: Argument = optional("freedoms", Takes::Freedoms);
+const NUMBER: Argument = Argument {
+    name: "number",
+    takes: Takes::Count,
+    required: false,
+    named: false,
+};
+const UP_TO: Argument = optional("up_to", Takes::Frequency);
+
+/// All words.
+pub(crate) const WORDS: &[Word] = &[
+    Word {
+        word: "nastran",
+        place: Place::Mesh,
+        arguments: MESH,
+        example: "nastran(\"crank.bdf\", units: mm_tonne_s)",
+    },
+    Word {
+        word: "abaqus",
+        place: Place::Mesh,
+        arguments: MESH,
+        example: "abaqus(\"block.inp\", units: mm_tonne_s)",
+    },
+    Word {
+        word: "calculix",
+        place: Place::Mesh,
+        arguments: MESH,
+        example: "calculix(\"block.inp\", units: mm_tonne_s)",
+    },
+    Word {
+        word: "gmsh",
+        place: Place::Mesh,
+        arguments: MESH,
+        example: "gmsh(\"rod.msh\", units: mm_tonne_s)",
+    },
+    Word {
+        word: "op4",
+        place: Place::Matrix,
+        arguments: NAMED_MATRIX,
+        example: "op4(\"block.op4\", matrix: \"KGG\")",
+    },
+    Word {
+        word: "op2",
+        place: Place::Matrix,
+        arguments: NAMED_MATRIX,
+        example: "op2(\"block.op2\", matrix: \"KGG\")",
+    },
+    Word {
+        word: "dmig",
+        place: Place::Matrix,
+        arguments: NAMED_MATRIX,
+        example: "dmig(\"block.pch\", matrix: \"KAAX\")",
+    },
+    Word {
+        word: "abaqus",
+        place: Place::Matrix,
+        arguments: PLAIN_MATRIX,
+        example: "abaqus(\"block_STIF1.mtx\")",
+    },
+    Word {
+        word: "calculix",
+        place: Place::Matrix,
+        arguments: PLAIN_MATRIX,
+        example: "calculix(\"block.sti\", freedoms: \"block.dof\")",
+    },
+    Word {
+        word: "node",
+        place: Place::Marker,
+        arguments: &[positional("id", Takes::Count), X, Z],
+        example: "node(9201)",
+    },
+    Word {
+        word: "set",
+        place: Place::Marker,
+        arguments: &[
+            positional("name", Takes::Text),
+            optional("center", Takes::Place),
+            TIE,
+            X,
+            Z,
+        ],
+        example: "set(\"MAIN1\")",
+    },
+    Word {
+        word: "property",
+        place: Place::Marker,
+        arguments: &[
+            positional("name", Takes::Text),
+            optional("center", Takes::Place),
+            TIE,
+            X,
+            Z,
+        ],
+        example: "property(\"12\")",
+    },
+    Word {
+        word: "ring",
+        place: Place::Marker,
+        arguments: &[
+            named("center", Takes::Place),
+            named("axis", Takes::Axis),
+            named("radius", Takes::Length),
+            named("width", Takes::Length),
+            optional("tolerance", Takes::Length),
+            TIE,
+            X,
+            Z,
+        ],
+        example: "ring(center: [0, 0, 92] mm, axis: z, radius: 27 mm, width: 22 mm)",
+    },
+    Word {
+        word: "patch",
+        place: Place::Marker,
+        arguments: &[
+            named("center", Takes::Place),
+            named("normal", Takes::Axis),
+            named("radius", Takes::Length),
+            optional("tolerance", Takes::Length),
+            TIE,
+            X,
+            Z,
+        ],
+        example: "patch(center: [0, 0, 410] mm, normal: z, radius: 35 mm)",
+    },
+    Word {
+        word: "plane",
+        place: Place::Marker,
+        arguments: &[
+            named("point", Takes::Place),
+            named("normal", Takes::Axis),
+            optional("center", Takes::Place),
+            optional("tolerance", Takes::Length),
+            TIE,
+            X,
+            Z,
+        ],
+        example: "plane(point: [0, 0, 410] mm, normal: z)",
+    },
+    Word {
+        word: "static",
+        place: Place::Modes,
+        arguments: &[AT, FREEDOMS],
+        example: "static(at: [main, pin])",
+    },
+    Word {
+        word: "constraint",
+        place: Place::Modes,
+        arguments: &[AT, FREEDOMS],
+        example: "constraint(at: [main, pin])",
+    },
+    Word {
+        word: "normal",
+        place: Place::Modes,
+        arguments: &[NUMBER, UP_TO, optional("fixed", Takes::Markers), FREEDOMS],
+        example: "normal(10)",
+    },
+    Word {
+        word: "craig_bampton",
+        place: Place::Modes,
+        arguments: &[AT, NUMBER, UP_TO, FREEDOMS],
+        example: "craig_bampton(at: main, number: 10)",
+    },
+    Word {
+        word: "shapes",
+        place: Place::Modes,
+        arguments: &[FILE, named("format", Takes::Word(&["op2", "punch", "frd"]))],
+        example: "shapes(\"crank.op2\", format: op2)",
+    },
+    Word {
+        word: "modal",
+        place: Place::Damping,
+        arguments: &[
+            positional("ratio", Takes::Ratio),
+            named("up_to", Takes::Frequency),
+        ],
+        example: "modal(2 %, up_to: 3000 Hz)",
+    },
+    Word {
+        word: "rayleigh",
+        place: Place::Damping,
+        arguments: &[
+            named("mass", Takes::PerTime),
+            named("stiffness", Takes::Time),
+        ],
+        example: "rayleigh(mass: 12 1/s, stiffness: 2e-6 s)",
+    },
+];
+
+/// The word in a place.
+pub(crate) fn word(place: Place, name: &str) -> Option<&'static Word> {
+    WORDS.iter().find(|w| w.place == place && w.word == name)
+}
+
+/// All words of a place.
+pub(crate) fn words(place: Place) -> impl Iterator<Item = &'static Word> {
+    WORDS.iter().filter(move |w| w.place == place)
+}
+
+/// Where a word belongs, if it is one.
+pub(crate) fn belongs(name: &str) -> Option<&'static Word> {
+    WORDS.iter().find(|w| w.word == name)
+}
+
+/// The argument of a name: given by name, or by its position among those that are not named.
+pub(crate) fn argument<'e>(
+    word: &Word,
+    arguments: &'e [eng_grammar::ast::Argument],
+    name: &str,
+) -> Option<&'e eng_grammar::ast::Expr> {
+    let place = word
+        .arguments
+        .iter()
+        .filter(|a| !a.named)
+        .position(|a| a.name == name);
+    let by_name = arguments
+        .iter()
+        .find(|a| a.name.as_ref().is_some_and(|n| n.text == name));
+    let by_position = || arguments.iter().filter(|a| a.name.is_none()).nth(place?);
+    by_name.or_else(by_position).map(|a| &a.value)
+}
+
+/// The text between the quotes of a text in its raw form, with its place.
+pub(crate) fn inside_quotes(
+    sources: &eng_grammar::SourceMap,
+    span: eng_grammar::Span,
+) -> eng_grammar::ast::Name {
+    let raw = sources.text(span);
+    let inner = raw
+        .strip_prefix('"')
+        .and_then(|t| t.strip_suffix('"'))
+        .unwrap_or(raw);
+    let start = span.start as usize + usize::from(raw.len() > inner.len());
+    eng_grammar::ast::Name {
+        text: inner.to_owned(),
+        span: eng_grammar::Span::new(span.source, start, start + inner.len()),
+    }
+}

@@ -1,0 +1,136 @@
+//! A body's mass from the volumes of its elements: an estimate to hold the mass matrix against.
+
+use super::check::{Role, role};
+use super::mass::RigidMass;
+use super::vector::{cross, dot, norm, subtract};
+use crate::mesh::{ABSENT, ElementKind, Mesh, Section};
+
+/// Tetrahedra, triangles or a line between the corners of an element.
+fn simplices(kind: ElementKind) -> &'static [&'static [usize]] {
+    match kind {
+        ElementKind::Tetrahedron4 | ElementKind::Tetrahedron10 => &[&[0, 1, 2, 3]],
+        ElementKind::Pyramid5 | ElementKind::Pyramid13 => &[&[0, 1, 2, 4], &[0, 2, 3, 4]],
+        ElementKind::Wedge6 | ElementKind::Wedge15 => {
+            &[&[0, 1, 2, 3], &[1, 2, 3, 4], &[2, 3, 4, 5]]
+        }
+        ElementKind::Hexahedron8 | ElementKind::Hexahedron20 => &[
+            &[0, 1, 2, 6],
+            &[0, 2, 3, 6],
+            &[0, 3, 7, 6],
+            &[0, 7, 4, 6],
+            &[0, 4, 5, 6],
+            &[0, 5, 1, 6],
+        ],
+        ElementKind::Triangle3 | ElementKind::Triangle6 => &[&[0, 1, 2]],
+        ElementKind::Quadrilateral4 | ElementKind::Quadrilateral8 => &[&[0, 1, 2], &[0, 2, 3]],
+        ElementKind::Beam2 => &[&[0, 1]],
+    }
+}
+
+/// Volume (m³), area (m²) or length (m).
+fn measure(corners: &[[f64; 3]]) -> f64 {
+    match corners {
+        [a, b, c, d] => {
+            let [u, v, w] = [b, c, d].map(|p| subtract(*p, *a));
+            dot(cross(u, v), w).abs() / 6.0
+        }
+        [a, b, c] => 0.5 * norm(cross(subtract(*b, *a), subtract(*c, *a))),
+        [a, b] => norm(subtract(*b, *a)),
+        _ => 0.0,
+    }
+}
+
+/// What has been added.
+#[derive(Default)]
+struct Sum {
+    mass: f64,
+    first: [f64; 3],
+    /// ∫ r rᵀ dm.
+    second: [[f64; 3]; 3],
+}
+
+impl Sum {
+    /// A simplex of evenly spread mass: with k corners `∫ r rᵀ = m (Σ pᵢ pᵢᵀ + s sᵀ) / (k (k + 1))`, s the sum of the corners.
+    fn add(&mut self, mass: f64, corners: &[[f64; 3]]) {
+        let count = corners.len() as f64;
+        let mut sum = [0.0; 3];
+        for corner in corners {
+            for (sum, x) in sum.iter_mut().zip(corner) {
+                *sum += x;
+            }
+        }
+        self.mass += mass;
+        for i in 0..3 {
+            self.first[i] += mass * sum[i] / count;
+            for j in 0..3 {
+                let own: f64 = corners.iter().map(|p| p[i] * p[j]).sum();
+                self.second[i][j] += mass * (own + sum[i] * sum[j]) / (count * (count + 1.0));
+            }
+        }
+    }
+}
+
+/// Mass properties about the origin of the basic frame with straight edges between corners, of a mesh in SI; `None` where no element has
+/// mass. Point masses count with their mass and rotary inertia; what a mesh refers to and does not hold is passed over.
+pub fn estimate(mesh: &Mesh) -> Option<RigidMass> {
+    let mut sum = Sum::default();
+    for element in &mesh.elements {
+        let density = match role(mesh, element) {
+            Some(Role::Solid(material)) => material.density,
+            Some(Role::Shell(mass)) => mass,
+            Some(Role::Beam(material)) => {
+                let property = mesh.properties.get(element.property as usize);
+                match property.map(|property| property.section) {
+                    Some(Section::Beam {
+                        area,
+                        mass_per_length,
+                        ..
+                    }) => material.density * area + mass_per_length,
+                    _ => 0.0,
+                }
+            }
+            Some(Role::Facet) | None => 0.0,
+        };
+        let corners: Option<Vec<[f64; 3]>> = mesh
+            .nodes_of(element)
+            .iter()
+            .take(element.kind.corner_count())
+            .map(|node| {
+                let node = (*node != ABSENT).then(|| mesh.nodes.get(*node as usize))?;
+                node.map(|node| node.position)
+            })
+            .collect();
+        let Some(corners) = corners.filter(|corners| corners.len() == element.kind.corner_count())
+        else {
+            continue;
+        };
+        for simplex in simplices(element.kind) {
+            let places: Vec<[f64; 3]> = simplex.iter().map(|i| corners[*i]).collect();
+            sum.add(density * measure(&places), &places);
+        }
+    }
+    if sum.mass.is_nan() || sum.mass <= 0.0 {
+        return None;
+    }
+    let mut rotary = [[0.0; 3]; 3];
+    for point in &mesh.point_masses {
+        if let Some(node) = mesh.nodes.get(point.node as usize) {
+            sum.add(point.matrix[0][0], &[node.position]);
+            for (row, own) in rotary.iter_mut().zip(&point.matrix[3..]) {
+                for (entry, x) in row.iter_mut().zip(&own[3..]) {
+                    *entry += x;
+                }
+            }
+        }
+    }
+    let trace: f64 = (0..3).map(|i| sum.second[i][i]).sum();
+    Some(RigidMass {
+        mass: sum.mass,
+        first_moment: sum.first,
+        inertia: std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                rotary[i][j] + if i == j { trace } else { 0.0 } - sum.second[i][j]
+            })
+        }),
+    })
+}

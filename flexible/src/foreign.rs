@@ -1,0 +1,252 @@
+//! Matrices and mode shapes of another code for a mesh: which freedom each row is, and their units.
+
+use crate::error::FlexibleError;
+use crate::fe::NodalMatrix;
+use crate::mesh::{Mesh, Node};
+use crate::read::matrix::{
+    ForeignFreedoms, ForeignMatrix, ForeignModes, MatrixKind, read_calculix_freedoms, read_matrix,
+};
+use crate::read::{Files, matrix::read_op2_basic_nodes};
+use crate::sparse::SymmetricMatrix;
+use crate::units::MeshUnits;
+
+/// Which freedom each row of foreign matrices is.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub enum RowOrder {
+    /// As the files of the matrices say.
+    #[default]
+    OfFile,
+    /// All nodes of the mesh by ascending number, so many freedoms each: 3 (translations) or 6.
+    Ascending(u8),
+    /// As listed.
+    Listed(ForeignFreedoms),
+}
+
+/// Stiffness and mass of another code, in place of those that the mesh's elements give.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForeignMatrices {
+    /// K, as its file holds it.
+    pub stiffness: ForeignMatrix,
+    /// M, as its file holds it.
+    pub mass: ForeignMatrix,
+    /// Which freedoms the rows of both are.
+    pub order: RowOrder,
+    /// Units of the files. The mesh is in SI.
+    pub units: MeshUnits,
+}
+
+/// Mode shapes of another code.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GivenModes {
+    /// As their file holds them.
+    pub modes: ForeignModes,
+    /// Units of the file: a translation is in its unit of length where a rotation is in radians.
+    pub units: MeshUnits,
+}
+
+/// Where foreign matrices are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MatrixFiles<'a> {
+    /// File of the stiffness, and its name in the file (empty: the only matrix there).
+    pub stiffness: (&'a str, &'a str),
+    /// File of the mass, and its name in the file.
+    pub mass: (&'a str, &'a str),
+    /// CalculiX's `.dof`, which lists the freedoms.
+    pub freedoms: Option<&'a str>,
+}
+
+impl ForeignMatrices {
+    /// Reads stiffness and mass. `per_node`: freedoms a node where rows are all nodes by ascending number; `None`: as the files say.
+    ///
+    /// # Errors
+    /// As the readers give them; a list of freedoms of another length.
+    pub fn read(
+        files: &dyn Files,
+        from: MatrixFiles,
+        per_node: Option<u8>,
+        units: MeshUnits,
+    ) -> Result<Self, FlexibleError> {
+        let mut stiffness = read_matrix(files, from.stiffness.0, from.stiffness.1)?;
+        let mut mass = read_matrix(files, from.mass.0, from.mass.1)?;
+        if let Some(file) = from.freedoms {
+            let freedoms = read_calculix_freedoms(files, file)?;
+            stiffness = stiffness.with_freedoms(freedoms.clone())?;
+            mass = mass.with_freedoms(freedoms)?;
+        }
+        Ok(ForeignMatrices {
+            stiffness,
+            mass,
+            order: per_node.map_or(RowOrder::OfFile, RowOrder::Ascending),
+            units,
+        })
+    }
+
+    /// K and M in SI with the freedom of each row.
+    ///
+    /// # Errors
+    /// As [`ForeignMatrix::to_symmetric`]; sizes that don't fit the stated order; rows that no one names; scalar points.
+    pub fn nodal(&self, mesh: &Mesh) -> Result<(NodalMatrix, NodalMatrix), FlexibleError> {
+        let stiffness = self.one(mesh, &self.stiffness, MatrixKind::Stiffness)?;
+        let mass = self.one(mesh, &self.mass, MatrixKind::Mass)?;
+        Ok((stiffness, mass))
+    }
+
+    fn one(
+        &self,
+        mesh: &Mesh,
+        matrix: &ForeignMatrix,
+        kind: MatrixKind,
+    ) -> Result<NodalMatrix, FlexibleError> {
+        let rows = self.rows(mesh, matrix)?;
+        let mut values = matrix.to_symmetric(kind)?;
+        let unit = match kind {
+            MatrixKind::Stiffness => self.units.force() / self.units.length,
+            MatrixKind::Mass => self.units.mass,
+        };
+        scale(&mut values, &rows, unit, self.units.length);
+        Ok(NodalMatrix {
+            title: title(matrix),
+            matrix: values,
+            rows,
+        })
+    }
+
+    /// Node and component 0…5 of each row.
+    fn rows(&self, mesh: &Mesh, matrix: &ForeignMatrix) -> Result<Vec<(u64, u8)>, FlexibleError> {
+        let listed = match &self.order {
+            RowOrder::OfFile => matrix.freedoms.as_ref(),
+            RowOrder::Listed(listed) => Some(listed),
+            RowOrder::Ascending(per_node) => return ascending(mesh, matrix, *per_node),
+        };
+        let Some(listed) = listed else {
+            return Err(FlexibleError::Matrix {
+                problem: format!(
+                    "{} does not say which freedom each of its {} rows is",
+                    title(matrix),
+                    matrix.rows
+                ),
+                advice: format!(
+                    "give the list of freedoms (CalculiX's .dof), or state the order: by ascending node number with 3 or 6 freedoms a node; the mesh has {} nodes",
+                    mesh.nodes.len()
+                ),
+            });
+        };
+        if listed.rows.len() != matrix.rows {
+            return Err(FlexibleError::Matrix {
+                problem: format!(
+                    "{} has {} rows, but {} freedoms are listed for them",
+                    title(matrix),
+                    matrix.rows,
+                    listed.rows.len()
+                ),
+                advice: "matrix and list of freedoms must come from the same run".into(),
+            });
+        }
+        listed
+            .rows
+            .iter()
+            .enumerate()
+            .map(|(row, (node, freedom))| match freedom.checked_sub(1) {
+                Some(component) if component < 6 => Ok((*node, component)),
+                Some(_) => Err(FlexibleError::Matrix {
+                    problem: format!(
+                        "{} names freedom {freedom} of node {node} at row {}",
+                        title(matrix),
+                        row + 1
+                    ),
+                    advice: "freedoms are 1 to 6".into(),
+                }),
+                None => Err(FlexibleError::Matrix {
+                    problem: format!(
+                        "{} has the scalar point {node} at row {}",
+                        title(matrix),
+                        row + 1
+                    ),
+                    advice: "a matrix that is reduced already has no places for its modal points, and the constants of a moving body need them; write stiffness and mass over all nodes (KGG, MGG)".into(),
+                }),
+            })
+            .collect()
+    }
+}
+
+fn title(matrix: &ForeignMatrix) -> String {
+    if matrix.name.is_empty() {
+        matrix.file.clone()
+    } else {
+        format!("{}: {}", matrix.file, matrix.name)
+    }
+}
+
+/// All nodes of the mesh by ascending number.
+fn ascending(
+    mesh: &Mesh,
+    matrix: &ForeignMatrix,
+    per_node: u8,
+) -> Result<Vec<(u64, u8)>, FlexibleError> {
+    let fits = |freedoms: usize| mesh.nodes.len().checked_mul(freedoms) == Some(matrix.rows);
+    if !matches!(per_node, 3 | 6) || !fits(usize::from(per_node)) {
+        let other = [3, 6].into_iter().find(|count| fits(*count));
+        return Err(FlexibleError::Matrix {
+            problem: format!(
+                "{} has {} rows, which are not {per_node} freedoms of each of the mesh's {} nodes",
+                title(matrix),
+                matrix.rows,
+                mesh.nodes.len()
+            ),
+            advice: match other {
+                Some(count) => format!("{count} freedoms a node would fit"),
+                None => "give the mesh of the run that wrote it, or a matrix that lists its freedoms: supported freedoms may be missing".into(),
+            },
+        });
+    }
+    let mut ids: Vec<u64> = mesh.nodes.iter().map(|node| node.id).collect();
+    ids.sort_unstable();
+    Ok(ids
+        .into_iter()
+        .flat_map(|id| (0..per_node).map(move |component| (id, component)))
+        .collect())
+}
+
+/// To SI: `unit` between translations, a length more for each rotation.
+fn scale(matrix: &mut SymmetricMatrix, rows: &[(u64, u8)], unit: f64, length: f64) {
+    let factor = |row: usize| match rows.get(row) {
+        Some((_, component)) if *component >= 3 => length,
+        _ => 1.0,
+    };
+    let scales: Vec<f64> = (0..matrix.size())
+        .flat_map(|column| {
+            let (rows, _) = matrix.column(column);
+            rows.iter()
+                .map(move |row| unit * factor(column) * factor(*row as usize))
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    for (value, scale) in matrix.values_mut().iter_mut().zip(scales) {
+        if scale != 1.0 {
+            *value *= scale;
+        }
+    }
+}
+
+/// A mesh of nodes alone, for matrices whose file gives the places of nodes.
+pub fn mesh_of_nodes(nodes: &[(u64, [f64; 3])]) -> Mesh {
+    Mesh {
+        nodes: nodes
+            .iter()
+            .map(|(id, position)| Node {
+                id: *id,
+                position: *position,
+                frame: None,
+            })
+            .collect(),
+        ..Mesh::default()
+    }
+}
+
+/// Reads the nodes of an OP2 as a mesh without elements, in the file's units, for matrices whose rows are along the basic axes.
+///
+/// # Errors
+/// As the reader gives them; nodes with analysis frames.
+pub fn read_op2_mesh(files: &dyn Files, file: &str) -> Result<Mesh, FlexibleError> {
+    Ok(mesh_of_nodes(&read_op2_basic_nodes(files, file)?))
+}

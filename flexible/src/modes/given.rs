@@ -1,0 +1,227 @@
+//! Mode shapes from a file as vectors over free freedoms.
+
+use crate::error::FlexibleError;
+use crate::fe::{FreedomMap, Reduction};
+use crate::foreign::GivenModes;
+use crate::mesh::Mesh;
+use crate::read::matrix::ShapeFrame;
+use crate::solve::{Analysis, Definiteness, Factorization};
+use crate::sparse::SymmetricMatrix;
+use std::sync::Arc;
+
+/// A shape that ties and supports change by more than this part of its length belongs to another structure.
+const FOREIGN: f64 = 0.1;
+/// Nodes that a message names.
+const NAMED: usize = 10;
+
+/// Shapes over the free freedoms.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitted {
+    /// One after the other.
+    pub vectors: Vec<f64>,
+    /// Of each shape: what the ties and supports of the structure leave of it, ‖T x − u‖ / ‖u‖ over the freedoms given.
+    pub misfits: Vec<f64>,
+    /// Rounding of their entries, of the largest.
+    pub noise: f64,
+}
+
+fn refuse(problem: String, advice: &str) -> FlexibleError {
+    FlexibleError::Structure {
+        problem,
+        advice: advice.into(),
+    }
+}
+
+/// The free freedoms x for which the full ones T x come nearest to the given shapes u (least squares over the freedoms that the file
+/// gives): a node that ties join to others follows them, and the centre of a rigid spider is found from its nodes. Rotations
+/// are taken as given only where the file has any.
+///
+/// # Errors
+/// Nodes of the file that the mesh does not hold; freedoms that the shapes don't determine; shapes that the structure can't take.
+pub fn fit(
+    mesh: &Mesh,
+    freedoms: &FreedomMap,
+    reduction: &Reduction,
+    given: &GivenModes,
+) -> Result<Fitted, FlexibleError> {
+    let (file, modes) = (&given.modes.file, &given.modes.modes);
+    let index = mesh.node_index();
+    let mut unknown = given
+        .modes
+        .nodes
+        .iter()
+        .filter(|node| !index.contains_key(node));
+    if let Some(first) = unknown.next() {
+        return Err(refuse(
+            format!(
+                "{file} gives shapes at {} nodes that the mesh does not hold: {first}, …",
+                unknown.count() + 1
+            ),
+            "give the mesh of the run that wrote the shapes",
+        ));
+    }
+    let turns = modes.iter().flat_map(|mode| &mode.shape).any(|values| {
+        let [_, _, _, rotations @ ..] = values;
+        rotations.iter().any(|x| *x != 0.0)
+    });
+    let size = freedoms.size();
+    let mut known: Vec<(u32, u32, f64)> = Vec::new();
+    // for each given row of a shape: the node, and its axes where its values are in an analysis frame
+    let rows: Vec<(u32, Option<[[f64; 3]; 3]>)> = given
+        .modes
+        .nodes
+        .iter()
+        .filter_map(|id| index.get(id))
+        .map(|node| {
+            let frame = mesh
+                .nodes
+                .get(*node as usize)
+                .and_then(|node| node.frame)
+                .and_then(|frame| mesh.frames.get(frame as usize))
+                .filter(|_| given.modes.frame == ShapeFrame::Analysis);
+            (*node, frame.map(|frame| frame.rotation))
+        })
+        .collect();
+    for (node, _) in &rows {
+        let range = freedoms.of(*node);
+        let count = if turns {
+            range.len()
+        } else {
+            range.len().min(3)
+        };
+        known.extend(range.take(count).map(|f| (f as u32, f as u32, 1.0)));
+    }
+    let mut full = vec![0.0; size * modes.len()];
+    for (mode, full) in modes.iter().zip(full.chunks_exact_mut(size.max(1))) {
+        if mode.shape.len() != rows.len() || mode.shape.iter().flatten().any(|x| !x.is_finite()) {
+            return Err(refuse(
+                format!(
+                    "{file}: mode {} has values missing or not finite",
+                    mode.number
+                ),
+                "the file is damaged",
+            ));
+        }
+        for ((node, axes), values) in rows.iter().zip(&mode.shape) {
+            let [x, y, z, rx, ry, rz] = *values;
+            let length = given.units.length;
+            let parts = [[x * length, y * length, z * length], [rx, ry, rz]];
+            let turned = parts.map(|part| match axes {
+                Some(axes) => axes.map(|row| row.iter().zip(part).map(|(a, b)| a * b).sum()),
+                None => part,
+            });
+            let values = turned.as_flattened();
+            for (freedom, value) in freedoms.of(*node).zip(values) {
+                if let Some(entry) = full.get_mut(freedom) {
+                    *entry = *value;
+                }
+            }
+        }
+    }
+    let weights = SymmetricMatrix::from_triplets(size, &known)?;
+    let matrix = reduction.reduce(&weights)?;
+    determined(file, reduction, &matrix)?;
+    // rotations that the file does not give must not pull
+    let mut masked = vec![0.0; full.len()];
+    for (masked, full) in masked
+        .chunks_exact_mut(size.max(1))
+        .zip(full.chunks_exact(size.max(1)))
+    {
+        for (freedom, _, _) in &known {
+            if let (Some(to), Some(from)) = (
+                masked.get_mut(*freedom as usize),
+                full.get(*freedom as usize),
+            ) {
+                *to = *from;
+            }
+        }
+    }
+    let mut vectors = reduction.gather(modes.len(), &masked);
+    let analysis = Arc::new(Analysis::fill_reducing(&matrix)?);
+    let factor = Factorization::new(&analysis, &matrix, Definiteness::Positive).map_err(
+        |error| match error {
+            FlexibleError::Singular { row, .. } => undetermined(file, reduction, &[row]),
+            other => other,
+        },
+    )?;
+    let right = vectors.clone();
+    factor.solve_refined(&matrix, &right, &mut vectors, 1)?;
+    let back = reduction.expand(modes.len(), &vectors);
+    let misfits = masked
+        .chunks_exact(size.max(1))
+        .zip(back.chunks_exact(size.max(1)))
+        .map(|(given, found)| {
+            let (mut rest, mut whole) = (0.0, 0.0);
+            for (freedom, _, _) in &known {
+                let at = *freedom as usize;
+                rest += (given[at] - found[at]) * (given[at] - found[at]);
+                whole += given[at] * given[at];
+            }
+            if whole > 0.0 {
+                libm::sqrt(rest / whole)
+            } else {
+                0.0
+            }
+        })
+        .collect::<Vec<f64>>();
+    let worst = modes
+        .iter()
+        .zip(&misfits)
+        .find(|(_, misfit)| **misfit > FOREIGN);
+    if let Some((mode, misfit)) = worst {
+        return Err(refuse(
+            format!(
+                "{file}: ties and supports of the body leave {:.0} % of mode {} out",
+                100.0 * misfit,
+                mode.number
+            ),
+            "give modes of the same structure, with the same supports, and nodes in the same units",
+        ));
+    }
+    Ok(Fitted {
+        vectors,
+        misfits,
+        noise: libm::exp10(-f64::from(given.modes.digits.min(16))),
+    })
+}
+
+/// Refuses shapes that leave free freedoms open.
+fn determined(
+    file: &str,
+    reduction: &Reduction,
+    matrix: &SymmetricMatrix,
+) -> Result<(), FlexibleError> {
+    let open: Vec<usize> = (0..matrix.size())
+        .filter(|column| {
+            let (rows, values) = matrix.column(*column);
+            let own = rows
+                .iter()
+                .zip(values)
+                .find(|(row, _)| **row as usize == *column);
+            own.is_none_or(|(_, value)| *value <= 0.0)
+        })
+        .collect();
+    if open.is_empty() {
+        Ok(())
+    } else {
+        Err(undetermined(file, reduction, &open))
+    }
+}
+
+fn undetermined(file: &str, reduction: &Reduction, open: &[usize]) -> FlexibleError {
+    let names: Vec<String> = open
+        .iter()
+        .take(NAMED)
+        .filter_map(|free| reduction.name(*free))
+        .map(|(node, component)| format!("component {} of node {node}", component + 1))
+        .collect();
+    refuse(
+        format!(
+            "{file}: the shapes leave {} freedoms of the body open: {}{}",
+            open.len(),
+            names.join(", "),
+            if open.len() > NAMED { ", …" } else { "" }
+        ),
+        "write the shapes of all nodes, with rotations where nodes turn",
+    )
+}

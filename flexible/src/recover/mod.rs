@@ -1,0 +1,150 @@
+//! From amplitudes back to nodes: motion of nodes, stresses, strain energy, and the surface for pictures.
+//!
+//! ```text
+//! u = Φ a      σ = Σ a_k σ_k      U = ½ aᵀ k a
+//! ```
+//!
+//! σ_k is the stress of shape k, computed once. With static modes the stress under the loads that they serve is that of the whole
+//! finite-element model; what inertia adds is as good as the modes span it.
+
+pub mod motion;
+pub mod stress;
+mod surface;
+
+pub use motion::{Amplitudes, Both, FrameMotion, NodeMotion, NodeShapes};
+pub use stress::{Envelope, Location, ModalStress, principal};
+pub use surface::Surface;
+
+use crate::error::FlexibleError;
+use crate::fe::stress::ElementRecovery;
+use crate::fe::{FreedomMap, Rules};
+use crate::mesh::Mesh;
+use crate::reduce::Reduced;
+use crate::store::StoredBody;
+use eng_system::reduced::ReducedBody;
+
+/// A reduced body with its mesh and shapes.
+#[derive(Clone, Copy, Debug)]
+pub struct Recovery<'a> {
+    mesh: &'a Mesh,
+    freedoms: &'a FreedomMap,
+    shapes: &'a [f64],
+    rules: Rules,
+    body: &'a ReducedBody,
+}
+
+fn wrong(problem: String) -> FlexibleError {
+    FlexibleError::Matrix {
+        problem,
+        advice: String::new(),
+    }
+}
+
+impl<'a> Recovery<'a> {
+    /// Of a stored body.
+    ///
+    /// # Errors
+    /// When shapes, modes and mesh don't fit together.
+    pub fn of_stored(stored: &'a StoredBody) -> Result<Self, FlexibleError> {
+        Recovery {
+            mesh: &stored.mesh,
+            freedoms: &stored.freedoms,
+            shapes: &stored.shapes,
+            rules: stored.rules,
+            body: &stored.body,
+        }
+        .checked()
+    }
+
+    /// Of a body that has just been reduced, with the rules of its request.
+    ///
+    /// # Errors
+    /// As [`Recovery::of_stored`].
+    pub fn of_reduced(reduced: &'a Reduced, rules: Rules) -> Result<Self, FlexibleError> {
+        Recovery {
+            mesh: &reduced.mesh,
+            freedoms: &reduced.freedoms,
+            shapes: &reduced.shapes,
+            rules,
+            body: &reduced.body,
+        }
+        .checked()
+    }
+
+    fn checked(self) -> Result<Self, FlexibleError> {
+        let modes = self.body.invariants.modes;
+        let fits = self.freedoms.node_count() == self.mesh.nodes.len()
+            && Some(self.shapes.len()) == modes.checked_mul(self.freedoms.size())
+            && self.body.invariants.stiffness.len() == modes * modes;
+        if fits {
+            Ok(self)
+        } else {
+            Err(wrong("shapes, modes and mesh don't fit together".into()))
+        }
+    }
+
+    /// Number of modes.
+    pub fn modes(&self) -> usize {
+        self.body.invariants.modes
+    }
+
+    /// The mesh (SI).
+    pub fn mesh(&self) -> &'a Mesh {
+        self.mesh
+    }
+
+    fn check_amplitudes(&self, a: &[f64]) -> Result<(), FlexibleError> {
+        check_length(self.modes(), a)
+    }
+
+    /// Displacements and rotations of all nodes, Φ a, over the full freedoms (m, rad; body axes).
+    ///
+    /// # Errors
+    /// Another number of amplitudes than modes.
+    pub fn displacements(&self, a: &[f64]) -> Result<Vec<f64>, FlexibleError> {
+        self.check_amplitudes(a)?;
+        let size = self.freedoms.size();
+        let mut full = vec![0.0; size];
+        for (shape, a) in self.shapes.chunks_exact(size.max(1)).zip(a) {
+            for (u, shape) in full.iter_mut().zip(shape) {
+                *u += a * shape;
+            }
+        }
+        Ok(full)
+    }
+
+    /// Strain energy ½ aᵀ k a (J).
+    ///
+    /// # Errors
+    /// Another number of amplitudes than modes.
+    pub fn strain_energy(&self, a: &[f64]) -> Result<f64, FlexibleError> {
+        self.check_amplitudes(a)?;
+        let stiffness = &self.body.invariants.stiffness;
+        let rows = stiffness.chunks_exact(self.modes().max(1));
+        Ok(rows
+            .zip(a)
+            .map(|(row, x)| 0.5 * x * row.iter().zip(a).map(|(k, y)| k * y).sum::<f64>())
+            .sum())
+    }
+
+    /// Strain energy of each element (J): `None` for others than solids.
+    ///
+    /// # Errors
+    /// Another number of amplitudes than modes; a mesh that is not sound.
+    pub fn element_energies(&self, a: &[f64]) -> Result<Vec<Option<f64>>, FlexibleError> {
+        let full = self.displacements(a)?;
+        let energy = |element| {
+            let recovery = ElementRecovery::new(self.mesh, element, &self.rules)?;
+            Ok(recovery.map(|r| r.energy(&r.displacements(self.freedoms, &full))))
+        };
+        self.mesh.elements.iter().map(energy).collect()
+    }
+}
+
+fn check_length(modes: usize, a: &[f64]) -> Result<(), FlexibleError> {
+    if a.len() == modes {
+        Ok(())
+    } else {
+        Err(wrong(format!("{} amplitudes for {modes} modes", a.len())))
+    }
+}

@@ -1,0 +1,206 @@
+//! Stresses by modes: those of each shape are computed once, those of a moment are their sum with its amplitudes.
+
+use super::{Recovery, check_length, wrong};
+use crate::error::FlexibleError;
+use crate::fe::stress::{Components, ElementRecovery, nodal_stresses, von_mises};
+
+/// Where a stress is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Location {
+    /// A node, by index: integration points carried to it, the mean of the elements of one material that meet there.
+    Node(u32),
+    /// An integration point of an element, both by index.
+    Point {
+        /// The element.
+        element: u32,
+        /// Its point.
+        point: u32,
+    },
+}
+
+/// Stresses of every mode at some places.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModalStress {
+    /// Where.
+    pub locations: Vec<Location>,
+    modes: usize,
+    /// Six components (Pa a unit of amplitude; xx, yy, zz, xy, yz, zx in body axes) by place and mode.
+    values: Vec<f64>,
+}
+
+impl Recovery<'_> {
+    /// Stresses of the modes at nodes, by index. Nodes of no solid have none and are left out.
+    ///
+    /// # Errors
+    /// An index that the mesh does not have; a mesh that is not sound.
+    pub fn stress_at_nodes(&self, nodes: &[u32]) -> Result<ModalStress, FlexibleError> {
+        let mut wanted = vec![false; self.mesh.nodes.len()];
+        for node in nodes {
+            match wanted.get_mut(*node as usize) {
+                Some(wanted) => *wanted = true,
+                None => return Err(wrong(format!("the mesh has no node of index {node}"))),
+            }
+        }
+        let (found, all) =
+            nodal_stresses(self.mesh, self.freedoms, &self.rules, self.shapes, &wanted)?;
+        let width = 6 * self.modes();
+        let mut stress = self.no_stress();
+        for &node in nodes {
+            let at = node as usize;
+            if found.get(at) == Some(&true) {
+                stress.locations.push(Location::Node(node));
+                let own = all.get(at * width..(at + 1) * width);
+                stress.values.extend_from_slice(own.unwrap_or(&[]));
+            }
+        }
+        Ok(stress)
+    }
+
+    /// Stresses of the modes at the integration points of elements, by index. Elements that are no solids have none.
+    ///
+    /// # Errors
+    /// An index that the mesh does not have; a mesh that is not sound.
+    pub fn stress_at_points(&self, elements: &[u32]) -> Result<ModalStress, FlexibleError> {
+        let size = self.freedoms.size().max(1);
+        let mut stress = self.no_stress();
+        for &index in elements {
+            let Some(element) = self.mesh.elements.get(index as usize) else {
+                return Err(wrong(format!("the mesh has no element of index {index}")));
+            };
+            let Some(recovery) = ElementRecovery::new(self.mesh, element, &self.rules)? else {
+                continue;
+            };
+            let by_mode: Vec<Vec<Components>> = self
+                .shapes
+                .chunks_exact(size)
+                .map(|shape| recovery.stresses(&recovery.displacements(self.freedoms, shape)))
+                .collect();
+            for point in 0..recovery.points.len() {
+                stress.locations.push(Location::Point {
+                    element: index,
+                    point: point as u32,
+                });
+                for values in &by_mode {
+                    stress
+                        .values
+                        .extend(values.get(point).copied().unwrap_or([0.0; 6]));
+                }
+            }
+        }
+        Ok(stress)
+    }
+
+    fn no_stress(&self) -> ModalStress {
+        ModalStress {
+            locations: Vec::new(),
+            modes: self.modes(),
+            values: Vec::new(),
+        }
+    }
+}
+
+impl ModalStress {
+    /// σ = Σ a_k σ_k at each place (Pa; xx, yy, zz, xy, yz, zx in body axes), written over what `out` holds.
+    ///
+    /// # Errors
+    /// Another number of amplitudes than modes.
+    pub fn stress(&self, a: &[f64], out: &mut Vec<Components>) -> Result<(), FlexibleError> {
+        check_length(self.modes, a)?;
+        out.clear();
+        if self.modes == 0 {
+            out.resize(self.locations.len(), [0.0; 6]);
+            return Ok(());
+        }
+        for own in self.values.chunks_exact(6 * self.modes) {
+            let mut sum = [0.0; 6];
+            for (mode, a) in own.chunks_exact(6).zip(a) {
+                for (x, y) in sum.iter_mut().zip(mode) {
+                    *x += a * y;
+                }
+            }
+            out.push(sum);
+        }
+        Ok(())
+    }
+}
+
+/// Largest von Mises stress over time at each place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Envelope {
+    /// The largest (Pa); zero before the first moment.
+    pub von_mises: Vec<f64>,
+    /// When it was first reached (s).
+    pub time: Vec<f64>,
+}
+
+impl Envelope {
+    /// For so many places, before the first moment.
+    pub fn new(places: usize) -> Envelope {
+        Envelope {
+            von_mises: vec![0.0; places],
+            time: vec![f64::NAN; places],
+        }
+    }
+
+    /// Takes in the stresses of a moment (s).
+    ///
+    /// # Errors
+    /// Another number of stresses than places.
+    pub fn update(&mut self, time: f64, stresses: &[Components]) -> Result<(), FlexibleError> {
+        if stresses.len() != self.von_mises.len() {
+            return Err(wrong(format!(
+                "{} stresses for {} places",
+                stresses.len(),
+                self.von_mises.len()
+            )));
+        }
+        for ((most, when), stress) in self.von_mises.iter_mut().zip(&mut self.time).zip(stresses) {
+            let value = von_mises(stress);
+            if value > *most || when.is_nan() {
+                (*most, *when) = (value, time);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Principal stresses (Pa), the largest first, with their unit directions, by Jacobi's rotations (H. Rutishauser, Numer. Math. 9,
+/// 1966), which keep all digits of equal ones.
+pub fn principal(stress: &Components) -> [(f64, [f64; 3]); 3] {
+    let [x, y, z, xy, yz, zx] = *stress;
+    let mut s = [[x, xy, zx], [xy, y, yz], [zx, yz, z]];
+    let mut axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    // quadratic convergence: six sweeps are more than enough for three rows
+    for _ in 0..12 {
+        for (p, q, r) in [(0, 1, 2), (1, 2, 0), (0, 2, 1)] {
+            let off = s[p][q];
+            if off == 0.0 {
+                continue;
+            }
+            let theta = (s[q][q] - s[p][p]) / (2.0 * off);
+            let t = if theta.is_finite() {
+                theta.signum() / (theta.abs() + libm::sqrt(theta * theta + 1.0))
+            } else {
+                0.0
+            };
+            let c = 1.0 / libm::sqrt(t * t + 1.0);
+            let sine = t * c;
+            s[p][p] -= t * off;
+            s[q][q] += t * off;
+            (s[p][q], s[q][p]) = (0.0, 0.0);
+            let (first, second) = (s[r][p], s[r][q]);
+            s[r][p] = c * first - sine * second;
+            s[r][q] = sine * first + c * second;
+            (s[p][r], s[q][r]) = (s[r][p], s[r][q]);
+            for axis in &mut axes {
+                let (first, second) = (axis[p], axis[q]);
+                axis[p] = c * first - sine * second;
+                axis[q] = sine * first + c * second;
+            }
+        }
+    }
+    let direction = |k: usize| [axes[0][k], axes[1][k], axes[2][k]];
+    let mut found = [0, 1, 2].map(|k: usize| (s[k][k], direction(k)));
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found
+}

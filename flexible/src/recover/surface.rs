@@ -1,0 +1,103 @@
+//! The surface of a mesh, for pictures and films.
+
+use crate::mesh::{ElementKind, Mesh};
+use crate::read::faces::{around, faces};
+use std::collections::BTreeMap;
+
+/// Triangles of the outer faces of solids and of shells and facets, and the lines of beams: indices of nodes. A face with
+/// mid-side nodes becomes a triangle at each corner and the triangles of what they leave, so that it bends with all its nodes.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Surface {
+    /// Corners of each triangle, anticlockwise as seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Index of the element that each triangle belongs to.
+    pub elements: Vec<u32>,
+    /// Ends of beams.
+    pub lines: Vec<[u32; 2]>,
+}
+
+impl Surface {
+    /// The surface of a mesh. Elements whose nodes are not there are left out.
+    pub fn new(mesh: &Mesh) -> Surface {
+        let mut surface = Surface::default();
+        // faces by their corners: how often, and the element and face first seen
+        let mut seen: BTreeMap<Vec<u32>, (u32, u32, usize)> = BTreeMap::new();
+        for (index, element) in (0..).zip(&mesh.elements) {
+            let nodes = mesh.nodes_of(element);
+            let corners = element.kind.corner_count();
+            let known = |node: &u32| (*node as usize) < mesh.nodes.len();
+            if nodes.len() < corners || !nodes.iter().take(corners).all(known) {
+                continue;
+            }
+            if let (ElementKind::Beam2, &[a, b]) = (element.kind, nodes) {
+                surface.lines.push([a, b]);
+            }
+            for (place, face) in faces(element.kind).iter().enumerate() {
+                let mut key: Vec<u32> =
+                    face.iter().filter_map(|c| nodes.get(*c).copied()).collect();
+                key.sort_unstable();
+                let entry = seen.entry(key).or_insert((0, index, place));
+                entry.0 += 1;
+            }
+        }
+        let mut outer: Vec<(u32, usize)> = seen
+            .into_values()
+            .filter(|(count, ..)| *count == 1)
+            .map(|(_, element, face)| (element, face))
+            .collect();
+        outer.sort_unstable();
+        for (index, place) in outer {
+            let Some(element) = mesh.elements.get(index as usize) else {
+                continue;
+            };
+            let all = faces(element.kind);
+            let Some(face) = all.get(place) else { continue };
+            let ring = around(element.kind, mesh.nodes_of(element), face);
+            // a solid's faces are listed as seen from inside
+            let inside = all.len() > 1;
+            for [a, b, c] in cut(&ring) {
+                let triangle = if inside { [a, c, b] } else { [a, b, c] };
+                if triangle
+                    .iter()
+                    .all(|node| (*node as usize) < mesh.nodes.len())
+                {
+                    surface.triangles.push(triangle);
+                    surface.elements.push(index);
+                }
+            }
+        }
+        surface
+    }
+
+    /// The nodes on the surface, ascending.
+    pub fn nodes(&self) -> Vec<u32> {
+        let mut nodes: Vec<u32> = self.triangles.as_flattened().to_vec();
+        nodes.extend_from_slice(self.lines.as_flattened());
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+}
+
+/// Triangles of a face, whose corners come each with the mid-side node after it.
+fn cut(ring: &[(u32, Option<u32>)]) -> Vec<[u32; 3]> {
+    let mut triangles = Vec::new();
+    let mut inner = Vec::new();
+    let mut before = ring.last().and_then(|(_, middle)| *middle);
+    for (corner, middle) in ring {
+        match (before, *middle) {
+            (Some(before), Some(after)) => triangles.push([before, *corner, after]),
+            _ => inner.push(*corner),
+        }
+        inner.extend(*middle);
+        before = *middle;
+    }
+    if let Some((first, rest)) = inner.split_first() {
+        for pair in rest.windows(2) {
+            if let [a, b] = *pair {
+                triangles.push([*first, a, b]);
+            }
+        }
+    }
+    triangles
+}

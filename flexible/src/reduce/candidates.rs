@@ -1,0 +1,196 @@
+//! The modes that the terms of a request ask for.
+
+use super::interface::{MarkerFreedom, MarkerFreedoms};
+use super::report::{Report, Served, UNSERVED, Unserved};
+use super::{Interface, Term};
+use crate::error::FlexibleError;
+use crate::fe::Reduction;
+use crate::mesh::Mesh;
+use crate::modes::interface::Interface as Hold;
+use crate::modes::normal::normal_modes;
+use crate::modes::statics::{attachment_modes, constraint_modes};
+use crate::modes::{Boundary, Candidate, Load, ModeSet, Structure, given};
+
+/// What modes are looked for in.
+pub(super) struct Candidates<'a> {
+    pub structure: &'a Structure<'a>,
+    pub markers: &'a MarkerFreedoms<'a>,
+    pub reduction: &'a Reduction,
+    pub mesh: &'a Mesh,
+    pub report: &'a mut Report,
+}
+
+/// Modes in the order of the terms, and what was asked.
+pub(super) struct Found {
+    pub candidates: Vec<Candidate>,
+    pub asked: Asked,
+}
+
+/// Loads asked about, each with its static strain energy (twice, J).
+pub(super) struct Asked {
+    loads: Vec<(MarkerFreedom, Load, f64)>,
+}
+
+impl Asked {
+    /// Those of which the set does not span the static answer: with orthonormal modes it has Σ (φᵀf)² / ω² of the energy fᵀu.
+    pub fn unserved(&self, structure: &Structure, set: &ModeSet) -> Vec<Unserved> {
+        let size = structure.size().max(1);
+        self.loads
+            .iter()
+            .filter_map(|(freedom, load, energy)| {
+                let spanned: f64 = set
+                    .vectors
+                    .chunks_exact(size)
+                    .zip(&set.eigenvalues)
+                    .map(|(mode, lambda)| {
+                        load.displacement(mode) * load.displacement(mode) / lambda
+                    })
+                    .sum();
+                let missing = 1.0 - spanned / energy;
+                (missing > UNSERVED).then(|| Unserved {
+                    label: freedom.label.clone(),
+                    marker: freedom.marker,
+                    component: freedom.component,
+                    missing,
+                })
+            })
+            .collect()
+    }
+}
+
+impl Candidates<'_> {
+    /// Finds them. All static answers come first, of one factor that is gone before the normal modes need theirs.
+    pub fn find(&mut self, terms: &[Term], asked: &[Interface]) -> Result<Found, FlexibleError> {
+        let size = self.structure.size().max(1);
+        let mut loads = Vec::new();
+        let mut jobs = Vec::new();
+        for term in terms {
+            let (kind, at) = match term {
+                Term::Static(at) => ("static ", at),
+                Term::Constraint(at) => ("constraint ", at),
+                Term::Normal { .. } | Term::Given(_) => {
+                    jobs.push(None);
+                    continue;
+                }
+            };
+            let (freedoms, rows) = self.markers.loads(kind, at, self.reduction)?;
+            let by_loads = kind == "static " || {
+                let hold = Hold::new(self.structure, &rows)?;
+                hold.plain().is_none()
+            };
+            let first = loads.len();
+            if by_loads {
+                loads.extend(rows.iter().cloned());
+            }
+            jobs.push(Some((freedoms, rows, by_loads.then_some(first))));
+        }
+        let (asked, asked_loads) = self.markers.loads("", asked, self.reduction)?;
+        let first_asked = loads.len();
+        loads.extend(asked_loads);
+        let answers = if loads.is_empty() {
+            Vec::new()
+        } else {
+            attachment_modes(self.structure, &loads)?
+        };
+        let answer = |index: usize| answers.get(index * size..(index + 1) * size).unwrap_or(&[]);
+        let asked = asked
+            .into_iter()
+            .zip(loads.iter().enumerate().skip(first_asked))
+            .map(|(freedom, (index, load))| {
+                let energy = load.displacement(answer(index));
+                (freedom, load.clone(), energy)
+            })
+            .filter(|(_, _, energy)| *energy > 0.0)
+            .collect();
+        let mut candidates = Vec::new();
+        for (term, job) in terms.iter().zip(jobs) {
+            let Some((freedoms, rows, first)) = job else {
+                candidates.extend(self.dynamic(term)?);
+                continue;
+            };
+            let vectors = match (term, first) {
+                (Term::Static(_), Some(first)) => answers
+                    .get(first * size..(first + rows.len()) * size)
+                    .unwrap_or(&[])
+                    .to_vec(),
+                (_, Some(first)) => Hold::new(self.structure, &rows)?.constraint_modes(
+                    answers
+                        .get(first * size..(first + rows.len()) * size)
+                        .unwrap_or(&[]),
+                )?,
+                (_, None) => constraint_modes(self.structure, &rows)?,
+            };
+            for (place, (freedom, row)) in freedoms.iter().zip(&rows).enumerate() {
+                self.report.served.push(Served {
+                    mode: row.label.clone(),
+                    marker: freedom.marker,
+                    component: freedom.component,
+                    flexibility: first.map(|first| row.displacement(answer(first + place))),
+                    kept: false,
+                });
+            }
+            let labels = rows.into_iter().map(|row| row.label);
+            candidates.extend(named(labels, &vectors, size, 0.0));
+        }
+        Ok(Found {
+            candidates,
+            asked: Asked { loads: asked },
+        })
+    }
+
+    /// Normal modes, found or given.
+    fn dynamic(&mut self, term: &Term) -> Result<Vec<Candidate>, FlexibleError> {
+        let size = self.structure.size().max(1);
+        match term {
+            Term::Static(_) | Term::Constraint(_) => Ok(Vec::new()),
+            Term::Normal { modes, fixed } => {
+                let (boundary, kind) = if fixed.is_empty() {
+                    (Boundary::AsIs, "normal")
+                } else {
+                    let (_, rows) = self.markers.loads("", fixed, self.reduction)?;
+                    (Boundary::Fixed(rows), "fixed normal")
+                };
+                let found = normal_modes(self.structure, *modes, &boundary)?;
+                self.report.sturm.push(found.sturm);
+                let labels = (1..=found.eigenvalues.len()).map(|i| format!("{kind} {i}"));
+                Ok(named(labels, &found.vectors, size, 0.0))
+            }
+            Term::Given(modes) => {
+                let freedoms = self.markers.freedoms;
+                let fitted = given::fit(self.mesh, freedoms, self.reduction, modes)?;
+                let file = &modes.modes.file;
+                self.report
+                    .warnings
+                    .extend(modes.modes.warnings.iter().cloned());
+                for (mode, misfit) in modes.modes.modes.iter().zip(&fitted.misfits) {
+                    if *misfit > 10.0 * fitted.noise {
+                        self.report.warnings.push(format!(
+                            "{file}: ties and supports of the body leave {misfit:.1e} of mode {} out",
+                            mode.number
+                        ));
+                    }
+                }
+                let labels = modes.modes.modes.iter();
+                let labels = labels.map(|mode| format!("given {}", mode.number));
+                Ok(named(labels, &fitted.vectors, size, fitted.noise))
+            }
+        }
+    }
+}
+
+/// Vectors one after the other with their labels.
+fn named(
+    labels: impl Iterator<Item = String>,
+    vectors: &[f64],
+    size: usize,
+    noise: f64,
+) -> Vec<Candidate> {
+    labels
+        .zip(vectors.chunks_exact(size))
+        .map(|(label, vector)| Candidate {
+            label,
+            vector: vector.to_vec(),
+            noise,
+        })
+        .collect()
+}

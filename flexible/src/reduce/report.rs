@@ -1,0 +1,146 @@
+//! What a reduction found, for tables and lints.
+
+use crate::fe::RigidMass;
+use crate::modes::Dropped;
+use crate::solve::SturmCount;
+
+/// What a reduction found, for tables.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// Nodes of the mesh.
+    pub nodes: usize,
+    /// Elements.
+    pub elements: usize,
+    /// Free freedoms of the finite-element model.
+    pub freedoms: usize,
+    /// Labels of the modes that the set spans.
+    pub sources: Vec<String>,
+    /// Modes left out because others span them.
+    pub dropped: Vec<Dropped>,
+    /// That no normal mode was missed, one a term of normal modes.
+    pub sturm: Vec<SturmCount>,
+    /// Whether the body is held: by the request, or because the foreign matrices are those of a held structure.
+    pub supported: bool,
+    /// The largest part of the forces of a rigid motion, freedom by freedom, that the stiffness does not cancel: the rounding of its
+    /// entries. About 1e-16 for own matrices, 1e-14 for files of 14 digits, 1e-10 for those of 10; zero where it can't be told, for
+    /// foreign matrices of a held structure.
+    pub rigid_residual: f64,
+    /// What a user should know, a sentence each.
+    pub warnings: Vec<String>,
+    /// The modes, by ascending frequency.
+    pub modes: Vec<ModeReport>,
+    /// Mass properties as the mass matrix has them.
+    pub body: BodyMass,
+    /// The same from the volumes of elements between their corners, their densities and the point masses; `None` for a mesh without
+    /// such elements.
+    pub estimate: Option<BodyMass>,
+    /// Which interface motion each static mode serves, in the order of the terms.
+    pub served: Vec<Served>,
+    /// Loads asked about that the modes do not serve.
+    pub unserved: Vec<Unserved>,
+}
+
+/// A mode of the orthonormal set.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModeReport {
+    /// Undamped frequency (Hz).
+    pub frequency: f64,
+    /// What it is made of: `normal 3`, or `static main[2].y 81 %, normal 4 17 %`.
+    pub description: String,
+    /// The sources with most of its strain energy: index into [`Report::sources`] and share. Shares don't add to one, as sources
+    /// are not orthogonal.
+    pub sources: Vec<(usize, f64)>,
+    /// Effective modal masses (kg; kg m² about the centre of mass) in x, y, z and about these: `(Rᵀ M φ)²`. Over all modes of a held
+    /// body they add to its mass and inertia as far as that moves; in the mean axes of a free one they vanish.
+    pub effective_mass: [f64; 6],
+}
+
+/// Mass, centre and inertia.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyMass {
+    /// Mass (kg).
+    pub mass: f64,
+    /// Centre of mass (m).
+    pub centre: [f64; 3],
+    /// Inertia about the centre of mass (kg m²).
+    pub inertia: [[f64; 3]; 3],
+}
+
+impl From<RigidMass> for BodyMass {
+    fn from(rigid: RigidMass) -> Self {
+        let centre = rigid.centre();
+        let mut inertia = rigid.inertia;
+        let square: f64 = centre.iter().map(|x| x * x).sum();
+        for (i, row) in inertia.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                let own = if i == j { square } else { 0.0 };
+                *entry -= rigid.mass * (own - centre[i] * centre[j]);
+            }
+        }
+        BodyMass {
+            mass: rigid.mass,
+            centre,
+            inertia,
+        }
+    }
+}
+
+/// A static mode and the motion of a marker it is there for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Served {
+    /// Label of the mode: `static main[2].y`.
+    pub mode: String,
+    /// Index of the marker.
+    pub marker: usize,
+    /// Component 0…5 in basic axes.
+    pub component: u8,
+    /// Displacement (m, rad) there under a unit load (N, N m), the rest of the body balancing it by its inertia or supports; `None`
+    /// for the constraint modes of an interface of freedoms, which are found without loads.
+    pub flexibility: Option<f64>,
+    /// Whether it is in the set, rather than spanned by the modes before it.
+    pub kept: bool,
+}
+
+/// A load that the modes don't serve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unserved {
+    /// `main[2].rz`.
+    pub label: String,
+    /// Index of the marker.
+    pub marker: usize,
+    /// Component 0…5 in basic axes.
+    pub component: u8,
+    /// The part of the load's static strain energy that the set does not span.
+    pub missing: f64,
+}
+
+/// More than this part of a load's strain energy missing: the load is not served.
+pub(super) const UNSERVED: f64 = 1e-6;
+
+impl Report {
+    /// The loads at a marker's components (bits 0…5) that were asked about ([`super::Request::asked`]) and that the set does not serve.
+    pub fn unserved(&self, marker: usize, components: u8) -> Vec<&Unserved> {
+        self.unserved
+            .iter()
+            .filter(|load| load.marker == marker && components >> load.component & 1 == 1)
+            .collect()
+    }
+}
+
+/// Sources of a mode by their share, and in words.
+pub(super) fn described(sources: &[String], cosines: &[f64]) -> (Vec<(usize, f64)>, String) {
+    let mut shares: Vec<(usize, f64)> = cosines.iter().map(|x| x * x).enumerate().collect();
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1)); // stable: the first of equals first
+    shares.truncate(3);
+    shares.retain(|(index, share)| *share >= 0.1 || *index == 0 && sources.len() == 1);
+    let name = |index: usize| sources.get(index).map_or("", String::as_str);
+    let words = match shares.as_slice() {
+        [(index, share), ..] if *share > 0.995 => name(*index).to_string(),
+        shares => shares
+            .iter()
+            .map(|(index, share)| format!("{} {:.0} %", name(*index), 100.0 * share))
+            .collect::<Vec<_>>()
+            .join(", "),
+    };
+    (shares, words)
+}

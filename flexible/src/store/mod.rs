@@ -1,0 +1,284 @@
+//! A reduced body as a file: everything that a run, its tables and the recovery of nodes and stresses need, read in one go.
+//!
+//! ```text
+//! magic (8 bytes) | version u32 | length of the whole u64 | key (32 bytes) | contents … | SHA-256 of all before (32 bytes)
+//! ```
+//!
+//! All little-endian; shapes and constants are f64, so that a body that was read gives the bits of the one that was written.
+//! The caller keeps the file: written to a temporary name and renamed, it is whole or not there. It belongs to its [`Key`], a
+//! hash over the input: a body whose key differs is to be reduced again.
+
+mod bytes;
+mod contents;
+
+use crate::fe::{FreedomMap, Rules};
+use crate::mesh::Mesh;
+use crate::recover::Surface;
+use crate::reduce::{Reduced, Report, Request};
+use bytes::{Source, Stored as _, fields};
+use eng_system::reduced::ReducedBody;
+use sha2::{Digest, Sha256};
+use thiserror::Error;
+
+/// Version of the format. Raised as well when the same input gives other numbers, since it is part of the key.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// A byte that no text begins with, a name, and a line's end that a transfer as text would spoil.
+const MAGIC: [u8; 8] = *b"\x8bENGRB\r\n";
+/// Bytes before the contents: magic, version, length.
+const HEAD: usize = 8 + 4 + 8;
+/// Bytes of the hash at the end.
+const HASH: usize = 32;
+
+/// Why bytes are no stored body.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum StoreError {
+    /// It begins otherwise.
+    #[error("this is not a file of a reduced body")]
+    NotABody,
+    /// Another version's.
+    #[error(
+        "the reduced body is of format {found}, and this program reads format {FORMAT_VERSION}"
+    )]
+    Version {
+        /// The version found.
+        found: u32,
+    },
+    /// The file has another length than it says.
+    #[error(
+        "the file of the reduced body has {found} bytes, not {expected}: it was cut off or added to"
+    )]
+    Length {
+        /// Bytes that there should be.
+        expected: u64,
+        /// Bytes that there are.
+        found: u64,
+    },
+    /// The contents are not what was written.
+    #[error("the file of the reduced body was altered after it was written: its hash differs")]
+    Altered,
+    /// Written by a program that did not mean it: sizes that contradict each other.
+    #[error("the file of the reduced body makes no sense at byte {byte}: {problem}")]
+    Contents {
+        /// Where.
+        byte: usize,
+        /// What is wrong.
+        problem: String,
+    },
+}
+
+impl StoreError {
+    /// What to do about it.
+    pub fn advice(&self) -> &'static str {
+        "remove the file; the body is then reduced again from its mesh"
+    }
+}
+
+/// SHA-256 of what a reduced body was made from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Key(pub [u8; 32]);
+
+impl Key {
+    /// The key of a reduction: over the format's version, this crate's version, the contents' hashes of all files read, in the
+    /// order given, and the request as text ([`request_text`], with units, material and whatever else decides the result).
+    /// Names and dates of files don't matter.
+    pub fn new(files: &[[u8; 32]], request: &str) -> Key {
+        let mut hash = Sha256::new();
+        hash.update(MAGIC);
+        hash.update(FORMAT_VERSION.to_le_bytes());
+        for text in [env!("CARGO_PKG_VERSION"), request] {
+            hash.update((text.len() as u64).to_le_bytes());
+            hash.update(text.as_bytes());
+        }
+        hash.update((files.len() as u64).to_le_bytes());
+        for file in files {
+            hash.update(file);
+        }
+        Key(hash.finalize().into())
+    }
+
+    /// Hexadecimal digits, for a file's name.
+    pub fn text(&self) -> String {
+        hexadecimal(&self.0)
+    }
+}
+
+/// SHA-256 of a file's contents.
+pub fn content_hash(bytes: &[u8]) -> [u8; 32] {
+    Sha256::digest(bytes).into()
+}
+
+/// Hexadecimal digits of a hash.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// A request as canonical text: equal for equal requests only. Numbers stand in the shortest form that reads back as the same.
+pub fn request_text(request: &Request) -> String {
+    format!("{request:?}")
+}
+
+/// A reduced body with all that is kept of its reduction.
+#[derive(Clone, Debug)]
+pub struct StoredBody {
+    /// What it was made from.
+    pub key: Key,
+    /// Where it comes from, as names and values: source files with their SHA-256, the request, versions, units, mass rule.
+    pub provenance: Vec<(String, String)>,
+    /// What the runtime computes with.
+    pub body: ReducedBody,
+    /// Integration rules, with which stresses are recovered.
+    pub rules: Rules,
+    /// For tables.
+    pub report: Report,
+    /// The mesh in SI, with the markers' nodes and ties.
+    pub mesh: Mesh,
+    /// Its surface, for pictures.
+    pub surface: Surface,
+    /// Numbering of the full freedoms.
+    pub freedoms: FreedomMap,
+    /// Shapes over the full freedoms, one after the other (m, rad a unit of amplitude).
+    pub shapes: Vec<f64>,
+}
+
+fields!(StoredBody {
+    key: Key,
+    provenance: Vec<(String, String)>,
+    body: ReducedBody,
+    rules: Rules,
+    report: Report,
+    mesh: Mesh,
+    surface: Surface,
+    freedoms: FreedomMap,
+    shapes: Vec<f64>,
+});
+
+impl StoredBody {
+    /// What is kept of a reduction, with its key and provenance. To the latter the versions of format and crate and the rules
+    /// are added.
+    pub fn new(
+        reduced: Reduced,
+        rules: Rules,
+        key: Key,
+        mut provenance: Vec<(String, String)>,
+    ) -> StoredBody {
+        let own = [
+            ("format", FORMAT_VERSION.to_string()),
+            ("eng-flexible", env!("CARGO_PKG_VERSION").into()),
+            ("stiffness rule", format!("{:?}", rules.stiffness)),
+            ("mass rule", format!("{:?}", rules.mass)),
+        ];
+        provenance.extend(own.map(|(name, value)| (name.to_string(), value)));
+        let surface = Surface::new(&reduced.mesh);
+        StoredBody {
+            key,
+            provenance,
+            body: reduced.body,
+            rules,
+            report: reduced.report,
+            mesh: reduced.mesh,
+            surface,
+            freedoms: reduced.freedoms,
+            shapes: reduced.shapes,
+        }
+    }
+
+    /// As the bytes of a file.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Vec::with_capacity(8 * self.shapes.len() + (1 << 16));
+        out.extend_from_slice(&MAGIC);
+        FORMAT_VERSION.write(&mut out);
+        0u64.write(&mut out);
+        self.write(&mut out);
+        let length = (out.len() + HASH) as u64;
+        if let Some(place) = out.get_mut(HEAD - 8..HEAD) {
+            place.copy_from_slice(&length.to_le_bytes());
+        }
+        let hash = Sha256::digest(&out);
+        out.extend_from_slice(&hash);
+        out
+    }
+
+    /// From the bytes of a file.
+    ///
+    /// # Errors
+    /// What is no stored body, of another version, cut off, altered, or contradicts itself.
+    pub fn from_bytes(bytes: &[u8]) -> Result<StoredBody, StoreError> {
+        if !bytes.starts_with(&MAGIC) {
+            return Err(StoreError::NotABody);
+        }
+        let found = bytes.len() as u64;
+        let mut head = Source::new(bytes.get(MAGIC.len()..).unwrap_or_default());
+        let short = |expected| StoreError::Length { expected, found };
+        let least = (HEAD + HASH) as u64;
+        let version = u32::read(&mut head).map_err(|_| short(least))?;
+        if version != FORMAT_VERSION {
+            return Err(StoreError::Version { found: version });
+        }
+        let expected = u64::read(&mut head).map_err(|_| short(least))?;
+        if expected != found || found < least {
+            return Err(short(expected.max(least)));
+        }
+        let (signed, hash) = bytes.split_at(bytes.len() - HASH);
+        if Sha256::digest(signed).as_slice() != hash {
+            return Err(StoreError::Altered);
+        }
+        let mut source = Source::new(signed);
+        source.take(HEAD)?;
+        let stored = StoredBody::read(&mut source)?;
+        if source.left() > 0 {
+            return Err(source.senseless("something follows its contents"));
+        }
+        match stored.defect() {
+            Some(problem) => Err(source.senseless(&problem)),
+            None => Ok(stored),
+        }
+    }
+
+    /// What does not fit together, if anything.
+    fn defect(&self) -> Option<String> {
+        let n = self.body.invariants.modes;
+        if let Some(defect) = self.body.invariants.defect() {
+            return Some(defect);
+        }
+        if self.body.frequencies.len() != n {
+            return Some(format!(
+                "{} frequencies of {n} modes",
+                self.body.frequencies.len()
+            ));
+        }
+        let wrong = self.body.markers.iter().find(|marker| {
+            [&marker.translation, &marker.rotation]
+                .iter()
+                .any(|rows| rows.len() != 3 * n || rows.iter().any(|x| !x.is_finite()))
+        });
+        if let Some(marker) = wrong {
+            return Some(format!("the shape rows of the marker {}", marker.name));
+        }
+        let geometric = self.body.invariants.geometric.iter();
+        let known =
+            |marker: usize, component: u8| marker < self.body.markers.len() && component < 6;
+        if !geometric
+            .flat_map(|g| &g.loads)
+            .all(|load| known(load.marker, load.component))
+        {
+            return Some("a load at a marker that is not there".into());
+        }
+        let nodes = self.mesh.nodes.len();
+        if self.freedoms.node_count() != nodes {
+            return Some("the numbering of freedoms is another mesh's".into());
+        }
+        if Some(self.shapes.len()) != n.checked_mul(self.freedoms.size()) {
+            return Some("shapes of another size than modes and freedoms".into());
+        }
+        let surface = &self.surface;
+        let indices = surface.triangles.as_flattened().iter();
+        let known = indices
+            .chain(surface.lines.as_flattened())
+            .all(|node| (*node as usize) < nodes);
+        let elements = self.mesh.elements.len();
+        let owned = surface.elements.len() == surface.triangles.len()
+            && surface.elements.iter().all(|e| (*e as usize) < elements);
+        (!known || !owned).then(|| "a surface of another mesh".into())
+    }
+}

@@ -1,0 +1,211 @@
+//! Averaging spiders as interfaces: holding one is a support there, and its constraint modes span what its static modes span.
+#![allow(clippy::unwrap_used)]
+
+mod fe_meshes;
+
+use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
+use eng_flexible::mesh::Mesh;
+use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
+use eng_flexible::solve::Modes;
+use fe_meshes::read;
+
+/// A bar held at one end by a rigid spider, with an averaging one around its middle and one at the other end.
+fn markers() -> Vec<MarkerRequest> {
+    let gathered = |name: &str, nodes: Selection, tie: Spider| MarkerRequest {
+        name: name.into(),
+        place: Place::Gathered {
+            nodes,
+            tie,
+            center: None,
+        },
+    };
+    let ends = ["left", "right"].map(|set| Selection::Set(set.into()));
+    let [left, right] = ends;
+    let middle = Selection::Set("middle".into());
+    vec![
+        gathered("foot", left, Spider::Rigid),
+        gathered("middle", middle, Spider::Averaging),
+        gathered("tip", right, Spider::Averaging),
+    ]
+}
+
+fn bar() -> Mesh {
+    let mut mesh = read("bar20.bdf.gz");
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for node in &mesh.nodes {
+        least = least.min(node.position[0]);
+        most = most.max(node.position[0]);
+    }
+    for (name, x) in [
+        ("left", least),
+        ("right", most),
+        ("middle", 0.5 * (least + most)),
+    ] {
+        let nodes = fe_meshes::nodes_where(&mesh, |p| (p[0] - x).abs() < 1e-6);
+        assert!(nodes.len() > 8, "{name}: {}", nodes.len());
+        mesh.sets.insert(
+            name.into(),
+            eng_flexible::mesh::Set {
+                nodes,
+                elements: vec![],
+            },
+        );
+    }
+    mesh
+}
+
+fn at(marker: usize, components: u8) -> Interface {
+    Interface { marker, components }
+}
+
+fn reduced(support: Vec<Interface>, terms: Vec<Term>) -> Reduced {
+    let request = Request {
+        markers: markers(),
+        support,
+        terms,
+        damping_up_to: 3000.0,
+        asked: vec![at(1, 0b11_1111), at(2, 0b11_1111)],
+        ..Request::default()
+    };
+    reduce(bar(), &request).unwrap_or_else(|error| panic!("{error} ({})", error.advice()))
+}
+
+fn apart(found: &[f64], exact: &[f64]) -> f64 {
+    assert_eq!(found.len(), exact.len());
+    found
+        .iter()
+        .zip(exact)
+        .map(|(x, y)| (x / y - 1.0).abs())
+        .fold(0.0, f64::max)
+}
+
+const FOOT: u8 = 0b11_1111;
+
+#[test]
+fn an_averaging_spider_that_is_held_is_a_support() {
+    for components in [0b11_1111, 0b110, 0b1001] {
+        let interface = vec![at(1, 0b110), at(2, components)];
+        let normal = |fixed: Vec<Interface>| Term::Normal {
+            modes: Modes::Count(8),
+            fixed,
+        };
+        let held = reduced(vec![at(0, FOOT)], vec![normal(interface.clone())]);
+        let mut all = vec![at(0, FOOT)];
+        all.extend(interface);
+        let supported = reduced(all, vec![normal(vec![])]);
+        let worst = apart(&held.body.frequencies, &supported.body.frequencies);
+        println!("{components:#b}: {worst:.1e}");
+        assert!(worst < 1e-10, "{worst:e}");
+        // the held motions are none
+        let n = held.body.invariants.modes;
+        let tip = &held.body.markers[2];
+        for component in 0..6 {
+            let rows = if component < 3 {
+                &tip.translation
+            } else {
+                &tip.rotation
+            };
+            let row = &rows[component % 3 * n..(component % 3 + 1) * n];
+            let largest = rows.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+            let moves = row.iter().any(|x| x.abs() > 1e-9 * largest.max(1.0));
+            assert_eq!(moves, components >> component & 1 == 0, "{component}");
+        }
+    }
+}
+
+/// Φ ω⁻² Φᵀ at the two averaging spiders.
+fn flexibility(reduced: &Reduced) -> Vec<f64> {
+    let n = reduced.body.invariants.modes;
+    let rows: Vec<&[f64]> = reduced.body.markers[1..]
+        .iter()
+        .flat_map(|m| {
+            m.translation
+                .chunks_exact(n)
+                .chain(m.rotation.chunks_exact(n))
+        })
+        .collect();
+    let mut out = Vec::new();
+    for a in &rows {
+        for b in &rows {
+            let terms = (0..n).map(|i| a[i] * b[i] / reduced.body.invariants.stiffness[i * n + i]);
+            out.push(terms.sum());
+        }
+    }
+    out
+}
+
+#[test]
+fn constraint_modes_of_averaging_spiders_serve_their_loads() {
+    let interface = vec![at(1, 0b11_1111), at(2, 0b11_1111)];
+    let statics = reduced(vec![at(0, FOOT)], vec![Term::Static(interface.clone())]);
+    let constraint = reduced(vec![at(0, FOOT)], vec![Term::Constraint(interface.clone())]);
+    assert_eq!(constraint.body.invariants.modes, 12);
+    let (found, exact) = (flexibility(&constraint), flexibility(&statics));
+    for i in 0..12 {
+        for j in 0..12 {
+            let scale = (exact[i * 13] * exact[j * 13]).sqrt();
+            let miss = (found[i * 12 + j] - exact[i * 12 + j]).abs() / scale;
+            assert!(miss < 1e-9, "{i} {j}: {miss:e}");
+        }
+    }
+    assert!(apart(&constraint.body.frequencies, &statics.body.frequencies) < 1e-9);
+    for set in [&statics, &constraint] {
+        assert!(set.report.unserved.is_empty(), "{:?}", set.report.unserved);
+        assert_eq!(set.report.served.len(), 12);
+        assert!(set.report.served.iter().all(|served| served.kept));
+    }
+    let one = &constraint.report.served[7];
+    assert_eq!(
+        (one.mode.as_str(), one.marker, one.component),
+        ("constraint tip.y", 2, 1)
+    );
+    assert!((one.flexibility.unwrap() / exact[7 * 13] - 1.0).abs() < 1e-9);
+    // eight normal modes serve none of these loads
+    let normal = Term::Normal {
+        modes: Modes::Count(8),
+        fixed: vec![],
+    };
+    let normal = reduced(vec![at(0, FOOT)], vec![normal]);
+    assert_eq!(normal.report.unserved.len(), 12);
+    assert_eq!(normal.report.unserved(2, 0b10)[0].label, "tip.y");
+    assert_eq!(normal.report.modes[0].description, "normal 1");
+}
+
+/// A free bar by Craig and Bampton at averaging spiders: its lowest frequencies, from above.
+#[test]
+fn a_free_bar_by_averaging_spiders() {
+    let interface = vec![at(1, 0b11_1111), at(2, 0b11_1111)];
+    let sum = |count: usize| {
+        vec![
+            Term::Constraint(interface.clone()),
+            Term::Normal {
+                modes: Modes::Count(count),
+                fixed: interface.clone(),
+            },
+        ]
+    };
+    let exact = reduced(
+        vec![],
+        vec![Term::Normal {
+            modes: Modes::Count(6),
+            fixed: vec![],
+        }],
+    );
+    let mut before = f64::INFINITY;
+    for count in [4, 12, 24] {
+        let found = reduced(vec![], sum(count));
+        // six of twelve constraint modes are rigid motions
+        assert_eq!(found.report.dropped.len(), 6);
+        assert_eq!(found.report.sturm[0].count, count);
+        let pairs = found.body.frequencies.iter().zip(&exact.body.frequencies);
+        let misses: Vec<f64> = pairs.map(|(x, y)| x / y - 1.0).collect();
+        println!("{count}: {misses:?}");
+        let worst = misses.iter().copied().fold(0.0, f64::max);
+        assert!(misses.iter().all(|miss| *miss > -1e-9) && worst < before);
+        before = worst;
+        for x in &found.body.invariants.rotation {
+            assert!(x.abs() < 1e-9);
+        }
+    }
+    assert!(before < 5e-3, "{before:e}");
+}

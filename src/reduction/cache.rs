@@ -1,0 +1,97 @@
+//! Reductions kept on disk, by what they were made from.
+//!
+//! A file is named by the hash of the request and of the files that the text names. It lists every file that was read, those that
+//! others include too, with their hashes: one that has changed since makes the file useless.
+
+use crate::Sources;
+use eng_flexible::Files;
+use eng_flexible::store::{Key, StoredBody, content_hash, hexadecimal};
+use std::cell::RefCell;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Files, with a list of those that were opened.
+pub(super) struct Recorded<'a> {
+    sources: &'a Sources,
+    opened: RefCell<Vec<String>>,
+}
+
+impl<'a> Recorded<'a> {
+    pub fn new(sources: &'a Sources) -> Self {
+        Recorded {
+            sources,
+            opened: RefCell::new(Vec::new()),
+        }
+    }
+
+    /// Those that were opened and are there, with the hashes of their contents.
+    pub fn read_files(&self) -> Vec<(String, String)> {
+        let mut names = self.opened.borrow().clone();
+        names.sort();
+        names.dedup();
+        names
+            .into_iter()
+            .filter_map(|name| {
+                let hash = hash_of(self.sources, &name)?;
+                Some((format!("{FILE}{name}"), hexadecimal(&hash)))
+            })
+            .collect()
+    }
+}
+
+impl Files for Recorded<'_> {
+    fn open(&self, name: &str) -> std::io::Result<Box<dyn Read>> {
+        let file = self.sources.open(name)?;
+        self.opened.borrow_mut().push(name.to_owned());
+        Ok(file)
+    }
+}
+
+/// Before the names of files in a provenance.
+const FILE: &str = "file ";
+
+/// The hash of a file's contents.
+fn hash_of(sources: &Sources, name: &str) -> Option<[u8; 32]> {
+    let mut bytes = Vec::new();
+    sources.open(name).ok()?.read_to_end(&mut bytes).ok()?;
+    Some(content_hash(&bytes))
+}
+
+/// The key of a request and the files that the text names; none where one of them can't be read.
+pub(super) fn key(sources: &Sources, request: &str, files: &[&str]) -> Option<Key> {
+    let hashes: Option<Vec<[u8; 32]>> = files.iter().map(|name| hash_of(sources, name)).collect();
+    Some(Key::new(&hashes?, request))
+}
+
+fn place(folder: &Path, key: &Key) -> PathBuf {
+    folder.join(format!("{}.reduced", key.text()))
+}
+
+/// The body of a key, if it is kept and all its files are as they were. One that is damaged is made again.
+pub(super) fn load(sources: &Sources, key: &Key) -> Option<StoredBody> {
+    let bytes = std::fs::read(place(sources.cache()?, key)).ok()?;
+    let stored = StoredBody::from_bytes(&bytes).ok()?;
+    let unchanged = stored.provenance.iter().all(|(name, value)| {
+        let Some(file) = name.strip_prefix(FILE) else {
+            return true;
+        };
+        hash_of(sources, file).is_some_and(|hash| hexadecimal(&hash) == *value)
+    });
+    (stored.key == *key && unchanged).then_some(stored)
+}
+
+/// Keeps a body: whole or not at all. What prevents it is no error of the model.
+pub(super) fn save(sources: &Sources, stored: &StoredBody) -> Result<(), std::io::Error> {
+    let Some(folder) = sources.cache() else {
+        return Ok(());
+    };
+    std::fs::create_dir_all(folder)?;
+    let target = place(folder, &stored.key);
+    let partial = target.with_extension(format!("{}.tmp", std::process::id()));
+    let written = std::fs::write(&partial, stored.to_bytes())
+        .and_then(|()| std::fs::rename(&partial, &target));
+    if written.is_err() {
+        let _ = std::fs::remove_file(&partial);
+    }
+    written
+}

@@ -1,0 +1,210 @@
+//! Flexible bodies between the compiler and the runtime: meshes are looked at for `check`, reduced for a run.
+
+mod cache;
+mod request;
+mod sense;
+mod table;
+
+use crate::Sources;
+use crate::codes;
+use eng_flexible::markers::select;
+use eng_flexible::mesh::Mesh;
+use eng_flexible::store::{Key, StoredBody};
+use eng_flexible::units::MeshUnits;
+use eng_flexible::{Files, FlexibleError, MeshFormat, read_mesh};
+use eng_grammar::{Diagnostic, SourceId, Span};
+use eng_system::flexible::{FlexibleSource, MarkerPlace};
+use eng_system::reduced::ReducedBody;
+use eng_system::system::Location;
+use std::io::Read;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A flexible body that has been reduced.
+#[derive(Clone, Debug)]
+pub struct Reduction {
+    /// Path of the body.
+    path: String,
+    /// What the runtime computes with; damping is in it.
+    pub(crate) body: Arc<ReducedBody>,
+    /// With the mesh and the shapes on it.
+    stored: Arc<StoredBody>,
+}
+
+impl Files for Sources {
+    fn open(&self, name: &str) -> std::io::Result<Box<dyn Read>> {
+        self.open_data(name).map_err(|error| match error {
+            eng_system::host::HostError::NotFound(_) => {
+                std::io::Error::new(std::io::ErrorKind::NotFound, "there is no such file")
+            }
+            other => std::io::Error::other(other.to_string()),
+        })
+    }
+}
+
+/// Reads a mesh into SI, with its material.
+fn mesh_of(files: &dyn Files, source: &FlexibleSource) -> Result<Mesh, Diagnostic> {
+    let at = source.mesh.at;
+    let (Some(format), Some(units)) = (
+        MeshFormat::named(&source.mesh.format),
+        MeshUnits::named(&source.mesh.units),
+    ) else {
+        return Err(Diagnostic::error(
+            codes::INTERNAL,
+            "the compiler contradicts itself: a mesh of no known format or units",
+        )
+        .at(span(at), "this mesh"));
+    };
+    let mut mesh = read_mesh(files, &source.mesh.file, format)
+        .map_err(|e| failed(codes::MESH, &e, at, "this mesh"))?;
+    mesh.convert(&units);
+    if let Some(material) = &source.material {
+        mesh.set_material(material.young, material.poisson, material.density)
+            .map_err(|e| failed(codes::MESH, &e, material.at, "this material"))?;
+    }
+    Ok(mesh)
+}
+
+/// What is wrong or doubtful with mesh and markers, without reducing.
+pub(crate) fn inspect(sources: &Sources, source: &FlexibleSource) -> Vec<Diagnostic> {
+    let mesh = match mesh_of(sources, source) {
+        Ok(mesh) => mesh,
+        Err(diagnostic) => return vec![diagnostic],
+    };
+    let mut found = sense::doubts(&mesh, source);
+    let index = mesh.node_index();
+    for marker in &source.markers {
+        let wrong = match &marker.place {
+            MarkerPlace::Node(id) if index.contains_key(id) => None,
+            MarkerPlace::Node(id) => Some(FlexibleError::Structure {
+                problem: format!("{}: the mesh has no node {id}", marker.name),
+                advice: "check the number; or gather nodes by a ring or a set".into(),
+            }),
+            _ => match request::marker(marker).place {
+                eng_flexible::markers::Place::Gathered { nodes, .. } => {
+                    select(&mesh, &marker.name, &nodes).err()
+                }
+                eng_flexible::markers::Place::Node(_) => None,
+            },
+        };
+        if let Some(error) = wrong {
+            found.push(failed(codes::MESH_MARKER, &error, marker.at, "this marker"));
+        }
+    }
+    found
+}
+
+/// Reduces each body of a program once, however many models and analyses use it.
+#[derive(Debug, Default)]
+pub(crate) struct Reducer {
+    known: Mutex<Vec<(Key, Arc<StoredBody>)>>,
+}
+
+impl Reducer {
+    /// Reduces, or takes what is kept. `turned` says which markers an element turns.
+    pub(crate) fn reduce(
+        &self,
+        sources: &Sources,
+        source: &FlexibleSource,
+        turned: &[bool],
+    ) -> Result<Reduction, Diagnostic> {
+        let text = request::text(source);
+        let key = cache::key(sources, &text, &request::files(source));
+        let known = key.and_then(|key| self.known(&key)).or_else(|| {
+            let stored = Arc::new(cache::load(sources, &key?)?);
+            self.keep(&stored);
+            Some(stored)
+        });
+        let stored = match known {
+            Some(stored) => stored,
+            None => {
+                let stored = Arc::new(reduced(sources, source, key, text)?);
+                self.keep(&stored);
+                stored
+            }
+        };
+        sense::bare_markers(&stored.body, source, turned)?;
+        let mut body = stored.body.clone();
+        body.damp(&source.damping);
+        Ok(Reduction {
+            path: source.origin.path.clone(),
+            body: Arc::new(body),
+            stored,
+        })
+    }
+
+    fn known(&self, key: &Key) -> Option<Arc<StoredBody>> {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known
+            .iter()
+            .find(|(k, _)| k == key)
+            .map(|(_, stored)| Arc::clone(stored))
+    }
+
+    fn keep(&self, stored: &Arc<StoredBody>) {
+        self.known
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push((stored.key, Arc::clone(stored)));
+    }
+}
+
+/// Reduces from the files.
+fn reduced(
+    sources: &Sources,
+    source: &FlexibleSource,
+    key: Option<Key>,
+    text: String,
+) -> Result<StoredBody, Diagnostic> {
+    let files = cache::Recorded::new(sources);
+    let mesh = mesh_of(&files, source)?;
+    let request = request::request(source, &files)?;
+    let reduced =
+        eng_flexible::reduce::reduce(mesh, &request).map_err(|e| reduction_failed(&e, source))?;
+    let mut provenance = files.read_files();
+    provenance.push(("request".to_owned(), text));
+    // a file that can be read once and not again has no key, and is not kept
+    let stored = StoredBody::new(
+        reduced,
+        request.rules,
+        key.unwrap_or(Key([0; 32])),
+        provenance,
+    );
+    if key.is_some() {
+        // without it the next run reduces again
+        let _ = cache::save(sources, &stored);
+    }
+    Ok(stored)
+}
+
+/// A failure at the marker that its text begins with, else at the mode set.
+fn reduction_failed(error: &FlexibleError, source: &FlexibleSource) -> Diagnostic {
+    let text = error.to_string();
+    let marker = source.markers.iter().find(|m| {
+        text.starts_with(&format!("{}:", m.name)) || text.starts_with(&format!("{}.", m.name))
+    });
+    match marker {
+        Some(marker) => failed(codes::MESH_MARKER, error, marker.at, "this marker"),
+        None => failed(
+            codes::REDUCTION,
+            error,
+            source.modes_at,
+            "while these modes were computed",
+        ),
+    }
+}
+
+fn failed(code: &'static str, error: &FlexibleError, at: Location, label: &str) -> Diagnostic {
+    let message = Diagnostic::error(code, error.to_string()).at(span(at), label);
+    match error.advice() {
+        "" => message,
+        advice => message.with_help(advice),
+    }
+}
+
+pub(crate) fn span(at: Location) -> Span {
+    Span {
+        source: SourceId(at.source),
+        start: at.start,
+        end: at.end,
+    }
+}

@@ -1,0 +1,258 @@
+//! From what a text says of a flexible body to what the finite-element side is asked.
+
+use eng_flexible::Files;
+use eng_flexible::fe::Rules;
+use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFiles};
+use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
+use eng_flexible::read::matrix::{read_frd_modes, read_op2_modes, read_punch_modes};
+use eng_flexible::reduce::{Interface, Request, Term};
+use eng_flexible::solve::Modes;
+use eng_flexible::units::MeshUnits;
+use eng_grammar::Diagnostic;
+use eng_system::flexible as text;
+
+/// The request of a source; matrices and shapes of other codes are read.
+///
+/// Freedoms count along a marker's axes there and along the mesh's here: a set that is not the mesh's is widened to all
+/// directions that it touches.
+pub(super) fn request(
+    source: &text::FlexibleSource,
+    files: &dyn Files,
+) -> Result<Request, Diagnostic> {
+    let all = |marker: &u32| Interface {
+        marker: *marker as usize,
+        components: text::ALL_FREEDOMS,
+    };
+    let units = MeshUnits::named(&source.mesh.units).unwrap_or(MeshUnits {
+        length: 1.0,
+        mass: 1.0,
+        time: 1.0,
+    });
+    let mut terms = Vec::with_capacity(source.modes.len());
+    for part in &source.modes {
+        terms.push(term(part, source, files, units)?);
+    }
+    let matrices = match (&source.stiffness, &source.mass) {
+        (Some(stiffness), Some(mass)) => Some(matrices(stiffness, mass, files, units)?),
+        _ => None,
+    };
+    Ok(Request {
+        rules: rules(&source.element_rules),
+        markers: source.markers.iter().map(marker).collect(),
+        support: source.support.iter().map(all).collect(),
+        terms,
+        // damping is no part of a reduction: it is put on afterwards
+        damping_ratio: 0.0,
+        damping_up_to: f64::INFINITY,
+        geometric_stiffness: source.geometric_stiffness,
+        matrices,
+        asked: Vec::new(),
+    })
+}
+
+/// All that decides a reduction besides the contents of files, as text: without places in the model, and without damping.
+pub(super) fn text(source: &text::FlexibleSource) -> String {
+    let markers: Vec<_> = source
+        .markers
+        .iter()
+        .map(|m| (&m.name, &m.place, m.rigid, m.center, m.axes))
+        .collect();
+    let matrix = |m: &Option<text::MatrixSource>| {
+        m.as_ref()
+            .map(|m| (m.format.clone(), m.matrix.clone(), m.freedoms.clone()))
+    };
+    let modes: Vec<String> = source
+        .modes
+        .iter()
+        .map(|term| match term {
+            // its file is among the files
+            text::ModeTerm::Given { format, .. } => format!("given {format}"),
+            other => format!("{other:?}"),
+        })
+        .collect();
+    format!(
+        "{:?}",
+        (
+            (&source.mesh.format, &source.mesh.units),
+            matrix(&source.stiffness),
+            matrix(&source.mass),
+            source.material.map(|m| (m.young, m.poisson, m.density)),
+            &source.element_rules,
+            markers,
+            &source.support,
+            modes,
+            source.geometric_stiffness,
+        )
+    )
+}
+
+/// The files that the text names.
+pub(super) fn files(source: &text::FlexibleSource) -> Vec<&str> {
+    let mut files = vec![source.mesh.file.as_str()];
+    for matrix in source.stiffness.iter().chain(&source.mass) {
+        files.push(&matrix.file);
+        files.extend(matrix.freedoms.as_deref());
+    }
+    for term in &source.modes {
+        if let text::ModeTerm::Given { file, .. } = term {
+            files.push(file);
+        }
+    }
+    files
+}
+
+fn matrices(
+    stiffness: &text::MatrixSource,
+    mass: &text::MatrixSource,
+    files: &dyn Files,
+    units: MeshUnits,
+) -> Result<ForeignMatrices, Diagnostic> {
+    let name = |source: &text::MatrixSource| source.matrix.clone().unwrap_or_default();
+    let (stiffness_name, mass_name) = (name(stiffness), name(mass));
+    let from = MatrixFiles {
+        stiffness: (&stiffness.file, &stiffness_name),
+        mass: (&mass.file, &mass_name),
+        freedoms: stiffness.freedoms.as_deref().or(mass.freedoms.as_deref()),
+    };
+    ForeignMatrices::read(files, from, None, units)
+        .map_err(|e| super::failed(crate::codes::REDUCTION, &e, stiffness.at, "these matrices"))
+}
+
+fn rules(word: &str) -> Rules {
+    match word {
+        "calculix" => Rules::calculix(),
+        "abaqus" => Rules::abaqus(),
+        _ => Rules::default(),
+    }
+}
+
+pub(super) fn marker(source: &text::MarkerSource) -> MarkerRequest {
+    let gathered = |nodes| Place::Gathered {
+        nodes,
+        tie: if source.rigid {
+            Spider::Rigid
+        } else {
+            Spider::Averaging
+        },
+        center: source.center,
+    };
+    let place = match &source.place {
+        text::MarkerPlace::Node(id) => Place::Node(*id),
+        text::MarkerPlace::Set(name) => gathered(Selection::Set(name.clone())),
+        text::MarkerPlace::Property(name) => gathered(Selection::Property(name.clone())),
+        text::MarkerPlace::Ring {
+            center,
+            axis,
+            radius,
+            width,
+            tolerance,
+        } => gathered(Selection::Ring {
+            center: *center,
+            axis: *axis,
+            radius: *radius,
+            width: *width,
+            tolerance: *tolerance,
+        }),
+        text::MarkerPlace::Patch {
+            center,
+            normal,
+            radius,
+            tolerance,
+        } => gathered(Selection::Patch {
+            center: *center,
+            normal: *normal,
+            radius: *radius,
+            tolerance: *tolerance,
+        }),
+    };
+    MarkerRequest {
+        name: source.name.clone(),
+        place,
+    }
+}
+
+fn term(
+    term: &text::ModeTerm,
+    source: &text::FlexibleSource,
+    files: &dyn Files,
+    units: MeshUnits,
+) -> Result<Term, Diagnostic> {
+    let at = |interfaces: &[text::Interface]| -> Vec<Interface> {
+        interfaces
+            .iter()
+            .filter_map(|i| {
+                let marker = source.markers.get(i.marker as usize)?;
+                Some(Interface {
+                    marker: i.marker as usize,
+                    components: along_mesh(i.freedoms, &marker.axes),
+                })
+            })
+            .filter(|i| i.components != 0)
+            .collect()
+    };
+    Ok(match term {
+        text::ModeTerm::Static(interfaces) => Term::Static(at(interfaces)),
+        text::ModeTerm::Constraint(interfaces) => Term::Constraint(at(interfaces)),
+        text::ModeTerm::Normal { count, fixed } => Term::Normal {
+            modes: match count {
+                text::ModeCount::Number(n) => Modes::Count(*n as usize),
+                text::ModeCount::UpTo(frequency) => {
+                    Modes::UpTo(angular(*frequency) * angular(*frequency))
+                }
+            },
+            fixed: at(fixed),
+        },
+        text::ModeTerm::Given {
+            format,
+            file,
+            at: place,
+        } => {
+            let modes = match format.as_str() {
+                "punch" => read_punch_modes(files, file),
+                "frd" => read_frd_modes(files, file),
+                _ => read_op2_modes(files, file),
+            }
+            .map_err(|e| {
+                super::failed(crate::codes::REDUCTION, &e.into(), *place, "these shapes")
+            })?;
+            Term::Given(GivenModes { modes, units })
+        }
+    })
+}
+
+/// Angular frequency of a frequency in Hz.
+fn angular(frequency: f64) -> f64 {
+    2.0 * std::f64::consts::PI * frequency
+}
+
+/// Freedoms along a marker's axes as those of the mesh that they have a part in. `axes` is marker → mesh, row-major.
+fn along_mesh(freedoms: text::Freedoms, axes: &[f64; 9]) -> u8 {
+    let mut components = 0;
+    for (kind, shift) in [(freedoms & 0b111, 0), (freedoms >> 3, 3)] {
+        for row in 0..3 {
+            let touched = (0..3)
+                .any(|column| kind & (1 << column) != 0 && axes[3 * row + column].abs() > 1e-9);
+            if touched {
+                components |= 1 << (row + shift);
+            }
+        }
+    }
+    components
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn freedoms_turn_with_the_marker() {
+        let identity = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        assert_eq!(along_mesh(0b01_0011, &identity), 0b01_0011);
+        // z along the mesh's x, x along its y
+        let turned = [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        assert_eq!(along_mesh(0b10_0100, &turned), 0b00_1001);
+        let s = std::f64::consts::FRAC_1_SQRT_2;
+        let skew = [s, -s, 0.0, s, s, 0.0, 0.0, 0.0, 1.0];
+        assert_eq!(along_mesh(0b00_0001, &skew), 0b00_0011);
+    }
+}

@@ -1,0 +1,212 @@
+//! What a model says of a flexible body: the compiler writes it, the host reduces it, the runtime sees only the outcome.
+//!
+//! Formats, units and rules are words, whose meaning the host's finite-element side knows. Numbers are SI; all are known
+//! while compiling.
+
+use crate::system::{Location, Origin};
+
+/// Freedoms of a marker: bits 0…5 are x, y, z and the rotations about them, along the marker's own axes.
+pub type Freedoms = u8;
+
+/// All six freedoms.
+pub const ALL_FREEDOMS: Freedoms = 0b11_1111;
+
+/// Names of the freedoms, by their bits.
+pub const FREEDOM_NAMES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+
+/// The names of freedoms: `x, y`.
+pub fn freedom_text(freedoms: Freedoms) -> String {
+    let named: Vec<&str> = FREEDOM_NAMES
+        .iter()
+        .enumerate()
+        .filter(|(bit, _)| freedoms & (1 << bit) != 0)
+        .map(|(_, name)| *name)
+        .collect();
+    named.join(", ")
+}
+
+/// A flexible body as the text describes it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlexibleSource {
+    /// Path and place of the body.
+    pub origin: Origin,
+    /// The mesh.
+    pub mesh: MeshSource,
+    /// Stiffness from a file; else from the mesh's elements.
+    pub stiffness: Option<MatrixSource>,
+    /// Mass from a file; else from the mesh's elements.
+    pub mass: Option<MatrixSource>,
+    /// For a mesh whose file has no material.
+    pub material: Option<MaterialSource>,
+    /// How elements are integrated: `exact`, `calculix`, `abaqus`.
+    pub element_rules: String,
+    /// Markers, in the order of the text; a marker of the system names its place here.
+    pub markers: Vec<MarkerSource>,
+    /// Markers that are held on the ground; none: a free body.
+    pub support: Vec<u32>,
+    /// Place of the attribute `support`.
+    pub support_at: Option<Location>,
+    /// The mode set is the sum of these.
+    pub modes: Vec<ModeTerm>,
+    /// Place of the attribute `modes`.
+    pub modes_at: Location,
+    /// Damping.
+    pub damping: Damping,
+    /// Whether stresses of spin and load change the stiffness.
+    pub geometric_stiffness: bool,
+}
+
+/// Where a mesh is read from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshSource {
+    /// `nastran`, `abaqus`, …
+    pub format: String,
+    /// The file, from the model's folder.
+    pub file: String,
+    /// Units of the file: `mm_tonne_s`.
+    pub units: String,
+    /// Place of the source in the text.
+    pub at: Location,
+}
+
+/// Where a matrix is read from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MatrixSource {
+    /// `op4`, `op2`, `dmig`, …
+    pub format: String,
+    /// The file, from the model's folder.
+    pub file: String,
+    /// Name of the matrix in the file, where files have several.
+    pub matrix: Option<String>,
+    /// A file that lists the freedoms of the rows.
+    pub freedoms: Option<String>,
+    /// Place of the source in the text.
+    pub at: Location,
+}
+
+/// An isotropic material, in SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MaterialSource {
+    /// Young's modulus (Pa).
+    pub young: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+    /// Density (kg/m³).
+    pub density: f64,
+    /// Place of the attribute.
+    pub at: Location,
+}
+
+/// A marker on a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkerSource {
+    /// Its name in the body: `main[2]`.
+    pub name: String,
+    /// Place in the text.
+    pub at: Location,
+    /// Place on the mesh.
+    pub place: MarkerPlace,
+    /// Whether gathered nodes follow the marker as a rigid piece; else the marker follows their mean motion.
+    pub rigid: bool,
+    /// Where the marker is (m, axes of the mesh); else the middle of what is gathered.
+    pub center: Option<[f64; 3]>,
+    /// Rotation matrix marker → mesh, row-major: along whose columns its freedoms count.
+    pub axes: [f64; 9],
+}
+
+/// What a marker stands on.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MarkerPlace {
+    /// One node.
+    Node(u64),
+    /// Nodes of a set of the file.
+    Set(String),
+    /// Nodes on a cylinder's surface.
+    Ring {
+        /// Middle of the axis (m).
+        center: [f64; 3],
+        /// Direction of the axis.
+        axis: [f64; 3],
+        /// Radius (m).
+        radius: f64,
+        /// Length along the axis (m).
+        width: f64,
+        /// Distance from the surface within which a node counts (m).
+        tolerance: f64,
+    },
+    /// Nodes in a plane, within a distance of a point of it.
+    Patch {
+        /// A point of the plane (m).
+        center: [f64; 3],
+        /// Its normal.
+        normal: [f64; 3],
+        /// Distance from the point (m); infinite for the whole plane.
+        radius: f64,
+        /// Distance from the plane within which a node counts (m).
+        tolerance: f64,
+    },
+    /// Nodes of the elements of a property of the file.
+    Property(String),
+}
+
+/// Freedoms of a marker that a term of a mode set uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Interface {
+    /// Index among the body's markers.
+    pub marker: u32,
+    /// Its freedoms, along its axes.
+    pub freedoms: Freedoms,
+}
+
+/// How many normal modes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ModeCount {
+    /// The lowest so many.
+    Number(u32),
+    /// All up to a frequency (Hz).
+    UpTo(f64),
+}
+
+/// Part of a mode set.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ModeTerm {
+    /// A displacement under each unit load (attachment modes).
+    Static(Vec<Interface>),
+    /// A displacement for each unit displacement with the others held (constraint modes).
+    Constraint(Vec<Interface>),
+    /// Normal modes; with freedoms held where there are any.
+    Normal {
+        /// Which.
+        count: ModeCount,
+        /// Held besides the supports.
+        fixed: Vec<Interface>,
+    },
+    /// Shapes that another code wrote.
+    Given {
+        /// `op2`, `punch`, `frd`.
+        format: String,
+        /// The file.
+        file: String,
+        /// Place of the source in the text.
+        at: Location,
+    },
+}
+
+/// Damping of the modes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Damping {
+    /// A ratio of each mode up to a frequency (Hz, infinite: for all), rising to one at five times that.
+    Modal {
+        /// Ratio to critical damping.
+        ratio: f64,
+        /// Frequency up to which it holds (Hz).
+        up_to: f64,
+    },
+    /// `α M + β K`.
+    Rayleigh {
+        /// α (1/s).
+        mass: f64,
+        /// β (s).
+        stiffness: f64,
+    },
+}
