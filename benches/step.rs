@@ -211,6 +211,7 @@ fn reduced(
         modal_mass: diagonal(&|_| 1.0),
         stiffness: diagonal(&|w| w * w),
         damping: diagonal(&|w| 0.04 * w),
+        ..Invariants::default()
     };
     // rotation at a marker: half the curl of the shapes
     let at = |place: &Vector3<f64>| {
