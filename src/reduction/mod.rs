@@ -28,6 +28,18 @@ pub struct Reduction {
     pub(crate) body: Arc<ReducedBody>,
     /// With the mesh and the shapes on it.
     stored: Arc<StoredBody>,
+    /// Place of its mode set in the text.
+    at: Location,
+}
+
+impl Reduction {
+    /// What is doubtful about it.
+    pub(crate) fn doubts(&self) -> impl Iterator<Item = Diagnostic> + '_ {
+        self.stored.report.warnings.iter().map(|text| {
+            Diagnostic::warning(codes::REDUCED, format!("{}: {text}", self.path))
+                .at(span(self.at), "found while this was reduced")
+        })
+    }
 }
 
 impl Files for Sources {
@@ -129,6 +141,7 @@ impl Reducer {
             path: source.origin.path.clone(),
             body: Arc::new(body),
             stored,
+            at: source.modes_at,
         })
     }
 
