@@ -409,7 +409,11 @@ impl Flexible {
         for i in 0..3 {
             for k in 0..3 {
                 let line = &mut out[i * width + 6..(i + 1) * width];
-                add_scaled(line, by_rate[(i, k)], &shape.translation[k * n..(k + 1) * n]);
+                add_scaled(
+                    line,
+                    by_rate[(i, k)],
+                    &shape.translation[k * n..(k + 1) * n],
+                );
             }
         }
         if let Some(blocks) = &self.bending {
