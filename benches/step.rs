@@ -211,6 +211,7 @@ fn reduced(
         modal_mass: diagonal(&|_| 1.0),
         stiffness: diagonal(&|w| w * w),
         damping: diagonal(&|w| 0.04 * w),
+        ..Invariants::default()
     };
     // rotation at a marker: half the curl of the shapes
     let at = |place: &Vector3<f64>| {
@@ -343,11 +344,18 @@ fn measure(name: &str, compiled: &Compiled) -> Outcome<()> {
             .collect();
         show(&format!("step, {kind}"), times);
         let after = simulation.statistics();
+        let to = simulation.time();
         let steps = (after.steps - before.steps) as f64;
         let per = |a: u64, b: u64| (a - b) as f64 / steps;
+        let counted = allocation_counter::measure(|| {
+            for _ in 0..100 {
+                let _ = simulation.step();
+            }
+        });
+        println!("    100 more steps allocate {} times", counted.count_total);
         println!(
             "    a step: {:.1} us, {:.2} iterations, {:.2} residuals, {:.3} factorisations, {:.3} rejected, {:.3} failed; {} fallbacks",
-            (simulation.time() - from) / steps * 1e6,
+            (to - from) / steps * 1e6,
             per(after.iterations, before.iterations),
             per(after.residuals, before.residuals),
             per(after.factorizations, before.factorizations),

@@ -55,7 +55,12 @@ impl Engine for Local {
         if let Some(program) = &self.program {
             for name in program.models() {
                 match program.model(name) {
-                    Ok(model) => facts.push(model.summary()),
+                    Ok(model) => {
+                        facts.push(model.summary());
+                        for doubt in model.reductions().iter().flat_map(|r| r.doubts()) {
+                            diagnostics.push(doubt);
+                        }
+                    }
                     // a mesh that reads well may still make no structure
                     Err(Error::Report(report)) => diagnostics.extend(report.diagnostics().clone()),
                     Err(other) => return Err(engine_error(other)),

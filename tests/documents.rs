@@ -51,3 +51,18 @@ fn mistakes_named_in_the_readme_are_told() {
         assert_eq!(codes, [code], "{report}");
     }
 }
+
+/// All but the mesh is right: the block of the reference in a model of its own.
+#[test]
+fn the_flexible_body_of_the_reference_is_one() {
+    let block = first_model("docs/language.md");
+    let text = format!(
+        "use std.journals.Impedance\nmodel Engine {{\n gravity = [0, 0, 0] m/s^2\n marker shell[j in 1..5] = [0, 0, 92*(j - 3)] mm\n {block}\n \
+         journal main[j in 1..5] = Impedance(pin: crank.main[j], shell: shell[j], diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 10 mPa*s)\n \
+         output turn = dot(crank.flange.angular_velocity, ground.z)\n output pins[i in 1..4] = dot(crank.pin[i].velocity, ground.x)\n}}"
+    );
+    let checked = eng::check(&eng::Sources::from_text("engine.eng", text), "engine.eng");
+    let report = checked.report();
+    let codes: Vec<&str> = report.diagnostics().iter().map(|d| d.code).collect();
+    assert_eq!(codes, ["E0730"], "{report}");
+}

@@ -96,7 +96,7 @@ fn run(model: &str) -> (Option<Elaborated>, Diagnostics, usize) {
             assert_eq!(t.duration, Extent::Time(1.0));
             assert!(matches!(t.sample, Extent::Angle(a) if (a - 1f64.to_radians()).abs() < 1e-15));
         }
-        AnalysisKind::Assemble => panic!("swing is a transient"),
+        other => panic!("swing is a transient, not {other:?}"),
     }
     let made = elaborate(
         &program,

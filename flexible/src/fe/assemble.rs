@@ -398,8 +398,8 @@ impl System<'_> {
     }
 }
 
-/// Something of a beam of a checked mesh: [`beam::matrices`] or [`beam::tension`].
-pub(super) fn of_beam<T>(
+/// Something of a beam of a checked mesh: [`beam::matrices`], [`beam::tension`], [`beam::end_forces`].
+pub(crate) fn of_beam<T>(
     mesh: &Mesh,
     element: &Element,
     what: impl Fn([[f64; 3]; 2], &BeamAxes, &Section, &Material) -> Result<T, String>,

@@ -245,7 +245,7 @@ fn is_rotation(rotation: &[[f64; 3]; 3]) -> bool {
     })
 }
 
-pub(super) fn check_element(mesh: &Mesh, element: &Element) -> Result<(), FlexibleError> {
+pub(crate) fn check_element(mesh: &Mesh, element: &Element) -> Result<(), FlexibleError> {
     let first = element.first as usize;
     let count = element.kind.node_count();
     let Some(nodes) = mesh.connectivity.get(first..first + count) else {

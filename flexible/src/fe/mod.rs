@@ -9,7 +9,7 @@
 pub mod assemble;
 mod averaging;
 pub mod beam;
-mod check;
+pub(crate) mod check;
 mod connection;
 pub mod foreign;
 pub mod freedoms;

@@ -13,6 +13,11 @@ use std::collections::BTreeSet;
 const PIECE: usize = 32;
 /// Unknowns without an equation of their own by which a block may grow where a block and the one above it are joined.
 const SLACK: usize = 2;
+/// Groups tried as separators: those with most neighbours, and others spread evenly.
+const HUBS: usize = 16;
+const SPREAD: usize = 64;
+/// Separators one after the other that part nothing, after which the piece is taken whole.
+const PATIENCE: usize = 8;
 
 /// One dense block of the elimination.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -131,8 +136,18 @@ impl Graph {
 
     /// The firm group whose removal leaves the smallest largest part; among equals the one with most neighbours, then the first.
     fn separator(&self, of: &BTreeSet<usize>) -> Option<usize> {
+        let firm: Vec<usize> = of
+            .iter()
+            .copied()
+            .filter(|g| self.groups[*g].firm)
+            .collect();
+        let mut hubs = firm.clone();
+        hubs.sort_by_key(|g| (usize::MAX - self.groups[*g].neighbours.len(), *g));
+        hubs.truncate(HUBS);
+        let spread = firm.iter().step_by(firm.len().div_ceil(SPREAD).max(1));
+        let tried: BTreeSet<usize> = hubs.iter().chain(spread).copied().collect();
         let mut best: Option<(usize, usize, usize)> = None;
-        for group in of.iter().filter(|g| self.groups[**g].firm) {
+        for group in &tried {
             let mut rest = of.clone();
             rest.remove(group);
             let parts = self.parts(&rest);
@@ -183,8 +198,10 @@ impl Graph {
         }
     }
 
-    fn dissect(&self, of: BTreeSet<usize>) -> Node {
-        let separator = if self.weight(&of) <= PIECE {
+    /// `patience`: how many more separators may part nothing.
+    fn dissect(&self, of: BTreeSet<usize>, patience: usize) -> Node {
+        let mut left = patience;
+        let separator = if self.weight(&of) <= PIECE || patience == 0 {
             None
         } else {
             self.separator(&of)
@@ -196,6 +213,11 @@ impl Graph {
                 let mut rest = of;
                 rest.remove(&separator);
                 let mut open = self.parts(&rest);
+                left = if open.len() > 1 {
+                    PATIENCE
+                } else {
+                    patience - 1
+                };
                 let mut pieces = Vec::new();
                 while let Some(mut part) = open.pop() {
                     let before = pivots.len();
@@ -212,7 +234,7 @@ impl Graph {
         };
         // bodies before multipliers: fewer exchanges of rows
         pivots.sort_by_key(|g| (!self.groups[*g].firm, *g));
-        let children: Vec<Node> = pieces.into_iter().map(|p| self.dissect(p)).collect();
+        let children: Vec<Node> = pieces.into_iter().map(|p| self.dissect(p, left)).collect();
         let mut node = Node {
             pivots,
             border: BTreeSet::new(),
@@ -268,7 +290,7 @@ impl Dissection {
         let all = (0..graph.groups.len()).collect();
         let mut dissection = Dissection { fronts: Vec::new() };
         for part in graph.parts(&all) {
-            let node = graph.dissect(part);
+            let node = graph.dissect(part, PATIENCE);
             dissection.write(&graph, &node);
         }
         dissection

@@ -625,7 +625,6 @@ impl<'a> Balance<'a> {
     /// What is held against a force, by the rows it was made of.
     fn told(&self, place: &Place) -> Vec<Held> {
         let model = self.model;
-        let picked = self.holding.len();
         let owners: Vec<(Origin, bool)> = self
             .stated
             .owners
@@ -641,7 +640,7 @@ impl<'a> Balance<'a> {
             let Some((origin, is_length)) = owners.get(*i).cloned() else {
                 continue;
             };
-            let effort = place.efforts[k] * self.factors[*i] * self.unit;
+            let effort = -place.efforts[k] * self.factors[*i] * self.unit;
             if effort.abs() * (if is_length { model.length } else { 1.0 }) > 1e-6 * self.unit {
                 held.push(Held {
                     origin,

@@ -217,7 +217,15 @@ fn solutions_are_those_of_dense_elimination() {
 
 #[test]
 fn every_unknown_is_eliminated_once_and_borders_lie_above() {
-    for mechanism in mechanisms() {
+    let mut all_mechanisms = mechanisms();
+    all_mechanisms.push(Mechanism::chain(150, 5));
+    // every body tied to every other
+    all_mechanisms.push(Mechanism {
+        widths: vec![6; 20],
+        joints: vec![(0, None, 1)],
+        loads: (0..20).flat_map(|i| (0..i).map(move |j| (i, j))).collect(),
+    });
+    for mechanism in all_mechanisms {
         let pattern = mechanism.pattern();
         let fronts = Dissection::new(&pattern).fronts;
         let mut all: Vec<usize> = fronts.iter().flat_map(|f| f.pivots.clone()).collect();
@@ -393,6 +401,42 @@ fn factors_do_not_remember() {
     second.factor(&values(&pattern, &odd)).unwrap();
     assert_eq!(between, solve(&mut second, &b));
     assert_eq!(first.fallbacks() + second.fallbacks(), 0);
+}
+
+/// A chain of bodies is halved again and again: no block grows with its length.
+#[test]
+fn blocks_of_a_chain_stay_small() {
+    for bodies in [40, 160] {
+        let mechanism = Mechanism {
+            loads: vec![],
+            ..Mechanism::chain(bodies, 5)
+        };
+        let fronts = Dissection::new(&mechanism.pattern()).fronts;
+        let largest = fronts.iter().map(|f| f.pivots.len() + f.border.len());
+        assert!(largest.max().unwrap_or(0) <= 60);
+    }
+}
+
+/// Pivots too small for a reciprocal: the general factorisation takes over, says so, and is left again.
+#[test]
+fn the_general_factorisation_stands_behind() {
+    let mut numbers = Numbers::new(57);
+    let mechanism = Mechanism::engine(2, 8, 6);
+    let pattern = mechanism.pattern();
+    let a = mechanism.matrix(0.2, &mut numbers);
+    let values = values(&pattern, &a);
+    let tiny: Vec<f64> = values.iter().map(|v| v * 1e-260).collect();
+    let b = DVector::from_fn(pattern.size, |_, _| numbers.draw());
+    let mut blocks = BlockLu::new(&pattern);
+    blocks.factor(&values).unwrap();
+    let x = solve(&mut blocks, &b);
+    blocks.factor(&tiny).unwrap();
+    assert_eq!(blocks.fallbacks(), 1);
+    let y = solve(&mut blocks, &(&b * 1e-260));
+    assert!((&x - &y).amax() < 1e-8 * x.amax());
+    blocks.factor(&values).unwrap();
+    assert_eq!(blocks.fallbacks(), 1);
+    assert_eq!(x, solve(&mut blocks, &b));
 }
 
 #[test]
