@@ -6,6 +6,7 @@ use crate::cli::{
     RunOutcome, Setting,
 };
 use crate::plot::Upright;
+use crate::results::Recording;
 use crate::{Analysis, Error, Program, Quantity, Sources};
 use eng_grammar::Diagnostics;
 use std::ffi::OsString;
@@ -18,6 +19,7 @@ use std::sync::mpsc;
 #[derive(Debug, Default)]
 pub struct Local {
     program: Option<Program>,
+    recording: Recording,
 }
 
 impl Local {
@@ -132,7 +134,13 @@ impl Engine for Local {
             return Err(EngineError::System("no model was checked".into()));
         };
         let analysis = program.analysis(analysis).map_err(engine_error)?;
-        run(&with_settings(analysis, settings)?, progress)
+        let analysis = with_settings(analysis, settings)?.record(self.recording.clone());
+        run(&analysis, progress)
+    }
+
+    fn record(&mut self, recording: &Recording) -> bool {
+        self.recording = recording.clone();
+        recording.folder.is_some()
     }
 
     fn run_many(
@@ -149,6 +157,7 @@ impl Engine for Local {
             .analyses_of(analyses)
             .into_iter()
             .map(|made| with_settings(made.map_err(engine_error)?, settings))
+            .map(|made| made.map(|analysis| analysis.record(self.recording.clone())))
             .collect();
         let next = AtomicUsize::new(0);
         let (sender, receiver) = mpsc::channel();
@@ -274,6 +283,9 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     }
     let gravity = system.gravity.map(at);
     let mut facts = Vec::new();
+    if outcome.made_before {
+        facts.push("was complete, and is not run again".to_owned());
+    }
     if let Some(start) = &outcome.start {
         facts.push(start.to_string());
         crate::failure::start_advice(start)

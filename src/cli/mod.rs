@@ -7,8 +7,10 @@ mod arguments;
 mod check;
 mod engine;
 mod explain;
+mod export;
 mod figures;
 mod reduce;
+mod results;
 mod run;
 mod summary;
 mod sweep;
@@ -89,6 +91,8 @@ pub fn run_on(
         Command::Run(run) => run::run(run, engine, console),
         Command::Check(check) => check::check(check, engine, console),
         Command::Reduce(reduce) => reduce::reduce(reduce, engine, console),
+        Command::Results(listing) => results::results(listing, console),
+        Command::Export(export) => export::export(export, console),
         Command::Explain(code) => explain::explain(code, console),
     };
     match done {

@@ -6,9 +6,10 @@ use super::{
     CheckOutcome, Console, Engine, EngineError, Event, MODEL_WRONG, Progress, RunOutcome, Stop,
     USAGE_OR_SYSTEM, figures, sweep,
 };
+use crate::Quantity;
 use crate::plot;
 use crate::render::{self, Colors};
-use crate::results::file_stem;
+use crate::results::{Last, Recording, Selection, file_stem};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::num::NonZeroUsize;
@@ -29,6 +30,9 @@ pub(super) fn run(
     }
     let analyses = chosen(arguments, &checked, console)?;
     let folder = output_folder(arguments);
+    let recording = recording(arguments, &folder);
+    let recording = told_of(recording, console)?;
+    let written = engine.record(&recording);
     let bars = MultiProgress::with_draw_target(if !arguments.quiet && console.live {
         ProgressDrawTarget::stderr()
     } else {
@@ -37,7 +41,10 @@ pub(super) fn run(
     let mut shown: Vec<Option<ProgressBar>> = vec![None; analyses.len()];
     let mut ended: Vec<Option<Result<RunOutcome, EngineError>>> =
         analyses.iter().map(|_| None).collect();
-    let mut told = Told::default();
+    let mut told = Told {
+        written,
+        ..Told::default()
+    };
     engine.run_many(
         &analyses,
         &arguments.set,
@@ -94,6 +101,24 @@ pub(super) fn run(
     Ok(())
 }
 
+/// What is kept, and where.
+fn recording(arguments: &RunArguments, folder: &Path) -> Result<Recording, String> {
+    let last = match &arguments.last {
+        None => None,
+        Some(text) => {
+            let part: Quantity = text.parse().map_err(|e| format!("--last {text}: {e}"))?;
+            let part = Last::new(part.value(), part.dimension());
+            Some(part.map_err(|e| format!("--last {text}: {e}"))?)
+        }
+    };
+    Ok(Recording {
+        folder: Some(folder.to_owned()),
+        resume: arguments.resume,
+        channels: Selection::new(arguments.channels.iter().map(String::as_str)),
+        last,
+    })
+}
+
 /// As many as asked for, or as the machine has processors.
 fn threads(arguments: &RunArguments) -> NonZeroUsize {
     arguments
@@ -105,6 +130,8 @@ fn threads(arguments: &RunArguments) -> NonZeroUsize {
 /// What was told of the analyses, in the order of the text whichever ends first.
 #[derive(Default)]
 struct Told {
+    /// Whether the engine has written the results.
+    written: bool,
     next: usize,
     outcomes: Vec<RunOutcome>,
     /// Each message once, though analyses of one model fail alike.
@@ -147,7 +174,7 @@ impl Told {
         match result {
             Ok(outcome) => {
                 self.show(&outcome.diagnostics, checked, console)?;
-                report(&outcome, arguments, folder, console)?;
+                report(&outcome, self.written, arguments, folder, console)?;
                 self.outcomes.push(outcome);
             }
             Err(EngineError::Model {
@@ -163,7 +190,7 @@ impl Told {
                             console.errors,
                             "{analysis} failed; the results up to the failure are kept"
                         )?;
-                        report(&partial, arguments, folder, console)?;
+                        report(&partial, self.written, arguments, folder, console)?;
                     }
                     None => writeln!(console.errors, "{analysis} failed")?,
                 }
@@ -248,6 +275,7 @@ fn output_folder(arguments: &RunArguments) -> PathBuf {
 /// Writes the files of one analysis, prints its table.
 fn report(
     outcome: &RunOutcome,
+    written: bool,
     arguments: &RunArguments,
     folder: &Path,
     console: &mut Console<'_>,
@@ -280,8 +308,11 @@ fn report(
             write!(console.output, "{}", journal_table(&summaries))?;
         }
     }
-    let written = results.write_parquet(folder);
-    let path = told_of(written, console)?;
+    let path = if written {
+        folder.join(format!("{}.parquet", file_stem(results.analysis())))
+    } else {
+        told_of(results.write_parquet(folder), console)?
+    };
     wrote(&path, arguments, console)?;
     if arguments.csv {
         let written = results.write_csv(folder);

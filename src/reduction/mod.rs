@@ -42,6 +42,13 @@ impl Reduction {
     }
 }
 
+impl Reduction {
+    /// What tells it from other reductions: the hash of request and files.
+    pub(crate) fn key(&self) -> String {
+        self.stored.key.text()
+    }
+}
+
 impl Files for Sources {
     fn open(&self, name: &str) -> std::io::Result<Box<dyn Read>> {
         self.open_data(name).map_err(|error| match error {
