@@ -1,6 +1,7 @@
 //! Running the analyses of a program.
 
 use crate::model::{Model, Parameter};
+use crate::motion::Motion;
 use crate::results::{Column, Results};
 use crate::simulation::run_error;
 use crate::{Error, Program, Quantity, RuntimeError};
@@ -37,6 +38,8 @@ pub struct Progress {
 pub struct Outcome {
     /// All columns.
     pub results: Results,
+    /// Where the bodies were in the last cycle, thinned: see [`crate::motion`].
+    pub motion: Results,
     /// `advise`s that did not hold.
     pub warnings: Vec<Warning>,
     /// Steps and energy; absent where only the start was asked for, or the run failed.
@@ -133,6 +136,7 @@ impl Analysis {
             energy: Default::default(),
             channels: vec![Vec::new(); compiled.system.channels.len()],
             warnings: Vec::new(),
+            motion: Motion::new(self.bound().ok().and_then(|b| cycle_period(compiled, &b))),
             start: None,
             cycles: None,
             progress,
@@ -184,9 +188,19 @@ impl Analysis {
             values: &values,
             energy: simulation.energy(),
             eccentricities: &[],
+            pose: simulation.sampled_pose(),
         });
         Ok(())
     }
+}
+
+/// The period of the cycle (rad), if the model has one.
+pub(crate) fn cycle_period(
+    compiled: &eng_system::code::Compiled,
+    bound: &eng_system::code::Bound,
+) -> Option<f64> {
+    let cycle = compiled.system.cycle.as_ref()?;
+    bound.slots.get(cycle.period.0 as usize).copied()
 }
 
 /// Columns while a run goes on.
@@ -194,18 +208,21 @@ struct Recorder<'a> {
     time: Vec<f64>,
     cycle_angle: Vec<f64>,
     cycle_rate: Vec<f64>,
-    energy: [Vec<f64>; 5],
+    energy: [Vec<f64>; 7],
     channels: Vec<Vec<f64>>,
     warnings: Vec<Warning>,
+    motion: Motion,
     start: Option<StartReport>,
     cycles: Option<(u32, Option<f64>)>,
     progress: &'a mut dyn FnMut(Progress),
 }
 
 /// Paths of the energy audit's columns.
-const ENERGY: [&str; 5] = [
+const ENERGY: [&str; 7] = [
     "energy.kinetic",
     "energy.gravity",
+    "energy.strain",
+    "energy.damping",
     "energy.work_of_loads",
     "energy.work_of_drives",
     "energy.imbalance",
@@ -222,12 +239,21 @@ impl Observer for Recorder<'_> {
 
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
         self.time.push(sample.time);
+        self.motion.push(sample);
         if let (Some(angle), Some(rate)) = (sample.cycle_angle, sample.cycle_rate) {
             self.cycle_angle.push(angle);
             self.cycle_rate.push(rate);
         }
         let e = &sample.energy;
-        let audit = [e.kinetic, e.gravity, e.loads, e.constraints, e.imbalance()];
+        let audit = [
+            e.kinetic,
+            e.gravity,
+            e.strain,
+            e.damping,
+            e.loads,
+            e.constraints,
+            e.imbalance(),
+        ];
         for (column, value) in self.energy.iter_mut().zip(audit) {
             column.push(value);
         }
@@ -312,8 +338,10 @@ impl Recorder<'_> {
                 format!("{} {}", d.from_si(*value), d.symbol),
             );
         }
+        let motion = self.motion.results(analysis, results.metadata())?;
         Ok(Outcome {
             results,
+            motion,
             warnings: self.warnings,
             summary,
             start: self.start,

@@ -38,6 +38,7 @@ mod error;
 mod failure;
 mod local;
 mod model;
+pub mod motion;
 mod program;
 mod quantity;
 mod reduction;

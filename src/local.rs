@@ -315,6 +315,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         facts,
         point: analysis.point().to_vec(),
         periodic: outcome.periodic.as_ref().map(|p| (p.cycles, p.repeats)),
+        motion: (outcome.motion.samples() > 0).then_some(outcome.motion),
         results: outcome.results,
     })
 }

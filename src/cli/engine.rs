@@ -115,6 +115,8 @@ pub struct JournalGeometry {
 pub struct RunOutcome {
     /// All columns.
     pub results: Results,
+    /// Where the bodies were in the last cycle: `ANALYSIS.motion`; absent where it is not known.
+    pub motion: Option<Results>,
     /// Journals in the order of the text.
     pub journals: Vec<JournalGeometry>,
     /// The cycle's period (rad), if the model has a cycle.

@@ -283,6 +283,10 @@ fn report(
     let written = results.write_parquet(folder);
     let path = told_of(written, console)?;
     wrote(&path, arguments, console)?;
+    if let Some(motion) = &outcome.motion {
+        let path = told_of(motion.write_parquet(folder), console)?;
+        wrote(&path, arguments, console)?;
+    }
     if arguments.csv {
         let written = results.write_csv(folder);
         let path = told_of(written, console)?;

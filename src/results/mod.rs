@@ -37,6 +37,9 @@ pub enum ResultsError {
         /// The first column's length.
         expected: usize,
     },
+    /// A column that was looked for.
+    #[error("there is no column {0}")]
+    NoColumn(String),
     /// The system refused.
     #[error("{}: {source}", path.display())]
     File {
