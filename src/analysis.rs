@@ -82,6 +82,11 @@ impl Analysis {
         &self.plan.origin.path
     }
 
+    /// Hash of the texts of its program.
+    pub(crate) fn source_hash(&self) -> String {
+        self.program.source_hash()
+    }
+
     /// Its place in the text.
     pub(crate) fn origin(&self) -> &eng_system::system::Origin {
         &self.plan.origin

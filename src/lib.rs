@@ -42,6 +42,7 @@ pub mod motion;
 mod program;
 mod quantity;
 mod reduction;
+pub mod report;
 mod simulation;
 mod sources;
 

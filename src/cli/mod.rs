@@ -7,10 +7,11 @@ mod arguments;
 mod check;
 mod engine;
 mod explain;
-mod figures;
+pub(crate) mod figures;
 mod reduce;
+mod report;
 mod run;
-mod summary;
+pub(crate) mod summary;
 mod sweep;
 mod table;
 
@@ -89,6 +90,7 @@ pub fn run_on(
         Command::Run(run) => run::run(run, engine, console),
         Command::Check(check) => check::check(check, engine, console),
         Command::Reduce(reduce) => reduce::reduce(reduce, engine, console),
+        Command::Report(report) => report::report(report, engine, console),
         Command::Explain(code) => explain::explain(code, console),
     };
     match done {
