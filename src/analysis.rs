@@ -1,6 +1,7 @@
 //! Running the analyses of a program.
 
 use crate::model::{Model, Parameter};
+use crate::motion::Motion;
 use crate::results::{Begun, Column, KeptWarning, Recording, Results, ResultsError, Table};
 use crate::simulation::run_error;
 use crate::{Error, Program, Quantity, RuntimeError};
@@ -38,6 +39,8 @@ pub struct Progress {
 pub struct Outcome {
     /// All columns.
     pub results: Results,
+    /// Where the bodies were in the last cycle, thinned: see [`crate::motion`].
+    pub motion: Results,
     /// `advise`s that did not hold.
     pub warnings: Vec<Warning>,
     /// Steps and energy; absent where only the start was asked for, or the run failed.
@@ -81,6 +84,11 @@ impl Analysis {
     /// Its name.
     pub fn name(&self) -> &str {
         &self.plan.origin.path
+    }
+
+    /// Hash of the texts of its program.
+    pub(crate) fn source_hash(&self) -> String {
+        self.program.source_hash()
     }
 
     /// Its place in the text.
@@ -143,7 +151,9 @@ impl Analysis {
             Ok(Begun::Fresh(table)) => (table, None),
             Ok(Begun::Resumed(table, point)) => (table, Some(point)),
             Ok(Begun::Complete(results)) => {
+                // its motion is on disk beside it
                 return Ok(Outcome {
+                    motion: Results::new(self.name(), self.model.name()),
                     results,
                     warnings: Vec::new(),
                     summary: None,
@@ -164,6 +174,7 @@ impl Analysis {
             refused: None,
             resumed: point.is_some(),
             warnings: point.iter().flat_map(|p| &p.warnings).map(given).collect(),
+            motion: Motion::new(self.bound().ok().and_then(|b| cycle_period(compiled, &b))),
             start: None,
             cycles: None,
             progress,
@@ -202,8 +213,17 @@ impl Analysis {
                 partial: None,
             }),
             (Ok(results), cause) => {
+                let motion =
+                    recorder
+                        .motion
+                        .results(self, results.metadata())
+                        .map_err(|error| Failed {
+                            error: Box::new(error),
+                            partial: None,
+                        })?;
                 let outcome = Outcome {
                     results,
+                    motion,
                     warnings: recorder.warnings,
                     summary,
                     start: recorder.start,
@@ -321,9 +341,19 @@ impl Analysis {
             values: &values,
             energy: simulation.energy(),
             eccentricities: &[],
+            pose: simulation.sampled_pose(),
         });
         Ok(())
     }
+}
+
+/// The period of the cycle (rad), if the model has one.
+pub(crate) fn cycle_period(
+    compiled: &eng_system::code::Compiled,
+    bound: &eng_system::code::Bound,
+) -> Option<f64> {
+    let cycle = compiled.system.cycle.as_ref()?;
+    bound.slots.get(cycle.period.0 as usize).copied()
 }
 
 /// What a run gives on its way to a table.
@@ -334,6 +364,7 @@ struct Recorder<'a> {
     /// Whether an earlier run told of the start.
     resumed: bool,
     warnings: Vec<Warning>,
+    motion: Motion,
     start: Option<StartReport>,
     cycles: Option<(u32, Option<f64>)>,
     progress: &'a mut dyn FnMut(Progress),
@@ -382,9 +413,11 @@ fn given(kept: &KeptWarning) -> Warning {
 }
 
 /// Paths of the energy audit's columns.
-const ENERGY: [&str; 5] = [
+const ENERGY: [&str; 7] = [
     "energy.kinetic",
     "energy.gravity",
+    "energy.strain",
+    "energy.damping",
     "energy.work_of_loads",
     "energy.work_of_drives",
     "energy.imbalance",
@@ -408,8 +441,17 @@ impl Observer for Recorder<'_> {
         if self.refused.is_some() {
             return ControlFlow::Break(());
         }
+        self.motion.push(sample);
         let e = &sample.energy;
-        let audit = [e.kinetic, e.gravity, e.loads, e.constraints, e.imbalance()];
+        let audit = [
+            e.kinetic,
+            e.gravity,
+            e.strain,
+            e.damping,
+            e.loads,
+            e.constraints,
+            e.imbalance(),
+        ];
         let row = std::iter::once(sample.time)
             .chain(sample.cycle_angle)
             .chain(sample.cycle_rate)

@@ -38,9 +38,11 @@ mod error;
 mod failure;
 mod local;
 mod model;
+pub mod motion;
 mod program;
 mod quantity;
 mod reduction;
+pub mod report;
 mod simulation;
 mod sources;
 

@@ -6,9 +6,12 @@ use crate::cli::{
     RunOutcome, Setting,
 };
 use crate::plot::Upright;
+use crate::report::Described;
 use crate::results::Recording;
-use crate::{Analysis, Error, Program, Quantity, Sources};
+use crate::{Analysis, Error, Program, Quantity, Results, Sources};
 use eng_grammar::Diagnostics;
+use eng_system::code::Bound;
+use eng_system::system::{Slot, System};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -94,6 +97,22 @@ impl Engine for Local {
             }
         }
         Ok(texts)
+    }
+
+    fn describe(&mut self, results: &[&Results]) -> Result<Vec<Described>, EngineError> {
+        let Some(program) = &self.program else {
+            return Err(EngineError::System("no model was checked".into()));
+        };
+        let names: Vec<&str> = results.iter().map(|r| r.analysis()).collect();
+        program
+            .analyses_of(&names)
+            .into_iter()
+            .zip(results)
+            .map(|(analysis, results)| {
+                Described::new(analysis.map_err(engine_error)?, results.metadata())
+                    .map_err(engine_error)
+            })
+            .collect()
     }
 
     fn assemble(&mut self) -> Result<AssemblyOutcome, EngineError> {
@@ -266,8 +285,6 @@ fn engine_error(error: Error) -> EngineError {
 fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Error> {
     let system = &analysis.model().compiled().system;
     let bound = analysis.bound()?;
-    let at =
-        |slot: eng_system::system::Slot| bound.slots.get(slot.0 as usize).copied().unwrap_or(0.0);
     let mut diagnostics = Diagnostics::new();
     for advice in &bound.advice {
         diagnostics.push(crate::failure::parameter_advice(advice));
@@ -281,7 +298,6 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
             diagnostics.push(crate::failure::advice(warning));
         }
     }
-    let gravity = system.gravity.map(at);
     let mut facts = Vec::new();
     if outcome.made_before {
         facts.push("was complete, and is not run again".to_owned());
@@ -311,27 +327,47 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         ));
     }
     Ok(RunOutcome {
-        journals: system
-            .journals
-            .iter()
-            .map(|j| JournalGeometry {
-                path: system.elements[j.element as usize].origin.path.clone(),
-                diameter: at(j.diameter),
-                width: at(j.width),
-                radial_clearance: at(j.radial_clearance),
-            })
-            .collect(),
-        cycle_period: system.cycle.as_ref().map(|c| at(c.period)),
-        // orbits are drawn with gravity downwards
-        upright: if gravity[0].abs() > gravity[1].abs() {
-            Upright::X
-        } else {
-            Upright::Y
-        },
+        journals: journals(system, &bound),
+        cycle_period: crate::analysis::cycle_period(analysis.model().compiled(), &bound),
+        upright: upright(system, &bound),
         diagnostics,
         facts,
         point: analysis.point().to_vec(),
         periodic: outcome.periodic.as_ref().map(|p| (p.cycles, p.repeats)),
+        motion: (outcome.motion.samples() > 0).then_some(outcome.motion),
         results: outcome.results,
     })
+}
+
+/// The journals of a model with its numbers.
+pub(crate) fn journals(system: &System, bound: &Bound) -> Vec<JournalGeometry> {
+    system
+        .journals
+        .iter()
+        .map(|j| JournalGeometry {
+            path: system
+                .elements
+                .get(j.element as usize)
+                .map(|e| e.origin.path.clone())
+                .unwrap_or_default(),
+            diameter: at(bound, j.diameter),
+            width: at(bound, j.width),
+            radial_clearance: at(bound, j.radial_clearance),
+        })
+        .collect()
+}
+
+/// The value of a slot.
+pub(crate) fn at(bound: &Bound, slot: Slot) -> f64 {
+    bound.slots.get(slot.0 as usize).copied().unwrap_or(0.0)
+}
+
+/// Orbits are drawn with gravity downwards.
+pub(crate) fn upright(system: &System, bound: &Bound) -> Upright {
+    let gravity = system.gravity.map(|slot| at(bound, slot));
+    if gravity[0].abs() > gravity[1].abs() {
+        Upright::X
+    } else {
+        Upright::Y
+    }
 }

@@ -97,6 +97,7 @@ fn outcome(analysis: &str) -> RunOutcome {
     }
     RunOutcome {
         results,
+        motion: None,
         journals: vec![JournalGeometry {
             path: "main[1]".to_owned(),
             diameter: 0.054,

@@ -140,6 +140,7 @@ struct Record {
     heads: Vec<(f64, Option<f64>, Option<f64>, Energy)>,
     values: Vec<f64>,
     orbits: Vec<Vec<[f64; 2]>>,
+    poses: Vec<f64>,
 }
 
 impl Record {
@@ -152,6 +153,7 @@ impl Record {
         ));
         self.values.extend_from_slice(sample.values);
         self.orbits.push(sample.eccentricities.to_vec());
+        self.poses.extend_from_slice(sample.pose);
     }
 }
 
@@ -259,6 +261,7 @@ impl Cycles<'_> {
     fn give(&mut self) {
         let whole = self.now.heads.len() <= 1 && !self.last.heads.is_empty();
         let record = if whole { &self.last } else { &self.now };
+        let width = record.poses.len() / record.heads.len().max(1);
         for (i, (time, cycle_angle, cycle_rate, energy)) in record.heads.iter().enumerate() {
             let flow = self.observer.sample(&Sample {
                 time: *time,
@@ -267,6 +270,7 @@ impl Cycles<'_> {
                 values: &record.values[i * self.channels..(i + 1) * self.channels],
                 energy: *energy,
                 eccentricities: &record.orbits[i],
+                pose: &record.poses[i * width..(i + 1) * width],
             });
             if flow.is_break() {
                 return;

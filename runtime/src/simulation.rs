@@ -283,6 +283,11 @@ impl Simulation {
         start::motion::eccentricities(&self.model, &self.completed.pose)
     }
 
+    /// Of each body r (m), unit quaternion, modal amplitudes, at the state of the last outputs.
+    pub fn sampled_pose(&self) -> &[f64] {
+        &self.completed.pose
+    }
+
     /// Counts of work.
     pub fn statistics(&self) -> Statistics {
         self.integrator.statistics

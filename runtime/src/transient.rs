@@ -24,6 +24,8 @@ pub struct Sample<'a> {
     pub energy: Energy,
     /// e of every journal (m): the pin's origin from the shell's, along the shell's x and y.
     pub eccentricities: &'a [[f64; 2]],
+    /// Of each body in the order of the system: r (m), unit quaternion w, x, y, z from body to ground axes, modal amplitudes.
+    pub pose: &'a [f64],
 }
 
 /// What looks on.
@@ -296,6 +298,7 @@ impl Run<'_> {
             values: &self.values,
             energy: simulation.energy(),
             eccentricities: &simulation.eccentricities(),
+            pose: simulation.sampled_pose(),
         })
     }
 

@@ -29,6 +29,11 @@ pub(super) enum Command {
     ///
     /// Reports everything that is wrong or doubtful in one go: names, units, connections, degrees of freedom.
     Check(CheckArguments),
+    /// Make one HTML file of the results of a model, and files for other tools
+    ///
+    /// Reads what `eng run` wrote: tables, figures, an animation, stresses of flexible bodies, provenance. The file needs no
+    /// other and no network.
+    Report(ReportArguments),
     /// Reduce the flexible bodies of a model and print what they are: mass, modes, frequencies
     Reduce(ReduceArguments),
     /// List what result files hold: channels with unit, frame and range, samples, time, where they come from
@@ -87,6 +92,31 @@ pub(super) enum Target {
     Uff58,
     /// MATLAB level 5
     Mat,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ReportArguments {
+    /// The model's file
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// Read the results in this folder [default: results/MODEL]
+    #[arg(long, value_name = "DIR")]
+    pub results: Option<PathBuf>,
+    /// Write this file [default: report.html beside the results]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Report this analysis only; may be given several times [default: all that were run]
+    #[arg(long, value_name = "NAME")]
+    pub analysis: Vec<String>,
+    /// Write the first animation as a binary glTF file, too
+    #[arg(long, value_name = "FILE")]
+    pub gltf: Option<PathBuf>,
+    /// Write the motion and stresses of its flexible bodies as a series for ParaView into this folder, too
+    #[arg(long, value_name = "DIR")]
+    pub vtu: Option<PathBuf>,
+    /// Say nothing but warnings and errors
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 #[derive(Debug, Args)]

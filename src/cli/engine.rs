@@ -1,6 +1,7 @@
 //! What the command needs from the compiler and the runtime.
 
 use crate::plot::Upright;
+use crate::report::Described;
 use crate::results::{Recording, Results};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::system::PointValue;
@@ -14,6 +15,14 @@ pub trait Engine {
 
     /// Reduces the flexible bodies of the models that were checked last and had no errors: a text a body.
     fn reduce(&mut self) -> Result<Vec<String>, EngineError>;
+
+    /// What a report needs to know of the model behind each of these results of the model that was checked last; parameters are
+    /// those that the results were computed with.
+    fn describe(&mut self, _results: &[&Results]) -> Result<Vec<Described>, EngineError> {
+        Err(EngineError::System(
+            "this engine describes no models".into(),
+        ))
+    }
 
     /// Assembles the models that were checked last and had no errors, and counts their freedoms: what no text shows.
     fn assemble(&mut self) -> Result<AssemblyOutcome, EngineError>;
@@ -120,6 +129,8 @@ pub struct JournalGeometry {
 pub struct RunOutcome {
     /// All columns.
     pub results: Results,
+    /// Where the bodies were in the last cycle: `ANALYSIS.motion`; absent where it is not known.
+    pub motion: Option<Results>,
     /// Journals in the order of the text.
     pub journals: Vec<JournalGeometry>,
     /// The cycle's period (rad), if the model has a cycle.

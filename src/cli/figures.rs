@@ -3,48 +3,48 @@
 use super::RunOutcome;
 use crate::plot::{Abscissa, Curve, History, Orbit, Orbits, Ordinate, Panel, Scale};
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
+use eng_system::Dimension;
 
 /// File names (without extension) and SVG texts: the forces and orbits of the journals, and the model's own outputs.
 pub(super) fn of_analysis(outcome: &RunOutcome) -> Vec<(String, String)> {
-    let results = &outcome.results;
-    let mut figures = Vec::new();
-    for family in families(results) {
-        let figure = history(
-            &family.title(),
-            &about(results),
-            &family,
-            &[(String::new(), results)],
-        );
-        figures.extend(figure.map(|f| {
-            (
-                format!("{}-{}", results.analysis(), family.name),
-                f.to_svg(),
-            )
-        }));
-    }
-    for axis in ["x", "y"] {
-        let family = journal_forces(outcome, axis);
-        let figure = history(
-            &family.title(),
-            &about(results),
-            &family,
-            &[(String::new(), results)],
-        );
-        figures.extend(figure.map(|f| {
-            (
-                format!("{}-journal-force-{axis}", results.analysis()),
-                f.to_svg(),
-            )
-        }));
-    }
+    let mut figures: Vec<(String, String)> = histories(outcome)
+        .into_iter()
+        .map(|(_, name, figure)| (name, figure.to_svg()))
+        .collect();
     if let Some(orbits) = orbits(outcome) {
-        figures.push((format!("{}-orbits", results.analysis()), orbits.to_svg()));
+        let name = format!("{}-orbits", outcome.results.analysis());
+        figures.push((name, orbits.to_svg()));
     }
     figures
 }
 
+/// The model's outputs and the forces of its journals: dimension, file name, figure.
+pub(crate) fn histories(outcome: &RunOutcome) -> Vec<(Dimension, String, History)> {
+    let results = &outcome.results;
+    let mut wanted = families(results);
+    wanted.extend(["x", "y"].map(|axis| journal_forces(outcome, axis)));
+    let one = [(String::new(), results)];
+    wanted
+        .iter()
+        .filter_map(|family| {
+            let dimension = family.columns(results).first()?.dimension;
+            let figure = history(&family.title(), &about(results), family, &one)?;
+            let name = format!("{}-{}", results.analysis(), family.name);
+            Some((dimension, name, figure))
+        })
+        .collect()
+}
+
 /// One figure a family of model outputs that several analyses have: an analysis a panel, up to four of one model.
 pub(super) fn comparisons(outcomes: &[&RunOutcome]) -> Vec<(String, String)> {
+    compared(outcomes)
+        .into_iter()
+        .map(|(name, figure)| (name, figure.to_svg()))
+        .collect()
+}
+
+/// [`comparisons`] before they are drawn.
+pub(crate) fn compared(outcomes: &[&RunOutcome]) -> Vec<(String, History)> {
     let Some(first) = outcomes.first() else {
         return Vec::new();
     };
@@ -77,10 +77,7 @@ pub(super) fn comparisons(outcomes: &[&RunOutcome]) -> Vec<(String, String)> {
         })
         .filter_map(|family| {
             let figure = history(&family.title(), &subtitle, family, &panels)?;
-            Some((
-                format!("{}-{}", names.join("-"), family.name),
-                figure.to_svg(),
-            ))
+            Some((format!("{}-{}", names.join("-"), family.name), figure))
         })
         .collect()
 }
@@ -229,7 +226,8 @@ fn common_frame(frames: &[&str]) -> String {
     }
 }
 
-fn orbits(outcome: &RunOutcome) -> Option<Orbits> {
+/// Paths of the journals' pins, where there are journals.
+pub(crate) fn orbits(outcome: &RunOutcome) -> Option<Orbits> {
     let results = &outcome.results;
     let angle = results
         .column(CYCLE_ANGLE)

@@ -8,11 +8,12 @@ mod check;
 mod engine;
 mod explain;
 mod export;
-mod figures;
+pub(crate) mod figures;
 mod reduce;
+mod report;
 mod results;
 mod run;
-mod summary;
+pub(crate) mod summary;
 mod sweep;
 mod table;
 
@@ -93,6 +94,7 @@ pub fn run_on(
         Command::Reduce(reduce) => reduce::reduce(reduce, engine, console),
         Command::Results(listing) => results::results(listing, console),
         Command::Export(export) => export::export(export, console),
+        Command::Report(report) => report::report(report, engine, console),
         Command::Explain(code) => explain::explain(code, console),
     };
     match done {

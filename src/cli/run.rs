@@ -28,8 +28,11 @@ pub(super) fn run(
     if checked.diagnostics.has_errors() {
         return Err(Stop::Code(MODEL_WRONG));
     }
-    let analyses = chosen(arguments, &checked, console)?;
-    let folder = output_folder(arguments);
+    let analyses = chosen(&arguments.model, &arguments.analysis, &checked, console)?;
+    let folder = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| results_folder(&arguments.model));
     let recording = recording(arguments, &folder);
     let recording = told_of(recording, console)?;
     let written = engine.record(&recording);
@@ -217,15 +220,16 @@ impl Told {
     }
 }
 
-/// The analyses to run: those asked for, or all.
-fn chosen<'a>(
-    arguments: &'a RunArguments,
+/// The analyses that are meant: those asked for, or all.
+pub(super) fn chosen<'a>(
+    model: &Path,
+    wanted: &[String],
     checked: &'a CheckOutcome,
     console: &mut Console<'_>,
 ) -> Result<Vec<&'a str>, Stop> {
     let known = &checked.analyses;
     let mut analyses: Vec<&str> = Vec::new();
-    for asked in &arguments.analysis {
+    for asked in wanted {
         // `sweep` stands for all of `sweep[1]`, `sweep[2]`, …
         let found: Vec<&str> = known
             .iter()
@@ -236,7 +240,7 @@ fn chosen<'a>(
             writeln!(
                 console.errors,
                 "error: {} has no analysis {asked}; it has {}",
-                arguments.model.display(),
+                model.display(),
                 if known.is_empty() {
                     "none".to_owned()
                 } else {
@@ -251,25 +255,23 @@ fn chosen<'a>(
             }
         }
     }
-    if arguments.analysis.is_empty() {
+    if wanted.is_empty() {
         analyses.extend(known.iter().map(String::as_str));
     }
     if analyses.is_empty() {
         writeln!(
             console.errors,
             "error: {} has no analysis; write one: analysis run = transient(…)",
-            arguments.model.display()
+            model.display()
         )?;
         return Err(Stop::Code(MODEL_WRONG));
     }
     Ok(analyses)
 }
 
-fn output_folder(arguments: &RunArguments) -> PathBuf {
-    arguments.out.clone().unwrap_or_else(|| {
-        let stem = arguments.model.file_stem().unwrap_or_default();
-        Path::new("results").join(stem)
-    })
+/// Where results are kept if nothing else is said.
+pub(super) fn results_folder(model: &Path) -> PathBuf {
+    Path::new("results").join(model.file_stem().unwrap_or_default())
 }
 
 /// Writes the files of one analysis, prints its table.
@@ -314,6 +316,10 @@ fn report(
         told_of(results.write_parquet(folder), console)?
     };
     wrote(&path, arguments, console)?;
+    if let Some(motion) = &outcome.motion {
+        let path = told_of(motion.write_parquet(folder), console)?;
+        wrote(&path, arguments, console)?;
+    }
     if arguments.csv {
         let written = results.write_csv(folder);
         let path = told_of(written, console)?;
@@ -349,7 +355,7 @@ fn wrote(path: &Path, arguments: &RunArguments, console: &mut Console<'_>) -> Re
 }
 
 /// The value, or the error on the console.
-fn told_of<T, E: std::fmt::Display>(
+pub(super) fn told_of<T, E: std::fmt::Display>(
     result: Result<T, E>,
     console: &mut Console<'_>,
 ) -> Result<T, Stop> {
@@ -362,7 +368,7 @@ fn told_of<T, E: std::fmt::Display>(
     }
 }
 
-fn show(
+pub(super) fn show(
     diagnostics: &Diagnostics,
     sources: &SourceMap,
     console: &mut Console<'_>,

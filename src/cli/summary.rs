@@ -78,7 +78,7 @@ impl JournalSummary {
 }
 
 /// Index of the first sample of the last whole cycle, if there is one.
-pub(super) fn last_cycle(angle: Option<&[f64]>, period: Option<f64>) -> Option<usize> {
+pub(crate) fn last_cycle(angle: Option<&[f64]>, period: Option<f64>) -> Option<usize> {
     let (angle, period) = (angle?, period?);
     let (first, last) = (angle.first()?, angle.last()?);
     let start = last - period;

@@ -27,7 +27,7 @@ pub struct Reduction {
     /// What the runtime computes with; damping is in it.
     pub(crate) body: Arc<ReducedBody>,
     /// With the mesh and the shapes on it.
-    stored: Arc<StoredBody>,
+    pub(crate) stored: Arc<StoredBody>,
     /// Place of its mode set in the text.
     at: Location,
 }

@@ -82,6 +82,9 @@ pub enum ResultsError {
         /// Why.
         message: String,
     },
+    /// A column that was looked for.
+    #[error("there is no column {0}")]
+    NoColumn(String),
     /// The system refused.
     #[error("{}: {source}", path.display())]
     File {

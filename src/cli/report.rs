@@ -1,0 +1,166 @@
+//! `eng report`.
+
+use super::arguments::ReportArguments;
+use super::run::{chosen, explain_error, results_folder, show, told_of};
+use super::{Console, Engine, MODEL_WRONG, Stop, USAGE_OR_SYSTEM};
+use crate::motion::SUFFIX;
+use crate::report::{Entry, make, write_series};
+use crate::results::{Results, ResultsError, file_stem, replace_file};
+use eng_flexible::store::{content_hash, hexadecimal};
+use eng_grammar::SourceMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+pub(super) fn report(
+    arguments: &ReportArguments,
+    engine: &mut dyn Engine,
+    console: &mut Console<'_>,
+) -> Result<(), Stop> {
+    let checked = match engine.check(&arguments.model) {
+        Ok(checked) => checked,
+        Err(error) => return Err(explain_error(&error, &SourceMap::new(), console)),
+    };
+    show(&checked.diagnostics, &checked.sources, console)?;
+    if checked.diagnostics.has_errors() {
+        return Err(Stop::Code(MODEL_WRONG));
+    }
+    let names = chosen(&arguments.model, &arguments.analysis, &checked, console)?;
+    let folder = arguments
+        .results
+        .clone()
+        .unwrap_or_else(|| results_folder(&arguments.model));
+    let mut read = Vec::new();
+    let mut missing = Vec::new();
+    for name in names {
+        let file = |suffix: &str| folder.join(format!("{}{suffix}.parquet", file_stem(name)));
+        let path = file("");
+        if !path.is_file() {
+            missing.push(name.to_owned());
+            continue;
+        }
+        let results = told_of(Results::read_parquet(&path), console)?;
+        let mut files = vec![told_of(hashed(&path), console)?];
+        let path = file(SUFFIX);
+        let motion = if path.is_file() {
+            files.push(told_of(hashed(&path), console)?);
+            Some(told_of(Results::read_parquet(&path), console)?)
+        } else {
+            None
+        };
+        read.push((results, motion, files));
+    }
+    // what was asked for by name must be there
+    if read.is_empty() || !(missing.is_empty() || arguments.analysis.is_empty()) {
+        writeln!(
+            console.errors,
+            "error: {} has no results of {}; run first: eng run {}{}",
+            folder.display(),
+            missing.join(", "),
+            arguments.model.display(),
+            match &arguments.results {
+                Some(folder) => format!(" --out {}", folder.display()),
+                None => String::new(),
+            }
+        )?;
+        return Err(Stop::Code(USAGE_OR_SYSTEM));
+    }
+    let results: Vec<&Results> = read.iter().map(|(results, ..)| results).collect();
+    let described = match engine.describe(&results) {
+        Ok(described) => described,
+        Err(error) => return Err(explain_error(&error, &checked.sources, console)),
+    };
+    let entries: Vec<Entry> = read
+        .into_iter()
+        .zip(described)
+        .map(|((results, motion, files), described)| Entry::new(results, motion, described, files))
+        .collect();
+    let file = arguments
+        .model
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy();
+    let made = told_of(
+        make(&file, &entries, &missing, &command(arguments)),
+        console,
+    )?;
+    for warning in &made.warnings {
+        writeln!(console.errors, "warning: {warning}")?;
+    }
+    let out = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| folder.join("report.html"));
+    let mut written = vec![told_of(write(&out, made.html.as_bytes()), console)?];
+    if let Some(path) = &arguments.gltf {
+        match &made.gltf {
+            Some(bytes) => written.push(told_of(write(path, bytes), console)?),
+            None => {
+                writeln!(
+                    console.errors,
+                    "error: no motion was kept; run the model again"
+                )?;
+                return Err(Stop::Code(USAGE_OR_SYSTEM));
+            }
+        }
+    }
+    if let Some(folder) = &arguments.vtu {
+        let moved = entries.iter().find(|e| e.outcome.motion.is_some());
+        let series = match moved.or(entries.first()) {
+            Some(entry) => told_of(write_series(entry, folder), console)?,
+            None => None,
+        };
+        match series {
+            Some(path) => written.push(path),
+            None => writeln!(
+                console.errors,
+                "warning: no body is flexible: no series is written"
+            )?,
+        }
+    }
+    if !arguments.quiet {
+        for path in written {
+            writeln!(console.output, "wrote {}", path.display())?;
+        }
+    }
+    Ok(())
+}
+
+/// A file's name with the hash of its contents.
+fn hashed(path: &Path) -> Result<(String, String), ResultsError> {
+    let bytes = std::fs::read(path).map_err(|source| ResultsError::File {
+        path: path.to_owned(),
+        source,
+    })?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Ok((name.into_owned(), hexadecimal(&content_hash(&bytes))))
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<PathBuf, ResultsError> {
+    replace_file(path, |file: &mut std::fs::File| file.write_all(bytes)).map_err(|source| {
+        ResultsError::File {
+            path: path.to_owned(),
+            source,
+        }
+    })?;
+    Ok(path.to_owned())
+}
+
+/// What was asked for, as one would type it.
+fn command(arguments: &ReportArguments) -> String {
+    let mut words = vec![format!("eng report {}", arguments.model.display())];
+    for name in &arguments.analysis {
+        words.push(format!("--analysis \"{name}\""));
+    }
+    let paths = [
+        ("--results", &arguments.results),
+        ("--out", &arguments.out),
+        ("--gltf", &arguments.gltf),
+        ("--vtu", &arguments.vtu),
+    ];
+    for (flag, path) in paths {
+        if let Some(path) = path {
+            words.push(format!("{flag} {}", path.display()));
+        }
+    }
+    words.join(" ")
+}

@@ -1,0 +1,205 @@
+//! Where the bodies are: positions, orientations and modal amplitudes over the last cycle, for animation and recovery.
+//!
+//! Columns beside `time` and `cycle.angle`, for each body `B`:
+//!
+//! | column | meaning |
+//! | --- | --- |
+//! | `B.position.x`, `.y`, `.z` | r (m, ground axes): origin of the body's frame |
+//! | `B.orientation.w`, `.x`, `.y`, `.z` | unit quaternion from the body's to the ground's axes |
+//! | `B.amplitude[1]`, … | modal amplitudes a of a flexible body: a node s is at r + A(s + Φ a) |
+//!
+//! The last whole cycle is kept, of a model without cycle the whole run; of more than [`SAMPLES`] intervals every k-th sample,
+//! the last among them. Mean axes move with a free flexible body, a held one has those of its supports.
+
+use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
+use crate::{Analysis, Error};
+use eng_runtime::Sample;
+use eng_system::system::BodyInertia;
+use eng_system::{Dimension, DisplayUnit};
+use std::collections::{BTreeMap, VecDeque};
+
+/// Most intervals that are kept.
+pub const SAMPLES: usize = 360;
+/// After an analysis's name, in the name of its motion and thus of the file.
+pub const SUFFIX: &str = ".motion";
+/// Slack (rad) when the begin of the last cycle is looked for.
+const SLACK: f64 = 1e-6;
+
+/// Positions, orientation and amplitudes while a run goes on.
+#[derive(Debug)]
+pub(crate) struct Motion {
+    period: Option<f64>,
+    kept: VecDeque<Moment>,
+}
+
+#[derive(Debug)]
+struct Moment {
+    time: f64,
+    cycle_angle: Option<f64>,
+    pose: Vec<f64>,
+}
+
+impl Motion {
+    /// Nothing yet, of a model with this cycle (rad).
+    pub fn new(period: Option<f64>) -> Motion {
+        Motion {
+            period: period.filter(|p| *p > 0.0),
+            kept: VecDeque::new(),
+        }
+    }
+
+    /// Takes a sample, forgets what lies more than a cycle back.
+    pub fn push(&mut self, sample: &Sample<'_>) {
+        if let (Some(period), Some(now)) = (self.period, sample.cycle_angle) {
+            let old = |moment: &Moment| {
+                moment
+                    .cycle_angle
+                    .is_some_and(|angle| (now - angle).abs() > period + SLACK)
+            };
+            while self.kept.front().is_some_and(old) {
+                self.kept.pop_front();
+            }
+        }
+        self.kept.push_back(Moment {
+            time: sample.time,
+            cycle_angle: sample.cycle_angle,
+            pose: sample.pose.to_vec(),
+        });
+    }
+
+    /// As columns, with what is known about the run.
+    pub fn results(
+        mut self,
+        analysis: &Analysis,
+        metadata: &BTreeMap<String, String>,
+    ) -> Result<Results, Error> {
+        let compiled = analysis.model().compiled();
+        let samples = self.kept.len();
+        let every = samples.saturating_sub(1).div_ceil(SAMPLES).max(1);
+        let last = samples.saturating_sub(1);
+        let kept: Vec<Moment> = self
+            .kept
+            .drain(..)
+            .enumerate()
+            .filter(|(index, _)| (last - index) % every == 0)
+            .map(|(_, moment)| moment)
+            .collect();
+        let name = format!("{}{SUFFIX}", analysis.name());
+        let mut results = Results::new(name, analysis.model().name());
+        for (key, value) in metadata {
+            results.set_metadata(key, value);
+        }
+        let span = if self.period.is_some() {
+            "the last cycle"
+        } else {
+            "the whole run"
+        };
+        results.set_metadata("motion", format!("{span}, every {every}. sample"));
+        results.push(Column::time(kept.iter().map(|m| m.time).collect()))?;
+        let angles: Vec<f64> = kept.iter().filter_map(|m| m.cycle_angle).collect();
+        if !angles.is_empty() && angles.len() == kept.len() {
+            results.push(Column::cycle_angle(angles))?;
+        }
+        let mut first = 0;
+        for body in &compiled.system.bodies {
+            let modes = match body.inertia {
+                BodyInertia::Rigid { .. } => 0,
+                BodyInertia::Flexible(index) => compiled
+                    .reduced
+                    .get(index as usize)
+                    .map_or(0, |reduced| reduced.invariants.modes),
+            };
+            let path = &body.origin.path;
+            let mut push = |name: String, dimension: Dimension, unit: &str, frame: &str, at| {
+                results.push(Column {
+                    path: format!("{path}.{name}"),
+                    dimension,
+                    display: DisplayUnit {
+                        symbol: unit.to_owned(),
+                        scale: 1.0,
+                        offset: 0.0,
+                    },
+                    frame: frame.to_owned(),
+                    values: kept
+                        .iter()
+                        .map(|m| m.pose.get(first + at).copied().unwrap_or(f64::NAN))
+                        .collect(),
+                })
+            };
+            for (at, axis) in ["x", "y", "z"].into_iter().enumerate() {
+                let name = format!("position.{axis}");
+                push(name, Dimension::LENGTH, "m", "ground", at)?;
+            }
+            for (at, part) in ["w", "x", "y", "z"].into_iter().enumerate() {
+                let name = format!("orientation.{part}");
+                push(name, Dimension::ONE, "1", "ground", 3 + at)?;
+            }
+            for mode in 0..modes {
+                let name = format!("amplitude[{}]", mode + 1);
+                push(name, Dimension::ONE, "1", "", 7 + mode)?;
+            }
+            first += 7 + modes;
+        }
+        Ok(results)
+    }
+}
+
+/// The motion of one body, read back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyMotion {
+    /// Origin of its frame at each time (m, ground axes).
+    pub positions: Vec<[f64; 3]>,
+    /// Unit quaternion w, x, y, z at each time, body → ground.
+    pub orientations: Vec<[f64; 4]>,
+    /// Modal amplitudes at each time; empty lists for a rigid body.
+    pub amplitudes: Vec<Vec<f64>>,
+}
+
+impl BodyMotion {
+    /// Of a body, by its path.
+    ///
+    /// # Errors
+    /// The name of a column that is not there.
+    pub fn of(motion: &Results, body: &str) -> Result<BodyMotion, ResultsError> {
+        let column = |name: &str| {
+            let path = format!("{body}.{name}");
+            match motion.column(&path) {
+                Some(column) => Ok(column.values.as_slice()),
+                None => Err(ResultsError::NoColumn(path)),
+            }
+        };
+        let samples = motion.samples();
+        let mut found = BodyMotion {
+            positions: vec![[0.0; 3]; samples],
+            orientations: vec![[0.0; 4]; samples],
+            amplitudes: vec![Vec::new(); samples],
+        };
+        for (at, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            let values = column(&format!("position.{axis}"))?;
+            for (position, value) in found.positions.iter_mut().zip(values) {
+                position[at] = *value;
+            }
+        }
+        for (at, part) in ["w", "x", "y", "z"].into_iter().enumerate() {
+            let values = column(&format!("orientation.{part}"))?;
+            for (orientation, value) in found.orientations.iter_mut().zip(values) {
+                orientation[at] = *value;
+            }
+        }
+        for mode in 1.. {
+            let Ok(values) = column(&format!("amplitude[{mode}]")) else {
+                break;
+            };
+            for (amplitudes, value) in found.amplitudes.iter_mut().zip(values) {
+                amplitudes.push(*value);
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// Times (s) and, where there is a cycle, crank angles (rad) of a motion.
+pub fn moments(motion: &Results) -> (Vec<f64>, Option<Vec<f64>>) {
+    let values = |path| motion.column(path).map(|c| c.values.clone());
+    (values(TIME).unwrap_or_default(), values(CYCLE_ANGLE))
+}

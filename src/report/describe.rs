@@ -1,0 +1,216 @@
+//! The model behind results: its inputs, journals and bodies with the numbers that the results were computed with.
+
+use crate::cli::JournalGeometry;
+use crate::local::{at, journals, upright};
+use crate::plot::Upright;
+use crate::{Analysis, Error, Quantity, Reduction};
+use eng_report::animation::Up;
+use eng_system::code::Bound;
+use eng_system::system::{AnalysisKind, BodyInertia, BodyRef, System};
+use eng_system::{Dimension, DisplayUnit};
+use std::collections::BTreeMap;
+
+/// A parameter with its value and its default (SI).
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputValue {
+    /// `main[5].radial_clearance`.
+    pub path: String,
+    /// What the results were computed with.
+    pub value: f64,
+    /// What it is if nothing is said.
+    pub default: f64,
+    /// Open limits.
+    pub limits: (f64, f64),
+    /// How it is shown.
+    pub display: DisplayUnit,
+}
+
+/// A place on a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spot {
+    /// `big` of `rod[1].big`.
+    pub name: String,
+    /// In the body's axes (m).
+    pub place: [f64; 3],
+}
+
+/// What a body is made of.
+#[derive(Clone, Debug)]
+pub enum Matter {
+    /// A rigid body.
+    Rigid {
+        /// Mass (kg).
+        mass: f64,
+        /// Centre of mass (m, body axes).
+        center: [f64; 3],
+        /// Diagonal of the inertia about the centre of mass (kg m²).
+        inertia: [f64; 3],
+        /// Its markers.
+        markers: Vec<Spot>,
+    },
+    /// A flexible body as it was reduced.
+    Flexible(Reduction),
+}
+
+/// A body for tables and pictures.
+#[derive(Clone, Debug)]
+pub struct BodyPicture {
+    /// Its path.
+    pub path: String,
+    /// What it is made of.
+    pub matter: Matter,
+}
+
+/// What a report needs of the model behind the results of an analysis.
+#[derive(Clone, Debug)]
+pub struct Described {
+    /// Hash of the texts as they are now.
+    pub source_hash: String,
+    /// Parameters in a fixed order.
+    pub inputs: Vec<InputValue>,
+    /// Journals in the order of the text.
+    pub journals: Vec<JournalGeometry>,
+    /// The cycle's period (rad), if there is a cycle.
+    pub cycle_period: Option<f64>,
+    /// Whether the results repeat each cycle by what was asked for.
+    pub periodic: bool,
+    /// Which shell axis is drawn upwards.
+    pub upright: Upright,
+    /// Which ground axis points up.
+    pub up: Up,
+    /// Firing dead centres: number of the cylinder and angle (rad).
+    pub firing: Vec<(usize, f64)>,
+    /// Bodies in a fixed order.
+    pub bodies: Vec<BodyPicture>,
+}
+
+impl Described {
+    /// Of an analysis, with the parameters that stand in the metadata of its results.
+    pub(crate) fn new(
+        analysis: Analysis,
+        metadata: &BTreeMap<String, String>,
+    ) -> Result<Described, Error> {
+        let source_hash = analysis.source_hash();
+        let analysis = with_parameters(analysis, metadata)?;
+        let model = analysis.model().clone();
+        let compiled = model.compiled();
+        let system = &compiled.system;
+        let bound = analysis.bound()?;
+        let unset = vec![None; system.parameters.len()];
+        let defaults = compiled
+            .bind
+            .bind(&unset, &system.tables)
+            // a model whose defaults contradict themselves is one whose parameters must be said
+            .map_or_else(|_| vec![f64::NAN; unset.len()], |bound| bound.parameters);
+        let inputs = system
+            .parameters
+            .iter()
+            .zip(bound.parameters.iter().zip(defaults))
+            .map(|(p, (value, default))| InputValue {
+                path: p.origin.path.clone(),
+                value: *value,
+                default,
+                limits: p.limits,
+                display: p.display.clone(),
+            })
+            .collect();
+        let firing = system
+            .parameters
+            .iter()
+            .zip(&bound.parameters)
+            .filter(|(p, _)| p.dimension == Dimension::ANGLE)
+            .filter_map(|(p, value)| {
+                let owner = p.origin.path.strip_suffix(".firing")?;
+                let (_, index) = owner.strip_suffix(']')?.rsplit_once('[')?;
+                Some((index.parse().ok()?, *value))
+            })
+            .collect();
+        Ok(Described {
+            source_hash,
+            inputs,
+            journals: journals(system, &bound),
+            cycle_period: crate::analysis::cycle_period(compiled, &bound),
+            periodic: matches!(analysis.kind(), AnalysisKind::Periodic(_)),
+            upright: upright(system, &bound),
+            up: up(system, &bound),
+            firing,
+            bodies: bodies(system, &bound, model.reductions()),
+        })
+    }
+}
+
+/// Sets what the metadata say and the analysis does not.
+fn with_parameters(
+    mut analysis: Analysis,
+    metadata: &BTreeMap<String, String>,
+) -> Result<Analysis, Error> {
+    let bound = analysis.bound()?;
+    let parameters = analysis.model().parameters();
+    for (parameter, now) in parameters.into_iter().zip(bound.parameters) {
+        let key = format!("parameter.{}", parameter.path);
+        let stated = metadata.get(&key).and_then(|text| {
+            let (number, unit) = text.split_once(' ')?;
+            (unit == parameter.display.symbol).then_some(())?;
+            Some(parameter.display.to_si(number.parse().ok()?))
+        });
+        if let Some(value) = stated
+            && (value - now).abs() > 1e-12 * now.abs().max(value.abs())
+        {
+            let handle = analysis.model().parameter(&parameter.path)?;
+            analysis = analysis.set(handle, Quantity::si(value, parameter.dimension))?;
+        }
+    }
+    Ok(analysis)
+}
+
+/// The axis along which gravity acts most; z without gravity.
+fn up(system: &System, bound: &Bound) -> Up {
+    let [x, y, z] = system.gravity.map(|slot| at(bound, slot).abs());
+    if x > y && x > z {
+        Up::X
+    } else if y > z {
+        Up::Y
+    } else {
+        Up::Z
+    }
+}
+
+fn bodies(system: &System, bound: &Bound, reductions: &[Reduction]) -> Vec<BodyPicture> {
+    system
+        .bodies
+        .iter()
+        .zip(0u32..)
+        .filter_map(|(body, index)| {
+            let path = body.origin.path.clone();
+            let matter = match &body.inertia {
+                BodyInertia::Flexible(reduction) => {
+                    Matter::Flexible(reductions.get(*reduction as usize)?.clone())
+                }
+                BodyInertia::Rigid {
+                    mass,
+                    center_of_mass,
+                    inertia: [xx, yy, zz, ..],
+                } => Matter::Rigid {
+                    mass: at(bound, *mass),
+                    center: center_of_mass.map(|slot| at(bound, slot)),
+                    inertia: [*xx, *yy, *zz].map(|slot| at(bound, slot)),
+                    markers: system
+                        .markers
+                        .iter()
+                        .filter(|m| m.body == BodyRef::Body(index) && m.placed_at.is_none())
+                        .map(|m| Spot {
+                            name: m
+                                .origin
+                                .path
+                                .strip_prefix(&path)
+                                .map_or(m.origin.path.as_str(), |name| name.trim_start_matches('.'))
+                                .to_owned(),
+                            place: m.position.map(|slot| at(bound, slot)),
+                        })
+                        .collect(),
+                },
+            };
+            Some(BodyPicture { path, matter })
+        })
+        .collect()
+}

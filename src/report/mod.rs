@@ -1,0 +1,118 @@
+//! One HTML file of a model's results, and files for other tools.
+//!
+//! May contain: what is shown of which results, and in which order. Must not contain: how figures, pages and animations are drawn
+//! (`eng_report`), how stresses are recovered (`eng_flexible::recover`), arguments of the command.
+
+mod describe;
+mod page;
+mod scene;
+mod series;
+mod spectra;
+mod stress;
+mod surface;
+mod tables;
+
+pub use describe::{BodyPicture, Described, InputValue, Matter, Spot};
+pub use page::{Made, make};
+pub use series::write_series;
+
+use crate::cli::RunOutcome;
+use crate::results::ResultsError;
+use eng_flexible::FlexibleError;
+use eng_report::animation::AnimationError;
+use std::path::PathBuf;
+
+/// A report that cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// Results that do not have what is needed.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// A flexible body that gives no shapes or stresses.
+    #[error(transparent)]
+    Flexible(#[from] FlexibleError),
+    /// Bodies that do not fit their motion.
+    #[error(transparent)]
+    Animation(#[from] AnimationError),
+    /// Amplitudes of another mode set.
+    #[error(
+        "{body}: the results have {found} amplitudes, but the model's body has {expected} modes; run the model again"
+    )]
+    Modes {
+        /// The body.
+        body: String,
+        /// Modes of the reduction.
+        expected: usize,
+        /// Amplitudes in the results.
+        found: usize,
+    },
+    /// Nothing that could be moved.
+    #[error("{0}: no motion was kept; run the model again")]
+    NoMotion(String),
+    /// The system refused.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// The results of an analysis with the model behind them.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Results and motion as they were read.
+    pub outcome: RunOutcome,
+    /// The model.
+    pub described: Described,
+    /// Values of a sweep's variables: name and value with unit.
+    pub point: Vec<(String, String)>,
+    /// Name and SHA-256 of each file that was read.
+    pub files: Vec<(String, String)>,
+}
+
+impl Entry {
+    /// From what was read; a file is given as its name and its hash.
+    pub fn new(
+        results: crate::Results,
+        motion: Option<crate::Results>,
+        described: Described,
+        files: Vec<(String, String)>,
+    ) -> Entry {
+        let point = results
+            .metadata()
+            .iter()
+            .filter_map(|(key, value)| {
+                Some((key.strip_prefix("point.")?.to_owned(), value.clone()))
+            })
+            .collect();
+        Entry {
+            outcome: RunOutcome {
+                journals: described.journals.clone(),
+                cycle_period: described.cycle_period,
+                upright: described.upright,
+                diagnostics: Default::default(),
+                facts: Vec::new(),
+                point: Vec::new(),
+                periodic: None,
+                results,
+                motion,
+            },
+            described,
+            point,
+            files,
+        }
+    }
+
+    /// Its analysis.
+    pub fn name(&self) -> &str {
+        self.outcome.results.analysis()
+    }
+
+    /// Whether the texts have changed since the results were computed.
+    pub fn outdated(&self) -> bool {
+        let hash = self.outcome.results.metadata().get("source_hash");
+        hash != Some(&self.described.source_hash)
+    }
+}

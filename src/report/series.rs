@@ -1,0 +1,126 @@
+//! Motion and stresses of flexible bodies as files for ParaView: a `.vtu` a body and time, and a `.pvd` that names them all.
+
+use super::scene::{place, poses, shapes};
+use super::{Entry, ReportError, describe::Matter};
+use crate::motion::{BodyMotion, moments};
+use crate::results::{file_stem, replace_file};
+use eng_flexible::recover::{Location, Recovery};
+use eng_report::animation::{
+    FlexibleBody, ModeShape, Surface, VtkEncoding, VtkFrame, VtkPart, pvd, vtu,
+};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Most times of a series.
+const TIMES: usize = 36;
+
+/// Writes the series of an analysis: the whole surface, at up to 37 times of its last cycle. Returns the path of the `.pvd` file, or
+/// nothing where no body is flexible.
+///
+/// # Errors
+/// An analysis without motion, bodies that do not fit it, what the system refuses.
+pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, ReportError> {
+    let Some(motion) = &entry.outcome.motion else {
+        return Err(ReportError::NoMotion(entry.name().to_owned()));
+    };
+    let write = |name: &str, text: &str| {
+        let path = folder.join(name);
+        replace_file(&path, |file: &mut std::fs::File| {
+            file.write_all(text.as_bytes())
+        })
+        .map_err(|source| ReportError::File {
+            path: path.clone(),
+            source,
+        })?;
+        Ok::<PathBuf, ReportError>(path)
+    };
+    let (times, _) = moments(motion);
+    let every = times.len().saturating_sub(1).div_ceil(TIMES).max(1);
+    let stem = file_stem(entry.name());
+    let mut parts = Vec::new();
+    for (part, picture) in entry.described.bodies.iter().enumerate() {
+        let Matter::Flexible(reduction) = &picture.matter else {
+            continue;
+        };
+        let stored = &reduction.stored;
+        let own = BodyMotion::of(motion, &picture.path)?;
+        let nodes = stored.surface.nodes();
+        let recovery = Recovery::of_stored(stored)?;
+        let modal = recovery.stress_at_nodes(&nodes)?;
+        let at: Vec<Option<usize>> = modal
+            .locations
+            .iter()
+            .map(|location| match location {
+                Location::Node(node) => nodes.binary_search(node).ok(),
+                Location::Point { .. } => None,
+            })
+            .collect();
+        let triangles = stored
+            .surface
+            .triangles
+            .iter()
+            .map(|t| t.map(|node| nodes.binary_search(&node).map_or(0, |at| at as u32)))
+            .collect();
+        let body = FlexibleBody {
+            name: picture.path.clone(),
+            surface: Surface {
+                nodes: nodes.iter().map(|node| place(stored, *node)).collect(),
+                triangles,
+            },
+            shapes: shapes(stored, &nodes)
+                .into_iter()
+                .map(|displacements| ModeShape {
+                    name: String::new(),
+                    displacements,
+                })
+                .collect(),
+            poses: poses(&own),
+            amplitudes: own.amplitudes,
+            fields: Vec::new(),
+        };
+        let mesh = body.vtk();
+        let mut found = Vec::new();
+        for (index, time) in times.iter().enumerate().step_by(every) {
+            let amplitudes = body.amplitudes.get(index).map_or(&[][..], Vec::as_slice);
+            modal.stress(amplitudes, &mut found)?;
+            let mut stress = vec![[0.0; 6]; nodes.len()];
+            for (at, value) in at.iter().zip(&found) {
+                if let Some(place) = at.and_then(|at| stress.get_mut(at)) {
+                    *place = *value;
+                }
+            }
+            // nodes that belong to no solid would show a stress of zero
+            let stress = if modal.locations.len() == nodes.len() {
+                stress
+            } else {
+                Vec::new()
+            };
+            let displacements = body.displacements(index);
+            let Some(pose) = body.poses.get(index) else {
+                continue;
+            };
+            let frame = VtkFrame {
+                time: *time,
+                pose: *pose,
+                displacements: &displacements,
+                stress: &stress,
+                fields: &[],
+            };
+            let name = format!(
+                "{stem}-{}-{:03}.vtu",
+                file_stem(&picture.path),
+                index / every
+            );
+            write(&name, &vtu(&mesh, &frame, VtkEncoding::Base64)?)?;
+            parts.push(VtkPart {
+                time: *time,
+                part,
+                file: name,
+            });
+        }
+    }
+    if parts.is_empty() {
+        return Ok(None);
+    }
+    write(&format!("{stem}.pvd"), &pvd(&parts)).map(Some)
+}

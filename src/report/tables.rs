@@ -1,0 +1,269 @@
+//! Tables of a report: analyses, inputs, modes, journals, energy.
+
+use super::Entry;
+use super::describe::InputValue;
+use crate::Reduction;
+use crate::cli::{JournalGeometry, JournalSummary};
+use crate::results::{CYCLE_SPEED, Results, TIME};
+use eng_report::figure::journal_letter;
+use eng_report::page::{
+    Cell, Column, EnergyAudit, Journal, Mode, Table, journals_table, modes_table,
+};
+
+fn code(text: &str) -> Cell {
+    Cell::Code(text.to_owned())
+}
+
+/// Name, samples, time, speed of each analysis.
+pub(super) fn analyses(entries: &[Entry]) -> Table {
+    Table {
+        caption: "Analyses".to_owned(),
+        columns: vec![
+            Column::new("Analysis"),
+            Column::new("Point of a sweep"),
+            Column::new("Samples"),
+            Column::with_unit("End", "ms"),
+            Column::with_unit("Mean speed", "rpm"),
+            Column::new("Begin"),
+        ],
+        rows: entries
+            .iter()
+            .map(|entry| {
+                let results = &entry.outcome.results;
+                let end = results.column(TIME).and_then(|c| c.values.last());
+                let speed = results.column(CYCLE_SPEED).map(|c| {
+                    let shown = c.shown();
+                    shown.iter().sum::<f64>() / shown.len().max(1) as f64
+                });
+                let point: Vec<String> = entry
+                    .point
+                    .iter()
+                    .map(|(name, value)| format!("{name} = {value}"))
+                    .collect();
+                vec![
+                    code(entry.name()),
+                    point.join(", ").into(),
+                    results.samples().to_string().into(),
+                    end.map_or(Cell::Empty, |t| Cell::number(1e3 * t)),
+                    speed.map_or(Cell::Empty, |value| Cell::Number { value, digits: 6 }),
+                    results
+                        .metadata()
+                        .get("start")
+                        .map_or(Cell::Empty, |text| text.as_str().into()),
+                ]
+            })
+            .collect(),
+    }
+}
+
+/// The inputs of a model: unit, limits, default, and a value an analysis where any differs from the default.
+pub(super) fn inputs(model: &str, entries: &[&Entry]) -> Table {
+    let mut columns = vec![
+        Column::new("Input"),
+        Column::new("Unit"),
+        Column::new("Limits"),
+        Column::new("Default"),
+    ];
+    columns.extend(entries.iter().map(|e| Column::new(e.name())));
+    let first = entries.first().map_or(&[][..], |e| &e.described.inputs);
+    let shown = |input: &InputValue, value: f64| {
+        let value = input.display.from_si(value);
+        if value.is_finite() {
+            Cell::Number { value, digits: 6 }
+        } else {
+            Cell::Empty
+        }
+    };
+    Table {
+        caption: format!("Inputs of {model}; a value where it is not the default"),
+        columns,
+        rows: first
+            .iter()
+            .map(|input| {
+                let (low, high) = input.limits;
+                let limit = |x: f64| match x.is_finite() {
+                    true => format!("{:.6}", input.display.from_si(x)),
+                    false => "…".to_owned(),
+                };
+                let limits = if low.is_finite() || high.is_finite() {
+                    format!("({}, {})", limit(low), limit(high))
+                } else {
+                    String::new()
+                };
+                let mut row = vec![
+                    code(&input.path),
+                    input.display.symbol.as_str().into(),
+                    limits.into(),
+                    shown(input, input.default),
+                ];
+                row.extend(entries.iter().map(|entry| {
+                    let own = entry.described.inputs.iter().find(|i| i.path == input.path);
+                    match own {
+                        Some(own) if !same(own.value, own.default) => shown(own, own.value),
+                        _ => Cell::Empty,
+                    }
+                }));
+                row
+            })
+            .collect(),
+    }
+}
+
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
+}
+
+/// What a reduction found, as facts.
+pub(super) fn body_facts(reduction: &Reduction) -> Vec<(&'static str, Cell)> {
+    let report = &reduction.stored.report;
+    let [x, y, z] = report.body.centre.map(|x| 1e3 * x);
+    let inertia = report.body.inertia;
+    vec![
+        ("Nodes", report.nodes.to_string().into()),
+        ("Elements", report.elements.to_string().into()),
+        ("Freedoms", report.freedoms.to_string().into()),
+        ("Modes", reduction.body.invariants.modes.to_string().into()),
+        (
+            "Frame",
+            if report.supported {
+                "held at its supports"
+            } else {
+                "mean axes of the free body"
+            }
+            .into(),
+        ),
+        ("Mass", format!("{:.6} kg", reduction.mass()).into()),
+        (
+            "Centre of mass",
+            format!("({x:.3}, {y:.3}, {z:.3}) mm").into(),
+        ),
+        (
+            "Inertia about it",
+            format!(
+                "xx {:.6}, yy {:.6}, zz {:.6} kg m²",
+                inertia[0][0], inertia[1][1], inertia[2][2]
+            )
+            .into(),
+        ),
+    ]
+}
+
+/// The modes of a flexible body.
+pub(super) fn modes(reduction: &Reduction) -> Table {
+    let constants = &reduction.body.invariants;
+    let n = constants.modes;
+    let report = &reduction.stored.report;
+    let modes: Vec<Mode> = report
+        .modes
+        .iter()
+        .take(n)
+        .enumerate()
+        .map(|(i, mode)| {
+            let omega = std::f64::consts::TAU * mode.frequency;
+            let at = |block: &[f64]| block.get(i * n + i).copied();
+            let mass = at(&constants.modal_mass);
+            let damping = at(&constants.damping).zip(mass);
+            let words: Vec<&str> = mode.description.split_whitespace().collect();
+            let kind = ["static", "normal"].map(|kind| words.contains(&kind));
+            Mode {
+                number: i + 1,
+                kind: match kind {
+                    [true, true] => "static and normal",
+                    [true, false] => "static",
+                    [false, true] => "normal",
+                    [false, false] => "",
+                }
+                .to_owned(),
+                frequency: Some(mode.frequency),
+                damping: damping
+                    .filter(|(_, mass)| omega > 0.0 && *mass > 0.0)
+                    .map(|(damping, mass)| damping / (2.0 * omega * mass)),
+                mass,
+                about: mode.description.clone(),
+            }
+        })
+        .collect();
+    modes_table(
+        &format!(
+            "Modes of {}; modal masses in kg for shapes in m",
+            reduction.path()
+        ),
+        &modes,
+    )
+}
+
+/// The journals of an analysis; none without journals.
+pub(super) fn journals(entry: &Entry) -> Option<Table> {
+    let results = &entry.outcome.results;
+    let period = entry.described.cycle_period;
+    let mut last = false;
+    let rows: Vec<Journal> = entry
+        .described
+        .journals
+        .iter()
+        .enumerate()
+        .map(|(index, journal)| {
+            let summary = JournalSummary::new(results, journal, period);
+            last = summary.last_cycle;
+            let pair = |value: Option<f64>, angle: Option<f64>| {
+                (
+                    value.unwrap_or(f64::NAN),
+                    angle.map_or(f64::NAN, f64::to_degrees),
+                )
+            };
+            Journal {
+                letter: journal_letter(index),
+                path: journal.path.clone(),
+                diameter: journal.diameter,
+                width: journal.width,
+                radial_clearance: journal.radial_clearance,
+                largest_force: pair(summary.peak_load, summary.peak_load_angle),
+                smallest_film: pair(summary.minimum_film, summary.minimum_film_angle),
+                eccentricity: eccentricity(results, journal),
+                friction: summary.friction_power,
+            }
+        })
+        .collect();
+    let span = if last {
+        "the last cycle"
+    } else {
+        "the whole run"
+    };
+    (!rows.is_empty())
+        .then(|| journals_table(&format!("Journals over {span}, {}", entry.name()), &rows))
+}
+
+/// Largest eccentricity over clearance in all samples; NaN where it is not known.
+fn eccentricity(results: &Results, journal: &JournalGeometry) -> f64 {
+    let column = |axis: &str| results.column(&format!("{}.eccentricity.{axis}", journal.path));
+    match (column("x"), column("y")) {
+        (Some(x), Some(y)) => {
+            let squares = x.values.iter().zip(&y.values).map(|(x, y)| x * x + y * y);
+            libm::sqrt(squares.fold(0.0, f64::max)) / journal.radial_clearance
+        }
+        _ => f64::NAN,
+    }
+}
+
+/// Where energy went between the first and the last sample; none where it was not recorded.
+pub(super) fn energy(results: &Results) -> Option<EnergyAudit> {
+    let gained = |name: &str| {
+        let values = &results.column(&format!("energy.{name}"))?.values;
+        Some(values.last()? - values.first()?)
+    };
+    let stored = gained("kinetic")? + gained("gravity")? + gained("strain").unwrap_or(0.0);
+    Some(EnergyAudit {
+        work: vec![
+            (
+                "forces: gas, films, springs, dampers".to_owned(),
+                gained("work_of_loads")?,
+            ),
+            ("drives".to_owned(), gained("work_of_drives")?),
+        ],
+        losses: gained("damping")
+            .map(|lost| ("damping of flexible bodies".to_owned(), lost))
+            .into_iter()
+            .collect(),
+        stored,
+    })
+}
