@@ -94,7 +94,11 @@ impl Motion {
         } else {
             "the whole run"
         };
-        results.set_metadata("motion", format!("{span}, every {every}. sample"));
+        let kept_samples = match every {
+            1 => "every sample".to_owned(),
+            every => format!("one of {every} samples"),
+        };
+        results.set_metadata("motion", format!("{span}, {kept_samples}"));
         results.push(Column::time(kept.iter().map(|m| m.time).collect()))?;
         let angles: Vec<f64> = kept.iter().filter_map(|m| m.cycle_angle).collect();
         if !angles.is_empty() && angles.len() == kept.len() {
@@ -202,4 +206,75 @@ impl BodyMotion {
 pub fn moments(motion: &Results) -> (Vec<f64>, Option<Vec<f64>>) {
     let values = |path| motion.column(path).map(|c| c.values.clone());
     (values(TIME).unwrap_or_default(), values(CYCLE_ANGLE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Sources;
+
+    /// A bar that is held at its foot and pushed at its tip; the outputs are those of the element code.
+    const HELD: &str = "
+        force Push(a: Marker, b: Marker, x: Force) {
+            apply force x*b.x on a
+        }
+        model Held {
+            marker wall = [0, 0, 0] mm
+            flexible bar {
+                mesh = nastran(\"bar.bdf\", units: mm_tonne_s)
+                support = foot
+                modes = static(at: tip) + normal(2)
+                damping = 20 %
+                marker foot = patch(center: [0, 0, 0] mm, normal: z, radius: 15 mm, tie: rigid)
+                marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
+            }
+            force load = Push(bar.tip, wall, x: 1000 N)
+            output tip_x: Length = dot(bar.tip.origin - wall.origin, wall.x)
+        }
+        analysis push = transient(Held(), duration: 2 ms, sample: 4 us)";
+
+    #[test]
+    fn amplitudes_and_shapes_give_the_markers_motion() {
+        let sources = Sources::from_texts([
+            ("bar.eng".to_owned(), HELD.to_owned()),
+            (
+                "bar.bdf".to_owned(),
+                include_str!("../tests/mesh/bar.bdf").to_owned(),
+            ),
+        ]);
+        let program = crate::check(&sources, "bar.eng").into_program().unwrap();
+        let analysis = program.analysis("push").unwrap();
+        let outcome = analysis.run(&mut |_| {}).unwrap();
+        let motion = &outcome.motion;
+        assert_eq!(motion.analysis(), "push.motion");
+        // 500 intervals: every second, the last among them
+        assert_eq!(motion.samples(), 251);
+        assert_eq!(
+            motion.metadata().get("motion").map(String::as_str),
+            Some("the whole run, one of 2 samples")
+        );
+        let (times, angles) = moments(motion);
+        assert!((times[250] - 2e-3).abs() < 1e-12 && angles.is_none());
+        let own = BodyMotion::of(motion, "bar").unwrap();
+        assert!(BodyMotion::of(motion, "rod").is_err());
+        let reduced = &analysis.model().reductions()[0].body;
+        let tip = reduced.markers.iter().find(|m| m.name == "tip").unwrap();
+        let shown = &outcome.results.column("tip_x").unwrap().values;
+        let largest = shown.iter().copied().fold(0.0, f64::max);
+        assert!(largest > 1e-4, "{largest}");
+        for (index, amplitudes) in own.amplitudes.iter().enumerate() {
+            let moved: f64 = tip
+                .translation
+                .iter()
+                .zip(amplitudes)
+                .map(|(t, a)| t * a)
+                .sum();
+            let expected = shown[2 * index] - tip.position[0];
+            assert!(
+                (moved - expected).abs() < 1e-9 * largest,
+                "{moved} {expected}"
+            );
+            assert_eq!(own.orientations[index], [1.0, 0.0, 0.0, 0.0]);
+        }
+    }
 }

@@ -15,7 +15,7 @@ use eng_system::Dimension;
 /// Animations of a page.
 const ANIMATED: usize = 2;
 /// About how many bytes of a page the pictures of flexible bodies take, all animations together.
-const BUDGET: usize = 8_000_000;
+const BUDGET: usize = 5_000_000;
 /// More points of a sweep than these get no figures of their own.
 const POINTS: usize = 4;
 
@@ -208,7 +208,9 @@ fn analysis(entry: &Entry, cut: &RunOutcome, entries: &[Entry]) -> Result<Sectio
     if !one_of_many(entry, entries) {
         let mut spectra = Vec::new();
         for (dimension, _, history) in histories(cut) {
-            if [force(), acceleration()].contains(&dimension) {
+            // a sweep is compared point by point; its spectra would be most of the page
+            let wanted = [force(), acceleration()].contains(&dimension);
+            if wanted && entry.point.is_empty() {
                 spectra.extend(spectra_of(&history, &cut.results, entry.described.periodic));
             }
             let caption = format!("{}, {}. {span}.", history.title, entry.name());

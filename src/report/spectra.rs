@@ -11,6 +11,8 @@ use std::f64::consts::TAU;
 
 /// Highest order that is drawn.
 const ORDERS: f64 = 30.0;
+/// Share of its size by which a signal must vary to have a spectrum.
+const STILL: f64 = 1e-9;
 /// Share of the mean distance by which samples of a spectrum may lie off their grid.
 const EVEN: f64 = 1e-4;
 
@@ -81,7 +83,7 @@ fn step(values: &[f64]) -> Option<f64> {
 
 /// The spectra of a history of the last cycle, in orders and in Hz; none where samples are uneven.
 ///
-/// The window is rectangular where the cycle repeats, else Hann. Hz are orders times the mean speed of the cycle.
+/// Under the title stands what made the spectrum. The window is rectangular where the cycle repeats, else Hann. Hz are orders times the mean speed of the cycle.
 pub(super) fn spectra_of(history: &History, cut: &Results, periodic: bool) -> Vec<History> {
     let Some(sampled) = sampled(cut) else {
         return Vec::new();
@@ -106,7 +108,11 @@ pub(super) fn spectra_of(history: &History, cut: &Results, periodic: bool) -> Ve
                 values: curve.values.get(..sampled.count)?,
                 sampling: sampled.sampling,
             };
-            Some((curve.name.clone(), spectrum(signal, options).ok()?))
+            let found = spectrum(signal, options).ok()?;
+            // of a constant nothing is left but rounding
+            let size = |values: &[f64]| values.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+            let moves = size(&found.amplitudes) > STILL * size(signal.values);
+            moves.then(|| (curve.name.clone(), found))
         })
         .collect();
     if found.is_empty() {
@@ -131,7 +137,7 @@ pub(super) fn spectra_of(history: &History, cut: &Results, periodic: bool) -> Ve
         if !curves.is_empty() {
             figures.push(spectra(
                 &format!("Spectrum: {}", history.title),
-                &history.subtitle,
+                "",
                 ordinate.clone(),
                 Scale::Logarithmic,
                 limit,

@@ -133,3 +133,66 @@ pub(super) fn by_place(peaks: &[Peak], stands_for: &BTreeMap<u32, u32>, count: u
     }
     largest
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Sources;
+    use crate::motion::{BodyMotion, moments};
+
+    /// Bending of a beam: sigma = F (L - z) c/I, in the middle of a bar of 20 x 20 x 200 mm, far from both ends.
+    #[test]
+    fn a_bent_bar_has_the_stress_of_a_beam() {
+        let text = "
+            force Push(a: Marker, b: Marker, x: Force) { apply force x*b.x on a }
+            model Held {
+                marker wall = [0, 0, 0] mm
+                flexible bar {
+                    mesh = nastran(\"bar.bdf\", units: mm_tonne_s)
+                    support = foot
+                    modes = static(at: tip)
+                    damping = 70 %
+                    marker foot = patch(center: [0, 0, 0] mm, normal: z, radius: 15 mm, tie: rigid)
+                    marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
+                }
+                force load = Push(bar.tip, wall, x: 1000 N)
+            }
+            analysis push = transient(Held(), duration: 30 ms, sample: 10 ms)";
+        let deck = include_str!("../../tests/mesh/bar.bdf");
+        let sources = Sources::from_texts([
+            ("bar.eng".to_owned(), text.to_owned()),
+            ("bar.bdf".to_owned(), deck.to_owned()),
+        ]);
+        let program = crate::check(&sources, "bar.eng").into_program().unwrap();
+        let analysis = program.analysis("push").unwrap();
+        let outcome = analysis.run(&mut |_| {}).unwrap();
+        let own = BodyMotion::of(&outcome.motion, "bar").unwrap();
+        let (times, _) = moments(&outcome.motion);
+        let stored = &analysis.model().reductions()[0].stored;
+        let nodes = stored.surface.nodes();
+        // the bar has come to rest at the last sample
+        let found = peaks(stored, &nodes, &times[3..], &own.amplitudes[3..]).unwrap();
+        assert_eq!(found.len(), nodes.len());
+        let mut middle = 0;
+        for peak in &found {
+            let [x, _, z] = stored.mesh.nodes[peak.node as usize].position;
+            if (x.abs() - 0.01).abs() < 1e-9 && (z - 0.1).abs() < 1e-9 {
+                let beam = 1000.0 * (0.2 - z) * 0.01 / (0.02f64.powi(4) / 12.0);
+                assert!(
+                    (peak.stress / beam - 1.0).abs() < 0.02,
+                    "{} {beam}",
+                    peak.stress
+                );
+                assert_eq!(peak.time, times[3]);
+                middle += 1;
+            }
+        }
+        assert!(middle >= 4, "{middle}");
+        let shown = table("Bar", stored, &found, &|_| None);
+        let largest = found.iter().map(|p| p.stress).fold(0.0, f64::max);
+        assert_eq!(shown.rows[0][1], Cell::number(1e-6 * largest));
+        // places that stand for several nodes have the largest of them
+        let all_to_one = nodes.iter().map(|n| (*n, 0)).collect();
+        assert_eq!(by_place(&found, &all_to_one, 2), [largest, 0.0]);
+    }
+}

@@ -116,7 +116,11 @@ fn same(a: f64, b: f64) -> bool {
 /// What a reduction found, as facts.
 pub(super) fn body_facts(reduction: &Reduction) -> Vec<(&'static str, Cell)> {
     let report = &reduction.stored.report;
-    let [x, y, z] = report.body.centre.map(|x| 1e3 * x);
+    // a micrometre is shown, and no zero with a sign
+    let [x, y, z] = report
+        .body
+        .centre
+        .map(|x| libm::round(1e6 * x) * 1e-3 + 0.0);
     let inertia = report.body.inertia;
     vec![
         ("Nodes", report.nodes.to_string().into()),

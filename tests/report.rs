@@ -1,0 +1,324 @@
+//! `eng report`: what a reader of the page and other tools find.
+
+use eng::Results;
+use eng::cli::{JournalGeometry, JournalSummary};
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn eng(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_eng"))
+        .args(arguments)
+        .current_dir(folder)
+        .env("ENG_CACHE", folder.join("cache"))
+        .output()
+        .expect("the command starts")
+}
+
+fn done(folder: &Path, arguments: &[&str]) -> String {
+    let output = eng(folder, arguments);
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {errors}");
+    errors
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+fn write(path: PathBuf, text: &str) {
+    std::fs::write(path, text).expect("a file");
+}
+
+fn captions(page: &str) -> Vec<String> {
+    let all = page.split("<figcaption").skip(1);
+    all.filter_map(|part| part.split_once("</b> ")?.1.split_once("</figcaption>"))
+        .map(|(caption, _)| caption.to_owned())
+        .collect()
+}
+
+/// The cells of the rows of the table with a caption.
+fn table(page: &str, caption: &str) -> Vec<Vec<String>> {
+    let (_, after) = page
+        .split_once(&format!("<caption>{caption}"))
+        .unwrap_or_else(|| panic!("no table {caption}"));
+    let (body, _) = after.split_once("</table>").expect("its end");
+    let (_, body) = body.split_once("<tbody>").expect("its rows");
+    let plain = |cell: &str| {
+        let mut text = String::new();
+        let mut inside = false;
+        for c in cell.chars() {
+            match c {
+                '<' => inside = true,
+                '>' => inside = false,
+                c if !inside => text.push(c),
+                _ => {}
+            }
+        }
+        text.replace('−', "-")
+    };
+    body.split("<tr>")
+        .skip(1)
+        .map(|row| {
+            row.split("</td>")
+                .flat_map(|part| part.split("</th>"))
+                .map(plain)
+                .map(|text| text.trim().to_owned())
+                .filter(|text| !text.is_empty())
+                .collect()
+        })
+        .collect()
+}
+
+fn number(text: &str) -> f64 {
+    text.parse()
+        .unwrap_or_else(|_| panic!("{text:?} is no number"))
+}
+
+#[test]
+fn a_report_of_an_engine_shows_what_the_results_hold() {
+    let folder = folder("report-inline4");
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/inline4");
+    let text = std::fs::read_to_string(examples.join("inline4.eng")).expect("the example");
+    let (model, _) = text.split_once("analysis unfired").expect("its analyses");
+    // two revolutions are a cycle
+    let run =
+        "analysis short = transient(Inline4(combustion: 0), duration: 2 rev, sample: 2 deg)\n";
+    write(folder.join("engine.eng"), &format!("{model}{run}"));
+    std::fs::copy(examples.join("pressure.csv"), folder.join("pressure.csv")).expect("a copy");
+    done(
+        &folder,
+        &[
+            "run",
+            "engine.eng",
+            "--no-plots",
+            "-q",
+            "--set",
+            "speed=4200 rpm",
+        ],
+    );
+    done(
+        &folder,
+        &[
+            "report",
+            "engine.eng",
+            "--gltf",
+            "engine.glb",
+            "--out",
+            "page.html",
+        ],
+    );
+    let page = std::fs::read_to_string(folder.join("page.html")).expect("the page");
+    let results =
+        Results::read_parquet(folder.join("results/engine/short.parquet")).expect("results");
+
+    let captions = captions(&page);
+    for start in [
+        "vertical, short.",
+        "engine speed, short.",
+        "brake torque, short.",
+        "Journal force x on the pin, short.",
+        "Journal force y on the pin, short.",
+        "Orbits of the pins in their shells, short.",
+        "Spectrum: Journal force x on the pin, short.",
+    ] {
+        assert!(
+            captions.iter().any(|c| c.starts_with(start)),
+            "{start} in {captions:?}"
+        );
+    }
+    // in orders and in Hz
+    let spectra = captions
+        .iter()
+        .filter(|c| c.starts_with("Spectrum: vertical"))
+        .count();
+    assert_eq!(spectra, 2, "{captions:?}");
+    assert!(page.contains("Hann window, resolution 0.5000 orders"));
+
+    let rows = table(&page, "Journals over the last cycle, short");
+    assert_eq!(rows.len(), 5);
+    for (index, row) in rows.iter().enumerate() {
+        let journal = JournalGeometry {
+            path: format!("main[{}]", index + 1),
+            diameter: 0.054,
+            width: 0.02,
+            radial_clearance: 27e-6,
+        };
+        let known = JournalSummary::new(&results, &journal, Some(4.0 * PI));
+        assert_eq!(row[1], journal.path);
+        let [force, film, power] = [known.peak_load, known.minimum_film, known.friction_power]
+            .map(|value| value.expect("a number"));
+        for (cell, value, digits) in [
+            (2, 54.0, 4),
+            (5, 1e-3 * force, 4),
+            (8, 1e6 * film, 3),
+            (11, power, 4),
+        ] {
+            let rounding = 0.51 * 10f64.powi(1 - digits);
+            let shown = number(&row[cell]);
+            assert!(
+                (shown / value - 1.0).abs() < rounding,
+                "{cell}: {shown} {value}"
+            );
+        }
+    }
+    // what the command line set is an input that differs from its default
+    let inputs = table(&page, "Inputs of Inline4");
+    let speed = inputs
+        .iter()
+        .find(|row| row[0] == "speed")
+        .expect("the speed");
+    assert_eq!((number(&speed[2]), number(&speed[3])), (4000.0, 4200.0));
+
+    let audit = table(&page, "Energy, short");
+    let change = |path: &str| {
+        let values = &results.column(path).expect("a column").values;
+        values[values.len() - 1] - values[0]
+    };
+    let drives = audit.iter().find(|row| row[0] == "drives").expect("a row");
+    let work = change("energy.work_of_drives");
+    assert!(
+        (number(&drives[2]) / work - 1.0).abs() < 1e-4,
+        "{drives:?} {work}"
+    );
+
+    let motion =
+        Results::read_parquet(folder.join("results/engine/short.motion.parquet")).expect("motion");
+    assert_eq!(motion.samples(), 361);
+    let square = |sample: usize| -> f64 {
+        ["w", "x", "y", "z"]
+            .iter()
+            .map(|part| {
+                let path = format!("crank.orientation.{part}");
+                motion.column(&path).expect("a column").values[sample].powi(2)
+            })
+            .sum()
+    };
+    assert!((0..361).all(|sample| (square(sample) - 1.0).abs() < 1e-12));
+    assert_eq!(
+        &std::fs::read(folder.join("engine.glb")).expect("glTF")[..4],
+        b"glTF"
+    );
+    // the first and the last section and nothing from elsewhere
+    assert!(page.contains(">Summary</h2>") && page.contains(">Provenance</h2>"));
+    assert!(!page.contains("src=\"http") && !page.contains("href=\"http"));
+    assert!(page.contains(results.metadata().get("source_hash").expect("a hash")));
+}
+
+const BAR: &str = "
+    force Push(a: Marker, b: Marker, x: Force) {
+        apply force x*b.x on a
+    }
+    model Held {
+        param push: Force = 1000 N
+        marker wall = [0, 0, 0] mm
+        flexible bar {
+            mesh = nastran(\"bar.bdf\", units: mm_tonne_s)
+            support = foot
+            modes = static(at: tip) + normal(2)
+            damping = 70 %
+            marker foot = patch(center: [0, 0, 0] mm, normal: z, radius: 15 mm, tie: rigid)
+            marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
+        }
+        force load = Push(bar.tip, wall, x: push)
+        output deflection: Length = dot(bar.tip.origin - wall.origin, wall.x)
+    }
+    analysis settle = transient(Held(), duration: 20 ms, sample: 0.1 ms)
+    analysis harder = transient(Held(push: 2000 N), duration: 20 ms, sample: 0.1 ms)";
+
+fn bar(name: &str) -> PathBuf {
+    let folder = folder(name);
+    write(folder.join("bar.eng"), BAR);
+    write(folder.join("bar.bdf"), include_str!("mesh/bar.bdf"));
+    folder
+}
+
+#[test]
+fn a_report_of_a_flexible_body_has_its_modes_stresses_and_files() {
+    let folder = bar("report-bar");
+    done(&folder, &["run", "bar.eng", "--no-plots", "-q"]);
+    done(&folder, &["report", "bar.eng", "--vtu", "series"]);
+    let page = std::fs::read_to_string(folder.join("results/bar/report.html")).expect("the page");
+
+    let text = String::from_utf8(eng(&folder, &["reduce", "bar.eng"]).stdout).expect("text");
+    let (_, lines) = text.split_once("mode  frequency").expect("modes");
+    let modes = table(&page, "Modes of bar");
+    assert_eq!(modes.len(), 4);
+    for (row, line) in modes.iter().zip(lines.lines().skip(1)) {
+        let expected = number(line.split_whitespace().nth(1).expect("a frequency"));
+        assert!(
+            (number(&row[2]) / expected - 1.0).abs() < 5e-4,
+            "{row:?} {line}"
+        );
+        assert_eq!(number(&row[3]), 70.0);
+    }
+    // twice the load, twice the stress
+    let largest: Vec<f64> = page
+        .split("<h3")
+        .filter(|part| part.contains("Motion, "))
+        .map(|part| number(&table(part, "bar: largest von Mises stress")[0][1]))
+        .collect();
+    assert_eq!(largest.len(), 2);
+    assert!((largest[1] / largest[0] - 2.0).abs() < 1e-2, "{largest:?}");
+    let captions = captions(&page);
+    assert!(
+        captions
+            .iter()
+            .any(|c| c == "deflection: settle, harder. Last cycle."),
+        "{captions:?}"
+    );
+
+    let list = std::fs::read_to_string(folder.join("series/settle.pvd")).expect("a list");
+    let named: Vec<&str> = list
+        .split("file=\"")
+        .skip(1)
+        .filter_map(|part| Some(part.split_once('"')?.0))
+        .collect();
+    // 200 intervals, every sixth sample
+    assert_eq!(named.len(), 34);
+    for name in named {
+        let file = std::fs::read_to_string(folder.join("series").join(name)).expect("a file");
+        assert!(file.contains("Name=\"displacement\"") && file.contains("Name=\"von_mises\""));
+    }
+}
+
+#[test]
+fn results_that_are_missing_are_told() {
+    let folder = bar("report-missing");
+    let output = eng(&folder, &["report", "bar.eng"]);
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        errors.contains("has no results of settle, harder; run first: eng run bar.eng"),
+        "{errors}"
+    );
+    assert!(!folder.join("results").exists());
+
+    done(
+        &folder,
+        &["run", "bar.eng", "--no-plots", "-q", "--analysis", "settle"],
+    );
+    let output = eng(&folder, &["report", "bar.eng", "--analysis", "harder"]);
+    assert_eq!(output.status.code(), Some(2));
+    // one that was not asked for by name is only told of
+    done(&folder, &["report", "bar.eng"]);
+    let path = folder.join("results/bar/report.html");
+    let page = std::fs::read_to_string(path).expect("the page");
+    assert!(page.contains("Without results: harder."));
+
+    // the text has changed since
+    write(folder.join("bar.eng"), &BAR.replace("= 1000 N", "= 900 N"));
+    let errors = done(&folder, &["report", "bar.eng"]);
+    assert!(
+        errors.contains("settle: the model's text is not that of the results"),
+        "{errors}"
+    );
+    // a file that is no result
+    write(folder.join("results/bar/settle.parquet"), "no parquet");
+    let output = eng(&folder, &["report", "bar.eng"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("settle.parquet"));
+}
