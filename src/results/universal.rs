@@ -250,7 +250,7 @@ mod tests {
     fn spacing_is_even_only_if_six_digits_say_so() {
         let even: Vec<f64> = (0..1000).map(|i| f64::from(i) * 1e-5).collect();
         assert_eq!(even_spacing(&even), Some(1e-5));
-        let third: Vec<f64> = (0..1000).map(|i| f64::from(i) / 3e5).collect();
+        let third: Vec<f64> = (0..2000).map(|i| f64::from(i) / 3e5).collect();
         assert_eq!(even_spacing(&third), None);
         assert_eq!(even_spacing(&[0.0, 1.0, 3.0]), None);
         assert_eq!(even_spacing(&[0.0]), None);
