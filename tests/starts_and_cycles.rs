@@ -294,3 +294,58 @@ fn a_sweep_does_not_depend_on_threads() {
     assert_eq!(one[0].results.samples(), 1001);
     std::fs::remove_dir_all(&folder).expect("removed");
 }
+
+/// A stated angle keeps its turns, in every angle between the same markers; what nothing states is within half a turn.
+#[test]
+fn an_angle_starts_as_it_is_stated() {
+    let started = |start: &str| -> Vec<f64> {
+        let text = format!(
+            "use std.joints.Revolute
+             model M {{
+                 gravity = [0, 0, 0] m/s^2
+                 marker o = [0, 0, 0] mm
+                 body q {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker side = at([0, 0, 0] mm, x: [0, 1, 0], z: [0, 0, 1]) }}
+                 joint j = Revolute(q.origin, o)
+                 {start}
+                 cycle angle = rotation(q.origin, o) {{ period = 720 deg }}
+                 output same = rotation(q.origin, o) as deg
+                 output against = rotation(o, q.origin) as deg
+                 output beside = rotation(q.side, o) as deg
+             }}"
+        );
+        let program = program(Sources::from_text("m.eng", &text), "m.eng");
+        let model = program.model("M").expect("the model");
+        let simulation = model.simulation().start().expect("it starts");
+        ["j.angle", "same", "against", "beside"]
+            .iter()
+            .map(|path| {
+                let channel = model.channel(path).expect("a channel");
+                simulation.value(channel).expect("a value").to_degrees()
+            })
+            .collect()
+    };
+    let near = |found: &[f64], wanted: [f64; 4], of: &str| {
+        for (a, b) in found.iter().zip(wanted) {
+            assert!((a - b).abs() < 1e-6, "{of}: {found:?}");
+        }
+    };
+    for degrees in [
+        0.0, 1.0, 90.0, 179.0, 181.0, 200.0, 270.0, 359.0, 400.0, 3000.0, -90.0, -181.0, -720.0,
+        -3000.0,
+    ] {
+        for start in [
+            format!("start rotation(q.origin, o) = {degrees} deg"),
+            format!("start j.angle = {degrees} deg"),
+        ] {
+            let wanted = [degrees, degrees, -degrees, degrees + 90.0];
+            near(&started(&start), wanted, &start);
+        }
+        let start = format!("start rotation(o, q.origin) = {degrees} deg");
+        near(
+            &started(&start),
+            [-degrees, -degrees, degrees, 90.0 - degrees],
+            &start,
+        );
+    }
+    near(&started(""), [0.0, 0.0, 0.0, 90.0], "nothing");
+}

@@ -266,6 +266,7 @@ impl Model {
                 || element.constants.len() != layout.constants as usize
                 || element.state_start.len() != layout.states as usize
                 || element.signals.len() != layout.signals as usize
+                || element.rotations.len() != layout.rotations as usize
                 || element.markers.iter().any(|m| *m as usize >= markers.len())
                 || element
                     .signals

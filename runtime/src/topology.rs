@@ -168,6 +168,10 @@ fn dependencies(matrix: &DMatrix<f64>) -> Vec<(usize, Vec<(usize, f64)>)> {
         pivot_columns.push(column);
     }
     let rank = pivot_rows.len();
+    if rank == 0 {
+        // rows of nothing but zeros repeat no other
+        return free_rows.into_iter().map(|row| (row, Vec::new())).collect();
+    }
     let square = DMatrix::from_fn(rank, rank, |i, j| unit[(pivot_rows[j], pivot_columns[i])]);
     let lu = square.lu();
     free_rows
@@ -213,5 +217,12 @@ mod tests {
         names.sort_unstable();
         assert_eq!(names, [0, 1, 3]);
         assert!(dependencies(&DMatrix::identity(3, 4)).is_empty());
+    }
+
+    #[test]
+    fn rows_that_hold_nothing_repeat_nothing() {
+        let found = dependencies(&DMatrix::zeros(2, 6));
+        assert_eq!(found, [(0, Vec::new()), (1, Vec::new())]);
+        assert!(dependencies(&DMatrix::zeros(0, 6)).is_empty());
     }
 }

@@ -251,6 +251,19 @@ pub struct Element {
     pub state_start: Vec<Slot>,
     /// Channels its outputs read, as many as the layout says; each is computed before this element's.
     pub signals: Vec<u32>,
+    /// Its unwrapped angles, as many as the layout says.
+    pub rotations: Vec<Rotation>,
+}
+
+/// An unwrapped angle that an element measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rotation {
+    /// Index into the element's markers: the one that turns.
+    pub turning: u32,
+    /// Index into the element's markers: the one about whose z axis, and from whose x axis, it is measured.
+    pub reference: u32,
+    /// In the rows of a start: the angle that is stated (rad).
+    pub stated: Option<Slot>,
 }
 
 /// A column of the results: one output of one element.

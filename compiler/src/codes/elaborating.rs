@@ -109,6 +109,10 @@ eng_grammar::codes! {
         "Names in a mode set are looked up in the flexible body that uses it.",
         "flexible crank { marker main = node(12); modes = static(at: mian) }",
         "flexible crank { marker main = node(12); modes = static(at: main) }";
+    SAME_BODY = "E0528", "an element constrains a body against itself",
+        "All its markers are on one rigid body, or all on the ground: they never move against each other, so its equations hold nothing.",
+        "joint pin = Revolute(pivot, pivot)",
+        "joint pin = Revolute(bob.top, pivot)";
     INTERNAL = "E0599", "the compiler or the runtime contradicts itself",
         "No model should bring this about: an earlier check should have told what is wrong. Please report it with the model. Changing what stands at the place named may help until it is mended.",
         "", "";
@@ -129,6 +133,10 @@ eng_grammar::codes! {
         "Normal modes alone converge slowly under a load at one place: the body seems too stiff there. A static mode at that marker answers the load exactly. A term that lists its freedoms is taken as it is.",
         "flexible crank { modes = normal(16) }",
         "flexible crank { modes = static(at: [main, pin]) + normal(16) }";
+    PERIOD_GAP = "W0506", "the points of a periodic table leave out a part of the period",
+        "The last point and the first of the next period are much further apart than the others (more than three times the usual distance and a twentieth of the period). A cubic spline bridges that by a curve that the points do not tell. State points over the whole period. `interpolation: monotone` stays between the two values and is taken as meant.",
+        "table lift(theta: CrankAngle) -> Length = points([0, 30, 60] deg, [0, 4, 0] mm, periodic: 360 deg)",
+        "table lift(theta: CrankAngle) -> Length = points([0, 30, 60] deg, [0, 4, 0] mm, periodic: 360 deg, interpolation: monotone)";
     NO_GRAVITY = "N0501", "no gravity is stated",
         "It is zero then. State it, or state zeros to say that this is meant.",
         "model Engine { }",

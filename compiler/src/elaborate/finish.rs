@@ -10,7 +10,7 @@ use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::Dimension;
 use eng_system::flexible::FlexibleSource;
 use eng_system::host::Host;
-use eng_system::system::{Element, ElementClass, Role, System};
+use eng_system::system::{Element, ElementClass, Role, Rotation, System};
 use std::collections::BTreeMap;
 
 /// A model as a flat system, the functions of its classes, and its bind graph.
@@ -246,6 +246,15 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                     .map(|n| self.bench.bind.slot(*n))
                     .collect(),
                 signals: draft.signals,
+                rotations: draft
+                    .rotations
+                    .iter()
+                    .map(|(turning, reference, stated)| Rotation {
+                        turning: *turning,
+                        reference: *reference,
+                        stated: stated.map(|n| self.bench.bind.slot(n)),
+                    })
+                    .collect(),
             });
         }
         for check in &mut self.checks {

@@ -110,6 +110,8 @@ pub(crate) struct ElementDraft<'a> {
     pub constants: Vec<crate::ir::Node>,
     pub state_start: Vec<crate::ir::Node>,
     pub signals: Vec<u32>,
+    /// Pairs of local markers, and the bind node of a stated angle.
+    pub rotations: Vec<(u32, u32, Option<crate::ir::Node>)>,
 }
 
 /// What a class tells besides its graph.

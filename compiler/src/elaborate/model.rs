@@ -426,11 +426,9 @@ impl<'a> Elaborator<'a, '_> {
         if a.len() != b.len() {
             return Err(self.lengths(a.len(), target.span, b.len(), value.span));
         }
-        let is_rotation = |e: &Self, s: &Scalar| {
-            e.bench
-                .element
-                .as_ref()
-                .is_some_and(|b| b.rotations.iter().any(|r| r.2 == s.node))
+        let rotation = |e: &Self, s: &Scalar| {
+            let element = e.bench.element.as_ref()?;
+            element.rotations.iter().position(|r| r.2 == s.node)
         };
         let text = format!(
             "{} == {}",
@@ -441,8 +439,14 @@ impl<'a> Elaborator<'a, '_> {
         let mut velocity = false;
         for (x, y) in a.into_iter().zip(b) {
             let mut difference = self.bench.subtract(x, y);
-            if is_rotation(self, &x) {
-                // an angle is reached at any turn
+            if let Some(index) = rotation(self, &x) {
+                if y.stage != Stage::Motion {
+                    let stated = self.bind_node(y, value.span)?;
+                    if let Some(element) = self.bench.element.as_mut() {
+                        element.stated.push((index as u32, stated));
+                    }
+                }
+                // an angle is reached at any turn: the stated one is counted afterwards
                 let sine = self
                     .bench
                     .unary(difference, Dimension::ONE, |g, n| g.unary(Op::Sin, n));

@@ -347,6 +347,13 @@ impl<'a> Elaborator<'a, '_> {
             constants: element.constants,
             state_start: element.states.iter().map(|s| s.start).collect(),
             signals: element.signals,
+            rotations: (0..)
+                .zip(&element.rotations)
+                .map(|(index, (a, b, _))| {
+                    let stated = element.stated.iter().find(|s| s.0 == index);
+                    (*a, *b, stated.map(|s| s.1))
+                })
+                .collect(),
         });
         Ok(index)
     }

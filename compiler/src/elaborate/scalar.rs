@@ -94,6 +94,8 @@ pub(crate) struct ElementBuilder {
     constant_of: HashMap<Node, u32>,
     /// Pairs of local markers and the unwrapped angle's node.
     pub rotations: Vec<(u32, u32, Node)>,
+    /// Angles a start states: index of the rotation, bind node.
+    pub stated: Vec<(u32, Node)>,
     /// Channels it reads.
     pub signals: Vec<u32>,
     /// States: name, dimension, start value, rate.

@@ -88,6 +88,36 @@ impl<'a> Elaborator<'a, '_> {
         if let ([xs, ys], true) = (plain.as_slice(), x.len() != y.len()) {
             return Err(self.lengths(x.len(), xs.span, y.len(), ys.span));
         }
+        let gap = match (period, interpolation) {
+            (Some(period), Interpolation::Cubic) => period_gap(&x, period),
+            _ => None,
+        };
+        if let Some((last, next, usual)) = gap {
+            self.diagnostics.push(
+                Diagnostic::warning(
+                    codes::PERIOD_GAP,
+                    format!(
+                        "the points of table `{}` leave out a part of its period",
+                        table.name.text
+                    ),
+                )
+                .at(
+                    source.span,
+                    format!(
+                        "none from {} to {}, where the next period begins",
+                        units.0.text(last),
+                        units.0.text(next)
+                    ),
+                )
+                .with_note(format!(
+                    "elsewhere they are {} apart; the spline bridges the gap by a curve of its own",
+                    units.0.text(usual)
+                ))
+                .with_help(
+                    "state points over the whole period, or take `interpolation: monotone`, which stays between the two values",
+                ),
+            );
+        }
         match Table::new(
             table.name.text.clone(),
             x,
@@ -241,6 +271,26 @@ impl<'a> Elaborator<'a, '_> {
         let mut y = Vec::new();
         for (number, line) in lines {
             let row = cells(line);
+            // what lies beyond the header, but empty cells of a separator at the end
+            if row.iter().skip(header.len()).any(|cell| !cell.is_empty()) {
+                let told = Diagnostic::error(
+                    codes::FILE_CONTENT,
+                    format!(
+                        "line {} of {path} has {} cells, but the first row names {}",
+                        number + 1,
+                        row.len(),
+                        header.len()
+                    ),
+                )
+                .at(file.span, format!("the line is {:?}", shortened(line)));
+                return Err(self.report(if separator == ',' {
+                    told.with_help(
+                        "with commas between the cells numbers have a decimal point; with decimal commas, separate the cells by `;` or tabs",
+                    )
+                } else {
+                    told.with_help("name each column in the first row")
+                }));
+            }
             for k in 0..2 {
                 let cell = row.get(index[k]).map_or("", String::as_str);
                 // a decimal comma is read where the comma does not separate cells
@@ -339,5 +389,31 @@ impl<'a> Elaborator<'a, '_> {
             ));
         }
         Ok((unit.scale, unit.offset))
+    }
+}
+
+/// A gap of a period that is longer than this many usual distances of the points, and than this share of the period, is told.
+const GAP_DISTANCES: f64 = 3.0;
+const GAP_SHARE: f64 = 0.05;
+
+/// Where the points of a periodic table leave out the end of the period: the last argument, the first of the next period, and the
+/// median distance of the points (all in the argument's unit).
+fn period_gap(x: &[f64], period: f64) -> Option<(f64, f64, f64)> {
+    let next = x.first()? + period;
+    let last = *x.last()?;
+    let mut distances: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    distances.sort_by(f64::total_cmp);
+    let usual = *distances.get(distances.len() / 2)?;
+    let gap = next - last;
+    (gap > GAP_DISTANCES * usual && gap > GAP_SHARE * period).then_some((last, next, usual))
+}
+
+/// A line of a file as a message shows it.
+fn shortened(line: &str) -> String {
+    const SHOWN: usize = 40;
+    let line = line.trim();
+    match line.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &line[..end]),
+        None => line.to_owned(),
     }
 }

@@ -18,9 +18,39 @@ impl Elaborator<'_, '_> {
         unused
     }
 
+    /// The message where an element has equations, but all its markers are on one body that does not bend. `bodies` are those of its
+    /// markers; the ground comes after all bodies.
+    fn against_itself(
+        &self,
+        element: &super::ElementDraft<'_>,
+        bodies: &[usize],
+    ) -> Option<Diagnostic> {
+        let (first, others) = bodies.split_first()?;
+        let bends = self.flexible.get(*first).is_some_and(Option::is_some);
+        if element.meta.rows.is_empty() || bends || others.iter().any(|b| b != first) {
+            return None;
+        }
+        let on = match self.bodies.get(*first) {
+            Some(body) => format!("`{}`", body.origin.path),
+            None => "the ground".to_owned(),
+        };
+        let path = &element.origin.path;
+        Some(
+            Diagnostic::error(
+                codes::SAME_BODY,
+                format!("`{path}` constrains {on} against itself"),
+            )
+            .at(element.span, format!("its markers are all on {on}"))
+            .with_help(
+                "take a marker of each of the two bodies; a marker of the model is on the ground",
+            ),
+        )
+    }
+
     /// Lints on bodies that nothing holds and markers that nothing uses.
     pub fn connections(&mut self, model: Span) {
         let ground = self.bodies.len();
+        let mut found = Vec::new();
         let mut parent: Vec<usize> = (0..=ground).collect();
         let mut touched = vec![false; ground + 1];
         for element in &self.elements {
@@ -35,13 +65,15 @@ impl Elaborator<'_, '_> {
                     BodyRef::Body(b) => b as usize,
                 })
                 .collect();
+            if let Some(told) = self.against_itself(element, &bodies) {
+                found.push(told);
+            }
             for b in &bodies {
                 touched[*b] = true;
                 let (x, y) = (root(&parent, *b), root(&parent, bodies[0]));
                 parent[x] = y;
             }
         }
-        let mut found = Vec::new();
         let untied = self.bodies.iter().zip(&touched);
         let untied = untied
             .filter(|(_, touched)| !**touched)

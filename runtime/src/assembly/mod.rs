@@ -17,7 +17,7 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{M3, quaternion};
 use crate::state::State;
-use eng_system::system::{ConditionKind, Role};
+use eng_system::system::{ConditionKind, Role, Rotation};
 use rows::{At, Rows};
 use std::f64::consts::PI;
 
@@ -177,6 +177,9 @@ fn freeze(model: &mut Model, state: &State) {
     }
 }
 
+/// Rows that differ by less than this (SI) between two turns differ by rounding.
+const TURN_MARGIN: f64 = 1e-12;
+
 /// Chooses the turn of each rotation that occurs in rows: the one that leaves least of them; among equals the nearest to 0.
 pub fn choose_turns(
     model: &Model,
@@ -194,7 +197,7 @@ pub fn choose_turns(
         for turn in [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0] {
             state.rotations[first..first + count].fill(2.0 * PI * turn);
             let (values, _) = rows.evaluate(model, &at(state), rows::Along::Pose)?;
-            if values.norm() < best.0 * (1.0 - 1e-9) {
+            if values.norm() < best.0 * (1.0 - 1e-9) - TURN_MARGIN {
                 best = (values.norm(), turn);
             }
         }
@@ -203,67 +206,102 @@ pub fn choose_turns(
     Ok(())
 }
 
-/// Unwrapped angles at the start. A start row that states more than half a turn between two bodies (`400 deg`) decides the turn of the
-/// other rotations between them: each takes the turn nearest to it.
+/// Unwrapped angles at the start: in (−π, π], but where a start states an angle (`400 deg`), or rows decide.
+///
+/// A stated angle is taken with the turns it is stated with. The other angles between the same two markers take it too, with the
+/// other sign where they are measured the other way; angles between other markers of the same two bodies take the turn that is
+/// nearest to it. The rows of a part of the model go first: an angle they would not hold with stays at the turn they leave least.
 fn settle_turns(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     let system = model.compiled.system.clone();
-    let bodies = |e: usize| -> Vec<Option<usize>> {
-        model.elements[e]
-            .markers
-            .iter()
-            .map(|m| model.markers[*m].body)
-            .collect()
-    };
-    let mut watch = crate::outputs::Watch::new(model, |_| true);
+    let starts = |e: usize| matches!(system.elements[e].role, Role::StartPosition { .. });
+    let chosen: Vec<usize> = (0..model.elements.len())
+        .filter(|e| system.elements[*e].role != Role::Output)
+        .collect();
+    choose_turns(model, &chosen, state)?;
     let markers: Vec<_> = (0..model.markers.len())
         .map(|m| rows::marker(model, m, &state.pose, &state.velocity))
         .collect();
-    let starts: Vec<usize> = (0..model.elements.len())
-        .filter(|e| {
-            matches!(system.elements[*e].role, Role::StartPosition { .. })
-                && model.class(*e).layout.rotations == 1
-                && model.class(*e).layout.markers == 2
-        })
-        .collect();
-    choose_turns(
-        model,
-        &(0..model.elements.len())
-            .filter(|e| system.elements[*e].role != Role::Output)
-            .collect::<Vec<_>>(),
-        state,
-    )?;
     let mut angles = state.rotations.clone();
-    let unwrap = |references: &[f64], angles: &mut [f64], watch: &mut crate::outputs::Watch| {
-        let from = crate::elements::Inputs {
-            time: state.time,
-            markers: &markers,
-            states: &state.states,
-            multipliers: &[],
-            rotations: references,
-        };
-        watch.unwrap(model, &from, angles)
+    let from = crate::elements::Inputs {
+        time: state.time,
+        markers: &markers,
+        states: &state.states,
+        multipliers: &[],
+        rotations: &state.rotations,
     };
-    unwrap(&state.rotations, &mut angles, &mut watch)?;
-    for e in 0..model.elements.len() {
-        let element = &model.elements[e];
-        let count = model.class(e).layout.rotations as usize;
-        if count == 0 || matches!(system.elements[e].role, Role::StartPosition { .. }) {
-            continue;
+    crate::outputs::Watch::new(model, |_| true).unwrap(model, &from, &mut angles)?;
+
+    let pair = |e: usize, rotation: &Rotation| {
+        let markers = &model.elements[e].markers;
+        Some([
+            *markers.get(rotation.turning as usize)?,
+            *markers.get(rotation.reference as usize)?,
+        ])
+    };
+    let nearest = |angle: f64, to: f64| angle + 2.0 * PI * libm::round((to - angle) / (2.0 * PI));
+    let mut stated = Vec::new();
+    for (e, element) in system
+        .elements
+        .iter()
+        .enumerate()
+        .filter(|(e, _)| starts(*e))
+    {
+        for (k, rotation) in element.rotations.iter().enumerate() {
+            let Some(markers) = pair(e, rotation) else {
+                continue;
+            };
+            let angle = &mut angles[model.elements[e].rotation + k];
+            if let Some(slot) = rotation.stated {
+                *angle = nearest(*angle, model.slot(slot));
+            }
+            stated.push((markers, *angle));
         }
-        let own = bodies(e);
-        for start in &starts {
-            let pair = bodies(*start);
-            if own.contains(&pair[0]) && own.contains(&pair[1]) {
-                let reversed = own.len() == 2 && own[0] == pair[1] && pair[0] != pair[1];
-                let stated =
-                    angles[model.elements[*start].rotation] * if reversed { -1.0 } else { 1.0 };
-                for angle in &mut angles[element.rotation..element.rotation + count] {
-                    *angle += 2.0 * PI * libm::round((stated - *angle) / (2.0 * PI));
-                }
-                break;
+    }
+    for (e, element) in system
+        .elements
+        .iter()
+        .enumerate()
+        .filter(|(e, _)| !starts(*e))
+    {
+        let first = model.elements[e].rotation;
+        let alone = angles.clone();
+        for (k, rotation) in element.rotations.iter().enumerate() {
+            if let Some(markers) = pair(e, rotation)
+                && let Some(to) = stated_between(model, markers, &stated)
+            {
+                angles[first + k] = nearest(angles[first + k], to);
+            }
+        }
+        if element.role == Role::Dynamic && angles != alone && !model.class(e).rows.is_empty() {
+            let rows = Rows::new(model, vec![e]);
+            let left = |rotations: &[f64]| {
+                let at = At {
+                    rotations,
+                    ..at(state)
+                };
+                let (values, _) = rows.evaluate(model, &at, rows::Along::Pose)?;
+                Ok::<f64, RuntimeError>(values.norm())
+            };
+            if left(&angles)? > left(&alone)? * (1.0 + 1e-9) + TURN_MARGIN {
+                angles = alone;
             }
         }
     }
     state.rotations.copy_from_slice(&angles);
     Ok(())
+}
+
+/// What is stated of the angle of one marker from another (rad): of the two themselves, else of others of their bodies.
+fn stated_between(model: &Model, markers: [usize; 2], stated: &[([usize; 2], f64)]) -> Option<f64> {
+    let bodies = |markers: [usize; 2]| markers.map(|m| model.markers[m].body);
+    let signed = |same: &dyn Fn([usize; 2]) -> bool| {
+        stated.iter().find_map(|([turning, reference], angle)| {
+            if same([*turning, *reference]) {
+                Some(*angle)
+            } else {
+                same([*reference, *turning]).then_some(-angle)
+            }
+        })
+    };
+    signed(&|pair| pair == markers).or_else(|| signed(&|pair| bodies(pair) == bodies(markers)))
 }

@@ -471,6 +471,14 @@ impl Builder {
     ) -> u32 {
         let constants = constants.iter().map(|c| self.slot(*c)).collect();
         let state_start = start.iter().map(|c| self.slot(*c)).collect();
+        let layout = &self.system.classes[class as usize].layout;
+        let rotations = (0..layout.rotations)
+            .map(|_| Rotation {
+                turning: 0,
+                reference: 1,
+                stated: None,
+            })
+            .collect();
         self.system.elements.push(Element {
             origin: origin(path),
             class,
@@ -479,6 +487,7 @@ impl Builder {
             constants,
             state_start,
             signals: vec![],
+            rotations,
         });
         self.system.elements.len() as u32 - 1
     }
