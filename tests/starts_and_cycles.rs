@@ -315,7 +315,7 @@ fn an_angle_starts_as_it_is_stated() {
         );
         let program = program(Sources::from_text("m.eng", &text), "m.eng");
         let model = program.model("M").expect("the model");
-        let simulation = model.simulation().start().expect("it starts");
+        let mut simulation = model.simulation().start().expect("it starts");
         ["j.angle", "same", "against", "beside"]
             .iter()
             .map(|path| {
