@@ -2,14 +2,14 @@
 
 use crate::model::{Model, Parameter};
 use crate::motion::Motion;
-use crate::results::{Column, Results};
+use crate::results::{Begun, Column, KeptWarning, Recording, Results, ResultsError, Table};
 use crate::simulation::run_error;
 use crate::{Error, Program, Quantity, RuntimeError};
 use eng_runtime::{
-    CycleReport, Observer, PeriodicSummary, RunSummary, Sample, StartReport, Warning, run_periodic,
-    run_transient,
+    CycleReport, Moment, Observer, PeriodicSummary, RunSummary, Sample, StartReport, Warning,
+    run_periodic, run_transient,
 };
-use eng_system::system::{AnalysisKind, PointValue};
+use eng_system::system::{AnalysisKind, Location, Origin, PointValue};
 use eng_system::{Dimension, DisplayUnit};
 use std::ops::ControlFlow;
 
@@ -20,6 +20,7 @@ pub struct Analysis {
     plan: eng_system::system::Analysis,
     program: Program,
     overrides: Vec<Option<f64>>,
+    recording: Recording,
 }
 
 /// How far a run is.
@@ -48,6 +49,8 @@ pub struct Outcome {
     pub start: Option<StartReport>,
     /// Cycles, decay and whirl of a periodic analysis; absent where it failed.
     pub periodic: Option<PeriodicSummary>,
+    /// Whether an earlier run had made all that and nothing was computed.
+    pub made_before: bool,
 }
 
 /// A run that failed, with what was computed before.
@@ -74,6 +77,7 @@ impl Analysis {
             plan,
             program,
             overrides,
+            recording: Recording::default(),
         })
     }
 
@@ -113,6 +117,12 @@ impl Analysis {
         Ok(self)
     }
 
+    /// States what is kept of the run, and where.
+    pub fn record(mut self, recording: Recording) -> Self {
+        self.recording = recording;
+        self
+    }
+
     /// The values of all slots for this analysis's parameters: what the summary needs of journals and cycle.
     pub(crate) fn bound(&self) -> Result<eng_system::code::Bound, Error> {
         let compiled = self.model.compiled();
@@ -134,48 +144,186 @@ impl Analysis {
     /// Runs. `progress` is called after every step.
     pub fn run(&self, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, Failed> {
         let compiled = self.model.compiled();
+        let begun = self
+            .header()
+            .and_then(|header| Ok(Table::begin(header, &self.recording, self.identity()?)?));
+        let (table, point) = match begun {
+            Ok(Begun::Fresh(table)) => (table, None),
+            Ok(Begun::Resumed(table, point)) => (table, Some(point)),
+            Ok(Begun::Complete(results)) => {
+                // its motion is on disk beside it
+                return Ok(Outcome {
+                    motion: Results::new(self.name(), self.model.name()),
+                    results,
+                    warnings: Vec::new(),
+                    summary: None,
+                    start: None,
+                    periodic: None,
+                    made_before: true,
+                });
+            }
+            Err(error) => {
+                return Err(Failed {
+                    error: Box::new(error),
+                    partial: None,
+                });
+            }
+        };
         let mut recorder = Recorder {
-            time: Vec::new(),
-            cycle_angle: Vec::new(),
-            cycle_rate: Vec::new(),
-            energy: Default::default(),
-            channels: vec![Vec::new(); compiled.system.channels.len()],
-            warnings: Vec::new(),
+            table,
+            refused: None,
+            resumed: point.is_some(),
+            warnings: point.iter().flat_map(|p| &p.warnings).map(given).collect(),
             motion: Motion::new(self.bound().ok().and_then(|b| cycle_period(compiled, &b))),
             start: None,
             cycles: None,
             progress,
         };
+        let state = point.as_ref().map(|p| p.state.as_slice());
         let ran = match &self.plan.kind {
             AnalysisKind::Transient(t) => {
-                run_transient(compiled, &self.overrides, t, &mut recorder, None)
+                run_transient(compiled, &self.overrides, t, &mut recorder, state)
                     .map(|summary| (Some(summary), None))
             }
             AnalysisKind::Periodic(p) => run_periodic(compiled, &self.overrides, p, &mut recorder)
                 .map(|found| (Some(found.run.clone()), Some(found))),
             AnalysisKind::Assemble => self.assembled(&mut recorder).map(|()| (None, None)),
         };
-        let (recorded, cause) = match ran {
-            Ok((summary, periodic)) => (recorder.finish(self, summary, periodic), None),
-            Err(cause) => (
-                recorder.finish(self, None, None),
-                Some(run_error(&self.model, cause)),
-            ),
+        // what the disk refused ended the run; its samples stay as they are, to go on from
+        if let Some(refused) = recorder.refused {
+            return Err(Failed {
+                error: Box::new(refused.into()),
+                partial: None,
+            });
+        }
+        let (summary, periodic, cause) = match ran {
+            Ok((summary, periodic)) => (summary, periodic, None),
+            Err(cause) => (None, None, Some(cause)),
         };
-        match (recorded, cause) {
-            (Ok(outcome), None) => Ok(outcome),
-            (Ok(outcome), Some(error)) => {
-                let partial = (outcome.results.samples() > 0).then(|| Box::new(outcome));
-                Err(Failed {
-                    error: Box::new(error),
-                    partial,
-                })
-            }
-            (Err(error), None) | (_, Some(error)) => Err(Failed {
+        let failure = cause.as_ref().map(|cause| format!("failed: {cause}"));
+        let finished = recorder.table.finish(failure.as_deref());
+        let cause = cause.map(|cause| run_error(&self.model, cause));
+        match (finished, cause) {
+            (Err(error), None) => Err(Failed {
+                error: Box::new(error.into()),
+                partial: None,
+            }),
+            (Err(_), Some(error)) => Err(Failed {
                 error: Box::new(error),
                 partial: None,
             }),
+            (Ok(results), cause) => {
+                let motion =
+                    recorder
+                        .motion
+                        .results(self, results.metadata())
+                        .map_err(|error| Failed {
+                            error: Box::new(error),
+                            partial: None,
+                        })?;
+                let outcome = Outcome {
+                    results,
+                    motion,
+                    warnings: recorder.warnings,
+                    summary,
+                    start: recorder.start,
+                    periodic,
+                    made_before: false,
+                };
+                match cause {
+                    None => Ok(outcome),
+                    Some(error) => Err(Failed {
+                        error: Box::new(error),
+                        partial: (outcome.results.samples() > 0).then(|| Box::new(outcome)),
+                    }),
+                }
+            }
         }
+    }
+
+    /// All columns without values, in the order of [`Recorder::sample`], with what is known before the run.
+    fn header(&self) -> Result<Results, Error> {
+        let system = &self.model.compiled().system;
+        let mut results = Results::new(self.name(), self.model.name());
+        results.push(Column::time(Vec::new()))?;
+        if system.cycle.is_some() {
+            results.push(Column::cycle_angle(Vec::new()))?;
+            results.push(Column::cycle_speed(Vec::new()))?;
+        }
+        for channel in &system.channels {
+            results.push(Column {
+                path: channel.path.clone(),
+                dimension: channel.dimension,
+                display: channel.display.clone(),
+                frame: channel.frame.clone(),
+                values: Vec::new(),
+            })?;
+        }
+        let energy = Dimension::MASS
+            .times(Dimension::LENGTH)
+            .times(Dimension::LENGTH)
+            .over(Dimension::TIME)
+            .over(Dimension::TIME);
+        for path in ENERGY {
+            results.push(Column {
+                path: path.to_owned(),
+                dimension: energy,
+                display: DisplayUnit {
+                    symbol: "J".into(),
+                    scale: 1.0,
+                    offset: 0.0,
+                },
+                frame: String::new(),
+                values: Vec::new(),
+            })?;
+        }
+        results.set_metadata("version", env!("CARGO_PKG_VERSION"));
+        results.set_metadata("file", self.program.file());
+        results.set_metadata("source_hash", self.program.source_hash());
+        for point in self.point() {
+            results.set_metadata(
+                format!("point.{}", point.name),
+                point.display.text(point.value),
+            );
+        }
+        let bound = self.bound()?;
+        for (parameter, value) in system.parameters.iter().zip(&bound.parameters) {
+            let d = &parameter.display;
+            results.set_metadata(
+                format!("parameter.{}", parameter.origin.path),
+                format!("{} {}", d.from_si(*value), d.symbol),
+            );
+        }
+        Ok(results)
+    }
+
+    /// What tells this run from others: program's version, texts, plan, bound model, reduced bodies, kept channels.
+    fn identity(&self) -> Result<String, Error> {
+        use sha2::Digest;
+        use std::fmt::Write;
+        if self.recording.folder.is_none() {
+            return Ok(String::new());
+        }
+        let mut text = format!(
+            "{} {} {:?} {:?} {:?}",
+            env!("CARGO_PKG_VERSION"),
+            self.program.source_hash(),
+            self.plan,
+            self.recording.channels,
+            self.model.compiled().system,
+        );
+        let bound = self.bound()?;
+        for value in bound.parameters.iter().chain(&bound.slots) {
+            // a text takes all that is written to it
+            let _ = write!(text, " {:x}", value.to_bits());
+        }
+        for reduction in self.model.reductions() {
+            let _ = write!(text, " {}", reduction.key());
+        }
+        Ok(sha2::Sha256::digest(text.as_bytes())
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect())
     }
 
     fn assembled(&self, recorder: &mut Recorder<'_>) -> Result<(), RuntimeError> {
@@ -184,7 +332,7 @@ impl Analysis {
             &self.overrides,
             eng_runtime::Options::default(),
         )?;
-        let mut values = vec![0.0; recorder.channels.len()];
+        let mut values = vec![0.0; self.model.compiled().system.channels.len()];
         simulation.evaluate_channels(&mut values)?;
         let _ = recorder.sample(&Sample {
             time: simulation.time(),
@@ -208,18 +356,60 @@ pub(crate) fn cycle_period(
     bound.slots.get(cycle.period.0 as usize).copied()
 }
 
-/// Columns while a run goes on.
+/// What a run gives on its way to a table.
 struct Recorder<'a> {
-    time: Vec<f64>,
-    cycle_angle: Vec<f64>,
-    cycle_rate: Vec<f64>,
-    energy: [Vec<f64>; 7],
-    channels: Vec<Vec<f64>>,
+    table: Table,
+    /// Why samples or checkpoints could not be kept.
+    refused: Option<ResultsError>,
+    /// Whether an earlier run told of the start.
+    resumed: bool,
     warnings: Vec<Warning>,
     motion: Motion,
     start: Option<StartReport>,
     cycles: Option<(u32, Option<f64>)>,
     progress: &'a mut dyn FnMut(Progress),
+}
+
+impl Recorder<'_> {
+    fn keep(&mut self, kept: Result<(), ResultsError>) -> ControlFlow<()> {
+        match kept {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                self.refused.get_or_insert(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+}
+
+/// A warning for a checkpoint.
+fn kept(warning: &Warning) -> KeptWarning {
+    let place = |at: Location| (at.source, at.start, at.end);
+    KeptWarning {
+        path: warning.origin.path.clone(),
+        used_at: warning.origin.used_at.map(place),
+        defined_at: warning.origin.defined_at.map(place),
+        message: warning.message.clone(),
+        time: warning.moment.time.to_bits(),
+        cycle_angle: warning.moment.cycle_angle.map(f64::to_bits),
+    }
+}
+
+/// A warning from a checkpoint.
+fn given(kept: &KeptWarning) -> Warning {
+    let place = |(source, start, end)| Location { source, start, end };
+    Warning {
+        origin: Origin {
+            path: kept.path.clone(),
+            used_at: kept.used_at.map(place),
+            defined_at: kept.defined_at.map(place),
+        },
+        message: kept.message.clone(),
+        moment: Moment {
+            time: f64::from_bits(kept.time),
+            cycle_angle: kept.cycle_angle.map(f64::from_bits),
+        },
+    }
 }
 
 /// Paths of the energy audit's columns.
@@ -235,7 +425,12 @@ const ENERGY: [&str; 7] = [
 
 impl Observer for Recorder<'_> {
     fn started(&mut self, report: &StartReport) {
-        self.start = Some(report.clone());
+        if !self.resumed {
+            let stated = self.table.set_metadata("start", report.to_string());
+            // the first sample ends the run
+            let _ = self.keep(stated);
+            self.start = Some(report.clone());
+        }
     }
 
     fn cycle(&mut self, cycle: &CycleReport) {
@@ -243,12 +438,10 @@ impl Observer for Recorder<'_> {
     }
 
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
-        self.time.push(sample.time);
-        self.motion.push(sample);
-        if let (Some(angle), Some(rate)) = (sample.cycle_angle, sample.cycle_rate) {
-            self.cycle_angle.push(angle);
-            self.cycle_rate.push(rate);
+        if self.refused.is_some() {
+            return ControlFlow::Break(());
         }
+        self.motion.push(sample);
         let e = &sample.energy;
         let audit = [
             e.kinetic,
@@ -259,13 +452,25 @@ impl Observer for Recorder<'_> {
             e.constraints,
             e.imbalance(),
         ];
-        for (column, value) in self.energy.iter_mut().zip(audit) {
-            column.push(value);
-        }
-        for (column, value) in self.channels.iter_mut().zip(sample.values) {
-            column.push(*value);
-        }
-        ControlFlow::Continue(())
+        let row = std::iter::once(sample.time)
+            .chain(sample.cycle_angle)
+            .chain(sample.cycle_rate)
+            .chain(sample.values.iter().copied())
+            .chain(audit);
+        let kept = self.table.push(row);
+        self.keep(kept)
+    }
+
+    fn wants_checkpoint(&mut self) -> bool {
+        self.refused.is_none() && self.table.wants_checkpoint()
+    }
+
+    fn checkpoint(&mut self, bytes: Vec<u8>) {
+        let saved = self
+            .table
+            .save(bytes, self.warnings.iter().map(kept).collect());
+        // the next sample ends the run
+        let _ = self.keep(saved);
     }
 
     fn progress(&mut self, fraction: f64, cycle_angle: Option<f64>) {
@@ -278,79 +483,5 @@ impl Observer for Recorder<'_> {
 
     fn warning(&mut self, warning: &Warning) {
         self.warnings.push(warning.clone());
-    }
-}
-
-impl Recorder<'_> {
-    fn finish(
-        self,
-        analysis: &Analysis,
-        summary: Option<RunSummary>,
-        periodic: Option<PeriodicSummary>,
-    ) -> Result<Outcome, Error> {
-        let mut results = Results::new(analysis.name(), analysis.model.name());
-        let samples = self.time.len();
-        results.push(Column::time(self.time))?;
-        if samples > 0 && self.cycle_angle.len() == samples {
-            results.push(Column::cycle_angle(self.cycle_angle))?;
-            results.push(Column::cycle_speed(self.cycle_rate))?;
-        }
-        let system = &analysis.model.compiled().system;
-        for (channel, values) in system.channels.iter().zip(self.channels) {
-            results.push(Column {
-                path: channel.path.clone(),
-                dimension: channel.dimension,
-                display: channel.display.clone(),
-                frame: channel.frame.clone(),
-                values,
-            })?;
-        }
-        let energy = Dimension::MASS
-            .times(Dimension::LENGTH)
-            .times(Dimension::LENGTH)
-            .over(Dimension::TIME)
-            .over(Dimension::TIME);
-        for (path, values) in ENERGY.iter().zip(self.energy) {
-            results.push(Column {
-                path: (*path).to_owned(),
-                dimension: energy,
-                display: DisplayUnit {
-                    symbol: "J".into(),
-                    scale: 1.0,
-                    offset: 0.0,
-                },
-                frame: String::new(),
-                values,
-            })?;
-        }
-        results.set_metadata("version", env!("CARGO_PKG_VERSION"));
-        results.set_metadata("file", analysis.program.file());
-        results.set_metadata("source_hash", analysis.program.source_hash());
-        if let Some(start) = &self.start {
-            results.set_metadata("start", start.to_string());
-        }
-        for point in analysis.point() {
-            results.set_metadata(
-                format!("point.{}", point.name),
-                point.display.text(point.value),
-            );
-        }
-        let bound = analysis.bound()?;
-        for (parameter, value) in system.parameters.iter().zip(&bound.parameters) {
-            let d = &parameter.display;
-            results.set_metadata(
-                format!("parameter.{}", parameter.origin.path),
-                format!("{} {}", d.from_si(*value), d.symbol),
-            );
-        }
-        let motion = self.motion.results(analysis, results.metadata())?;
-        Ok(Outcome {
-            results,
-            motion,
-            warnings: self.warnings,
-            summary,
-            start: self.start,
-            periodic,
-        })
     }
 }

@@ -105,6 +105,9 @@ eng_grammar::codes! {
     UNREAD = "W0731", "cards of a mesh were not read that may matter",
         "They carry mass, stiffness or a constraint that the reduced body does not have. Replace them in the file by what is read, or take matrices of the code that reads them.",
         "", "";
+    REDUCED = "W0732", "something about a reduced body is doubtful",
+        "Shells give mass and no stiffness, matrices of another code have few digits or are of a held structure, masses disagree. The message says which, and by how much.",
+        "", "";
 }
 
 /// All codes of all stages, in order.

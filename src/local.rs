@@ -7,6 +7,7 @@ use crate::cli::{
 };
 use crate::plot::Upright;
 use crate::report::Described;
+use crate::results::Recording;
 use crate::{Analysis, Error, Program, Quantity, Results, Sources};
 use eng_grammar::Diagnostics;
 use eng_system::code::Bound;
@@ -21,6 +22,7 @@ use std::sync::mpsc;
 #[derive(Debug, Default)]
 pub struct Local {
     program: Option<Program>,
+    recording: Recording,
 }
 
 impl Local {
@@ -56,7 +58,12 @@ impl Engine for Local {
         if let Some(program) = &self.program {
             for name in program.models() {
                 match program.model(name) {
-                    Ok(model) => facts.push(model.summary()),
+                    Ok(model) => {
+                        facts.push(model.summary());
+                        for doubt in model.reductions().iter().flat_map(|r| r.doubts()) {
+                            diagnostics.push(doubt);
+                        }
+                    }
                     // a mesh that reads well may still make no structure
                     Err(Error::Report(report)) => diagnostics.extend(report.diagnostics().clone()),
                     Err(other) => return Err(engine_error(other)),
@@ -146,7 +153,13 @@ impl Engine for Local {
             return Err(EngineError::System("no model was checked".into()));
         };
         let analysis = program.analysis(analysis).map_err(engine_error)?;
-        run(&with_settings(analysis, settings)?, progress)
+        let analysis = with_settings(analysis, settings)?.record(self.recording.clone());
+        run(&analysis, progress)
+    }
+
+    fn record(&mut self, recording: &Recording) -> bool {
+        self.recording = recording.clone();
+        recording.folder.is_some()
     }
 
     fn run_many(
@@ -163,6 +176,7 @@ impl Engine for Local {
             .analyses_of(analyses)
             .into_iter()
             .map(|made| with_settings(made.map_err(engine_error)?, settings))
+            .map(|made| made.map(|analysis| analysis.record(self.recording.clone())))
             .collect();
         let next = AtomicUsize::new(0);
         let (sender, receiver) = mpsc::channel();
@@ -285,6 +299,9 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         }
     }
     let mut facts = Vec::new();
+    if outcome.made_before {
+        facts.push("was complete, and is not run again".to_owned());
+    }
     if let Some(start) = &outcome.start {
         facts.push(start.to_string());
         crate::failure::start_advice(start)

@@ -81,7 +81,7 @@ impl Motion {
             .kept
             .drain(..)
             .enumerate()
-            .filter(|(index, _)| (last - index) % every == 0)
+            .filter(|(index, _)| (last - index).is_multiple_of(every))
             .map(|(_, moment)| moment)
             .collect();
         let name = format!("{}{SUFFIX}", analysis.name());

@@ -297,7 +297,7 @@ impl Program {
                 .reduce(&self.inner.sources, source, &turned)
                 .map_err(|diagnostic| {
                     let mut diagnostics = Diagnostics::new();
-                    diagnostics.push(diagnostic);
+                    diagnostics.push(*diagnostic);
                     crate::Error::Report(Report::new(Arc::clone(&self.inner.texts), diagnostics))
                 })?;
             reductions.push(reduction);

@@ -169,6 +169,8 @@ pub struct Integrator {
     values: Vec<f64>,
     /// The step of the kept factors; `None` where there are none.
     factored_step: Option<f64>,
+    /// Whether `values` are still the matrix of the kept factors.
+    factored_values: bool,
     /// Contraction that the kept factors showed.
     contraction: Option<f64>,
     trial: Vec<f64>,
@@ -225,6 +227,7 @@ impl Integrator {
             plan,
             solver: Box::new(solver),
             factored_step: None,
+            factored_values: false,
             contraction: None,
             trial: vec![0.0; size],
             start_velocity: vec![0.0; model.velocities],
@@ -303,6 +306,27 @@ impl Integrator {
     pub fn drop_factors(&mut self) {
         self.factored_step = None;
         self.contraction = None;
+    }
+
+    /// Step (s), contraction and matrix of the kept factors: what [`Integrator::keep_factors`] makes them from again, to the same bits.
+    /// `None` where there are none, or where another matrix was filled since.
+    pub fn kept_factors(&self) -> Option<(f64, Option<f64>, &[f64])> {
+        let step = self.factored_step?;
+        self.factored_values
+            .then_some((step, self.contraction, self.values.as_slice()))
+    }
+
+    /// Takes factors up as they were kept; counts nothing, for it was counted then. `false` where they can't be made.
+    pub fn keep_factors(&mut self, step: f64, contraction: Option<f64>, values: &[f64]) -> bool {
+        if values.len() != self.values.len() || self.solver.factor(values).is_err() {
+            self.drop_factors();
+            return false;
+        }
+        self.values.copy_from_slice(values);
+        self.factored_values = true;
+        self.factored_step = Some(step);
+        self.contraction = contraction;
+        true
     }
 
     /// Unknowns of a step: scaled increments, states, multipliers.
@@ -482,6 +506,7 @@ impl Integrator {
         dynamics: &mut Dynamics,
         h: f64,
     ) -> Result<(), RuntimeError> {
+        self.factored_values = false;
         for i in 0..model.velocities {
             self.delta[i] = self.trial[i] * self.scales[i];
         }
@@ -514,6 +539,7 @@ impl Integrator {
         let factored = self.solver.factor(&self.values).is_ok();
         self.statistics.fallbacks += self.solver.fallbacks() - before;
         if factored {
+            self.factored_values = true;
             self.factored_step = Some(h);
             Ok(true)
         } else {

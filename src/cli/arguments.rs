@@ -36,6 +36,10 @@ pub(super) enum Command {
     Report(ReportArguments),
     /// Reduce the flexible bodies of a model and print what they are: mass, modes, frequencies
     Reduce(ReduceArguments),
+    /// List what result files hold: channels with unit, frame and range, samples, time, where they come from
+    Results(ResultsArguments),
+    /// Write a result file in the format of another tool: CSV, universal file (58), MAT
+    Export(ExportArguments),
     /// Explain a message code, such as E0301; list all without one
     Explain(ExplainArguments),
 }
@@ -45,6 +49,49 @@ pub(super) struct ReduceArguments {
     /// The model's file
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ResultsArguments {
+    /// A result file, or a folder of them
+    #[arg(value_name = "DIR|FILE")]
+    pub path: PathBuf,
+    /// List these channels only, by patterns: `main[*].force.*`
+    #[arg(long, value_name = "PATTERN")]
+    pub channels: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ExportArguments {
+    /// The result file: .parquet, or .partial.arrows of a run that was interrupted
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// The format
+    #[arg(long, value_enum)]
+    pub to: Target,
+    /// Write this file [default: ANALYSIS.csv, .uff or .mat beside the results]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Write these channels only, by patterns: `main[*].force.*`
+    #[arg(long, value_name = "PATTERN")]
+    pub channels: Vec<String>,
+    /// Separator of the fields of CSV
+    #[arg(long, value_name = "CHARACTER", default_value_t = ',')]
+    pub separator: char,
+    /// Decimal sign of CSV
+    #[arg(long, value_name = "CHARACTER", default_value_t = '.')]
+    pub decimal: char,
+}
+
+/// A format of another tool.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Target {
+    /// A row of paths, a row of units, the numbers
+    Csv,
+    /// Universal file, dataset 58, ASCII, SI
+    Uff58,
+    /// MATLAB level 5
+    Mat,
 }
 
 #[derive(Debug, Args)]
@@ -99,6 +146,15 @@ pub(super) struct RunArguments {
     /// Run so many analyses at a time [default: as many as the machine has processors]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
+    /// Keep these channels only, by patterns: `main[*].force.*`; may be given several times [default: all]
+    #[arg(long, value_name = "PATTERN")]
+    pub channels: Vec<String>,
+    /// Keep the last part of each analysis only: `"2 rev"`, `720deg`, `50ms` [default: all of it]
+    #[arg(long, value_name = "PART")]
+    pub last: Option<String>,
+    /// Go on where an interrupted run stopped; analyses that are complete are not run again
+    #[arg(long)]
+    pub resume: bool,
     /// Draw no pictures
     #[arg(long)]
     pub no_plots: bool,

@@ -2,7 +2,7 @@
 
 use crate::plot::Upright;
 use crate::report::Described;
-use crate::results::Results;
+use crate::results::{Recording, Results};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::system::PointValue;
 use std::num::NonZeroUsize;
@@ -34,6 +34,11 @@ pub trait Engine {
         settings: &[Setting],
         progress: &mut dyn FnMut(Progress),
     ) -> Result<RunOutcome, EngineError>;
+
+    /// States what is kept of the runs that follow. `true`: the engine itself writes `ANALYSIS.parquet`.
+    fn record(&mut self, _recording: &Recording) -> bool {
+        false
+    }
 
     /// Runs several analyses, up to `threads` at a time; `tell` hears of the one with an index among `analyses`. The results are those
     /// of [`Engine::run`] to the last bit, whatever the number of threads.

@@ -7,9 +7,11 @@ mod arguments;
 mod check;
 mod engine;
 mod explain;
+mod export;
 pub(crate) mod figures;
 mod reduce;
 mod report;
+mod results;
 mod run;
 pub(crate) mod summary;
 mod sweep;
@@ -90,6 +92,8 @@ pub fn run_on(
         Command::Run(run) => run::run(run, engine, console),
         Command::Check(check) => check::check(check, engine, console),
         Command::Reduce(reduce) => reduce::reduce(reduce, engine, console),
+        Command::Results(listing) => results::results(listing, console),
+        Command::Export(export) => export::export(export, console),
         Command::Report(report) => report::report(report, engine, console),
         Command::Explain(code) => explain::explain(code, console),
     };

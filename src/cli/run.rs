@@ -6,9 +6,10 @@ use super::{
     CheckOutcome, Console, Engine, EngineError, Event, MODEL_WRONG, Progress, RunOutcome, Stop,
     USAGE_OR_SYSTEM, figures, sweep,
 };
+use crate::Quantity;
 use crate::plot;
 use crate::render::{self, Colors};
-use crate::results::file_stem;
+use crate::results::{Last, Recording, Selection, file_stem};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::num::NonZeroUsize;
@@ -32,6 +33,9 @@ pub(super) fn run(
         .out
         .clone()
         .unwrap_or_else(|| results_folder(&arguments.model));
+    let recording = recording(arguments, &folder);
+    let recording = told_of(recording, console)?;
+    let written = engine.record(&recording);
     let bars = MultiProgress::with_draw_target(if !arguments.quiet && console.live {
         ProgressDrawTarget::stderr()
     } else {
@@ -40,7 +44,10 @@ pub(super) fn run(
     let mut shown: Vec<Option<ProgressBar>> = vec![None; analyses.len()];
     let mut ended: Vec<Option<Result<RunOutcome, EngineError>>> =
         analyses.iter().map(|_| None).collect();
-    let mut told = Told::default();
+    let mut told = Told {
+        written,
+        ..Told::default()
+    };
     engine.run_many(
         &analyses,
         &arguments.set,
@@ -97,6 +104,24 @@ pub(super) fn run(
     Ok(())
 }
 
+/// What is kept, and where.
+fn recording(arguments: &RunArguments, folder: &Path) -> Result<Recording, String> {
+    let last = match &arguments.last {
+        None => None,
+        Some(text) => {
+            let part: Quantity = text.parse().map_err(|e| format!("--last {text}: {e}"))?;
+            let part = Last::new(part.value(), part.dimension());
+            Some(part.map_err(|e| format!("--last {text}: {e}"))?)
+        }
+    };
+    Ok(Recording {
+        folder: Some(folder.to_owned()),
+        resume: arguments.resume,
+        channels: Selection::new(arguments.channels.iter().map(String::as_str)),
+        last,
+    })
+}
+
 /// As many as asked for, or as the machine has processors.
 fn threads(arguments: &RunArguments) -> NonZeroUsize {
     arguments
@@ -108,6 +133,8 @@ fn threads(arguments: &RunArguments) -> NonZeroUsize {
 /// What was told of the analyses, in the order of the text whichever ends first.
 #[derive(Default)]
 struct Told {
+    /// Whether the engine has written the results.
+    written: bool,
     next: usize,
     outcomes: Vec<RunOutcome>,
     /// Each message once, though analyses of one model fail alike.
@@ -150,7 +177,7 @@ impl Told {
         match result {
             Ok(outcome) => {
                 self.show(&outcome.diagnostics, checked, console)?;
-                report(&outcome, arguments, folder, console)?;
+                report(&outcome, self.written, arguments, folder, console)?;
                 self.outcomes.push(outcome);
             }
             Err(EngineError::Model {
@@ -166,7 +193,7 @@ impl Told {
                             console.errors,
                             "{analysis} failed; the results up to the failure are kept"
                         )?;
-                        report(&partial, arguments, folder, console)?;
+                        report(&partial, self.written, arguments, folder, console)?;
                     }
                     None => writeln!(console.errors, "{analysis} failed")?,
                 }
@@ -250,6 +277,7 @@ pub(super) fn results_folder(model: &Path) -> PathBuf {
 /// Writes the files of one analysis, prints its table.
 fn report(
     outcome: &RunOutcome,
+    written: bool,
     arguments: &RunArguments,
     folder: &Path,
     console: &mut Console<'_>,
@@ -282,8 +310,11 @@ fn report(
             write!(console.output, "{}", journal_table(&summaries))?;
         }
     }
-    let written = results.write_parquet(folder);
-    let path = told_of(written, console)?;
+    let path = if written {
+        folder.join(format!("{}.parquet", file_stem(results.analysis())))
+    } else {
+        told_of(results.write_parquet(folder), console)?
+    };
     wrote(&path, arguments, console)?;
     if let Some(motion) = &outcome.motion {
         let path = told_of(motion.write_parquet(folder), console)?;

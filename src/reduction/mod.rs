@@ -28,6 +28,25 @@ pub struct Reduction {
     pub(crate) body: Arc<ReducedBody>,
     /// With the mesh and the shapes on it.
     pub(crate) stored: Arc<StoredBody>,
+    /// Place of its mode set in the text.
+    at: Location,
+}
+
+impl Reduction {
+    /// What is doubtful about it.
+    pub(crate) fn doubts(&self) -> impl Iterator<Item = Diagnostic> + '_ {
+        self.stored.report.warnings.iter().map(|text| {
+            Diagnostic::warning(codes::REDUCED, format!("{}: {text}", self.path))
+                .at(span(self.at), "found while this was reduced")
+        })
+    }
+}
+
+impl Reduction {
+    /// What tells it from other reductions: the hash of request and files.
+    pub(crate) fn key(&self) -> String {
+        self.stored.key.text()
+    }
 }
 
 impl Files for Sources {
@@ -42,17 +61,16 @@ impl Files for Sources {
 }
 
 /// Reads a mesh into SI, with its material.
-fn mesh_of(files: &dyn Files, source: &FlexibleSource) -> Result<Mesh, Diagnostic> {
+fn mesh_of(files: &dyn Files, source: &FlexibleSource) -> Result<Mesh, Box<Diagnostic>> {
     let at = source.mesh.at;
     let (Some(format), Some(units)) = (
         MeshFormat::named(&source.mesh.format),
         MeshUnits::named(&source.mesh.units),
     ) else {
-        return Err(Diagnostic::error(
-            codes::INTERNAL,
-            "the compiler contradicts itself: a mesh of no known format or units",
-        )
-        .at(span(at), "this mesh"));
+        let message = "the compiler contradicts itself: a mesh of no known format or units";
+        return Err(Box::new(
+            Diagnostic::error(codes::INTERNAL, message).at(span(at), "this mesh"),
+        ));
     };
     let mut mesh = read_mesh(files, &source.mesh.file, format)
         .map_err(|e| failed(codes::MESH, &e, at, "this mesh"))?;
@@ -68,7 +86,7 @@ fn mesh_of(files: &dyn Files, source: &FlexibleSource) -> Result<Mesh, Diagnosti
 pub(crate) fn inspect(sources: &Sources, source: &FlexibleSource) -> Vec<Diagnostic> {
     let mesh = match mesh_of(sources, source) {
         Ok(mesh) => mesh,
-        Err(diagnostic) => return vec![diagnostic],
+        Err(diagnostic) => return vec![*diagnostic],
     };
     let mut found = sense::doubts(&mesh, source);
     let index = mesh.node_index();
@@ -87,7 +105,12 @@ pub(crate) fn inspect(sources: &Sources, source: &FlexibleSource) -> Vec<Diagnos
             },
         };
         if let Some(error) = wrong {
-            found.push(failed(codes::MESH_MARKER, &error, marker.at, "this marker"));
+            found.push(*failed(
+                codes::MESH_MARKER,
+                &error,
+                marker.at,
+                "this marker",
+            ));
         }
     }
     found
@@ -106,7 +129,7 @@ impl Reducer {
         sources: &Sources,
         source: &FlexibleSource,
         turned: &[bool],
-    ) -> Result<Reduction, Diagnostic> {
+    ) -> Result<Reduction, Box<Diagnostic>> {
         let text = request::text(source);
         let key = cache::key(sources, &text, &request::files(source));
         let known = key.and_then(|key| self.known(&key)).or_else(|| {
@@ -129,6 +152,7 @@ impl Reducer {
             path: source.origin.path.clone(),
             body: Arc::new(body),
             stored,
+            at: source.modes_at,
         })
     }
 
@@ -154,7 +178,7 @@ fn reduced(
     source: &FlexibleSource,
     key: Option<Key>,
     text: String,
-) -> Result<StoredBody, Diagnostic> {
+) -> Result<StoredBody, Box<Diagnostic>> {
     let files = cache::Recorded::new(sources);
     let mesh = mesh_of(&files, source)?;
     let request = request::request(source, &files)?;
@@ -177,7 +201,7 @@ fn reduced(
 }
 
 /// A failure at the marker that its text begins with, else at the mode set.
-fn reduction_failed(error: &FlexibleError, source: &FlexibleSource) -> Diagnostic {
+fn reduction_failed(error: &FlexibleError, source: &FlexibleSource) -> Box<Diagnostic> {
     let text = error.to_string();
     let marker = source.markers.iter().find(|m| {
         text.starts_with(&format!("{}:", m.name)) || text.starts_with(&format!("{}.", m.name))
@@ -193,11 +217,11 @@ fn reduction_failed(error: &FlexibleError, source: &FlexibleSource) -> Diagnosti
     }
 }
 
-fn failed(code: &'static str, error: &FlexibleError, at: Location, label: &str) -> Diagnostic {
+fn failed(code: &'static str, error: &FlexibleError, at: Location, label: &str) -> Box<Diagnostic> {
     let message = Diagnostic::error(code, error.to_string()).at(span(at), label);
     match error.advice() {
-        "" => message,
-        advice => message.with_help(advice),
+        "" => Box::new(message),
+        advice => Box::new(message.with_help(advice)),
     }
 }
 

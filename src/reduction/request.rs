@@ -18,7 +18,7 @@ use eng_system::flexible as text;
 pub(super) fn request(
     source: &text::FlexibleSource,
     files: &dyn Files,
-) -> Result<Request, Diagnostic> {
+) -> Result<Request, Box<Diagnostic>> {
     let all = |marker: &u32| Interface {
         marker: *marker as usize,
         components: text::ALL_FREEDOMS,
@@ -106,7 +106,7 @@ fn matrices(
     mass: &text::MatrixSource,
     files: &dyn Files,
     units: MeshUnits,
-) -> Result<ForeignMatrices, Diagnostic> {
+) -> Result<ForeignMatrices, Box<Diagnostic>> {
     let name = |source: &text::MatrixSource| source.matrix.clone().unwrap_or_default();
     let (stiffness_name, mass_name) = (name(stiffness), name(mass));
     let from = MatrixFiles {
@@ -176,7 +176,7 @@ fn term(
     source: &text::FlexibleSource,
     files: &dyn Files,
     units: MeshUnits,
-) -> Result<Term, Diagnostic> {
+) -> Result<Term, Box<Diagnostic>> {
     let at = |interfaces: &[text::Interface]| -> Vec<Interface> {
         interfaces
             .iter()

@@ -94,7 +94,7 @@ pub(super) fn bare_markers(
     body: &ReducedBody,
     source: &FlexibleSource,
     turned: &[bool],
-) -> Result<(), Diagnostic> {
+) -> Result<(), Box<Diagnostic>> {
     for ((marker, reduced), turned) in source.markers.iter().zip(&body.markers).zip(turned) {
         let bare = matches!(marker.place, MarkerPlace::Node(_))
             && reduced.rotation.iter().all(|x| *x == 0.0)

@@ -49,7 +49,7 @@ pub(super) fn thin(
             cells.entry((at, side)).or_default().push(*node);
         }
         // cells as large as the body leave no more than one a side
-        if cells.len() <= most || cell >= size || cell <= 0.0 {
+        if cells.len() <= most || cell.is_nan() || cell >= size {
             let mut chosen = BTreeMap::new();
             for members in cells.values() {
                 let middle = middle(members, place);

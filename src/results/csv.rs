@@ -1,9 +1,73 @@
-//! Comma-separated values (RFC 4180): a row of paths, a row of units, then the numbers in these units.
+//! Separated values (RFC 4180): a row of paths, a row of units, then the numbers in these units.
 
 use super::{Results, ResultsError, file_stem, replace_file};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+
+/// How numbers and fields are written. The default is a point and commas.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CsvForm {
+    separator: char,
+    decimal: char,
+}
+
+impl Default for CsvForm {
+    fn default() -> Self {
+        CsvForm {
+            separator: ',',
+            decimal: '.',
+        }
+    }
+}
+
+impl CsvForm {
+    /// Separator of fields, `,`, `;`, a tab, `|` or a blank; and the decimal sign, `.` or `,`. They differ.
+    pub fn new(separator: char, decimal: char) -> Result<CsvForm, ResultsError> {
+        let refused = |message: &str| {
+            Err(ResultsError::Format {
+                format: "csv",
+                message: message.to_owned(),
+            })
+        };
+        if ![',', ';', '\t', '|', ' '].contains(&separator) {
+            return refused("the separator is one of `,` `;` `|`, a tab or a blank");
+        }
+        if !['.', ','].contains(&decimal) {
+            return refused("the decimal sign is `.` or `,`");
+        }
+        if separator == decimal {
+            return refused("separator and decimal sign are the same; take `--separator ';'`");
+        }
+        Ok(CsvForm { separator, decimal })
+    }
+
+    fn row(self, writer: &mut impl Write, fields: impl Iterator<Item = String>) -> io::Result<()> {
+        for (index, field) in fields.enumerate() {
+            if index > 0 {
+                write!(writer, "{}", self.separator)?;
+            }
+            writer.write_all(field.as_bytes())?;
+        }
+        writer.write_all(b"\r\n")
+    }
+
+    fn quoted(self, field: &str) -> String {
+        if field.contains([self.separator, '"', '\r', '\n']) {
+            format!("\"{}\"", field.replace('"', "\"\""))
+        } else {
+            field.to_owned()
+        }
+    }
+
+    fn number(self, value: f64) -> String {
+        let text = number(value);
+        match self.decimal {
+            '.' => text,
+            sign => text.replace('.', &sign.to_string()),
+        }
+    }
+}
 
 impl Results {
     /// Writes `ANALYSIS.csv` into a folder and returns its path. pandas reads it with `header=[0, 1]`.
@@ -11,52 +75,42 @@ impl Results {
         let path = folder
             .as_ref()
             .join(format!("{}.csv", file_stem(self.analysis())));
-        let written = replace_file(&path, |file: &mut File| {
+        self.write_csv_as(&path, CsvForm::default())?;
+        Ok(path)
+    }
+
+    /// Writes a file in any form; it appears whole or not at all.
+    pub fn write_csv_as(&self, path: &Path, form: CsvForm) -> Result<(), ResultsError> {
+        let written = replace_file(path, |file: &mut File| -> io::Result<()> {
             let mut writer = BufWriter::new(file);
-            self.write_csv_to(&mut writer)?;
+            self.write_csv_to(&mut writer, form)?;
             writer.flush()
         });
-        match written {
-            Ok(()) => Ok(path),
-            Err(source) => Err(ResultsError::File { path, source }),
-        }
+        written.map_err(|source| ResultsError::File {
+            path: path.to_owned(),
+            source,
+        })
     }
 
     /// Writes the CSV text anywhere. Numbers read back to the same bits.
-    pub fn write_csv_to(&self, writer: &mut impl Write) -> io::Result<()> {
-        write_row(writer, self.columns().iter().map(|c| quoted(&c.path)))?;
-        write_row(
+    pub fn write_csv_to(&self, writer: &mut impl Write, form: CsvForm) -> io::Result<()> {
+        form.row(writer, self.columns().iter().map(|c| form.quoted(&c.path)))?;
+        form.row(
             writer,
-            self.columns().iter().map(|c| quoted(&c.display.symbol)),
+            self.columns()
+                .iter()
+                .map(|c| form.quoted(&c.display.symbol)),
         )?;
         for sample in 0..self.samples() {
-            write_row(
+            form.row(
                 writer,
                 self.columns().iter().map(|c| {
                     let si = c.values.get(sample).copied().unwrap_or(f64::NAN);
-                    number(c.display.from_si(si))
+                    form.number(c.display.from_si(si))
                 }),
             )?;
         }
         Ok(())
-    }
-}
-
-fn write_row(writer: &mut impl Write, fields: impl Iterator<Item = String>) -> io::Result<()> {
-    for (index, field) in fields.enumerate() {
-        if index > 0 {
-            writer.write_all(b",")?;
-        }
-        writer.write_all(field.as_bytes())?;
-    }
-    writer.write_all(b"\r\n")
-}
-
-fn quoted(field: &str) -> String {
-    if field.contains([',', '"', '\r', '\n']) {
-        format!("\"{}\"", field.replace('"', "\"\""))
-    } else {
-        field.to_owned()
     }
 }
 
@@ -94,11 +148,28 @@ mod tests {
             })
             .unwrap();
         let mut text = Vec::new();
-        results.write_csv_to(&mut text).unwrap();
+        results.write_csv_to(&mut text, CsvForm::default()).unwrap();
         assert_eq!(
             String::from_utf8(text).unwrap(),
             "time,\"odd,\"\"name\"\"\"\r\ns,mm\r\n0,54\r\n1e-6,-1000\r\n0.5,NaN\r\n"
         );
+    }
+
+    #[test]
+    fn decimal_commas_and_other_separators() {
+        let mut results = Results::new("unfired", "Inline4");
+        results.push(Column::time(vec![0.5, 1e-6, -2.0])).unwrap();
+        results.push(Column::cycle_angle(vec![0.0; 3])).unwrap();
+        let mut text = Vec::new();
+        let form = CsvForm::new(';', ',').unwrap();
+        results.write_csv_to(&mut text, form).unwrap();
+        assert_eq!(
+            String::from_utf8(text).unwrap(),
+            "time;cycle.angle\r\ns;deg\r\n0,5;0\r\n1e-6;0\r\n-2;0\r\n"
+        );
+        for (separator, decimal) in [(',', ','), ('x', '.'), (';', ';')] {
+            assert!(CsvForm::new(separator, decimal).is_err());
+        }
     }
 
     #[test]

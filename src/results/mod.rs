@@ -6,13 +6,28 @@ mod column;
 mod csv;
 mod dimension_text;
 mod file;
+mod listing;
+mod mat;
 mod parquet;
+mod recording;
+mod resume_point;
+mod schema;
+mod selection;
+mod stream;
+mod table;
+mod universal;
 
 pub use column::Column;
+pub use csv::CsvForm;
 pub use file::{file_stem, replace_file};
+pub use listing::{Kind, Listed, listed};
+pub use recording::Recording;
+pub use resume_point::{KeptWarning, ResumePoint};
+pub use selection::{Last, Selection};
+pub(crate) use table::{Begun, Table};
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Path of the column of time.
 pub const TIME: &str = "time";
@@ -36,6 +51,36 @@ pub enum ResultsError {
         length: usize,
         /// The first column's length.
         expected: usize,
+    },
+    /// A pattern that no column has.
+    #[error(
+        "no channel is called {pattern}{}; {known} of them are there, `eng results` lists them",
+        hint(nearest)
+    )]
+    NoChannel {
+        /// The pattern.
+        pattern: String,
+        /// Written alike.
+        nearest: Option<String>,
+        /// How many columns there are.
+        known: usize,
+    },
+    /// A last part that the results don't have.
+    #[error("{0}")]
+    Last(String),
+    /// Another run writes there.
+    #[error("{}: another run is writing it", path.display())]
+    Busy {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Results that a format can't hold.
+    #[error("{format}: {message}")]
+    Format {
+        /// The format.
+        format: &'static str,
+        /// Why.
+        message: String,
     },
     /// A column that was looked for.
     #[error("there is no column {0}")]
@@ -64,6 +109,13 @@ pub enum ResultsError {
         /// What is missing.
         message: String,
     },
+}
+
+fn hint(nearest: &Option<String>) -> String {
+    match nearest {
+        Some(n) => format!("; did you mean {n}?"),
+        None => String::new(),
+    }
 }
 
 /// The columns of one analysis, all of one length, with what is known about the run.
@@ -108,6 +160,24 @@ impl Results {
     /// States something about the run: `source_hash`, `version`, `command`, `parameter.speed`.
     pub fn set_metadata(&mut self, key: impl Into<String>, value: impl Into<String>) {
         self.metadata.insert(key.into(), value.into());
+    }
+
+    /// Reads a result file: Parquet, or the stream of a run that goes on or was killed.
+    pub fn read(path: impl AsRef<Path>) -> Result<Results, ResultsError> {
+        let path = path.as_ref();
+        if recording::is_partial(path) {
+            stream::read(path)
+        } else {
+            Results::read_parquet(path)
+        }
+    }
+
+    /// The same analysis and metadata without columns.
+    pub fn without_columns(&self) -> Results {
+        Results {
+            columns: Vec::new(),
+            ..self.clone()
+        }
     }
 
     /// The analysis: `unfired`, `sweep[3]`.

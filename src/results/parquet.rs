@@ -1,59 +1,61 @@
 //! One Parquet file an analysis.
 //!
-//! A column a channel, 64-bit floats in the DISPLAY unit. The metadata of a field hold `unit` (symbol), `si_scale` and
-//! `si_offset` (`si = value*si_scale + si_offset`), `dimension` (SI base symbols) and `frame` (absent for a scalar).
-//! The metadata of the file hold `eng.analysis`, `eng.model` and `eng.run.KEY` for what is known about the run;
-//! `PANDAS_ATTRS` repeats units and frames as JSON, so that pandas has them in `DataFrame.attrs`.
+//! A column a channel, 64-bit floats in the DISPLAY unit; metadata as told at [`schema`].
 
-use super::{Column, Results, ResultsError, dimension_text, file_stem, replace_file};
+use super::{Column, Results, ResultsError, file_stem, replace_file, schema};
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
-use arrow_schema::{DataType, Field, Schema};
-use eng_system::DisplayUnit;
+use arrow_schema::Schema;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::{Compression, Encoding};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-const ANALYSIS: &str = "eng.analysis";
-const MODEL: &str = "eng.model";
-const RUN: &str = "eng.run.";
-const PANDAS_ATTRIBUTES: &str = "PANDAS_ATTRS";
+/// Rows that are written at a time, however they come: the same rows make the same bytes.
+const CHUNK: usize = 16_384;
+/// Rows of a row group: what a reader takes at least.
+const ROW_GROUP: usize = 4 * CHUNK;
 
 /// The system's or the library's refusal, before the path is known.
 #[derive(Debug, thiserror::Error)]
-enum WriteError {
+pub(super) enum WriteError {
     #[error(transparent)]
     File(#[from] io::Error),
     #[error("{0}")]
     Parquet(String),
 }
 
-impl Results {
-    /// Writes `ANALYSIS.parquet` into a folder and returns its path. The file appears whole or not at all.
-    pub fn write_parquet(&self, folder: impl AsRef<Path>) -> Result<PathBuf, ResultsError> {
-        let path = folder
-            .as_ref()
-            .join(format!("{}.parquet", file_stem(self.analysis())));
-        match replace_file(&path, |file: &mut File| self.write_parquet_to(file)) {
-            Ok(()) => Ok(path),
-            Err(WriteError::File(source)) => Err(ResultsError::File { path, source }),
-            Err(WriteError::Parquet(message)) => Err(ResultsError::Parquet { path, message }),
+impl WriteError {
+    /// With the path.
+    pub fn at(self, path: PathBuf) -> ResultsError {
+        match self {
+            WriteError::File(source) => ResultsError::File { path, source },
+            WriteError::Parquet(message) => ResultsError::Parquet { path, message },
         }
     }
+}
 
-    fn write_parquet_to(&self, file: &mut File) -> Result<(), WriteError> {
-        let refused = |error: &dyn std::fmt::Display| WriteError::Parquet(error.to_string());
-        let entries = self.file_metadata();
-        let schema = Arc::new(Schema::new_with_metadata(
-            self.columns().iter().map(field).collect::<Vec<_>>(),
-            entries.clone().into_iter().collect::<HashMap<_, _>>(),
-        ));
+fn refused(error: impl std::fmt::Display) -> WriteError {
+    WriteError::Parquet(error.to_string())
+}
+
+/// Writes rows that come in any portions; keeps at most [`CHUNK`] of them, and one compressed row group.
+pub(super) struct ParquetRows<'a> {
+    writer: ArrowWriter<&'a mut File>,
+    schema: Arc<Schema>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl<'a> ParquetRows<'a> {
+    /// Begins a file with the columns and metadata of results, whose values are not looked at.
+    pub fn new(file: &'a mut File, header: &Results) -> Result<Self, WriteError> {
+        let entries = schema::metadata(header);
+        let schema = Arc::new(schema::schema(header));
         // pyarrow and pandas read the schema's entries, other tools the file's
         let entries = entries
             .into_iter()
@@ -66,50 +68,72 @@ impl Results {
             .set_dictionary_enabled(false)
             .set_encoding(Encoding::BYTE_STREAM_SPLIT)
             .set_statistics_enabled(EnabledStatistics::Chunk)
+            .set_max_row_group_row_count(Some(ROW_GROUP))
             .set_key_value_metadata(Some(entries))
             .build();
-        let mut writer = ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))
-            .map_err(|e| refused(&e))?;
-        if !self.columns().is_empty() {
-            let arrays = self
-                .columns()
-                .iter()
-                .map(|column| Arc::new(Float64Array::from(column.shown())) as ArrayRef)
-                .collect();
-            let batch = RecordBatch::try_new(schema, arrays).map_err(|e| refused(&e))?;
-            writer.write(&batch).map_err(|e| refused(&e))?;
+        Ok(ParquetRows {
+            writer: ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))
+                .map_err(refused)?,
+            schema,
+            rows: vec![Vec::new(); header.columns().len()],
+        })
+    }
+
+    /// Adds rows: as many slices of one length as there are columns, in display units.
+    pub fn push(&mut self, columns: &[&[f64]]) -> Result<(), WriteError> {
+        let length = columns.first().map_or(0, |c| c.len());
+        let mut from = 0;
+        while from < length {
+            let held = self.rows.first().map_or(0, Vec::len);
+            let to = length.min(from + (CHUNK - held));
+            for (row, column) in self.rows.iter_mut().zip(columns) {
+                row.extend_from_slice(column.get(from..to).unwrap_or_default());
+            }
+            if held + (to - from) == CHUNK {
+                self.write()?;
+            }
+            from = to;
         }
-        writer.close().map_err(|e| refused(&e))?;
         Ok(())
     }
 
-    fn file_metadata(&self) -> BTreeMap<String, String> {
-        let mut entries = BTreeMap::from([
-            (ANALYSIS.to_owned(), self.analysis().to_owned()),
-            (MODEL.to_owned(), self.model().to_owned()),
-        ]);
-        for (key, value) in self.metadata() {
-            entries.insert(format!("{RUN}{key}"), value.clone());
+    fn write(&mut self) -> Result<(), WriteError> {
+        let arrays = self
+            .rows
+            .iter_mut()
+            .map(|row| Arc::new(Float64Array::from(std::mem::take(row))) as ArrayRef)
+            .collect();
+        let batch = RecordBatch::try_new(Arc::clone(&self.schema), arrays).map_err(refused)?;
+        self.writer.write(&batch).map_err(refused)
+    }
+
+    /// Writes the rest and the end of the file.
+    pub fn close(mut self) -> Result<(), WriteError> {
+        if self.rows.first().is_some_and(|row| !row.is_empty()) {
+            self.write()?;
         }
-        let units: BTreeMap<&str, &str> = self
-            .columns()
-            .iter()
-            .map(|c| (c.path.as_str(), c.display.symbol.as_str()))
-            .collect();
-        let frames: BTreeMap<&str, &str> = self
-            .columns()
-            .iter()
-            .filter(|c| !c.frame.is_empty())
-            .map(|c| (c.path.as_str(), c.frame.as_str()))
-            .collect();
-        let attributes = serde_json::json!({
-            "analysis": self.analysis(),
-            "model": self.model(),
-            "units": units,
-            "frames": frames,
-        });
-        entries.insert(PANDAS_ATTRIBUTES.to_owned(), attributes.to_string());
-        entries
+        self.writer.close().map_err(refused)?;
+        Ok(())
+    }
+}
+
+impl Results {
+    /// Writes `ANALYSIS.parquet` into a folder and returns its path. The file appears whole or not at all.
+    pub fn write_parquet(&self, folder: impl AsRef<Path>) -> Result<PathBuf, ResultsError> {
+        let path = folder
+            .as_ref()
+            .join(format!("{}.parquet", file_stem(self.analysis())));
+        match replace_file(&path, |file: &mut File| self.write_parquet_to(file)) {
+            Ok(()) => Ok(path),
+            Err(error) => Err(error.at(path)),
+        }
+    }
+
+    fn write_parquet_to(&self, file: &mut File) -> Result<(), WriteError> {
+        let mut writer = ParquetRows::new(file, self)?;
+        let shown: Vec<Vec<f64>> = self.columns().iter().map(Column::shown).collect();
+        writer.push(&shown.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
+        writer.close()
     }
 
     /// Reads what [`Results::write_parquet`] wrote. Values return to SI within a rounding error of the unit's factor.
@@ -133,48 +157,17 @@ impl Results {
             .flatten()
             .filter_map(|entry| Some((entry.key.clone(), entry.value.clone()?)))
             .collect();
-        let entry = |key: &str| {
-            entries
-                .get(key)
-                .cloned()
-                .ok_or_else(|| ResultsError::Foreign {
-                    path: path.to_owned(),
-                    message: format!("not a result file of eng: no {key} in its metadata"),
-                })
+        let foreign = |message: String| ResultsError::Foreign {
+            path: path.to_owned(),
+            message,
         };
-        let mut results = Results::new(entry(ANALYSIS)?, entry(MODEL)?);
-        for (key, value) in &entries {
-            if let Some(key) = key.strip_prefix(RUN) {
-                results.set_metadata(key, value);
-            }
-        }
-        let mut columns = Vec::new();
-        for field in builder.schema().fields() {
-            columns.push(column(field).ok_or_else(|| ResultsError::Foreign {
-                path: path.to_owned(),
-                message: format!(
-                    "column {} does not state its unit and dimension",
-                    field.name()
-                ),
-            })?);
-        }
+        let (mut results, mut columns) =
+            schema::header(&entries, builder.schema()).map_err(foreign)?;
         let reader = builder.build().map_err(|e| refused(e.to_string()))?;
         for batch in reader {
             let batch = batch.map_err(|e| refused(e.to_string()))?;
             for (column, array) in columns.iter_mut().zip(batch.columns()) {
-                let numbers = array
-                    .as_any()
-                    .downcast_ref::<Float64Array>()
-                    .ok_or_else(|| ResultsError::Foreign {
-                        path: path.to_owned(),
-                        message: format!("column {} does not hold 64-bit floats", column.path),
-                    })?;
-                let display = &column.display;
-                column.values.extend(
-                    numbers
-                        .iter()
-                        .map(|shown| display.to_si(shown.unwrap_or(f64::NAN))),
-                );
+                schema::extend(column, array).map_err(foreign)?;
             }
         }
         for column in columns {
@@ -184,40 +177,10 @@ impl Results {
     }
 }
 
-fn field(column: &Column) -> Field {
-    let mut metadata = HashMap::from([
-        ("unit".to_owned(), column.display.symbol.clone()),
-        ("si_scale".to_owned(), column.display.scale.to_string()),
-        ("si_offset".to_owned(), column.display.offset.to_string()),
-        ("dimension".to_owned(), column.dimension.to_string()),
-    ]);
-    if !column.frame.is_empty() {
-        metadata.insert("frame".to_owned(), column.frame.clone());
-    }
-    Field::new(&column.path, DataType::Float64, false).with_metadata(metadata)
-}
-
-fn column(field: &Field) -> Option<Column> {
-    let metadata = field.metadata();
-    Some(Column {
-        path: field.name().clone(),
-        dimension: dimension_text::parse(metadata.get("dimension")?)?,
-        display: DisplayUnit {
-            symbol: metadata.get("unit")?.to_owned(),
-            scale: metadata.get("si_scale")?.parse().ok()?,
-            offset: metadata.get("si_offset")?.parse().ok()?,
-        },
-        frame: metadata
-            .get("frame")
-            .map_or_else(String::new, |f| f.to_string()),
-        values: Vec::new(),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eng_system::Dimension;
+    use eng_system::{Dimension, DisplayUnit};
 
     fn folder(name: &str) -> PathBuf {
         let folder =

@@ -1,9 +1,9 @@
 //! Half-speed whirl of journals: motion of the pin at about half the shaft's speed that does not repeat with the cycle.
 //!
-//! With the complex eccentricity `z = e_x + i e_y` (shell's axes), the part at half the speed is `c_k = mean over cycle k of
-//! z exp(∓i θ/2)`, in the sense in which it changes more. In a four-stroke engine what repeats with the cycle has content at order ½ as
-//! well: it is the same in every c_k and goes out of the differences `d_k = c_{k+1} − c_k`. A whirl of radius a and order ν turns
-//! them by `φ = ±(ν − ½) P` a cycle of P rad, which gives ν, and `|d| = a |exp(iφ) − 1|`, which gives a.
+//! With the complex eccentricity `z = e_x + i e_y` (shell's axes), what repeats goes out of the differences of successive cycles, sample by
+//! sample; their part at half the speed is `d_k = mean over cycle k of (z_{k+1} − z_k) exp(∓i θ/2)`, in the sense in which the whirl
+//! is larger. A whirl of radius a and order ν turns it by `φ = ±(ν − ½) P` a cycle of P rad, which gives ν, and
+//! `|d| = a |exp(iνP) − 1|`, which gives a.
 
 /// Least turn a cycle (rad) by which a whirl is told from what repeats.
 const LEAST_GAP: f64 = 0.01;
@@ -63,28 +63,27 @@ fn whirl_of(cycles: &[&Orbits], journal: usize, period: f64) -> Option<Whirl> {
 fn in_sense(cycles: &[&Orbits], journal: usize, period: f64, sense: f64) -> Option<Whirl> {
     let count = cycles.len() as f64;
     let samples = cycles.first()?.angles.len();
-    let mut parts: Vec<[f64; 2]> = vec![[0.0; 2]; cycles.len()];
-    for i in 0..samples {
-        let at = |c: &Orbits| {
-            c.eccentricities
-                .get(i)
-                .and_then(|e| e.get(journal))
-                .copied()
-                .unwrap_or_default()
-        };
-        for (part, cycle) in parts.iter_mut().zip(cycles) {
-            let [x, y] = at(cycle);
-            let half = -0.5 * sense * cycle.angles.get(i)?;
+    let at = |c: &Orbits, i: usize| {
+        c.eccentricities
+            .get(i)
+            .and_then(|e| e.get(journal))
+            .copied()
+            .unwrap_or_default()
+    };
+    // what repeats goes out of the differences
+    let mut steps: Vec<[f64; 2]> = Vec::new();
+    for pair in cycles.windows(2) {
+        let mut step = [0.0; 2];
+        for (i, angle) in pair[0].angles.iter().enumerate() {
+            let (a, b) = (at(pair[0], i), at(pair[1], i));
+            let [x, y] = [b[0] - a[0], b[1] - a[1]];
+            let half = -0.5 * sense * angle;
             let (s, c) = (libm::sin(half), libm::cos(half));
-            part[0] += (x * c - y * s) / samples as f64;
-            part[1] += (x * s + y * c) / samples as f64;
+            step[0] += (x * c - y * s) / samples as f64;
+            step[1] += (x * s + y * c) / samples as f64;
         }
+        steps.push(step);
     }
-    // what repeats goes out of the differences d_k = c_{k+1} − c_k
-    let steps: Vec<[f64; 2]> = parts
-        .windows(2)
-        .map(|p| [p[1][0] - p[0][0], p[1][1] - p[0][1]])
-        .collect();
     let square = |p: &[f64; 2]| p[0] * p[0] + p[1] * p[1];
     let size = libm::sqrt(steps.iter().map(square).sum::<f64>() / (count - 1.0));
     // Σ d_{k+1} conj(d_k)
@@ -101,9 +100,10 @@ fn in_sense(cycles: &[&Orbits], journal: usize, period: f64, sense: f64) -> Opti
     } else {
         0.0
     };
-    let gap = libm::hypot(growth * libm::cos(turn) - 1.0, growth * libm::sin(turn));
-    let radius = size / gap.max(LEAST_GAP);
     let forward = if cycles.first()?.forward { 1.0 } else { -1.0 };
+    let whole = turn + 0.5 * sense * forward * period;
+    let gap = libm::hypot(growth * libm::cos(whole) - 1.0, growth * libm::sin(whole));
+    let radius = size / gap.max(LEAST_GAP);
     Some(Whirl {
         journal,
         radius,

@@ -9,10 +9,13 @@ use crate::state::State;
 use eng_system::code::Compiled;
 
 impl Simulation {
-    /// Everything that goes on from here, as bytes. The kept factors are dropped here as well, so that this simulation and a resumed
-    /// one go on with the same bits.
+    /// Everything that goes on from here, as bytes. This simulation, a resumed one and one that was never saved go on with the same
+    /// bits: the matrix of the kept factors is among the bytes. (Only where [`Simulation::jacobian`] overwrote that matrix are the
+    /// factors dropped, here as there.)
     pub fn checkpoint(&mut self) -> Vec<u8> {
-        self.integrator.drop_factors();
+        if self.integrator.kept_factors().is_none() {
+            self.integrator.drop_factors();
+        }
         let mut w = Writer::new(self.fingerprint);
         for marker in self.model.markers.iter().filter(|m| m.body.is_none()) {
             w.numbers(marker.position.as_slice());
@@ -49,6 +52,14 @@ impl Simulation {
         w.numbers(i.state_scales(&self.model));
         w.number(i.auxiliary_step);
         w.integer(u64::from(i.defect_known));
+        let kept = i.kept_factors();
+        w.integer(u64::from(kept.is_some()));
+        if let Some((step, contraction, values)) = kept {
+            w.number(step);
+            w.integer(u64::from(contraction.is_some()));
+            w.number(contraction.unwrap_or_default());
+            w.numbers(values);
+        }
         let s = i.statistics;
         for count in [
             s.steps,
@@ -57,6 +68,7 @@ impl Simulation {
             s.iterations,
             s.factorizations,
             s.residuals,
+            s.fallbacks,
         ] {
             w.integer(count);
         }
@@ -141,6 +153,18 @@ impl Simulation {
         i.set_state_scales(&simulation.model, &scales);
         i.auxiliary_step = r.number()?;
         i.defect_known = r.integer()? == 1;
+        if r.integer()? == 1 {
+            let step = r.number()?;
+            let has_contraction = r.integer()? == 1;
+            let contraction = r.number()?;
+            let mut values = vec![0.0; i.values().len()];
+            r.numbers(&mut values)?;
+            if !i.keep_factors(step, has_contraction.then_some(contraction), &values) {
+                return Err(RuntimeError::Checkpoint {
+                    reason: "its matrix has no factors".into(),
+                });
+            }
+        }
         let s = &mut i.statistics;
         for count in [
             &mut s.steps,
@@ -149,6 +173,7 @@ impl Simulation {
             &mut s.iterations,
             &mut s.factorizations,
             &mut s.residuals,
+            &mut s.fallbacks,
         ] {
             *count = r.integer()?;
         }

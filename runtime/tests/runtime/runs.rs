@@ -122,6 +122,12 @@ fn a_resumed_run_has_the_same_bits() {
         let summary = run_transient(&m.compiled, &[], &t, &mut whole, None).unwrap();
         let (given, bytes) = whole.saved.unwrap();
         assert!(given > 1 && given < whole.samples.len());
+        let mut unsaved = Record::default();
+        run_transient(&m.compiled, &[], &t, &mut unsaved, None).unwrap();
+        assert_eq!(
+            unsaved.samples, whole.samples,
+            "a checkpoint changes nothing"
+        );
         let mut rest = Record::default();
         let resumed = run_transient(&m.compiled, &[], &t, &mut rest, Some(&bytes)).unwrap();
         assert_eq!(rest.samples, whole.samples[given..]);

@@ -1,0 +1,42 @@
+//! `eng export`.
+
+use super::arguments::{ExportArguments, Target};
+use super::{Console, Stop, USAGE_OR_SYSTEM};
+use crate::results::{CsvForm, Results, ResultsError, Selection, file_stem};
+use std::path::PathBuf;
+
+/// Writes a result file in another format, beside it or where the user says.
+pub(super) fn export(arguments: &ExportArguments, console: &mut Console<'_>) -> Result<(), Stop> {
+    match write(arguments) {
+        Ok(path) => {
+            writeln!(console.output, "wrote {}", path.display())?;
+            Ok(())
+        }
+        Err(error) => {
+            writeln!(console.errors, "error: {error}")?;
+            Err(Stop::Code(USAGE_OR_SYSTEM))
+        }
+    }
+}
+
+fn write(arguments: &ExportArguments) -> Result<PathBuf, ResultsError> {
+    let form = CsvForm::new(arguments.separator, arguments.decimal)?;
+    let selection = Selection::new(arguments.channels.iter().map(String::as_str));
+    let results = selection.apply(&Results::read(&arguments.file)?)?;
+    let ending = match arguments.to {
+        Target::Csv => "csv",
+        Target::Uff58 => "uff",
+        Target::Mat => "mat",
+    };
+    let path = arguments.out.clone().unwrap_or_else(|| {
+        arguments
+            .file
+            .with_file_name(format!("{}.{ending}", file_stem(results.analysis())))
+    });
+    match arguments.to {
+        Target::Csv => results.write_csv_as(&path, form)?,
+        Target::Uff58 => results.write_universal(&path)?,
+        Target::Mat => results.write_mat(&path)?,
+    }
+    Ok(path)
+}

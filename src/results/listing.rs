@@ -1,0 +1,97 @@
+//! What result files hold, told in short.
+
+use super::recording::{is_partial, is_result};
+use super::table::STATE;
+use super::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
+use std::path::{Path, PathBuf};
+
+/// How a file's run ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// As planned, or not stated.
+    Complete,
+    /// It failed, for this reason; the samples up to then are there.
+    Failed(String),
+    /// It goes on, or was killed.
+    Unfinished,
+}
+
+/// A result file.
+#[derive(Debug)]
+pub struct Listed {
+    /// The file.
+    pub path: PathBuf,
+    /// How its run ended.
+    pub kind: Kind,
+    /// What it holds.
+    pub results: Results,
+}
+
+impl Listed {
+    /// Reads a file.
+    pub fn read(path: &Path) -> Result<Listed, ResultsError> {
+        let results = Results::read(path)?;
+        let kind = if is_partial(path) {
+            Kind::Unfinished
+        } else {
+            match results.metadata().get(STATE) {
+                Some(state) => match state.strip_prefix("failed: ") {
+                    Some(reason) => Kind::Failed(reason.to_owned()),
+                    None => Kind::Complete,
+                },
+                None => Kind::Complete,
+            }
+        };
+        Ok(Listed {
+            path: path.to_owned(),
+            kind,
+            results,
+        })
+    }
+
+    /// First and last value (SI) of the time and of the cycle angle.
+    pub fn spans(&self) -> [Option<(f64, f64)>; 2] {
+        [TIME, CYCLE_ANGLE].map(|path| {
+            let values = &self.results.column(path)?.values;
+            Some((*values.first()?, *values.last()?))
+        })
+    }
+}
+
+impl Column {
+    /// Smallest and largest finite value (SI).
+    pub fn range(&self) -> Option<(f64, f64)> {
+        self.values
+            .iter()
+            .filter(|v| v.is_finite())
+            .fold(None, |found: Option<(f64, f64)>, v| {
+                Some(found.map_or((*v, *v), |(low, high)| (low.min(*v), high.max(*v))))
+            })
+    }
+}
+
+/// The result files at a path: the file, or those of the folder in the order of their names.
+pub fn listed(path: &Path) -> Result<Vec<PathBuf>, ResultsError> {
+    let refused = |source| ResultsError::File {
+        path: path.to_owned(),
+        source,
+    };
+    if !std::fs::metadata(path).map_err(refused)?.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(refused)? {
+        let file = entry.map_err(refused)?.path();
+        if is_result(&file) && !hidden(&file) {
+            files.push(file);
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// A file that is being written has a point before its name.
+fn hidden(path: &Path) -> bool {
+    path.file_name()
+        .is_some_and(|name| name.to_string_lossy().starts_with('.'))
+}

@@ -1,0 +1,154 @@
+//! Where an interrupted analysis goes on: the runtime's state, the number of samples that were given before, the warnings.
+//!
+//! The file: `ENGRUN` and the version of the format (a byte), the length of the description (8 bytes, little-endian), the
+//! description as JSON, the runtime's checkpoint, and the SHA-256 of all that.
+
+use super::{ResultsError, replace_file};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::io::{self, Write};
+use std::path::Path;
+
+const MAGIC: &[u8; 7] = b"ENGRUN\x01";
+const SUM: usize = 32;
+
+/// A warning that was given before the interruption.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct KeptWarning {
+    /// Path of the element.
+    pub path: String,
+    /// The user's line: source, first byte, one past the last byte.
+    pub used_at: Option<(u32, u32, u32)>,
+    /// The class's line.
+    pub defined_at: Option<(u32, u32, u32)>,
+    /// The author's message.
+    pub message: String,
+    /// Bits of the time (s): all numbers come back as they were.
+    pub time: u64,
+    /// Bits of the cycle angle (rad).
+    pub cycle_angle: Option<u64>,
+}
+
+/// What a checkpoint file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResumePoint {
+    /// What tells runs apart: texts, parameters, plan, channels, version.
+    pub identity: String,
+    /// Samples that were given before.
+    pub samples: u64,
+    /// Warnings that were given before.
+    pub warnings: Vec<KeptWarning>,
+    /// The runtime's checkpoint.
+    pub state: Vec<u8>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Description {
+    identity: String,
+    samples: u64,
+    warnings: Vec<KeptWarning>,
+}
+
+impl ResumePoint {
+    /// Replaces the file; there is always a whole one.
+    pub fn write(&self, path: &Path) -> Result<(), ResultsError> {
+        let written = replace_file(path, |file| -> io::Result<()> {
+            let description = serde_json::to_vec(&Description {
+                identity: self.identity.clone(),
+                samples: self.samples,
+                warnings: self.warnings.clone(),
+            })?;
+            let mut bytes = MAGIC.to_vec();
+            bytes.extend((description.len() as u64).to_le_bytes());
+            bytes.extend(description);
+            bytes.extend(&self.state);
+            let sum = Sha256::digest(&bytes);
+            bytes.extend(sum.iter());
+            file.write_all(&bytes)
+        });
+        written.map_err(|source| ResultsError::File {
+            path: path.to_owned(),
+            source,
+        })
+    }
+
+    /// Reads what [`ResumePoint::write`] wrote; `None` where there is no file.
+    pub fn read(path: &Path) -> Result<Option<ResumePoint>, ResultsError> {
+        let bytes = match std::fs::read(path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(source) => {
+                return Err(ResultsError::File {
+                    path: path.to_owned(),
+                    source,
+                });
+            }
+        };
+        match parse(&bytes) {
+            Some(point) => Ok(Some(point)),
+            None => Err(ResultsError::Foreign {
+                path: path.to_owned(),
+                message:
+                    "this checkpoint is damaged or of another version; run again without --resume"
+                        .to_owned(),
+            }),
+        }
+    }
+}
+
+fn parse(bytes: &[u8]) -> Option<ResumePoint> {
+    let (content, sum) = bytes.split_at_checked(bytes.len().checked_sub(SUM)?)?;
+    if Sha256::digest(content).as_slice() != sum {
+        return None;
+    }
+    let rest = content.strip_prefix(MAGIC)?;
+    let (length, rest) = rest.split_first_chunk::<8>()?;
+    let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
+    let (description, state) = rest.split_at_checked(length)?;
+    let Description {
+        identity,
+        samples,
+        warnings,
+    } = serde_json::from_slice(description).ok()?;
+    Some(ResumePoint {
+        identity,
+        samples,
+        warnings,
+        state: state.to_vec(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comes_back_and_notices_every_damage() {
+        let folder = std::env::temp_dir().join(format!("eng-resume-{}", std::process::id()));
+        let path = folder.join("a.checkpoint");
+        assert_eq!(ResumePoint::read(&path).unwrap(), None);
+        let point = ResumePoint {
+            identity: "abc".to_owned(),
+            samples: 17,
+            warnings: vec![KeptWarning {
+                path: "main[1]".to_owned(),
+                used_at: Some((0, 5, 9)),
+                defined_at: None,
+                message: "film is thin".to_owned(),
+                time: 0.1_f64.to_bits(),
+                cycle_angle: Some(f64::to_bits(1.0)),
+            }],
+            state: (0..=255).collect(),
+        };
+        point.write(&path).unwrap();
+        assert_eq!(ResumePoint::read(&path).unwrap().as_ref(), Some(&point));
+        let bytes = std::fs::read(&path).unwrap();
+        for index in 0..bytes.len() {
+            let mut wrong = bytes.clone();
+            wrong[index] ^= 1;
+            assert_eq!(parse(&wrong), None, "byte {index}");
+            assert_eq!(parse(&bytes[..index]), None, "first {index} bytes");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

@@ -1,0 +1,196 @@
+//! What is kept of a run: channels by patterns, the last part of it.
+
+use super::{CYCLE_ANGLE, CYCLE_SPEED, Results, ResultsError, TIME};
+use eng_system::Dimension;
+
+/// The last part of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Last {
+    /// So many s.
+    Time(f64),
+    /// So many rad of the cycle angle.
+    Angle(f64),
+}
+
+impl Last {
+    /// From a quantity in SI; a time or an angle, positive.
+    pub fn new(value: f64, dimension: Dimension) -> Result<Last, ResultsError> {
+        let refused = |what: &str| {
+            Err(ResultsError::Last(format!(
+                "the last part is {what}: give an angle or a time above zero, such as `2 rev` or `50 ms`"
+            )))
+        };
+        if value.is_nan() || value <= 0.0 {
+            return refused("not positive");
+        }
+        if dimension == Dimension::TIME {
+            Ok(Last::Time(value))
+        } else if dimension == Dimension::ANGLE {
+            Ok(Last::Angle(value))
+        } else {
+            refused("neither an angle nor a time")
+        }
+    }
+
+    /// The column that it is measured along.
+    pub(super) fn path(self) -> &'static str {
+        match self {
+            Last::Time(_) => TIME,
+            Last::Angle(_) => CYCLE_ANGLE,
+        }
+    }
+
+    /// Whether a sample belongs to it, by its column's value there and at the end. A millionth of the part is rounding.
+    pub(super) fn holds(self, value: f64, end: f64) -> bool {
+        let (Last::Time(part) | Last::Angle(part)) = self;
+        (end - value).abs() <= part * (1.0 + 1e-6)
+    }
+}
+
+/// Channels by patterns: `*` stands for any characters, `?` for one, everything else for itself. None: all.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Selection {
+    patterns: Vec<String>,
+}
+
+impl Selection {
+    /// Of these patterns; each may hold several with commas between.
+    pub fn new<'a>(patterns: impl IntoIterator<Item = &'a str>) -> Selection {
+        Selection {
+            patterns: patterns
+                .into_iter()
+                .flat_map(|text| text.split(','))
+                .map(str::trim)
+                .filter(|text| !text.is_empty())
+                .map(str::to_owned)
+                .collect(),
+        }
+    }
+
+    /// The patterns.
+    pub fn patterns(&self) -> &[String] {
+        &self.patterns
+    }
+
+    /// Whether each column is kept. Time and cycle always are. A pattern that no column has is an error.
+    pub fn of(&self, results: &Results) -> Result<Vec<bool>, ResultsError> {
+        let paths = || results.columns().iter().map(|c| c.path.as_str());
+        for pattern in &self.patterns {
+            if !paths().any(|path| matches(pattern, path)) {
+                let alike = |path: &str| strsim::jaro_winkler(pattern, path);
+                return Err(ResultsError::NoChannel {
+                    pattern: pattern.clone(),
+                    nearest: paths()
+                        .map(|path| (alike(path), path))
+                        .filter(|(likeness, _)| *likeness > 0.8)
+                        .max_by(|a, b| a.0.total_cmp(&b.0))
+                        .map(|(_, path)| path.to_owned()),
+                    known: results.columns().len(),
+                });
+            }
+        }
+        Ok(paths()
+            .map(|path| {
+                self.patterns.is_empty()
+                    || [TIME, CYCLE_ANGLE, CYCLE_SPEED].contains(&path)
+                    || self.patterns.iter().any(|pattern| matches(pattern, path))
+            })
+            .collect())
+    }
+
+    /// The results with the selected columns only.
+    pub fn apply(&self, results: &Results) -> Result<Results, ResultsError> {
+        let mut selected = results.without_columns();
+        for (column, kept) in results.columns().iter().zip(self.of(results)?) {
+            if kept {
+                selected.push(column.clone())?;
+            }
+        }
+        Ok(selected)
+    }
+}
+
+/// Whether a path fits a pattern: the greedy match that goes back to the last `*`.
+fn matches(pattern: &str, path: &str) -> bool {
+    let pattern: Vec<char> = pattern.chars().collect();
+    let path: Vec<char> = path.chars().collect();
+    let (mut p, mut t) = (0, 0);
+    let mut star: Option<(usize, usize)> = None;
+    while let Some(here) = path.get(t) {
+        match pattern.get(p) {
+            Some('*') => {
+                star = Some((p, t));
+                p += 1;
+            }
+            Some(c) if *c == '?' || c == here => {
+                p += 1;
+                t += 1;
+            }
+            _ => match &mut star {
+                Some((at, taken)) => {
+                    *taken += 1;
+                    (p, t) = (*at + 1, *taken);
+                }
+                None => return false,
+            },
+        }
+    }
+    pattern
+        .get(p..)
+        .is_some_and(|rest| rest.iter().all(|c| *c == '*'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::Column;
+
+    #[test]
+    fn patterns() {
+        for (pattern, path, fits) in [
+            ("main[*].force.*", "main[5].force.x", true),
+            ("main[*].force.*", "main[5].eccentricity.x", false),
+            ("main[?].force.x", "main[12].force.x", false),
+            ("*", "", true),
+            ("*.x", "a.x.b.x", true),
+            ("*.x", "a.x.b", false),
+            ("vertical[1]", "vertical[1]", true),
+            ("", "a", false),
+            ("a*b*c", "aXbYbc", true),
+        ] {
+            assert_eq!(matches(pattern, path), fits, "{pattern} {path}");
+        }
+    }
+
+    #[test]
+    fn keeps_what_is_asked_and_the_axes() {
+        let mut results = Results::new("a", "M");
+        results.push(Column::time(vec![0.0])).unwrap();
+        results.push(Column::cycle_angle(vec![0.0])).unwrap();
+        for path in ["main[1].force.x", "main[1].film"] {
+            let mut column = Column::time(vec![0.0]);
+            column.path = path.to_owned();
+            results.push(column).unwrap();
+        }
+        let selection = Selection::new(["*.force.*, *.nothing"]);
+        assert!(matches!(
+            selection.of(&results),
+            Err(ResultsError::NoChannel { pattern, .. }) if pattern == "*.nothing"
+        ));
+        let kept = Selection::new(["*.force.*"]).apply(&results).unwrap();
+        let paths: Vec<&str> = kept.columns().iter().map(|c| c.path.as_str()).collect();
+        assert_eq!(paths, ["time", "cycle.angle", "main[1].force.x"]);
+        assert_eq!(Selection::default().of(&results).unwrap(), [true; 4]);
+    }
+
+    #[test]
+    fn last_parts_are_angles_or_times() {
+        assert_eq!(Last::new(0.1, Dimension::TIME).unwrap(), Last::Time(0.1));
+        assert_eq!(Last::new(6.0, Dimension::ANGLE).unwrap(), Last::Angle(6.0));
+        assert!(Last::new(0.0, Dimension::TIME).is_err());
+        assert!(Last::new(f64::NAN, Dimension::TIME).is_err());
+        assert!(Last::new(1.0, Dimension::LENGTH).is_err());
+        // backwards turning engines count, too
+        assert!(Last::Angle(1.0).holds(-9.0, -10.0) && !Last::Angle(1.0).holds(-8.9, -10.0));
+    }
+}

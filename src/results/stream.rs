@@ -1,0 +1,256 @@
+//! Samples on disk while an analysis runs: an Arrow stream that is readable up to its last whole batch at any moment.
+//!
+//! Columns and metadata are those of the Parquet file; see [`super::schema`]. Every batch is handed to the system in one
+//! piece. What a killed run leaves of a batch is ignored by [`read`], and cut by [`Stream::resume`].
+
+use super::{Column, Results, ResultsError, schema};
+use arrow_array::{ArrayRef, Float64Array, RecordBatch};
+use arrow_ipc::reader::StreamReader;
+use arrow_ipc::writer::StreamWriter;
+use arrow_schema::Schema;
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// A stream that is being written. Its file is locked, so that no other run writes into it.
+pub(super) struct Stream {
+    path: PathBuf,
+    file: File,
+    encoder: StreamWriter<Vec<u8>>,
+    schema: Arc<Schema>,
+    /// Bytes of whole batches.
+    length: u64,
+}
+
+impl std::fmt::Debug for Stream {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Stream({}, {} bytes)", self.path.display(), self.length)
+    }
+}
+
+impl Stream {
+    /// Begins a stream with the columns and metadata of results, over what was there.
+    pub fn create(path: &Path, header: &Results) -> Result<Stream, ResultsError> {
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(at(folder))?;
+        }
+        let file = locked(path)?;
+        file.set_len(0).map_err(at(path))?;
+        let mut stream = Stream::on(path, file, header)?;
+        stream.hand_over()?;
+        Ok(stream)
+    }
+
+    /// Goes on after a number of rows, at which a batch ends; cuts what follows. The header on disk stays as it is.
+    pub fn resume(path: &Path, rows: u64) -> Result<(Stream, Results), ResultsError> {
+        let mut file = locked(path)?;
+        let (mut found, mut end) = (0, None);
+        let portions = Portions::open(path)?;
+        let header = portions.header();
+        if rows == 0 {
+            end = Some(portions.position.get());
+        }
+        let mut portions = portions;
+        while end.is_none()
+            && let Some(batch) = portions.next()?
+        {
+            found += batch.num_rows() as u64;
+            if found == rows {
+                end = Some(portions.position.get());
+            }
+        }
+        let length = end.ok_or_else(|| ResultsError::Foreign {
+            path: path.to_owned(),
+            message: format!(
+                "the checkpoint stands after {rows} samples, but only {found} whole ones are here; run again without --resume"
+            ),
+        })?;
+        file.set_len(length).map_err(at(path))?;
+        file.seek(SeekFrom::Start(length)).map_err(at(path))?;
+        let mut stream = Stream::on(path, file, &header)?;
+        // the header is on disk already
+        stream.encoder.get_mut().clear();
+        stream.length = length;
+        Ok((stream, header))
+    }
+
+    fn on(path: &Path, file: File, header: &Results) -> Result<Stream, ResultsError> {
+        let schema = schema::schema(header);
+        let encoder = StreamWriter::try_new(Vec::new(), &schema).map_err(library(path))?;
+        Ok(Stream {
+            path: path.to_owned(),
+            file,
+            encoder,
+            schema: Arc::new(schema),
+            length: 0,
+        })
+    }
+
+    /// Writes a batch: a vector a column, in display units; they are left empty.
+    pub fn write(&mut self, columns: &mut [Vec<f64>]) -> Result<(), ResultsError> {
+        let arrays = columns
+            .iter_mut()
+            .map(|column| Arc::new(Float64Array::from(std::mem::take(column))) as ArrayRef)
+            .collect();
+        let batch =
+            RecordBatch::try_new(Arc::clone(&self.schema), arrays).map_err(library(&self.path))?;
+        self.encoder.write(&batch).map_err(library(&self.path))?;
+        self.hand_over()
+    }
+
+    /// To the system, whole or not at all.
+    fn hand_over(&mut self) -> Result<(), ResultsError> {
+        let bytes = std::mem::take(self.encoder.get_mut());
+        match self.file.write_all(&bytes) {
+            Ok(()) => {
+                self.length += bytes.len() as u64;
+                Ok(())
+            }
+            Err(source) => {
+                // a batch less is better than a broken one; where even that fails, readers ignore it
+                let _ = self.file.set_len(self.length);
+                let _ = self.file.seek(SeekFrom::Start(self.length));
+                Err(at(&self.path)(source))
+            }
+        }
+    }
+
+    /// Waits until what was written is safe from a loss of power.
+    pub fn sync(&self) -> Result<(), ResultsError> {
+        self.file.sync_data().map_err(at(&self.path))
+    }
+}
+
+fn locked(path: &Path) -> Result<File, ResultsError> {
+    let file = OpenOptions::new()
+        .read(true)
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(path)
+        .map_err(at(path))?;
+    // elsewhere a lock keeps readers out, too
+    if !cfg!(unix) {
+        return Ok(file);
+    }
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(ResultsError::Busy {
+            path: path.to_owned(),
+        }),
+        // a file system without locks
+        Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => Ok(file),
+        Err(TryLockError::Error(error)) => Err(at(path)(error)),
+    }
+}
+
+fn at(path: &Path) -> impl FnOnce(io::Error) -> ResultsError + '_ {
+    move |source| ResultsError::File {
+        path: path.to_owned(),
+        source,
+    }
+}
+
+fn library<E: std::fmt::Display>(path: &Path) -> impl FnOnce(E) -> ResultsError + '_ {
+    move |error| ResultsError::Foreign {
+        path: path.to_owned(),
+        message: error.to_string(),
+    }
+}
+
+/// Counts the bytes that were taken.
+struct Counting<R> {
+    inner: R,
+    position: Rc<Cell<u64>>,
+}
+
+impl<R: Read> Read for Counting<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let taken = self.inner.read(buffer)?;
+        self.position.set(self.position.get() + taken as u64);
+        Ok(taken)
+    }
+}
+
+/// The whole batches of a stream, one after the other.
+pub(super) struct Portions {
+    reader: StreamReader<Counting<BufReader<File>>>,
+    header: Results,
+    /// Bytes up to the end of the last whole batch.
+    position: Rc<Cell<u64>>,
+}
+
+impl Portions {
+    /// Reads the header.
+    pub fn open(path: &Path) -> Result<Portions, ResultsError> {
+        let file = File::open(path).map_err(at(path))?;
+        let position = Rc::new(Cell::new(0));
+        let counting = Counting {
+            inner: BufReader::new(file),
+            position: Rc::clone(&position),
+        };
+        let reader =
+            StreamReader::try_new(counting, None).map_err(|error| ResultsError::Foreign {
+                path: path.to_owned(),
+                message: format!("no samples were written, or the file is damaged ({error})"),
+            })?;
+        let schema = reader.schema();
+        let entries: BTreeMap<String, String> = schema
+            .metadata()
+            .iter()
+            .map(|(key, value)| (key.to_string(), value.to_string()))
+            .collect();
+        let foreign = |message| ResultsError::Foreign {
+            path: path.to_owned(),
+            message,
+        };
+        let (mut header, columns) = schema::header(&entries, &schema).map_err(foreign)?;
+        for column in columns {
+            header.push(column)?;
+        }
+        Ok(Portions {
+            reader,
+            header,
+            position,
+        })
+    }
+
+    /// Columns without values, metadata.
+    pub fn header(&self) -> Results {
+        self.header.clone()
+    }
+
+    /// The next whole batch. What comes after the last is a batch that was never finished, and ends the stream as its end does.
+    pub fn next(&mut self) -> Result<Option<RecordBatch>, ResultsError> {
+        match self.reader.next() {
+            Some(Ok(batch)) if batch.num_columns() == self.header.columns().len() => {
+                Ok(Some(batch))
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+/// All whole batches of a stream, with values in SI.
+pub(super) fn read(path: &Path) -> Result<Results, ResultsError> {
+    let mut portions = Portions::open(path)?;
+    let header = portions.header();
+    let mut columns: Vec<Column> = header.columns().to_vec();
+    while let Some(batch) = portions.next()? {
+        for (column, array) in columns.iter_mut().zip(batch.columns()) {
+            schema::extend(column, array).map_err(|message| ResultsError::Foreign {
+                path: path.to_owned(),
+                message,
+            })?;
+        }
+    }
+    let mut results = header.without_columns();
+    for column in columns {
+        results.push(column)?;
+    }
+    Ok(results)
+}

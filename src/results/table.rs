@@ -1,0 +1,334 @@
+//! The samples of a run on their way to memory or disk.
+
+use super::parquet::ParquetRows;
+use super::recording::{Files, Recording};
+use super::resume_point::{KeptWarning, ResumePoint};
+use super::selection::Last;
+use super::stream::{Portions, Stream};
+use super::{Results, ResultsError, replace_file, schema};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Samples that wait at most, before they go to disk.
+const BATCH: usize = 512;
+/// Time that a sample waits at most.
+const WAIT: Duration = Duration::from_millis(250);
+/// A checkpoint is taken no sooner than this after the one before,
+const REST: Duration = Duration::from_millis(100);
+/// and than this many times what that one took: saving stays a small part of a run.
+const SHARE: u32 = 20;
+
+/// Key of the metadata that tells runs apart.
+const IDENTITY: &str = "identity";
+/// Key of the metadata that tells how a run ended: [`COMPLETE`], or why it failed.
+pub(super) const STATE: &str = "state";
+const COMPLETE: &str = "complete";
+
+/// The rows of a run: kept in memory, or sent to disk in batches.
+#[derive(Debug)]
+pub(crate) struct Table {
+    /// The kept columns without values, and what is known about the run.
+    header: Results,
+    kept: Vec<bool>,
+    /// Rows that are not on disk: SI in memory, in display units before a stream.
+    rows: Vec<Vec<f64>>,
+    given: u64,
+    disk: Option<Disk>,
+    last: Option<Last>,
+}
+
+#[derive(Debug)]
+struct Disk {
+    files: Files,
+    identity: String,
+    /// Opened with the first row, when all metadata are known.
+    stream: Option<Stream>,
+    flushed: Instant,
+    saved: Instant,
+    cost: Duration,
+}
+
+/// How a recording begins.
+#[derive(Debug)]
+pub(crate) enum Begun {
+    /// At the start.
+    Fresh(Table),
+    /// At a checkpoint.
+    Resumed(Table, ResumePoint),
+    /// It was complete before.
+    Complete(Results),
+}
+
+impl Table {
+    /// Begins a recording of all columns of `header`, whose values are empty. `identity` tells this run from others.
+    pub fn begin(
+        mut header: Results,
+        recording: &Recording,
+        identity: String,
+    ) -> Result<Begun, ResultsError> {
+        let kept = recording.channels.of(&header)?;
+        header = recording.channels.apply(&header)?;
+        if let Some(last) = recording.last
+            && header.column(last.path()).is_none()
+        {
+            return Err(ResultsError::Last(format!(
+                "the last part can't be an angle: {} has no cycle",
+                header.model()
+            )));
+        }
+        let mut table = Table {
+            rows: vec![Vec::new(); header.columns().len()],
+            kept,
+            header,
+            given: 0,
+            disk: None,
+            last: recording.last,
+        };
+        let Some(folder) = &recording.folder else {
+            return Ok(Begun::Fresh(table));
+        };
+        // the last part is cut in the end: a checkpoint serves whatever it is, complete results don't
+        let whole = format!("{identity} {:?}", recording.last);
+        table.header.set_metadata(IDENTITY, &whole);
+        let files = Files::new(folder, table.header.analysis());
+        let now = Instant::now();
+        let mut disk = Disk {
+            identity,
+            stream: None,
+            flushed: now,
+            saved: now,
+            cost: Duration::ZERO,
+            files,
+        };
+        if recording.resume {
+            if let Some(point) = ResumePoint::read(&disk.files.checkpoint)? {
+                if point.identity != disk.identity {
+                    return Err(ResultsError::Foreign {
+                        path: disk.files.checkpoint.clone(),
+                        message: "the interrupted run had another model, other parameters, other channels or another \
+                                  version of eng; run again without --resume"
+                            .to_owned(),
+                    });
+                }
+                let (stream, header) = Stream::resume(&disk.files.partial, point.samples)?;
+                let same = header.columns() == table.header.columns();
+                if !same {
+                    return Err(ResultsError::Foreign {
+                        path: disk.files.partial.clone(),
+                        message: "its columns are not those of the run; run again without --resume"
+                            .to_owned(),
+                    });
+                }
+                // what is known of the start is in the stream's header
+                for (key, value) in header.metadata() {
+                    if key != IDENTITY {
+                        table.header.set_metadata(key, value);
+                    }
+                }
+                table.given = point.samples;
+                disk.stream = Some(stream);
+                table.disk = Some(disk);
+                return Ok(Begun::Resumed(table, point));
+            }
+            if !disk.files.partial.exists()
+                && let Ok(results) = Results::read_parquet(&disk.files.parquet)
+                && results.metadata().get(IDENTITY) == Some(&whole)
+                && results.metadata().get(STATE).map(String::as_str) == Some(COMPLETE)
+            {
+                return Ok(Begun::Complete(results));
+            }
+        }
+        // an unwritable folder is told before hours of computing; a checkpoint of another run must not outlive its samples
+        disk.stream = Some(Stream::create(&disk.files.partial, &table.header)?);
+        remove(&disk.files.checkpoint)?;
+        table.disk = Some(disk);
+        Ok(Begun::Fresh(table))
+    }
+
+    /// States something about the run before its first row.
+    pub fn set_metadata(&mut self, key: &str, value: String) -> Result<(), ResultsError> {
+        self.header.set_metadata(key, value);
+        if self.given == 0
+            && let Some(disk) = &mut self.disk
+        {
+            disk.stream = None;
+            disk.stream = Some(Stream::create(&disk.files.partial, &self.header)?);
+        }
+        Ok(())
+    }
+
+    /// Adds a row: a value (SI) for each column of the header that it began with.
+    pub fn push(&mut self, values: impl Iterator<Item = f64>) -> Result<(), ResultsError> {
+        let kept = values.zip(&self.kept).filter(|(_, kept)| **kept);
+        let places = self.rows.iter_mut().zip(self.header.columns());
+        for ((value, _), (row, column)) in kept.zip(places) {
+            row.push(match self.disk {
+                Some(_) => column.display.from_si(value),
+                None => value,
+            });
+        }
+        self.given += 1;
+        let waiting = self.rows.first().map_or(0, Vec::len);
+        match &self.disk {
+            Some(disk) if waiting >= BATCH || disk.flushed.elapsed() >= WAIT => self.flush(),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether it is time for a checkpoint.
+    pub fn wants_checkpoint(&self) -> bool {
+        self.disk
+            .as_ref()
+            .is_some_and(|disk| disk.saved.elapsed() >= REST.max(disk.cost * SHARE))
+    }
+
+    /// Keeps the runtime's state after the last row.
+    pub fn save(&mut self, state: Vec<u8>, warnings: Vec<KeptWarning>) -> Result<(), ResultsError> {
+        let began = Instant::now();
+        self.flush()?;
+        let Some(disk) = &mut self.disk else {
+            return Ok(());
+        };
+        if let Some(stream) = &disk.stream {
+            stream.sync()?;
+        }
+        ResumePoint {
+            identity: disk.identity.clone(),
+            samples: self.given,
+            warnings,
+            state,
+        }
+        .write(&disk.files.checkpoint)?;
+        disk.saved = Instant::now();
+        disk.cost = disk.saved.duration_since(began);
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), ResultsError> {
+        if let Some(disk) = &mut self.disk
+            && let Some(stream) = &mut disk.stream
+        {
+            disk.flushed = Instant::now();
+            if self.rows.first().is_some_and(|row| !row.is_empty()) {
+                stream.write(&mut self.rows)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends the recording: the results, which are on disk where there is a folder. `failure` tells why the run ended early.
+    pub fn finish(mut self, failure: Option<&str>) -> Result<Results, ResultsError> {
+        self.flush()?;
+        self.header.set_metadata(STATE, failure.unwrap_or(COMPLETE));
+        match self.disk.take() {
+            None => self.in_memory(),
+            Some(disk) => {
+                let Files {
+                    partial,
+                    checkpoint,
+                    parquet,
+                } = &disk.files;
+                let first = first_kept(partial, self.last)?;
+                let written = replace_file(parquet, |file| {
+                    let mut rows = ParquetRows::new(file, &self.header)?;
+                    copy(partial, first, &mut rows).map(|()| rows)?.close()
+                });
+                written.map_err(|error: super::parquet::WriteError| error.at(parquet.clone()))?;
+                let results = Results::read_parquet(parquet)?;
+                // a checkpoint without samples would be refused, samples without a checkpoint are run again
+                remove(checkpoint)?;
+                remove(partial)?;
+                Ok(results)
+            }
+        }
+    }
+
+    fn in_memory(self) -> Result<Results, ResultsError> {
+        let mut results = self.header.without_columns();
+        let axis = self.last.and_then(|last| {
+            let place = |c: &super::Column| c.path == last.path();
+            let index = self.header.columns().iter().position(place)?;
+            Some((last, self.rows.get(index)?.clone()))
+        });
+        let first = axis.map_or(0, |(last, values)| first_of(last, &values));
+        for (column, values) in self.header.columns().iter().zip(self.rows) {
+            let mut column = column.clone();
+            column.values = match first {
+                0 => values,
+                _ => values.get(first..).unwrap_or_default().to_vec(),
+            };
+            results.push(column)?;
+        }
+        Ok(results)
+    }
+}
+
+fn first_of(last: Last, values: &[f64]) -> usize {
+    let end = values.last().copied().unwrap_or(0.0);
+    values
+        .iter()
+        .position(|value| last.holds(*value, end))
+        .unwrap_or(0)
+}
+
+/// Index of the first sample that is kept in the end.
+fn first_kept(partial: &Path, last: Option<Last>) -> Result<usize, ResultsError> {
+    let Some(last) = last else {
+        return Ok(0);
+    };
+    let mut portions = Portions::open(partial)?;
+    let header = portions.header();
+    let place = |c: &super::Column| c.path == last.path();
+    let Some(index) = header.columns().iter().position(place) else {
+        return Ok(0);
+    };
+    let mut axis: Vec<super::Column> = header.columns().get(index).cloned().into_iter().collect();
+    while let Some(batch) = portions.next()? {
+        if let (Some(column), Some(array)) = (axis.first_mut(), batch.columns().get(index)) {
+            schema::extend(column, array).map_err(|message| foreign(partial, message))?;
+        }
+    }
+    Ok(axis
+        .first()
+        .map_or(0, |column| first_of(last, &column.values)))
+}
+
+/// Rows of a stream from the one with an index on.
+fn copy(
+    partial: &Path,
+    first: usize,
+    rows: &mut ParquetRows<'_>,
+) -> Result<(), super::parquet::WriteError> {
+    let refused = |error: ResultsError| super::parquet::WriteError::Parquet(error.to_string());
+    let mut portions = Portions::open(partial).map_err(refused)?;
+    let mut skip = first;
+    while let Some(batch) = portions.next().map_err(refused)? {
+        let from = skip.min(batch.num_rows());
+        skip -= from;
+        let mut columns = Vec::with_capacity(batch.num_columns());
+        for array in batch.columns() {
+            let numbers =
+                schema::numbers("", array).map_err(|message| refused(foreign(partial, message)))?;
+            columns.push(numbers.values().get(from..).unwrap_or_default());
+        }
+        rows.push(&columns)?;
+    }
+    Ok(())
+}
+
+fn foreign(path: &Path, message: String) -> ResultsError {
+    ResultsError::Foreign {
+        path: path.to_owned(),
+        message,
+    }
+}
+
+fn remove(path: &Path) -> Result<(), ResultsError> {
+    match std::fs::remove_file(path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(ResultsError::File {
+            path: path.to_owned(),
+            source,
+        }),
+        _ => Ok(()),
+    }
+}

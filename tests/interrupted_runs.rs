@@ -1,0 +1,381 @@
+//! Runs that are killed, stopped by the disk, or damaged: what is left is readable, and `--resume` gives the same bits.
+
+use eng::results::Results;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A pendulum on a hinge: some thousand steps of unequal length, more samples than a batch.
+const MODEL: &str = "
+use std.joints.Revolute
+
+model Swing {
+    param load: Mass = 1.2 kg
+    gravity = [0, -9.81, 0] m/s^2
+    marker pivot = [0, 0, 0] mm
+    body bob { mass = load; inertia = [2, 2, 2] g*m^2; marker top = [0, 400, 0] mm }
+    body tip { mass = 0.3 kg; inertia = [1, 1, 1] g*m^2; marker top = [0, 300, 0] mm }
+    joint pin = Revolute(bob.top, pivot)
+    joint hinge = Revolute(tip.top, bob.origin)
+    start pin.angle = 130 deg
+    output height = dot(bob.origin.origin, ground.y) as mm
+}
+
+analysis swing = transient(Swing(), duration: DURATION, sample: 1 ms)
+analysis short = transient(Swing(), duration: 20 ms, sample: 1 ms)
+";
+
+struct Place(PathBuf);
+
+impl Place {
+    fn new(name: &str, duration: &str) -> Place {
+        let folder =
+            std::env::temp_dir().join(format!("eng-interrupted-{name}-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(
+            folder.join("swing.eng"),
+            MODEL.replace("DURATION", duration),
+        )
+        .unwrap();
+        Place(folder)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    fn command(&self, out: &str, more: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_eng"));
+        command
+            .arg("run")
+            .arg(self.path("swing.eng"))
+            .args(["--analysis", "swing", "--no-plots", "--quiet", "--out"])
+            .arg(self.path(out))
+            .args(more)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        command
+    }
+
+    fn run(&self, out: &str, more: &[&str]) -> Output {
+        self.command(out, more).output().unwrap()
+    }
+
+    fn files(&self, out: &str) -> Vec<String> {
+        let mut names: Vec<String> = std::fs::read_dir(self.path(out))
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn eng(arguments: &[&str], path: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_eng"))
+        .args(arguments)
+        .arg(path)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn ok(output: &Output) {
+    assert!(output.status.success(), "{}", text(&output.stderr));
+}
+
+/// The same sequence of moments in every run of the test (Knuth's generator).
+struct Moments(u64);
+
+impl Moments {
+    fn next(&mut self, below: u64) -> Duration {
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        Duration::from_micros((self.0 >> 33) % below)
+    }
+}
+
+fn wait_for(path: &Path, child: &mut Child) {
+    let began = Instant::now();
+    while !path.exists() {
+        assert!(
+            began.elapsed() < Duration::from_secs(60),
+            "{} never came",
+            path.display()
+        );
+        if let Some(status) = child.try_wait().unwrap() {
+            panic!("the run ended with {status} before {} came", path.display());
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn killed_ten_times_it_ends_with_the_same_bytes() {
+    let place = Place::new("killed", "8 s");
+    let whole = Instant::now();
+    ok(&place.run("whole", &[]));
+    let whole = whole.elapsed();
+    assert_eq!(place.files("whole"), ["swing.parquet"]);
+    let expected = Results::read_parquet(place.path("whole/swing.parquet")).unwrap();
+    assert_eq!(expected.samples(), 8001);
+
+    let partial = place.path("killed/swing.partial.arrows");
+    let mut moments = Moments(20);
+    let mut killed = 0;
+    let (mut longest, mut resumed) = (0, 0);
+    for _ in 0..10 {
+        let mut child = place.command("killed", &["--resume"]).spawn().unwrap();
+        wait_for(&partial, &mut child);
+        std::thread::sleep(moments.next((whole.as_micros() / 4) as u64));
+        child.kill().unwrap();
+        if child.wait().unwrap().success() {
+            break;
+        }
+        killed += 1;
+        if partial.exists() {
+            let left = Results::read(&partial).unwrap();
+            assert_eq!(left.columns().len(), expected.columns().len());
+            for (a, b) in left.columns().iter().zip(expected.columns()) {
+                assert_eq!(
+                    (&a.path, &a.display, &a.frame),
+                    (&b.path, &b.display, &b.frame)
+                );
+                let same = a
+                    .values
+                    .iter()
+                    .zip(&b.values)
+                    .all(|(a, b)| a.to_bits() == b.to_bits());
+                assert!(same, "{}", a.path);
+            }
+            longest = longest.max(left.samples());
+            resumed += usize::from(place.path("killed/swing.checkpoint").exists());
+            let listed = eng(&["results"], &partial);
+            ok(&listed);
+            assert!(
+                text(&listed.stdout).contains("--resume"),
+                "{}",
+                text(&listed.stdout)
+            );
+        }
+    }
+    assert!(killed >= 3, "killed {killed} times of 10");
+    assert!(
+        longest > 0 && resumed > 0,
+        "{longest} samples, {resumed} checkpoints"
+    );
+    ok(&place.run("killed", &["--resume"]));
+    assert_eq!(place.files("killed"), ["swing.parquet"]);
+    let bytes = |out: &str| std::fs::read(place.path(out).join("swing.parquet")).unwrap();
+    assert!(bytes("whole") == bytes("killed"), "the files differ");
+
+    // what is complete is not run again
+    let again = Instant::now();
+    ok(&place.run("killed", &["--resume"]));
+    assert!(again.elapsed() < whole);
+    assert!(bytes("whole") == bytes("killed"));
+}
+
+/// Leaves a killed run with a checkpoint in `out`.
+fn interrupt(place: &Place, out: &str) {
+    let mut child = place.command(out, &[]).spawn().unwrap();
+    wait_for(&place.path(out).join("swing.checkpoint"), &mut child);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(place.path(out).join("swing.partial.arrows").exists());
+}
+
+#[test]
+fn damaged_and_foreign_leftovers_are_told_of() {
+    let place = Place::new("damaged", "60 s");
+    interrupt(&place, "out");
+    let (partial, checkpoint) = (
+        place.path("out/swing.partial.arrows"),
+        place.path("out/swing.checkpoint"),
+    );
+    let (samples, state) = (
+        std::fs::read(&partial).unwrap(),
+        std::fs::read(&checkpoint).unwrap(),
+    );
+
+    // the end of the stream may be missing anywhere: whole batches remain
+    let whole = Results::read(&partial).unwrap().samples();
+    let mut seen = usize::MAX;
+    for cut in 1..40 {
+        let length = samples.len() - cut * samples.len() / 45;
+        std::fs::write(&partial, &samples[..length]).unwrap();
+        let left = Results::read(&partial).unwrap().samples();
+        assert!(left <= seen.min(whole));
+        seen = left;
+    }
+    assert!(seen < whole);
+    // fewer samples than the checkpoint counts
+    let output = place.run("out", &["--resume"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        text(&output.stderr).contains("run again without --resume"),
+        "{}",
+        text(&output.stderr)
+    );
+
+    std::fs::write(&partial, &samples).unwrap();
+    let mut broken = state.clone();
+    broken[state.len() / 2] ^= 4;
+    std::fs::write(&checkpoint, broken).unwrap();
+    let output = place.run("out", &["--resume"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        text(&output.stderr).contains("checkpoint is damaged"),
+        "{}",
+        text(&output.stderr)
+    );
+
+    // another run's leftovers
+    std::fs::write(&checkpoint, &state).unwrap();
+    for other in [["--channels", "height"], ["--set", "load=1kg"]] {
+        let output = place.run("out", &["--resume", other[0], other[1]]);
+        assert_eq!(output.status.code(), Some(2), "{other:?}");
+        let errors = text(&output.stderr);
+        assert!(
+            errors.contains("had another model, other parameters"),
+            "{errors}"
+        );
+    }
+    assert_eq!(
+        std::fs::read(&partial).unwrap(),
+        samples,
+        "a refusal changes nothing"
+    );
+
+    std::fs::write(&partial, b"no stream at all").unwrap();
+    let output = eng(&["results"], &place.path("out"));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        text(&output.stderr).contains("damaged"),
+        "{}",
+        text(&output.stderr)
+    );
+}
+
+#[test]
+fn two_runs_do_not_write_one_file() {
+    let place = Place::new("two", "60 s");
+    let mut child = place.command("out", &[]).spawn().unwrap();
+    wait_for(&place.path("out/swing.checkpoint"), &mut child);
+    let second = place.run("out", &[]);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(second.status.code(), Some(2));
+    assert!(
+        text(&second.stderr).contains("another run"),
+        "{}",
+        text(&second.stderr)
+    );
+}
+
+#[test]
+fn a_full_disk_leaves_no_half_file_and_can_be_gone_on_from() {
+    let place = Place::new("full", "8 s");
+    ok(&place.run("whole", &[]));
+    // the shell's limit on a file's size stands for the disk's
+    for blocks in ["8", "300"] {
+        let mut limited = Command::new("bash");
+        limited
+            .args([
+                "-c",
+                &format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\""),
+            ])
+            .arg(env!("CARGO_BIN_EXE_eng"))
+            .arg("run")
+            .arg(place.path("swing.eng"))
+            .args(["--analysis", "swing", "--no-plots", "--quiet", "--out"])
+            .arg(place.path("out"));
+        let output = limited.output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+        assert!(
+            text(&output.stderr).contains("swing."),
+            "{}",
+            text(&output.stderr)
+        );
+        let files = place.files("out");
+        assert!(
+            !files
+                .iter()
+                .any(|f| f.ends_with(".parquet") || f.ends_with(".part")),
+            "{files:?}"
+        );
+    }
+    let left = Results::read(place.path("out/swing.partial.arrows"))
+        .unwrap()
+        .samples();
+    assert!(left > 0 && left < 8001, "{left}");
+    ok(&place.run("out", &["--resume"]));
+    let bytes = |out: &str| std::fs::read(place.path(out).join("swing.parquet")).unwrap();
+    assert!(bytes("whole") == bytes("out"));
+}
+
+#[test]
+fn an_unwritable_folder_is_told_at_once() {
+    let place = Place::new("unwritable", "60 s");
+    std::fs::write(place.path("out"), "a file in the way").unwrap();
+    let began = Instant::now();
+    let output = place.run("out", &[]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        text(&output.stderr).contains("out"),
+        "{}",
+        text(&output.stderr)
+    );
+    assert!(
+        began.elapsed() < Duration::from_secs(20),
+        "it was computed first"
+    );
+}
+
+#[test]
+fn selected_channels_and_the_last_part() {
+    let place = Place::new("selected", "100 ms");
+    ok(&place.run("all", &[]));
+    ok(&place.run(
+        "some",
+        &["--channels", "height,energy.*", "--last", "20 ms"],
+    ));
+    let all = Results::read_parquet(place.path("all/swing.parquet")).unwrap();
+    let some = Results::read_parquet(place.path("some/swing.parquet")).unwrap();
+    assert_eq!((all.samples(), some.samples()), (101, 21));
+    let paths: Vec<&str> = some.columns().iter().map(|c| c.path.as_str()).collect();
+    assert_eq!(paths[..2], ["time", "height"]);
+    assert_eq!(paths.len(), 7);
+    for column in some.columns() {
+        assert_eq!(
+            column.values,
+            all.column(&column.path).unwrap().values[80..]
+        );
+    }
+    for (wrong, says) in [
+        (["--channels", "hight"], "did you mean height?"),
+        (["--last", "2 rev"], "no cycle"),
+        (["--last", "2 kg"], "neither an angle nor a time"),
+        (["--last", "often"], "not a number with a unit"),
+    ] {
+        let output = place.run("wrong", &wrong);
+        assert_eq!(output.status.code(), Some(2), "{wrong:?}");
+        assert!(
+            text(&output.stderr).contains(says),
+            "{}",
+            text(&output.stderr)
+        );
+    }
+}
