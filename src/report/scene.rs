@@ -476,6 +476,33 @@ mod tests {
     }
 
     #[test]
+    fn large_discs_are_outlines_of_their_size() {
+        let disc = |radius| Part::Cylinder {
+            from: [0.0, 0.0, -0.01],
+            to: [0.0, 0.0, 0.01],
+            radius,
+        };
+        assert_eq!(outlined(disc(0.05), 0.1), [disc(0.05)]);
+        let lines = outlined(disc(0.15), 0.1);
+        assert_eq!(lines.len(), 6);
+        for line in lines {
+            let Part::Line { points } = line else {
+                panic!("{line:?}");
+            };
+            for [x, y, z] in points {
+                assert!((libm::hypot(x, y) - 0.15).abs() < 1e-12 && z.abs() == 0.01);
+            }
+        }
+        // a bar that lies askew stays a bar
+        let askew = Part::Cylinder {
+            from: [0.0; 3],
+            to: [1.0, 1.0, 0.0],
+            radius: 0.2,
+        };
+        assert_eq!(outlined(askew.clone(), 0.1), [askew]);
+    }
+
+    #[test]
     fn scales_are_round_numbers() {
         assert_eq!(
             [999.0, 200.0, 7.0, 0.3].map(round),
