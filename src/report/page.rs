@@ -278,10 +278,12 @@ fn motion(scenes: Vec<(&Entry, Scene)>) -> Option<Section> {
         }
         if !scene.animation.rigid.is_empty() {
             own = own.paragraph(
-                "Rigid bodies are drawn as bars between their markers, or as the solid that has their mass and inertia.",
+                "Rigid bodies are drawn as bars between their markers, or as the solid that has their mass and inertia; large discs as outlines.",
             );
         }
-        own = own.animation(scene.animation);
+        for view in scene.views() {
+            own = own.animation(view);
+        }
         if !scene.notes.is_empty() {
             own = own.list(scene.notes);
         }

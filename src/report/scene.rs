@@ -15,6 +15,8 @@ use eng_report::page::Table;
 const MOVES: f64 = 1e-3;
 /// Largest displacement as shown, as a share of the scene's size.
 const SHOWN: f64 = 0.04;
+/// Radius above which a disc is drawn as an outline, as a share of the flexible bodies' reach.
+const LARGE: f64 = 0.3;
 /// Seconds in which a cycle is played.
 const PLAYED: f64 = 8.0;
 /// Bytes of a page a node and mode: three floats of single precision in base64.
@@ -24,6 +26,8 @@ const BYTES: usize = 16;
 #[derive(Clone, Debug)]
 pub(super) struct Scene {
     pub animation: Animation,
+    /// Flexible bodies that are held, which hide what moves within them.
+    pub held: Vec<String>,
     /// What was thinned or left out, a sentence each.
     pub notes: Vec<String>,
     /// Largest stresses, a table a flexible body.
@@ -38,7 +42,7 @@ pub(super) fn scene(entry: &Entry, motion: &Results, budget: usize) -> Result<Sc
         .map(|a| a.to_degrees())
         .collect();
     let (mut flexible, mut rigid) = (Vec::new(), Vec::new());
-    let (mut notes, mut maxima) = (Vec::new(), Vec::new());
+    let (mut notes, mut maxima, mut held) = (Vec::new(), Vec::new(), Vec::new());
     let all: usize = entry.described.bodies.iter().map(surface_nodes).sum();
     for body in &entry.described.bodies {
         let motion = BodyMotion::of(motion, &body.path)?;
@@ -70,6 +74,9 @@ pub(super) fn scene(entry: &Entry, motion: &Results, budget: usize) -> Result<Sc
                         &angle,
                     ));
                 }
+                if reduction.stored.report.supported {
+                    held.push(body.path.clone());
+                }
                 flexible.push(made.body);
             }
             Matter::Rigid {
@@ -93,6 +100,12 @@ pub(super) fn scene(entry: &Entry, motion: &Results, budget: usize) -> Result<Sc
         .flat_map(|b| &b.surface.nodes)
         .flatten()
         .fold(0.0f64, |most, x| most.max(x.abs()));
+    for body in &mut rigid {
+        let parts = body.parts.drain(..);
+        body.parts = parts
+            .flat_map(|part| outlined(part, LARGE * length))
+            .collect();
+    }
     let duration = match (times.first(), times.last()) {
         (Some(first), Some(last)) if last > first => last - first,
         _ => PLAYED,
@@ -115,9 +128,35 @@ pub(super) fn scene(entry: &Entry, motion: &Results, budget: usize) -> Result<Sc
             flexible,
             rigid,
         },
+        held,
         notes,
         maxima,
     })
+}
+
+impl Scene {
+    /// The animation, or two where held bodies hide others: of what moves, and of what is held.
+    pub fn views(&self) -> Vec<Animation> {
+        let whole = &self.animation;
+        let (held, free): (Vec<_>, Vec<_>) = whole
+            .flexible
+            .iter()
+            .cloned()
+            .partition(|body| self.held.contains(&body.name));
+        if held.is_empty() || (free.is_empty() && whole.rigid.is_empty()) {
+            return vec![whole.clone()];
+        }
+        let view = |name: &str, flexible: Vec<FlexibleBody>, rigid: Vec<RigidBody>| Animation {
+            title: format!("{}: {name}", whole.title),
+            flexible,
+            rigid,
+            ..whole.clone()
+        };
+        vec![
+            view("moving parts", free, whole.rigid.clone()),
+            view(&self.held.join(", "), held, Vec::new()),
+        ]
+    }
 }
 
 /// Angles less whole cycles, so that the first lies in the first cycle.
@@ -372,6 +411,33 @@ fn solid(mass: f64, center: [f64; 3], inertia: [f64; 3], markers: &[Spot]) -> Ve
     if finite { vec![part] } else { Vec::new() }
 }
 
+/// A cylinder as its two rims and four lines along it where its radius (m) is larger, so that it hides nothing.
+fn outlined(part: Part, larger: f64) -> Vec<Part> {
+    let Part::Cylinder { from, to, radius } = part else {
+        return vec![part];
+    };
+    let axis = (0..3).find(|i| from[*i] != to[*i]);
+    let along = (0..3).filter(|i| from[*i] != to[*i]).count() == 1;
+    let Some(axis) = axis.filter(|_| along && larger > 0.0 && radius > larger) else {
+        return vec![Part::Cylinder { from, to, radius }];
+    };
+    let at = |center: [f64; 3], side: u32| {
+        let (sine, cosine) = libm::sincos(std::f64::consts::TAU * f64::from(side) / 48.0);
+        let mut point = center;
+        point[(axis + 1) % 3] += radius * cosine;
+        point[(axis + 2) % 3] += radius * sine;
+        point
+    };
+    let rim = |center| Part::Line {
+        points: (0..=48).map(|side| at(center, side)).collect(),
+    };
+    let mut lines = vec![rim(from), rim(to)];
+    lines.extend([0, 12, 24, 36].map(|side| Part::Line {
+        points: vec![at(from, side), at(to, side)],
+    }));
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -407,6 +473,33 @@ mod tests {
             }
             other => panic!("{other:?}"),
         }
+    }
+
+    #[test]
+    fn large_discs_are_outlines_of_their_size() {
+        let disc = |radius| Part::Cylinder {
+            from: [0.0, 0.0, -0.01],
+            to: [0.0, 0.0, 0.01],
+            radius,
+        };
+        assert_eq!(outlined(disc(0.05), 0.1), [disc(0.05)]);
+        let lines = outlined(disc(0.15), 0.1);
+        assert_eq!(lines.len(), 6);
+        for line in lines {
+            let Part::Line { points } = line else {
+                panic!("{line:?}");
+            };
+            for [x, y, z] in points {
+                assert!((libm::hypot(x, y) - 0.15).abs() < 1e-12 && z.abs() == 0.01);
+            }
+        }
+        // a bar that lies askew stays a bar
+        let askew = Part::Cylinder {
+            from: [0.0; 3],
+            to: [1.0, 1.0, 0.0],
+            radius: 0.2,
+        };
+        assert_eq!(outlined(askew.clone(), 0.1), [askew]);
     }
 
     #[test]
