@@ -185,7 +185,7 @@ fn table_1_multibody_model_at_rest_on_springs() {
     for case in ["dead_centre", "pin_1_across", "mixed"] {
         let (whole, largest) = at_rest(&program, case, 1.0);
         let (tenth, _) = at_rest(&program, case, 0.1);
-        let percent = |errors: [f64; 5]| errors.map(|e| format!("{:.5} %", 100.0 * e)).join(", ");
+        let percent = |errors: [f64; 5]| errors.map(|e| format!("{:.1e} %", 100.0 * e)).join(", ");
         println!(
             "{case}: up to {:.2} um; {}; a tenth of the load {}",
             1e6 * largest,
