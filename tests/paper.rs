@@ -173,13 +173,14 @@ fn at_rest(program: &Program, case: &str, share: f64) -> ([f64; 5], f64) {
             );
             last / share
         });
-        length([0, 1, 2].map(|k| found[k] - exact[k])) / length(exact)
+        length([0, 1, 2].map(|k| found[k] - exact[k])) / largest
     });
     (errors, largest)
 }
 
-/// The multibody model at rest against the linear finite-element model. They differ by geometry alone: ten times less load, ten
-/// times less difference. The paper has 0.054 to 0.006 %.
+/// The multibody model at rest against the linear finite-element model, in parts of the case's largest displacement: a journal that
+/// hardly moves has no measure of its own. They differ by geometry alone: ten times less load, ten times less difference. The
+/// paper has 0.054 to 0.006 % of each journal's own.
 #[test]
 fn table_1_multibody_model_at_rest_on_springs() {
     let program = program("statics.eng");
@@ -194,7 +195,8 @@ fn table_1_multibody_model_at_rest_on_springs() {
             percent(tenth)
         );
         for (w, t) in whole.iter().zip(&tenth) {
-            assert!(*w < 1e-3, "{case}: {whole:?}");
+            // the paper's worst
+            assert!(*w < 5.4e-4, "{case}: {whole:?}");
             assert!(*t < 0.11 * w + 1e-8, "{case}: {whole:?} {tenth:?}");
         }
     }
