@@ -21,6 +21,7 @@ use crate::modes::{ModeSet, Structure};
 use crate::rotary::{add_turning, split_offsets};
 use crate::solve::Modes;
 use candidates::Candidates;
+use eng_system::flexible::Damping;
 use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
 use interface::MarkerFreedoms;
 
@@ -188,10 +189,6 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     if own {
         add_turning(&mut constants, &mesh.point_masses, &full.freedoms, &shapes);
     }
-    for (i, lambda) in set.eigenvalues.iter().enumerate() {
-        let ratio = damping_ratio(request, frequencies[i]);
-        constants.damping[i * set.len() + i] = 2.0 * ratio * libm::sqrt(lambda.max(0.0));
-    }
     if request.geometric_stiffness {
         let model = Model {
             mesh: &mesh,
@@ -251,12 +248,17 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
             }
         })
         .collect();
+    let mut body = ReducedBody {
+        invariants: constants,
+        frequencies,
+        markers,
+    };
+    body.damp(&Damping::Modal {
+        ratio: request.damping_ratio,
+        up_to: request.damping_up_to,
+    });
     Ok(Reduced {
-        body: ReducedBody {
-            invariants: constants,
-            frequencies,
-            markers,
-        },
+        body,
         shapes,
         freedoms: full.freedoms,
         mesh,
@@ -389,15 +391,4 @@ fn mode_reports(
             }
         })
         .collect()
-}
-
-/// The stated ratio up to a frequency, rising with it to one at five times that.
-fn damping_ratio(request: &Request, frequency: f64) -> f64 {
-    let (ratio, limit) = (request.damping_ratio, request.damping_up_to);
-    if frequency <= limit {
-        ratio
-    } else {
-        let share = ((frequency - limit) / (4.0 * limit)).min(1.0);
-        ratio + share * (1.0 - ratio).max(0.0)
-    }
 }

@@ -60,18 +60,22 @@ impl Files for Sources {
     }
 }
 
+/// Units of a source's files.
+fn units_of(source: &FlexibleSource) -> Result<MeshUnits, Box<Diagnostic>> {
+    MeshUnits::named(&source.mesh.units).ok_or_else(|| unknown_word(source))
+}
+
+/// The checker lets a word pass that the reader of meshes does not know.
+fn unknown_word(source: &FlexibleSource) -> Box<Diagnostic> {
+    let message = "the compiler contradicts itself: a mesh of no known format or units";
+    Box::new(Diagnostic::error(codes::INTERNAL, message).at(span(source.mesh.at), "this mesh"))
+}
+
 /// Reads a mesh into SI, with its material.
 fn mesh_of(files: &dyn Files, source: &FlexibleSource) -> Result<Mesh, Box<Diagnostic>> {
     let at = source.mesh.at;
-    let (Some(format), Some(units)) = (
-        MeshFormat::named(&source.mesh.format),
-        MeshUnits::named(&source.mesh.units),
-    ) else {
-        let message = "the compiler contradicts itself: a mesh of no known format or units";
-        return Err(Box::new(
-            Diagnostic::error(codes::INTERNAL, message).at(span(at), "this mesh"),
-        ));
-    };
+    let format = MeshFormat::named(&source.mesh.format).ok_or_else(|| unknown_word(source))?;
+    let units = units_of(source)?;
     let mut mesh = read_mesh(files, &source.mesh.file, format)
         .map_err(|e| failed(codes::MESH, &e, at, "this mesh"))?;
     mesh.convert(&units);

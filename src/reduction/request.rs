@@ -23,11 +23,7 @@ pub(super) fn request(
         marker: *marker as usize,
         components: text::ALL_FREEDOMS,
     };
-    let units = MeshUnits::named(&source.mesh.units).unwrap_or(MeshUnits {
-        length: 1.0,
-        mass: 1.0,
-        time: 1.0,
-    });
+    let units = super::units_of(source)?;
     let mut terms = Vec::with_capacity(source.modes.len());
     for part in &source.modes {
         terms.push(term(part, source, files, units)?);
