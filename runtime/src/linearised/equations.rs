@@ -42,8 +42,9 @@ pub struct Equations {
     pub rates_by_velocity: DMatrix<f64>,
     /// U.
     pub rates_by_states: DMatrix<f64>,
-    /// `Nᵀ M ü₀`: accelerations along the freedoms at the state itself, of which steady motion has none.
-    pub acceleration: DVector<f64>,
+    /// How fast a motion is that the largest terms of K and C, or the state's own motion and weight, would make alone (rad/s): where
+    /// they cancel, their rounding stays.
+    pub pace: f64,
     axes: GroundAxes,
 }
 
@@ -321,26 +322,43 @@ impl Equations {
         let mut mass_rate = axes.turned(&blocks.mass);
         add_reshaping(model, &dynamics, state, &axes, &mut mass_rate);
 
+        let scales = model.velocity_scales();
+        let sizes = basis.abs();
+        let largest = |left: &DMatrix<f64>, block: &DMatrix<f64>, right: &DMatrix<f64>| {
+            (left.transpose() * block.abs() * right).amax()
+        };
+        let rates_of_sizes = basis_rate.abs();
+        let terms = largest(&sizes, &blocks.stiffness, &sizes)
+            + largest(&sizes, &blocks.damping, &rates_of_sizes)
+            + largest(&rates_of_sizes, &blocks.mass, &rates_of_sizes)
+            + largest(&sizes, &mass_rate, &rates_of_sizes);
+        // what holds the state itself comes with rounding errors of its motion
+        let own = |x: &[f64]| {
+            let scaled = x.iter().zip(&scales).map(|(x, s)| (x / s).abs());
+            scaled.fold(0.0_f64, f64::max)
+        };
+        let held = own(&state.acceleration) + model.gravity.norm() / model.length;
+        let pace = largest(&sizes, &blocks.damping, &sizes)
+            .max(libm::sqrt(terms + held))
+            .max(own(&state.velocity));
         let across = basis.transpose();
         let damping = &across * &blocks.damping * &basis;
         let stiffness = &across * &blocks.stiffness * &basis
             + &across * &blocks.damping * &basis_rate
             - basis_rate.transpose() * &blocks.mass * &basis_rate
             - &across * &mass_rate * &basis_rate;
-        let mut acceleration = DVector::from_column_slice(&state.acceleration);
-        axes.to_ground(acceleration.as_view_mut());
         Ok(Equations {
             by_states: -(&across * &blocks.forces_by_states),
             rates_by_place: &blocks.rates_by_place * &basis
                 + &blocks.rates_by_velocity * &basis_rate,
             rates_by_velocity: &blocks.rates_by_velocity * &basis,
             rates_by_states: blocks.rates_by_states,
-            acceleration: &across * &blocks.mass * acceleration,
             mass: blocks.mass,
             basis,
             basis_rate,
             stiffness,
             damping,
+            pace,
             axes,
         })
     }

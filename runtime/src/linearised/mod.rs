@@ -130,8 +130,6 @@ pub struct LinearModes {
     pub zeros: usize,
     /// |λ| (rad/s) below which an eigenvalue counts as zero.
     pub resolution: f64,
-    /// Acceleration along the freedoms at the state, root of its mean square over the masses (m/s²): zero where the motion is steady.
-    pub acceleration: f64,
 }
 
 impl LinearModes {
@@ -156,7 +154,8 @@ pub fn linearise(
     let matrix = equations.first_order();
     let unknowns = matrix.nrows();
     let spectrum = eigen::spectrum(matrix)?;
-    let resolution = libm::sqrt(unknowns as f64 * f64::EPSILON) * spectrum.size;
+    let size = spectrum.size.max(equations.pace);
+    let resolution = libm::sqrt(unknowns as f64 * f64::EPSILON) * size;
     let mut zeros = 0;
     let mut kinds: [Vec<eigen::Eigenpair>; 2] = [Vec::new(), Vec::new()];
     for pair in spectrum.pairs {
@@ -192,7 +191,6 @@ pub fn linearise(
         }
         *left_out = kind.len() - (modes.len() - before);
     }
-    let mass: f64 = model.bodies.iter().map(|b| b.mass()).sum();
     Ok(LinearModes {
         moment,
         freedoms: p,
@@ -203,7 +201,6 @@ pub fn linearise(
         left_out,
         zeros,
         resolution,
-        acceleration: equations.acceleration.norm() / libm::sqrt(mass.max(f64::MIN_POSITIVE)),
     })
 }
 
