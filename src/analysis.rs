@@ -191,12 +191,13 @@ impl Analysis {
             }
             AnalysisKind::Periodic(p) => run_periodic(compiled, &self.overrides, p, &mut recorder)
                 .map(|found| (Some(found.run.clone()), Some(found))),
-            AnalysisKind::Linear(l) => run_linear(compiled, &self.overrides, l, &mut recorder)
-                .map(|found| {
+            AnalysisKind::Linear(l) => {
+                run_linear(compiled, &self.overrides, l, &mut recorder).map(|found| {
                     recorder.modes(&found);
                     modes = Some(found);
                     (None, None)
-                }),
+                })
+            }
             AnalysisKind::Assemble => self.assembled(&mut recorder).map(|()| (None, None)),
         };
         // what the disk refused ended the run; its samples stay as they are, to go on from
@@ -396,6 +397,12 @@ struct Recorder<'a> {
 
 impl Recorder<'_> {
     fn modes(&mut self, modes: &LinearModes) {
+        let stated = self
+            .table
+            .set_metadata("linearised", format!("at {}", modes.moment));
+        if self.keep(stated).is_break() {
+            return;
+        }
         for (index, mode) in modes.modes.iter().enumerate() {
             let kept = self
                 .table

@@ -48,7 +48,7 @@ mod simulation;
 mod sources;
 
 pub use analysis::{Analysis, Failed, Outcome, Progress};
-pub use eng_runtime::linearised::{LinearModes, Mode};
+pub use eng_runtime::linearised::{LinearModes, Mode, Wanted};
 pub use eng_runtime::{
     Energy, PeriodicSummary, RuntimeError, StartReport, Statistics, TopologyReport, Warning,
 };

@@ -7,7 +7,10 @@ use std::f64::consts::{PI, TAU};
 fn program(text: &str) -> Program {
     let sources = Sources::from_texts([
         ("model.eng".to_owned(), text.to_owned()),
-        ("bar.bdf".to_owned(), include_str!("mesh/bar.bdf").to_owned()),
+        (
+            "bar.bdf".to_owned(),
+            include_str!("mesh/bar.bdf").to_owned(),
+        ),
     ]);
     match eng::check(&sources, "model.eng").into_program() {
         Ok(program) => program,
@@ -61,7 +64,7 @@ const SPRING: &str = "
         output place = dot(block.eye.origin - wall.origin, ground.z) as mm
     }
     analysis modes = linear(Mass())
-    analysis later = linear(Mass(), after: 20 ms, start: assembled)
+    analysis later = linear(Mass(), after: 20 ms)
     analysis fast = linear(Mass(), up_to: 1 Hz)";
 
 /// λ of a damped oscillator; its outputs at 1 J; above critical damping two decays.
@@ -75,7 +78,11 @@ fn a_mass_on_a_spring() {
         assert_eq!((found.freedoms, found.zeros, found.modes.len()), (1, 0, 1));
         let mode = &found.modes[0];
         near(mode.value.re, -c / (2.0 * m), 1e-12);
-        near(mode.value.im, (k / m - (c / (2.0 * m)).powi(2)).sqrt(), 1e-12);
+        near(
+            mode.value.im,
+            (k / m - (c / (2.0 * m)).powi(2)).sqrt(),
+            1e-12,
+        );
         near(mode.undamped_frequency(), (k / m).sqrt() / TAU, 1e-12);
         near(mode.damping_ratio(), c / (2.0 * (k * m).sqrt()), 1e-12);
         assert_eq!(found.stores, ["spring"]);
@@ -92,8 +99,16 @@ fn a_mass_on_a_spring() {
         let size = mode.value.norm();
         near(column("acceleration"), speed * size, 1e-7);
         near(column("place"), speed / size, 1e-7);
-        near(column("spring.force.z"), (mode.value * c + k).norm() * speed / size, 1e-7);
-        near(column("spring.force.z.phase").abs(), (PI - ((mode.value * c + k).arg())).abs(), 1e-6);
+        near(
+            column("spring.force.z"),
+            (mode.value * c + k).norm() * speed / size,
+            1e-7,
+        );
+        near(
+            column("spring.force.z.phase").abs(),
+            (PI - ((mode.value * c + k).arg())).abs(),
+            1e-6,
+        );
         near(column("frequency"), mode.frequency(), 1e-15);
         near(column("kinetic.block"), 1.0, 1e-9);
     }
@@ -162,7 +177,12 @@ fn a_body_turning_about_a_pin_is_not_held() {
         }
         analysis modes = linear(Wheel(), start: assembled)";
     let found = modes(&program(text), "modes", &[]);
-    assert_eq!((found.zeros, found.modes.len()), (2, 0), "{:?}", found.modes);
+    assert_eq!(
+        (found.zeros, found.modes.len()),
+        (2, 0),
+        "{:?}",
+        found.modes
+    );
 }
 
 /// A slider driven to and fro by a free crank, in the middle of its motion: `λ² = −K` with the closed form of its one freedom in
@@ -198,8 +218,7 @@ fn a_crank_of_varying_inertia() {
     let m1 = 2.0 * mass * x1 * x2;
     let (v1, v2) = (mass * g * x1, mass * g * x2);
     let acceleration = -(0.5 * m1 * speed * speed + v1) / m;
-    let stiffness =
-        (m1 * speed / (2.0 * m)).powi(2) + (0.5 * m1 * acceleration + v2) / m;
+    let stiffness = (m1 * speed / (2.0 * m)).powi(2) + (0.5 * m1 * acceleration + v2) / m;
     // x3 enters m″ alone, which drops out
     assert!(x3.is_finite() && stiffness > 1.0, "{stiffness}");
     assert_eq!(found.modes.len(), 1);
@@ -354,7 +373,9 @@ fn journal_rotor(threshold: f64) -> (Program, f64, [[f64; 2]; 2], [[f64; 2]; 2],
     let table: serde_json::Value =
         serde_json::from_str(include_str!("reference/bearing_short_coefficients.json"))
             .expect("JSON");
-    let rows = table["short_bearing_ocvirk"]["rows"].as_array().expect("rows");
+    let rows = table["short_bearing_ocvirk"]["rows"]
+        .as_array()
+        .expect("rows");
     let row = rows
         .iter()
         .find(|r| r["eps"].as_f64() == Some(0.4))
@@ -420,10 +441,22 @@ fn a_rotor_on_a_short_bearing_has_the_published_stiffness_and_damping() {
             outcome.start
         );
         let due = Matrix4::new(
-            0.0, 0.0, 1.0, 0.0, //
-            0.0, 0.0, 0.0, 1.0, //
-            -k[0][0] / mass, -k[0][1] / mass, -c[0][0] / mass, -c[0][1] / mass, //
-            -k[1][0] / mass, -k[1][1] / mass, -c[1][0] / mass, -c[1][1] / mass,
+            0.0,
+            0.0,
+            1.0,
+            0.0, //
+            0.0,
+            0.0,
+            0.0,
+            1.0, //
+            -k[0][0] / mass,
+            -k[0][1] / mass,
+            -c[0][0] / mass,
+            -c[0][1] / mass, //
+            -k[1][0] / mass,
+            -k[1][1] / mass,
+            -c[1][0] / mass,
+            -c[1][1] / mass,
         );
         let due = DMatrix::from_column_slice(4, 4, due.as_slice()).complex_eigenvalues();
         assert!(!found.modes.is_empty());
@@ -445,7 +478,10 @@ fn a_rotor_begins_to_whirl_at_the_published_threshold() {
         let found = modes(&program, "modes", &[]);
         let slow = found.oscillations().next().expect("a whirl");
         assert_eq!(slow.grows(), grows, "{}", slow.value);
-        assert_eq!(found.modes.iter().filter(|m| m.grows()).count(), usize::from(grows));
+        assert_eq!(
+            found.modes.iter().filter(|m| m.grows()).count(),
+            usize::from(grows)
+        );
         near(slow.value.im / speed, whirl, 1e-2);
         // what feeds it is the film
         assert_eq!(slow.shares.lost[0] < 0.0, grows);
@@ -472,6 +508,68 @@ fn a_rotor_swings_back_as_its_mode_says() {
     println!("{re} {im} instead of {}", slow.value);
     near(im, slow.value.im, 1e-4);
     near(re, slow.value.re, 2e-3);
+}
+
+/// A spring behind a damper (Maxwell's element), whose force is a state: `λ² + k/c λ + k/m = 0`, and a zero of the place.
+#[test]
+fn a_state_of_an_element() {
+    let text = "
+        use std.joints.Translational
+        force Maxwell(a: Marker, b: Marker, k: Stiffness, c: Damping) {
+            state pull: Force = 0 N
+            der(pull) = k*dot(a.velocity - b.velocity, b.z) - pull*k/c
+            apply force -pull*b.z on a against b
+            output tension = pull as N
+        }
+        model Strut {
+            gravity = [0, 0, 0] m/s^2
+            marker wall = [0, 0, 0] mm
+            body block { mass = 2 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+            joint rail = Translational(block.eye, wall)
+            force strut = Maxwell(block.eye, wall, k: 8000 N/m, c: 300 N*s/m)
+        }
+        analysis modes = linear(Strut())";
+    let outcome = run(&program(text), "modes", &[]);
+    let found = outcome.modes.expect("modes");
+    assert_eq!((found.freedoms, found.states, found.zeros), (1, 1, 1));
+    let (m, k, c) = (2.0_f64, 8000.0_f64, 300.0_f64);
+    assert_eq!(found.modes.len(), 1);
+    let mode = &found.modes[0];
+    near(mode.value.norm(), (k / m).sqrt(), 1e-12);
+    near(mode.value.re, -0.5 * k / c, 1e-12);
+    // the force that the mass feels is that of its acceleration
+    let tension = outcome
+        .results
+        .column("strut.tension")
+        .expect("a column")
+        .values[0];
+    near(tension, m * (2.0 / m).sqrt() * mode.value.norm(), 1e-7);
+}
+
+/// A free bar that spins about its axis: bending, ω₀ from the ground, is ω₀ ± Ω in the bar's own axes.
+#[test]
+fn a_spinning_bar_in_its_own_axes() {
+    let text = "
+        model Free {
+            param spin: AngularVelocity = 0 rad/s
+            gravity = [0, 0, 0] m/s^2
+            flexible bar {
+                mesh = nastran(\"bar.bdf\", units: mm_tonne_s)
+                modes = normal(4)
+                damping = 0 %
+                geometric_stiffness = true
+                marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
+                start angular_velocity = [0, 0, 1]*spin
+            }
+        }
+        analysis modes = linear(Free(), start: assembled)";
+    let program = program(text);
+    let still = circular(&modes(&program, "modes", &[]));
+    let turning = circular(&modes(&program, "modes", &[("spin", "600 rad/s")]));
+    for (k, due) in [-600.0, 600.0].into_iter().enumerate() {
+        let shift = turning[k] - still[0];
+        assert!((shift - due).abs() < 0.02 * 600.0, "{shift} {due}");
+    }
 }
 
 /// The same bits again, and in whatever order of threads.

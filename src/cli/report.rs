@@ -58,6 +58,14 @@ pub(super) fn report(
         };
         read.push((results, motion, files));
     }
+    if read.is_empty() && missing.is_empty() {
+        writeln!(
+            console.errors,
+            "error: {} has nothing for a page: run an analysis in time",
+            folder.display()
+        )?;
+        return Err(Stop::Code(USAGE_OR_SYSTEM));
+    }
     // what was asked for by name must be there
     if read.is_empty() || !(missing.is_empty() || arguments.analysis.is_empty()) {
         writeln!(

@@ -155,9 +155,10 @@ impl<'p> Checker<'p> {
         let mut others: Vec<Argument> = Vec::new();
         let mut given: Vec<(&str, Span)> = Vec::new();
         for argument in rest {
-            let own = argument.name.as_ref().filter(|n| {
-                extents.contains(&n.text.as_str()) || (moves && n.text == "start")
-            });
+            let own = argument
+                .name
+                .as_ref()
+                .filter(|n| extents.contains(&n.text.as_str()) || (moves && n.text == "start"));
             match own {
                 Some(label) => {
                     if let Some((_, first)) = given.iter().find(|(n, _)| *n == label.text) {

@@ -248,7 +248,7 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
-    /// About a balance, unless something else is stated: modes of what falls or swings off are asked for in so many words.
+    /// The state of the start is a balance, unless something else is stated; a transient to a later one begins as others do.
     fn linear(&mut self, arguments: &'a [ast::Argument], scope: ScopeId) -> Eval<Linear> {
         let after = match self.option(arguments, "after", scope)? {
             Some(after) => Some(self.extent("after", after)?),
@@ -269,11 +269,15 @@ impl<'a> Elaborator<'a, '_> {
             None => None,
         };
         let (step, rho_infinity) = self.steps(arguments, scope)?;
+        let unstated = match after {
+            Some(_) => Start::Automatic,
+            None => Start::QuasiStatic,
+        };
         Ok(Linear {
             after,
             step,
             rho_infinity,
-            start: self.start(arguments, Start::QuasiStatic)?,
+            start: self.start(arguments, unstated)?,
             number,
             up_to,
         })

@@ -122,7 +122,11 @@ pub fn spectrum(mut matrix: DMatrix<f64>) -> Result<Spectrum, RuntimeError> {
         let paired = imaginary[i] != 0.0 && i + 1 < n;
         let sign = if imaginary[i] < 0.0 { -1.0 } else { 1.0 };
         let vector = DVector::from_fn(n, |row, _| {
-            let im = if paired { sign * entry(i + 1, row) } else { 0.0 };
+            let im = if paired {
+                sign * entry(i + 1, row)
+            } else {
+                0.0
+            };
             Complex::new(entry(i, row), im)
         });
         pairs.push(Eigenpair {
@@ -152,7 +156,8 @@ mod tests {
         let mix = DMatrix::from_fn(n, n, |i, j| ((i * 7 + j * 5) % 11) as f64 - 5.0)
             .qr()
             .q();
-        let turned = |values: DVector<f64>| &mix * DMatrix::from_diagonal(&values) * mix.transpose();
+        let turned =
+            |values: DVector<f64>| &mix * DMatrix::from_diagonal(&values) * mix.transpose();
         let stiffness = turned(DVector::from_fn(n, |i, _| places[i] * places[i]));
         let damping = turned(DVector::from_fn(n, |i, _| 0.02 * places[i]));
         let mut matrix = DMatrix::zeros(2 * n, 2 * n);

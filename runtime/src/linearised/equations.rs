@@ -100,9 +100,10 @@ impl Blocks {
             axes.columns(matrix);
         }
         let (n, s, m) = (model.velocities, model.states, model.rows);
-        let view = |matrix: &DMatrix<f64>, row: usize, column: usize, rows: usize, columns: usize| {
-            matrix.view((row, column), (rows, columns)).into_owned()
-        };
+        let view =
+            |matrix: &DMatrix<f64>, row: usize, column: usize, rows: usize, columns: usize| {
+                matrix.view((row, column), (rows, columns)).into_owned()
+            };
         let gradients = view(&place, n + s, 0, m, n);
         let rates_by_place = -view(&place, n, 0, s, n);
         let rates_by_velocity = -view(&velocity, n, 0, s, n);
@@ -283,12 +284,7 @@ impl Equations {
     pub fn new(model: &Model, state: &State, moment: Moment) -> Result<Equations, RuntimeError> {
         let mut dynamics = Dynamics::new(model);
         dynamics.place(model, state.time, &state.pose, &state.velocity);
-        dynamics.gather(
-            model,
-            &state.states,
-            &state.multipliers,
-            &state.rotations,
-        );
+        dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);
         dynamics.evaluate(model)?;
         let axes = GroundAxes::new(model, &dynamics, &state.velocity);
         let blocks = Blocks::new(model, &mut dynamics, state, &axes)?;

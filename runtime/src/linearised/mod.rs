@@ -102,7 +102,8 @@ impl Mode {
 
     /// The parts with most kinetic energy, the largest first: index and share.
     pub fn leading(&self, most: usize) -> Vec<(usize, f64)> {
-        let mut order: Vec<(usize, f64)> = self.shares.kinetic.iter().copied().enumerate().collect();
+        let mut order: Vec<(usize, f64)> =
+            self.shares.kinetic.iter().copied().enumerate().collect();
         order.sort_by(|a, b| b.1.total_cmp(&a.1));
         order.truncate(most);
         order
@@ -221,7 +222,10 @@ fn mode(
     let coordinates = pair.vector.rows(0, p).into_owned();
     let mut place = complex(&equations.basis, &coordinates);
     let mut rate = &place * value + complex(&equations.basis_rate, &coordinates);
-    let mut states = pair.vector.rows(2 * p, pair.vector.len() - 2 * p).into_owned();
+    let mut states = pair
+        .vector
+        .rows(2 * p, pair.vector.len() - 2 * p)
+        .into_owned();
     // 1 J, and the largest number real; where nothing but states moves, of length one
     let size = coordinates.norm();
     let energetic = size > 1e-12 * states.norm();
@@ -232,7 +236,11 @@ fn mode(
     };
     let relative: Vec<f64> = if energetic {
         let scales = model.velocity_scales();
-        place.iter().zip(&scales).map(|(x, s)| x.norm() / s).collect()
+        place
+            .iter()
+            .zip(&scales)
+            .map(|(x, s)| x.norm() / s)
+            .collect()
     } else {
         states.iter().map(|z| z.norm()).collect()
     };

@@ -103,9 +103,8 @@ impl<'a> Probe<'a> {
             self.at(direction, 2.0 * step)?,
             self.at(direction, -2.0 * step)?,
         ];
-        let slope = |i: usize| {
-            (8.0 * (near[0][i] - near[1][i]) - (far[0][i] - far[1][i])) / (12.0 * step)
-        };
+        let slope =
+            |i: usize| (8.0 * (near[0][i] - near[1][i]) - (far[0][i] - far[1][i])) / (12.0 * step);
         Ok((0..near[0].len()).map(slope).collect())
     }
 }
