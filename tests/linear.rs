@@ -369,7 +369,20 @@ fn a_flexible_body_alone_has_the_modes_of_its_reduction() {
     }
 }
 
-fn journal_rotor(threshold: f64) -> (Program, f64, [[f64; 2]; 2], [[f64; 2]; 2], f64, f64) {
+/// A rigid rotor on one short bearing at ε = 0.4, with the published coefficients, SI; x along the load.
+struct JournalRotor {
+    program: Program,
+    mass: f64,
+    stiffness: [[f64; 2]; 2],
+    damping: [[f64; 2]; 2],
+    /// rad/s.
+    speed: f64,
+    /// Frequency of the whirl at the threshold over the speed.
+    whirl: f64,
+}
+
+/// With a mass of so much of the one at which whirl begins, under the same load.
+fn journal_rotor(threshold: f64) -> JournalRotor {
     let table: serde_json::Value =
         serde_json::from_str(include_str!("reference/bearing_short_coefficients.json"))
             .expect("JSON");
@@ -417,21 +430,27 @@ fn journal_rotor(threshold: f64) -> (Program, f64, [[f64; 2]; 2], [[f64; 2]; 2],
     let matrix = |name: &str, unit: f64| {
         ["x", "y"].map(|i| ["x", "y"].map(|j| unit * number(&format!("{name}{i}{j}"))))
     };
-    (
-        program(&text),
+    JournalRotor {
+        program: program(&text),
         mass,
-        matrix("K", load / c),
-        matrix("C", load / (c * speed)),
+        stiffness: matrix("K", load / c),
+        damping: matrix("C", load / (c * speed)),
         speed,
-        number("whirl_ratio"),
-    )
+        whirl: number("whirl_ratio"),
+    }
 }
 
 /// A rigid rotor on a short bearing: eigenvalues with the published coefficients (x along the load, y on in the sense of rotation).
 #[test]
 fn a_rotor_on_a_short_bearing_has_the_published_stiffness_and_damping() {
     for threshold in [0.3, 0.9] {
-        let (program, mass, k, c, ..) = journal_rotor(threshold);
+        let JournalRotor {
+            program,
+            mass,
+            stiffness: k,
+            damping: c,
+            ..
+        } = journal_rotor(threshold);
         let outcome = run(&program, "modes", &[]);
         let found = outcome.modes.expect("modes");
         assert_eq!((found.freedoms, found.zeros), (2, 0), "{:?}", outcome.start);
@@ -474,7 +493,12 @@ fn a_rotor_on_a_short_bearing_has_the_published_stiffness_and_damping() {
 #[test]
 fn a_rotor_begins_to_whirl_at_the_published_threshold() {
     for (threshold, grows) in [(0.98, false), (1.02, true)] {
-        let (program, _, _, _, speed, whirl) = journal_rotor(threshold);
+        let JournalRotor {
+            program,
+            speed,
+            whirl,
+            ..
+        } = journal_rotor(threshold);
         let found = modes(&program, "modes", &[]);
         let slow = found.oscillations().next().expect("a whirl");
         assert_eq!(slow.grows(), grows, "{}", slow.value);
@@ -486,7 +510,12 @@ fn a_rotor_begins_to_whirl_at_the_published_threshold() {
         // what feeds it is the film
         assert_eq!(slow.shares.lost[0] < 0.0, grows);
     }
-    let (program, _, _, _, speed, whirl) = journal_rotor(1.0);
+    let JournalRotor {
+        program,
+        speed,
+        whirl,
+        ..
+    } = journal_rotor(1.0);
     let found = modes(&program, "modes", &[]);
     let slow = found.oscillations().next().expect("a whirl");
     near(slow.value.im / speed, whirl, 1e-5);
@@ -496,7 +525,7 @@ fn a_rotor_begins_to_whirl_at_the_published_threshold() {
 /// Put aside by 50 nm the rotor swings back as its slow mode says.
 #[test]
 fn a_rotor_swings_back_as_its_mode_says() {
-    let (program, ..) = journal_rotor(0.7);
+    let program = journal_rotor(0.7).program;
     let found = modes(&program, "modes", &[]);
     let slow = found.oscillations().next().expect("a whirl");
     assert!(slow.damping_ratio() > 0.01, "{}", slow.value);
