@@ -6,8 +6,8 @@ use crate::results::{Begun, Column, KeptWarning, Recording, Results, ResultsErro
 use crate::simulation::run_error;
 use crate::{Error, Program, Quantity, RuntimeError};
 use eng_runtime::{
-    CycleReport, Moment, Observer, PeriodicSummary, RunSummary, Sample, StartReport, Warning,
-    run_periodic, run_transient,
+    CycleReport, LinearModes, Moment, Observer, PeriodicSummary, RunSummary, Sample, StartReport,
+    Warning, run_linear, run_periodic, run_transient,
 };
 use eng_system::system::{AnalysisKind, Location, Origin, PointValue};
 use eng_system::{Dimension, DisplayUnit};
@@ -49,6 +49,8 @@ pub struct Outcome {
     pub start: Option<StartReport>,
     /// Cycles, decay and whirl of a periodic analysis; absent where it failed.
     pub periodic: Option<PeriodicSummary>,
+    /// Modes of a linear analysis, which are the rows of `results` as well; absent where it failed.
+    pub modes: Option<LinearModes>,
     /// Whether an earlier run had made all that and nothing was computed.
     pub made_before: bool,
 }
@@ -159,6 +161,7 @@ impl Analysis {
                     summary: None,
                     start: None,
                     periodic: None,
+                    modes: None,
                     made_before: true,
                 });
             }
@@ -180,6 +183,7 @@ impl Analysis {
             progress,
         };
         let state = point.as_ref().map(|p| p.state.as_slice());
+        let mut modes = None;
         let ran = match &self.plan.kind {
             AnalysisKind::Transient(t) => {
                 run_transient(compiled, &self.overrides, t, &mut recorder, state)
@@ -187,6 +191,13 @@ impl Analysis {
             }
             AnalysisKind::Periodic(p) => run_periodic(compiled, &self.overrides, p, &mut recorder)
                 .map(|found| (Some(found.run.clone()), Some(found))),
+            AnalysisKind::Linear(l) => {
+                run_linear(compiled, &self.overrides, l, &mut recorder).map(|found| {
+                    recorder.modes(&found);
+                    modes = Some(found);
+                    (None, None)
+                })
+            }
             AnalysisKind::Assemble => self.assembled(&mut recorder).map(|()| (None, None)),
         };
         // what the disk refused ended the run; its samples stay as they are, to go on from
@@ -228,6 +239,7 @@ impl Analysis {
                     summary,
                     start: recorder.start,
                     periodic,
+                    modes,
                     made_before: false,
                 };
                 match cause {
@@ -245,6 +257,36 @@ impl Analysis {
     fn header(&self) -> Result<Results, Error> {
         let system = &self.model.compiled().system;
         let mut results = Results::new(self.name(), self.model.name());
+        if let AnalysisKind::Linear(_) = self.plan.kind {
+            let bound = eng_runtime::model::Model::bind(self.model.compiled(), &self.overrides)
+                .map_err(|cause| run_error(&self.model, cause))?;
+            crate::modes::push_columns(&mut results, &bound)?;
+        } else {
+            self.push_samples(&mut results)?;
+        }
+        results.set_metadata("version", env!("CARGO_PKG_VERSION"));
+        results.set_metadata("file", self.program.file());
+        results.set_metadata("source_hash", self.program.source_hash());
+        for point in self.point() {
+            results.set_metadata(
+                format!("point.{}", point.name),
+                point.display.text(point.value),
+            );
+        }
+        let bound = self.bound()?;
+        for (parameter, value) in system.parameters.iter().zip(&bound.parameters) {
+            let d = &parameter.display;
+            results.set_metadata(
+                format!("parameter.{}", parameter.origin.path),
+                format!("{} {}", d.from_si(*value), d.symbol),
+            );
+        }
+        Ok(results)
+    }
+
+    /// Columns of samples: time, cycle, channels, energy.
+    fn push_samples(&self, results: &mut Results) -> Result<(), Error> {
+        let system = &self.model.compiled().system;
         results.push(Column::time(Vec::new()))?;
         if system.cycle.is_some() {
             results.push(Column::cycle_angle(Vec::new()))?;
@@ -277,24 +319,7 @@ impl Analysis {
                 values: Vec::new(),
             })?;
         }
-        results.set_metadata("version", env!("CARGO_PKG_VERSION"));
-        results.set_metadata("file", self.program.file());
-        results.set_metadata("source_hash", self.program.source_hash());
-        for point in self.point() {
-            results.set_metadata(
-                format!("point.{}", point.name),
-                point.display.text(point.value),
-            );
-        }
-        let bound = self.bound()?;
-        for (parameter, value) in system.parameters.iter().zip(&bound.parameters) {
-            let d = &parameter.display;
-            results.set_metadata(
-                format!("parameter.{}", parameter.origin.path),
-                format!("{} {}", d.from_si(*value), d.symbol),
-            );
-        }
-        Ok(results)
+        Ok(())
     }
 
     /// What tells this run from others: program's version, texts, plan, bound model, reduced bodies, kept channels.
@@ -371,6 +396,23 @@ struct Recorder<'a> {
 }
 
 impl Recorder<'_> {
+    fn modes(&mut self, modes: &LinearModes) {
+        let stated = self
+            .table
+            .set_metadata("linearised", format!("at {}", modes.moment));
+        if self.keep(stated).is_break() {
+            return;
+        }
+        for (index, mode) in modes.modes.iter().enumerate() {
+            let kept = self
+                .table
+                .push(crate::modes::row(modes, index, mode).into_iter());
+            if self.keep(kept).is_break() {
+                return;
+            }
+        }
+    }
+
     fn keep(&mut self, kept: Result<(), ResultsError>) -> ControlFlow<()> {
         match kept {
             Ok(()) => ControlFlow::Continue(()),

@@ -63,7 +63,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Options { .. } => d(codes::OPTIONS),
         R::Checkpoint { .. } => d(codes::CHECKPOINT),
         // the checker finds an angle without a cycle; the others are faults of the compiler or of the run itself
-        R::NoCycle | R::Malformed { .. } | R::OutsideStep { .. } => d(codes::INTERNAL)
+        R::NoCycle | R::Malformed { .. } | R::OutsideStep { .. } | R::Eigenvalues { .. } => d(codes::INTERNAL)
             .with_help("please report this together with the model"),
     }
 }

@@ -38,6 +38,7 @@ mod error;
 mod failure;
 mod local;
 mod model;
+pub mod modes;
 pub mod motion;
 mod program;
 mod quantity;
@@ -47,6 +48,7 @@ mod simulation;
 mod sources;
 
 pub use analysis::{Analysis, Failed, Outcome, Progress};
+pub use eng_runtime::linearised::{LinearModes, Mode, Wanted};
 pub use eng_runtime::{
     Energy, PeriodicSummary, RuntimeError, StartReport, Statistics, TopologyReport, Warning,
 };

@@ -313,6 +313,9 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         facts.extend(told);
         warnings.into_iter().for_each(|d| diagnostics.push(d));
     }
+    if let Some(modes) = &outcome.modes {
+        facts.extend(crate::modes::facts(modes));
+    }
     if let Some(summary) = &outcome.summary {
         let s = &summary.statistics;
         facts.push(format!(
@@ -327,7 +330,12 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         ));
     }
     Ok(RunOutcome {
-        journals: journals(system, &bound),
+        // rows that are modes have no orbits and no peaks
+        journals: if crate::modes::are_modes(&outcome.results) {
+            Vec::new()
+        } else {
+            journals(system, &bound)
+        },
         cycle_period: crate::analysis::cycle_period(analysis.model().compiled(), &bound),
         upright: upright(system, &bound),
         diagnostics,

@@ -3,6 +3,7 @@
 use crate::model::{Channel, Model, Parameter};
 use crate::{Error, Quantity, Report, failure};
 use eng_grammar::{Diagnostic, Diagnostics};
+use eng_runtime::linearised::{LinearModes, Wanted};
 use eng_runtime::{Energy, Options, RuntimeError, Statistics};
 use eng_system::system::{Start, StepControl};
 
@@ -159,6 +160,15 @@ impl Simulation {
     /// Steps, iterations, factorisations.
     pub fn statistics(&self) -> Statistics {
         self.inner.statistics()
+    }
+
+    /// Eigenvalues and modes of the motion linearised about the current state.
+    pub fn linear_modes(&mut self, wanted: Wanted) -> Result<LinearModes, Error> {
+        let mut values = vec![0.0; self.model.compiled().system.channels.len()];
+        self.inner
+            .evaluate_channels(&mut values)
+            .and_then(|()| self.inner.sampled_modes(wanted))
+            .map_err(|cause| run_error(&self.model, cause))
     }
 
     /// The state as bytes; a simulation resumed from them goes on with the same bits as this one.

@@ -214,6 +214,14 @@ pub enum RuntimeError {
         /// The worst row.
         row: Box<NamedRow>,
     },
+    /// Eigenvalues that were not found.
+    #[error("the eigenvalues of the linearised motion ({size} unknowns) were not found: {what}")]
+    Eigenvalues {
+        /// Rows of the matrix.
+        size: usize,
+        /// Why.
+        what: String,
+    },
     /// An angle was asked for, but the model states no cycle.
     #[error("the analysis counts in cycle angle, but the model has no cycle")]
     NoCycle,

@@ -14,6 +14,7 @@
 //! | [`mod@start`] | the quasi-static start of a turning engine |
 //! | [`acceleration`] | projection of outputs, accelerations and reactions |
 //! | [`integrator`], [`control`] | generalised-α on the Lie group; step sizes |
+//! | [`linearised`] | eigenvalues and modes about a state |
 //! | [`simulation`], [`transient`], [`periodic`], [`checkpoint`] | what a user holds |
 
 #![forbid(unsafe_code)]
@@ -33,6 +34,7 @@ pub mod error;
 pub mod flexible;
 pub mod integrator;
 pub mod linear;
+pub mod linearised;
 pub mod model;
 pub mod outputs;
 pub mod periodic;
@@ -45,6 +47,7 @@ pub mod transient;
 
 pub use error::{Moment, NamedRow, RedundantGroup, RuntimeError};
 pub use integrator::Statistics;
+pub use linearised::{LinearModes, run_linear};
 pub use periodic::{CycleReport, PeriodicSummary, run_periodic};
 pub use simulation::{CscView, Energy, Options, Simulation, StepReport, Warning};
 pub use start::StartReport;

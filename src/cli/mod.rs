@@ -9,6 +9,7 @@ mod engine;
 mod explain;
 mod export;
 pub(crate) mod figures;
+mod modes;
 mod reduce;
 mod report;
 mod results;

@@ -3,6 +3,7 @@
 use super::arguments::ReportArguments;
 use super::run::{chosen, explain_error, results_folder, show, told_of};
 use super::{Console, Engine, MODEL_WRONG, Stop, USAGE_OR_SYSTEM};
+use crate::modes::are_modes;
 use crate::motion::SUFFIX;
 use crate::report::{Entry, make, write_series};
 use crate::results::{Results, ResultsError, file_stem, replace_file};
@@ -39,6 +40,14 @@ pub(super) fn report(
             continue;
         }
         let results = told_of(Results::read_parquet(&path), console)?;
+        if are_modes(&results) {
+            writeln!(
+                console.errors,
+                "note: {name} holds modes, which the page does not show; `eng results {}` lists them",
+                path.display()
+            )?;
+            continue;
+        }
         let mut files = vec![told_of(hashed(&path), console)?];
         let path = file(SUFFIX);
         let motion = if path.is_file() {
@@ -48,6 +57,14 @@ pub(super) fn report(
             None
         };
         read.push((results, motion, files));
+    }
+    if read.is_empty() && missing.is_empty() {
+        writeln!(
+            console.errors,
+            "error: {} has nothing for a page: run an analysis in time",
+            folder.display()
+        )?;
+        return Err(Stop::Code(USAGE_OR_SYSTEM));
     }
     // what was asked for by name must be there
     if read.is_empty() || !(missing.is_empty() || arguments.analysis.is_empty()) {

@@ -4,9 +4,10 @@ use super::arguments::RunArguments;
 use super::summary::{JournalSummary, journal_table};
 use super::{
     CheckOutcome, Console, Engine, EngineError, Event, MODEL_WRONG, Progress, RunOutcome, Stop,
-    USAGE_OR_SYSTEM, figures, sweep,
+    USAGE_OR_SYSTEM, figures, modes, sweep,
 };
 use crate::Quantity;
+use crate::modes::are_modes;
 use crate::plot;
 use crate::render::{self, Colors};
 use crate::results::{Last, Recording, Selection, file_stem};
@@ -83,9 +84,20 @@ pub(super) fn run(
     }
     let outcomes = told.outcomes;
     for family in sweep::families(&outcomes) {
-        let table = sweep::table(&family);
+        let of_modes = family.iter().all(|o| are_modes(&o.results));
+        let (table, text) = if of_modes {
+            let name = sweep::name(&family);
+            (
+                modes::campbell(name, &family),
+                modes::campbell_text(name, &family),
+            )
+        } else {
+            let table = sweep::table(&family);
+            let text = sweep::text(&table);
+            (table, text)
+        };
         if !arguments.quiet {
-            write!(console.output, "{}", sweep::text(&table))?;
+            write!(console.output, "{text}")?;
         }
         let path = told_of(table.write_parquet(&folder), console)?;
         wrote(&path, arguments, console)?;
@@ -95,7 +107,10 @@ pub(super) fn run(
         }
     }
     if !arguments.no_plots {
-        let compared: Vec<&RunOutcome> = outcomes.iter().filter(|o| o.point.is_empty()).collect();
+        let compared: Vec<&RunOutcome> = outcomes
+            .iter()
+            .filter(|o| o.point.is_empty() && !are_modes(&o.results))
+            .collect();
         draw(figures::comparisons(&compared), &folder, arguments, console)?;
     }
     if told.failed {
@@ -308,6 +323,9 @@ fn report(
             .collect();
         if outcome.point.is_empty() {
             write!(console.output, "{}", journal_table(&summaries))?;
+            if are_modes(results) {
+                write!(console.output, "{}", modes::table(results))?;
+            }
         }
     }
     let path = if written {
@@ -326,7 +344,7 @@ fn report(
         wrote(&path, arguments, console)?;
     }
     // of a sweep the table over its points tells more
-    if !arguments.no_plots && outcome.point.is_empty() {
+    if !arguments.no_plots && outcome.point.is_empty() && !are_modes(results) {
         draw(figures::of_analysis(outcome), folder, arguments, console)?;
     }
     Ok(())

@@ -29,6 +29,11 @@ fn base(outcome: &RunOutcome) -> &str {
     name.split('[').next().unwrap_or(name)
 }
 
+/// The name of a family.
+pub(super) fn name<'o>(family: &[&'o RunOutcome]) -> &'o str {
+    family.first().map_or("", |o| base(o))
+}
+
 /// One row a point: the variables; cycles of a periodic analysis, and 1 where the last repeats; of every journal the peak load, the
 /// smallest film and the friction; of every output of the model the smallest and the largest value. Over the last whole cycle where
 /// there is one, else over the whole run.

@@ -1,6 +1,6 @@
 //! Tables with aligned columns.
 
-/// A table: its first column is aligned left, the others right.
+/// A table: its first column is aligned left, the others right unless they are said to be left.
 pub(super) struct Table {
     rows: Vec<Vec<String>>,
     heads: usize,
@@ -24,6 +24,11 @@ impl Table {
 
     /// The text, each line indented by two spaces, a rule under the headings.
     pub fn render(&self) -> String {
+        self.render_left(usize::MAX)
+    }
+
+    /// [`Table::render`] with columns from `left` on aligned left.
+    pub fn render_left(&self, left: usize) -> String {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
         let width = |column: usize| {
             let cells = self.rows.iter().filter_map(|row| row.get(column));
@@ -37,6 +42,8 @@ impl Table {
                 let pad = " ".repeat(width.saturating_sub(cell.chars().count()));
                 if column == 0 {
                     line.push_str(&format!(" {cell}{pad}"));
+                } else if column >= left {
+                    line.push_str(&format!("  {cell}{pad}"));
                 } else {
                     line.push_str(&format!("  {pad}{cell}"));
                 }

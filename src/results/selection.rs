@@ -72,8 +72,9 @@ impl Selection {
         &self.patterns
     }
 
-    /// Whether each column is kept. Time and cycle always are. A pattern that no column has is an error.
+    /// Whether each column is kept. Time and cycle always are, of modes their frequencies. A pattern that no column has is an error.
     pub fn of(&self, results: &Results) -> Result<Vec<bool>, ResultsError> {
+        let modes = crate::modes::are_modes(results);
         let paths = || results.columns().iter().map(|c| c.path.as_str());
         for pattern in &self.patterns {
             if !paths().any(|path| matches(pattern, path)) {
@@ -93,6 +94,7 @@ impl Selection {
             .map(|path| {
                 self.patterns.is_empty()
                     || [TIME, CYCLE_ANGLE, CYCLE_SPEED].contains(&path)
+                    || (modes && crate::modes::COLUMNS.contains(&path))
                     || self.patterns.iter().any(|pattern| matches(pattern, path))
             })
             .collect())

@@ -402,6 +402,23 @@ pub struct Periodic {
     pub cycles: u32,
 }
 
+/// Eigenvalues and modes of the motion linearised about a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linear {
+    /// How far a transient runs to the state; `None`: the start itself is the state.
+    pub after: Option<Extent>,
+    /// Steps of that transient.
+    pub step: StepControl,
+    /// Its spectral radius at infinite frequency, 0…1.
+    pub rho_infinity: f64,
+    /// How the motion begins.
+    pub start: Start,
+    /// Most oscillations, and most motions without oscillation, that are reported: the slowest of each.
+    pub number: Option<u32>,
+    /// Largest |λ| (rad/s) that is reported.
+    pub up_to: Option<f64>,
+}
+
 /// What an analysis does.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AnalysisKind {
@@ -411,6 +428,8 @@ pub enum AnalysisKind {
     Transient(Transient),
     /// The DAE in time until the cycle repeats.
     Periodic(Periodic),
+    /// Eigenvalues about a state.
+    Linear(Linear),
 }
 
 /// The value of a sweep's variable at one of its points: `s` of `analysis runup[s in …]`.

@@ -17,7 +17,7 @@ const EXAMPLE: &str =
 const STATE_A_CYCLE: &str =
     "state the cycle in the model: `cycle angle = rotation(a, ground) { period = 720 deg }`";
 /// What can be done with a model.
-const ANALYSES: [&str; 3] = ["transient", "periodic", "assemble"];
+const ANALYSES: [&str; 4] = ["transient", "periodic", "linear", "assemble"];
 /// How a motion can begin.
 const STARTS: [&str; 2] = ["quasi_static", "assembled"];
 
@@ -53,10 +53,10 @@ impl<'p> Checker<'p> {
             _ => "",
         };
         match name {
-            "transient" | "periodic" | "assemble" => {
+            "transient" | "periodic" | "linear" | "assemble" => {
                 self.model_and_options(&scope, name, value.span, arguments);
             }
-            "modes" | "modal" | "static" | "linearise" => {
+            "static" => {
                 self.not_built(callee.span, &format!("`{name}` analyses"));
             }
             _ => {
@@ -64,8 +64,15 @@ impl<'p> Checker<'p> {
                     codes::ANALYSIS,
                     format!("there is no analysis `{}`", self.sources.text(callee.span)),
                 )
-                .at(callee.span, "`transient`, `periodic` or `assemble`");
-                if let Some(near) = crate::resolve::suggest::nearest(name, ANALYSES) {
+                .at(
+                    callee.span,
+                    "`transient`, `periodic`, `linear` or `assemble`",
+                );
+                let near = match name {
+                    "modes" | "modal" | "eigen" | "eigenmodes" => Some("linear"),
+                    _ => crate::resolve::suggest::nearest(name, ANALYSES),
+                };
+                if let Some(near) = near {
                     message = message
                         .with_help(format!("did you mean `{near}`?"))
                         .with_fix(format!("write `{near}`"), callee.span, near);
@@ -108,13 +115,26 @@ impl<'p> Checker<'p> {
         let time = Type::Scalar(Quantity::hard(Dimension::TIME));
         let transient = name == "transient";
         let periodic = name == "periodic";
+        let linear = name == "linear";
+        let moves = transient || periodic || linear;
+        // A time or an angle, which the cycle counts.
+        let extents: &[&str] = match name {
+            "transient" => &["duration", "sample"],
+            "linear" => &["after"],
+            _ => &[],
+        };
         let mut slots = Vec::new();
-        if transient || periodic {
+        if moves {
             slots = vec![
                 slot("step", time, true, "us"),
                 slot("tolerance", Type::one(), true, ""),
                 slot("rho", Type::one(), true, ""),
             ];
+        }
+        if linear {
+            let frequency = Type::Scalar(Quantity::hard(Dimension::ONE.over(Dimension::TIME)));
+            slots.push(slot("number", Type::Int, true, ""));
+            slots.push(slot("up_to", frequency, true, "Hz"));
         }
         if periodic {
             let angle = Type::Scalar(Quantity::hard(Dimension::ANGLE));
@@ -132,14 +152,13 @@ impl<'p> Checker<'p> {
                 );
             }
         }
-        // A time or an angle, which the cycle counts.
         let mut others: Vec<Argument> = Vec::new();
         let mut given: Vec<(&str, Span)> = Vec::new();
         for argument in rest {
-            let own = argument.name.as_ref().filter(|n| {
-                let extent = transient && matches!(n.text.as_str(), "duration" | "sample");
-                extent || ((transient || periodic) && n.text == "start")
-            });
+            let own = argument
+                .name
+                .as_ref()
+                .filter(|n| extents.contains(&n.text.as_str()) || (moves && n.text == "start"));
             match own {
                 Some(label) => {
                     if let Some((_, first)) = given.iter().find(|(n, _)| *n == label.text) {
@@ -157,24 +176,22 @@ impl<'p> Checker<'p> {
                         self.start_word(&argument.value);
                         continue;
                     }
-                    self.extent(scope, &label.text, &argument.value, with_cycle);
+                    self.extent(scope, name, &label.text, &argument.value, with_cycle);
                 }
                 None => others.push(argument.clone()),
             }
         }
-        if transient {
-            // Known to the common check, so that a misspelling finds them.
-            for label in ["duration", "sample"] {
-                let present = label == "sample" || given.iter().any(|(n, _)| *n == label);
-                slots.push(slot(
-                    label,
-                    Type::Scalar(Quantity::hard(Dimension::TIME)),
-                    present,
-                    "s",
-                ));
-            }
+        // Known to the common check, so that a misspelling finds them.
+        for label in extents.iter().copied() {
+            let present = label != "duration" || given.iter().any(|(n, _)| *n == label);
+            slots.push(slot(
+                label,
+                Type::Scalar(Quantity::hard(Dimension::TIME)),
+                present,
+                "s",
+            ));
         }
-        if transient || periodic {
+        if moves {
             slots.push(slot("start", Type::one(), true, ""));
         }
         let mut solution = super::types::Solution::default();
@@ -267,15 +284,22 @@ impl<'p> Checker<'p> {
     }
 
     /// A time, or an angle of the cycle.
-    fn extent(&mut self, scope: &Scope<'p>, name: &str, value: &Expr, with_cycle: Option<bool>) {
+    fn extent(
+        &mut self,
+        scope: &Scope<'p>,
+        analysis: &str,
+        name: &str,
+        value: &Expr,
+        with_cycle: Option<bool>,
+    ) {
         let ty = self.infer(scope, value);
         if ty.is_error() {
             return;
         }
         let due = Due {
-            what: format!("`{name}` of `transient`"),
+            what: format!("`{name}` of `{analysis}`"),
             declared: None,
-            unit: Some(if name == "duration" { "s" } else { "ms" }.to_owned()),
+            unit: Some(if name == "sample" { "ms" } else { "s" }.to_owned()),
         };
         let time = Quantity::hard(Dimension::TIME);
         match ty.quantity() {

@@ -26,7 +26,7 @@ pub(super) struct Slot {
 }
 
 /// Words that mean something only in certain places, and where.
-const PLACED: [(&str, &str); 6] = [
+const PLACED: [(&str, &str); 8] = [
     (
         "at",
         "the place of a marker: `marker pin = at(origin, z: [1, 0, 0])`",
@@ -34,6 +34,8 @@ const PLACED: [(&str, &str); 6] = [
     ("csv", "the source of a table"),
     ("points", "the source of a table"),
     ("transient", "the right side of an analysis"),
+    ("periodic", "the right side of an analysis"),
+    ("linear", "the right side of an analysis"),
     ("assemble", "the right side of an analysis"),
     ("origin", "a marker of every body"),
 ];

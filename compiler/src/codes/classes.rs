@@ -68,7 +68,7 @@ eng_grammar::codes! {
         "table lift(theta: CrankAngle) = points([0, 30] deg, [0, 4] mm)",
         "table lift(theta: CrankAngle) -> Length = points([0, 30] deg, [0, 4] mm)";
     ANALYSIS = "E0417", "an analysis cannot be made like this",
-        "An analysis is `transient(Model(…), …)`, `periodic(Model(…), …)` or `assemble(Model(…))`; its `start` is `quasi_static` or `assembled`.",
+        "An analysis is `transient(Model(…), …)`, `periodic(Model(…), …)`, `linear(Model(…), …)` or `assemble(Model(…))`; its `start` is `quasi_static` or `assembled`.",
         "analysis run = transient(Engine, duration: 1 s, sample: 1 ms)",
         "analysis run = transient(Engine(), duration: 1 s, sample: 1 ms)";
     MARKER = "E0418", "the place of a marker cannot be read",

@@ -8,7 +8,8 @@ use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
 use eng_system::host::Host;
 use eng_system::system::{
-    Analysis, AnalysisKind, Extent, Origin, Periodic, PointValue, Start, StepControl, Transient,
+    Analysis, AnalysisKind, Extent, Linear, Origin, Periodic, PointValue, Start, StepControl,
+    Transient,
 };
 use eng_system::{Dimension, DisplayUnit};
 
@@ -146,7 +147,9 @@ impl<'a> Elaborator<'a, '_> {
             return Err(self.not_an_analysis(value.span));
         };
         let kind = match &callee.kind {
-            ExprKind::Name(n) if ["transient", "periodic", "assemble"].contains(&n.as_str()) => {
+            ExprKind::Name(n)
+                if ["transient", "periodic", "linear", "assemble"].contains(&n.as_str()) =>
+            {
                 n.as_str()
             }
             _ => return Err(self.not_an_analysis(callee.span)),
@@ -158,6 +161,7 @@ impl<'a> Elaborator<'a, '_> {
         let kind = match kind {
             "assemble" => AnalysisKind::Assemble,
             "periodic" => AnalysisKind::Periodic(self.periodic(arguments, scope)?),
+            "linear" => AnalysisKind::Linear(self.linear(arguments, scope)?),
             _ => AnalysisKind::Transient(self.transient(arguments, value.span, scope)?),
         };
         let model_name = match self.program.item(model).map(|i| &i.kind) {
@@ -240,7 +244,42 @@ impl<'a> Elaborator<'a, '_> {
             sample,
             step,
             rho_infinity,
-            start: self.start(arguments)?,
+            start: self.start(arguments, Start::Automatic)?,
+        })
+    }
+
+    /// The state of the start is a balance, unless something else is stated; a transient to a later one begins as others do.
+    fn linear(&mut self, arguments: &'a [ast::Argument], scope: ScopeId) -> Eval<Linear> {
+        let after = match self.option(arguments, "after", scope)? {
+            Some(after) => Some(self.extent("after", after)?),
+            None => None,
+        };
+        let number = match self.option(arguments, "number", scope)? {
+            Some((x, _, s)) => {
+                let due = "at least 1 and at most 100000; without it all modes are given";
+                Some(self.fitting("number", x, (1.0..=1e5).contains(&x), due, s)? as u32)
+            }
+            None => None,
+        };
+        let up_to = match self.option(arguments, "up_to", scope)? {
+            Some((x, _, s)) => {
+                let fits = x > 0.0 && x.is_finite();
+                Some(std::f64::consts::TAU * self.fitting("up_to", x, fits, "positive", s)?)
+            }
+            None => None,
+        };
+        let (step, rho_infinity) = self.steps(arguments, scope)?;
+        let unstated = match after {
+            Some(_) => Start::Automatic,
+            None => Start::QuasiStatic,
+        };
+        Ok(Linear {
+            after,
+            step,
+            rho_infinity,
+            start: self.start(arguments, unstated)?,
+            number,
+            up_to,
         })
     }
 
@@ -280,7 +319,7 @@ impl<'a> Elaborator<'a, '_> {
             sample,
             step,
             rho_infinity,
-            start: self.start(arguments)?,
+            start: self.start(arguments, Start::Automatic)?,
             change,
             cycles,
         })
@@ -319,9 +358,9 @@ impl<'a> Elaborator<'a, '_> {
         Ok((step, rho_infinity))
     }
 
-    fn start(&mut self, arguments: &'a [ast::Argument]) -> Eval<Start> {
+    fn start(&mut self, arguments: &'a [ast::Argument], unstated: Start) -> Eval<Start> {
         let Some(argument) = named(arguments, "start") else {
-            return Ok(Start::Automatic);
+            return Ok(unstated);
         };
         match &argument.value.kind {
             ExprKind::Name(n) if n == "quasi_static" => Ok(Start::QuasiStatic),
@@ -333,7 +372,7 @@ impl<'a> Elaborator<'a, '_> {
     fn not_an_analysis(&mut self, span: Span) -> super::Reported {
         self.internal(
             span,
-            "neither `transient(Model(…), …)`, `periodic(Model(…), …)` nor `assemble(Model(…))`",
+            "neither `transient(Model(…), …)`, `periodic(Model(…), …)`, `linear(Model(…), …)` nor `assemble(Model(…))`",
         )
     }
 

@@ -144,6 +144,14 @@ impl Simulation {
         Ok(())
     }
 
+    /// Cycle angle and rate at the state of the last outputs.
+    pub fn sampled_cycle(&mut self) -> Result<Option<[f64; 2]>, RuntimeError> {
+        let state = &self.completed;
+        self.dynamics
+            .place(&self.model, state.time, &state.pose, &state.velocity);
+        self.cycle_of_completed()
+    }
+
     /// Cycle angle and rate of `self.completed`, at which the dynamics stand.
     fn cycle_of_completed(&mut self) -> Result<Option<[f64; 2]>, RuntimeError> {
         match &mut self.cycle {
@@ -218,6 +226,11 @@ impl Simulation {
     pub fn output_state(&mut self) -> Result<&State, RuntimeError> {
         self.evaluate_current()?;
         Ok(&self.completed)
+    }
+
+    /// The state of the last outputs, wherever in the last step: projected, with accelerations and multipliers.
+    pub fn sampled_state(&self) -> &State {
+        &self.completed
     }
 
     /// Largest |Φ| (m, rad) and |Φ̇| (m/s, rad/s) of the state of the last outputs.

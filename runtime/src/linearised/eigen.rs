@@ -1,0 +1,203 @@
+//! Eigenvalues and eigenvectors of a dense real matrix.
+
+use crate::error::RuntimeError;
+use faer::diag::DiagMut;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{ComputeEigenvectors, EvdParams, evd_real, evd_scratch};
+use faer::{Auto, MatMut, MatRef, Par, Spec};
+use nalgebra::{Complex, DMatrix, DVector};
+
+/// An eigenvalue with its vector: `A x = λ x`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Eigenpair {
+    /// λ; of a conjugate pair that with the positive imaginary part.
+    pub value: Complex<f64>,
+    /// x, of any length but zero.
+    pub vector: DVector<Complex<f64>>,
+}
+
+/// All eigenpairs, of conjugate ones the first; and the size (greatest column sum) of the balanced matrix, against which the
+/// method's rounding errors are to be measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spectrum {
+    /// In the order of the method.
+    pub pairs: Vec<Eigenpair>,
+    /// 1-norm of `D⁻¹AD`.
+    pub size: f64,
+}
+
+/// Sweeps of the balancing; each makes rows and columns more alike, a handful is enough.
+const SWEEPS: usize = 40;
+
+/// Makes the 1-norms of each row and column alike by powers of two: `A ← D⁻¹AD`; returns D.
+/// (B. N. Parlett, C. Reinsch, Numer. Math. 13 (1969) 293.) Powers of two change no digit.
+fn balance(matrix: &mut DMatrix<f64>) -> Vec<f64> {
+    let n = matrix.nrows();
+    let mut scales = vec![1.0; n];
+    for _ in 0..SWEEPS {
+        let mut changed = false;
+        for i in 0..n {
+            let (mut column, mut row) = (0.0, 0.0);
+            for j in (0..n).filter(|j| *j != i) {
+                column += matrix[(j, i)].abs();
+                row += matrix[(i, j)].abs();
+            }
+            if column == 0.0 || row == 0.0 || !(column + row).is_finite() {
+                continue;
+            }
+            let before = column + row;
+            let mut factor = 1.0;
+            while column < 0.5 * row {
+                factor *= 2.0;
+                column *= 2.0;
+                row *= 0.5;
+            }
+            while column >= 2.0 * row {
+                factor *= 0.5;
+                column *= 0.5;
+                row *= 2.0;
+            }
+            if column + row < 0.95 * before {
+                changed = true;
+                scales[i] *= factor;
+                matrix.column_mut(i).scale_mut(factor);
+                matrix.row_mut(i).scale_mut(1.0 / factor);
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    scales
+}
+
+/// Solves `A x = λ x`.
+///
+/// # Errors
+/// When an entry is not finite, memory runs out, or the iteration does not end.
+pub fn spectrum(mut matrix: DMatrix<f64>) -> Result<Spectrum, RuntimeError> {
+    let n = matrix.nrows();
+    let refuse = |what: &str| RuntimeError::Eigenvalues {
+        size: n,
+        what: what.to_owned(),
+    };
+    if n == 0 {
+        return Ok(Spectrum {
+            pairs: Vec::new(),
+            size: 0.0,
+        });
+    }
+    if matrix.iter().any(|x| !x.is_finite()) {
+        return Err(refuse("an entry is not finite"));
+    }
+    let scales = balance(&mut matrix);
+    let size = (0..n).fold(0.0_f64, |most, i| most.max(matrix.column(i).lp_norm(1)));
+    let method: Spec<EvdParams, f64> = <EvdParams as Auto<f64>>::auto().into();
+    let (mut real, mut imaginary) = (vec![0.0; n], vec![0.0; n]);
+    let mut vectors = vec![0.0; n * n];
+    let mut memory = MemBuffer::try_new(evd_scratch::<f64>(
+        n,
+        ComputeEigenvectors::No,
+        ComputeEigenvectors::Yes,
+        Par::Seq,
+        method,
+    ))
+    .map_err(|_| refuse("memory runs out"))?;
+    evd_real(
+        MatRef::from_column_major_slice(matrix.as_slice(), n, n),
+        DiagMut::from_slice_mut(&mut real),
+        DiagMut::from_slice_mut(&mut imaginary),
+        None,
+        Some(MatMut::from_column_major_slice_mut(&mut vectors, n, n)),
+        Par::Seq,
+        MemStack::new(&mut memory),
+        method,
+    )
+    .map_err(|_| refuse("the iteration does not end"))?;
+    let mut pairs = Vec::new();
+    let mut i = 0;
+    while i < n {
+        let entry = |column: usize, row: usize| vectors[column * n + row] * scales[row];
+        // a conjugate pair has the real and the imaginary part of its first vector in its two columns
+        let paired = imaginary[i] != 0.0 && i + 1 < n;
+        let sign = if imaginary[i] < 0.0 { -1.0 } else { 1.0 };
+        let vector = DVector::from_fn(n, |row, _| {
+            let im = if paired {
+                sign * entry(i + 1, row)
+            } else {
+                0.0
+            };
+            Complex::new(entry(i, row), im)
+        });
+        pairs.push(Eigenpair {
+            value: Complex::new(real[i], imaginary[i].abs()),
+            vector,
+        });
+        i += if paired { 2 } else { 1 };
+    }
+    Ok(Spectrum { pairs, size })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn residual(matrix: &DMatrix<f64>, pair: &Eigenpair) -> f64 {
+        let complex = matrix.map(|x| Complex::new(x, 0.0));
+        let left = &complex * &pair.vector;
+        (left - &pair.vector * pair.value).norm() / pair.vector.norm()
+    }
+
+    /// Oscillators of 1 to 1e6 rad/s, damped and not, mixed by an orthogonal matrix.
+    #[test]
+    fn frequencies_over_six_decades() {
+        let places = [1.0, 30.0, 470.0, 8e3, 1.1e5, 1e6];
+        let n = places.len();
+        let mix = DMatrix::from_fn(n, n, |i, j| ((i * 7 + j * 5) % 11) as f64 - 5.0)
+            .qr()
+            .q();
+        let turned =
+            |values: DVector<f64>| &mix * DMatrix::from_diagonal(&values) * mix.transpose();
+        let stiffness = turned(DVector::from_fn(n, |i, _| places[i] * places[i]));
+        let damping = turned(DVector::from_fn(n, |i, _| 0.02 * places[i]));
+        let mut matrix = DMatrix::zeros(2 * n, 2 * n);
+        matrix
+            .view_mut((0, n), (n, n))
+            .copy_from(&DMatrix::identity(n, n));
+        matrix.view_mut((n, 0), (n, n)).copy_from(&-stiffness);
+        matrix.view_mut((n, n), (n, n)).copy_from(&-damping);
+        let found = spectrum(matrix.clone()).unwrap();
+        let mut sizes: Vec<f64> = found.pairs.iter().map(|p| p.value.norm()).collect();
+        sizes.sort_by(f64::total_cmp);
+        assert_eq!(sizes.len(), n);
+        for (size, place) in sizes.iter().zip(places) {
+            // the mixed stiffness itself is rounded at 1e-16 of its largest entry, 1e12
+            let due = 1e-15 * 1e12 / (place * place) + 1e-12;
+            assert!((size / place - 1.0).abs() < due, "{size} {place}");
+        }
+        for pair in &found.pairs {
+            assert!((pair.value.re / pair.value.norm() + 0.01).abs() < 1e-2);
+            assert!(residual(&matrix, pair) < 1e-14 * 1e12, "{pair:?}");
+        }
+    }
+
+    /// 100 rows take the method's other branch (multishift with deflation); companion of a rotation has roots of one.
+    #[test]
+    fn a_cyclic_shift_has_the_roots_of_one() {
+        let n = 100;
+        let matrix = DMatrix::from_fn(n, n, |i, j| if (i + 1) % n == j { 1.0 } else { 0.0 });
+        let found = spectrum(matrix.clone()).unwrap();
+        assert_eq!(found.pairs.len(), n / 2 + 1);
+        for pair in &found.pairs {
+            assert!((pair.value.norm() - 1.0).abs() < 1e-12, "{}", pair.value);
+            assert!(residual(&matrix, pair) < 1e-12);
+        }
+    }
+
+    #[test]
+    fn nothing_and_what_is_no_number() {
+        assert!(spectrum(DMatrix::zeros(0, 0)).unwrap().pairs.is_empty());
+        let wrong = spectrum(DMatrix::from_element(2, 2, f64::NAN)).unwrap_err();
+        assert!(matches!(wrong, RuntimeError::Eigenvalues { size: 2, .. }));
+    }
+}

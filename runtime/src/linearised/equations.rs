@@ -1,0 +1,390 @@
+//! The linearised equations of motion in as many coordinates as there are freedoms.
+//!
+//! See the head of [`super`] for the formulas. Everything is exact but for rounding: blocks of Newton's matrix, the rate of the constraint
+//! gradients by polarisation of γ (a quadratic of the velocities), the rate of the mass matrix by differences of a quadratic.
+
+use super::axes::GroundAxes;
+use crate::acceleration::AccelerationSystem;
+use crate::body::{BodyFrame, Weights};
+use crate::dynamics::Dynamics;
+use crate::dynamics::matrix::MatrixPlan;
+use crate::error::{Moment, RuntimeError};
+use crate::flexible::Work;
+use crate::linear::Pattern;
+use crate::model::Model;
+use crate::state::State;
+use nalgebra::{DMatrix, DVector};
+
+/// Weight of velocities when the blocks of Newton's matrix are told apart (rad/s): about the fastest mode of a static set, so that
+/// stiffness and damping do not round each other away. A power of two.
+const PACE: f64 = 131_072.0;
+/// A pivot below this share of a unit row is none.
+const RANK_LIMIT: f64 = 1e-10;
+
+/// `ẍ = −K x − C ẋ + S z`, `ż = R x + T ẋ + U z` about a state, x as many as there are freedoms.
+#[derive(Clone, Debug)]
+pub struct Equations {
+    /// N (velocities × freedoms): moves of the bodies, rotations in ground axes, that no constraint forbids. `NᵀMN = 1`.
+    pub basis: DMatrix<f64>,
+    /// Ṅ along the motion.
+    pub basis_rate: DMatrix<f64>,
+    /// M of all bodies, rotations in ground axes.
+    pub mass: DMatrix<f64>,
+    /// K (1/s²).
+    pub stiffness: DMatrix<f64>,
+    /// C (1/s).
+    pub damping: DMatrix<f64>,
+    /// S.
+    pub by_states: DMatrix<f64>,
+    /// R.
+    pub rates_by_place: DMatrix<f64>,
+    /// T.
+    pub rates_by_velocity: DMatrix<f64>,
+    /// U.
+    pub rates_by_states: DMatrix<f64>,
+    /// How fast a motion is that the largest terms of K and C, or the state's own motion and weight, would make alone (rad/s): where
+    /// they cancel, their rounding stays.
+    pub pace: f64,
+    axes: GroundAxes,
+}
+
+/// Blocks of Newton's matrix; rotations and torques in ground axes.
+struct Blocks {
+    mass: DMatrix<f64>,
+    damping: DMatrix<f64>,
+    stiffness: DMatrix<f64>,
+    /// G.
+    gradients: DMatrix<f64>,
+    /// ∂/∂z of the equations of motion.
+    forces_by_states: DMatrix<f64>,
+    /// ∂f/∂q, ∂f/∂v, ∂f/∂z of ż = f.
+    rates_by_place: DMatrix<f64>,
+    rates_by_velocity: DMatrix<f64>,
+    rates_by_states: DMatrix<f64>,
+}
+
+fn dense(pattern: &Pattern, values: &[f64]) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(pattern.size, pattern.size);
+    for column in 0..pattern.size {
+        for k in pattern.columns[column]..pattern.columns[column + 1] {
+            out[(pattern.rows[k], column)] = values[k];
+        }
+    }
+    out
+}
+
+impl Blocks {
+    /// Where the dynamics stand and are evaluated.
+    fn new(
+        model: &Model,
+        dynamics: &mut Dynamics,
+        state: &State,
+        axes: &GroundAxes,
+    ) -> Result<Blocks, RuntimeError> {
+        let plan = MatrixPlan::new(model);
+        let still = vec![0.0; model.velocities];
+        let mut values = vec![0.0; plan.pattern.rows.len()];
+        let mut filled = |acceleration: f64, velocity: f64| {
+            let weights = Weights {
+                acceleration,
+                velocity,
+            };
+            let (v, a) = (&state.velocity, &state.acceleration);
+            plan.fill(model, dynamics, v, a, &still, weights, 0.0, &mut values)?;
+            Ok::<_, RuntimeError>(dense(&plan.pattern, &values))
+        };
+        let mut place = filled(0.0, 0.0)?;
+        let mut velocity = (filled(0.0, PACE)? - &place) / PACE;
+        let mut acceleration = (filled(PACE * PACE, 0.0)? - &place) / (PACE * PACE);
+        for matrix in [&mut place, &mut velocity, &mut acceleration] {
+            axes.columns(matrix);
+        }
+        let (n, s, m) = (model.velocities, model.states, model.rows);
+        let view =
+            |matrix: &DMatrix<f64>, row: usize, column: usize, rows: usize, columns: usize| {
+                matrix.view((row, column), (rows, columns)).into_owned()
+            };
+        let gradients = view(&place, n + s, 0, m, n);
+        let rates_by_place = -view(&place, n, 0, s, n);
+        let rates_by_velocity = -view(&velocity, n, 0, s, n);
+        let rates_by_states = -view(&place, n, n, s, s);
+        for matrix in [&mut place, &mut velocity, &mut acceleration] {
+            axes.rows(matrix);
+        }
+        let mass = view(&acceleration, 0, 0, n, n);
+        let damping = view(&velocity, 0, 0, n, n) - axes.times_turning(&mass);
+        Ok(Blocks {
+            stiffness: view(&place, 0, 0, n, n),
+            forces_by_states: view(&place, 0, n, n, s),
+            mass,
+            damping,
+            gradients,
+            rates_by_place,
+            rates_by_velocity,
+            rates_by_states,
+        })
+    }
+}
+
+/// Mass-orthonormal basis of the moves with `G x = 0`.
+fn allowed(
+    model: &Model,
+    mass: &DMatrix<f64>,
+    gradients: &DMatrix<f64>,
+    moment: Moment,
+) -> Result<DMatrix<f64>, RuntimeError> {
+    let (n, m) = (model.velocities, model.rows);
+    let singular = RuntimeError::Singular { moment };
+    if m > n {
+        return Err(singular);
+    }
+    let scales = model.velocity_scales();
+    // rows of G as columns, as angles, of unit length; zeros make the matrix square, so that Q is whole
+    let mut turned = DMatrix::zeros(n, n);
+    for i in 0..m {
+        let row = DVector::from_fn(n, |j, _| gradients[(i, j)] * scales[j]);
+        let size = row.norm();
+        if size > 0.0 {
+            turned.set_column(i, &(row / size));
+        }
+    }
+    let decomposition = turned.col_piv_qr();
+    let corner = decomposition.r();
+    if (0..m).any(|i| corner[(i, i)].abs() < RANK_LIMIT) {
+        return Err(singular);
+    }
+    let mut free = decomposition.q().columns(m, n - m).into_owned();
+    for (i, scale) in scales.iter().enumerate() {
+        free.row_mut(i).scale_mut(*scale);
+    }
+    let own = free.transpose() * mass * &free;
+    let root = ((&own + own.transpose()) * 0.5)
+        .cholesky()
+        .ok_or(singular.clone())?;
+    // N Lᵀ = Z
+    let basis = root
+        .l()
+        .solve_lower_triangular(&free.transpose())
+        .ok_or(singular)?;
+    Ok(basis.transpose())
+}
+
+/// Adds Ṁ of the bodies' change of shape, rotations in ground axes. M is quadratic in the amplitudes: a central difference is exact.
+fn add_reshaping(
+    model: &Model,
+    dynamics: &Dynamics,
+    state: &State,
+    axes: &GroundAxes,
+    out: &mut DMatrix<f64>,
+) {
+    let mut change = DMatrix::zeros(out.nrows(), out.ncols());
+    let mut work = Work::default();
+    for (index, body) in model.bodies.iter().enumerate() {
+        let first = body.velocity;
+        let rates = &state.velocity[first + 6..first + body.width()];
+        let fastest = rates.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        if fastest == 0.0 {
+            continue;
+        }
+        let frame = dynamics.frame(model, index);
+        let width = body.width();
+        let largest = frame
+            .amplitudes
+            .iter()
+            .fold(0.0_f64, |most, x| most.max(x.abs()));
+        let reach = if largest > 0.0 { largest } else { 1.0 } / fastest;
+        let mut at = |sign: f64| {
+            let amplitudes: Vec<f64> = frame
+                .amplitudes
+                .iter()
+                .zip(rates)
+                .map(|(a, rate)| a + sign * reach * rate)
+                .collect();
+            let moved = BodyFrame {
+                amplitudes: &amplitudes,
+                ..frame
+            };
+            let mut block = vec![0.0; width * width];
+            body.add_mass(&moved, &mut work, &mut block);
+            DMatrix::from_row_slice(width, width, &block)
+        };
+        let rate = (at(1.0) - at(-1.0)) / (2.0 * reach);
+        change
+            .view_mut((first, first), (width, width))
+            .copy_from(&rate);
+    }
+    axes.columns(&mut change);
+    axes.rows(&mut change);
+    *out += change;
+}
+
+/// `Ġ N` in ground axes, rows × freedoms.
+///
+/// γ is minus a quadratic of the velocities, whose polarisation along u gives the sum of `Ġ u` with the gradient's rate along the
+/// motion and of `∂Φ̇/∂q u`; in body axes the two differ by G of the bracket `ω × u`. In ground axes `Ġ N` is the second.
+fn gradient_rates(
+    model: &Model,
+    dynamics: &mut Dynamics,
+    state: &State,
+    axes: &GroundAxes,
+    gradients: &DMatrix<f64>,
+    basis: &DMatrix<f64>,
+) -> Result<DMatrix<f64>, RuntimeError> {
+    let scales = model.velocity_scales();
+    let size = |x: &[f64]| {
+        x.iter()
+            .zip(&scales)
+            .fold(0.0_f64, |most, (x, s)| most.max((x / s).abs()))
+    };
+    let pace = match size(&state.velocity) {
+        0.0 => 1.0,
+        speed => speed,
+    };
+    dynamics.constraint_gradients(model)?;
+    let mut out = DMatrix::zeros(model.rows, basis.ncols());
+    let mut bracket = vec![0.0; model.velocities];
+    for k in 0..basis.ncols() {
+        let mut along = basis.column(k).into_owned();
+        axes.bracket(along.as_slice(), &mut bracket);
+        axes.to_body(along.as_view_mut());
+        let factor = match size(along.as_slice()) {
+            0.0 => continue,
+            length => pace / length,
+        };
+        let mut gamma = |sign: f64| {
+            let velocity: Vec<f64> = state
+                .velocity
+                .iter()
+                .zip(along.iter())
+                .map(|(v, u)| v + sign * factor * u)
+                .collect();
+            dynamics.place(model, state.time, &state.pose, &velocity);
+            dynamics.gather(model, &state.states, &[], &state.rotations);
+            dynamics.velocity_level(model, &velocity)?;
+            Ok::<_, RuntimeError>(dynamics.constraint_accelerations.clone())
+        };
+        let (ahead, behind) = (gamma(1.0)?, gamma(-1.0)?);
+        // the bracket stands in body axes, G in ground axes
+        let mut turned = DVector::from_column_slice(&bracket);
+        axes.to_ground(turned.as_view_mut());
+        let by_bracket = gradients * turned;
+        for i in 0..model.rows {
+            let sum = -(ahead[i] - behind[i]) / (2.0 * factor);
+            out[(i, k)] = 0.5 * (sum - by_bracket[i]);
+        }
+    }
+    Ok(out)
+}
+
+impl Equations {
+    /// About a state on the constraints, with its accelerations and multipliers.
+    ///
+    /// # Errors
+    /// When an element's numbers are not finite there, or the constraints depend on each other.
+    pub fn new(model: &Model, state: &State, moment: Moment) -> Result<Equations, RuntimeError> {
+        let mut dynamics = Dynamics::new(model);
+        dynamics.place(model, state.time, &state.pose, &state.velocity);
+        dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);
+        dynamics.evaluate(model)?;
+        let axes = GroundAxes::new(model, &dynamics, &state.velocity);
+        let blocks = Blocks::new(model, &mut dynamics, state, &axes)?;
+        let basis = allowed(model, &blocks.mass, &blocks.gradients, moment)?;
+        let freedoms = basis.ncols();
+
+        // Ṅ: G Ṅ = −Ġ N, normal to the allowed moves in the mass norm
+        let rates = gradient_rates(
+            model,
+            &mut dynamics,
+            state,
+            &axes,
+            &blocks.gradients,
+            &basis,
+        )?;
+        let mut basis_rate = DMatrix::zeros(model.velocities, freedoms);
+        if model.rows > 0 {
+            let mut system = AccelerationSystem::new(model)?;
+            let mut same = state.clone();
+            system.accelerations(model, &mut dynamics, &mut same, moment)?;
+            let mut column = vec![0.0; model.velocities];
+            for k in 0..freedoms {
+                let wanted: Vec<f64> = rates.column(k).iter().map(|x| -x).collect();
+                system.normal(model, &wanted, &mut column);
+                let mut moved = DVector::from_column_slice(&column);
+                axes.to_ground(moved.as_view_mut());
+                basis_rate.set_column(k, &moved);
+            }
+        }
+        dynamics.place(model, state.time, &state.pose, &state.velocity);
+        let mut mass_rate = axes.turned(&blocks.mass);
+        add_reshaping(model, &dynamics, state, &axes, &mut mass_rate);
+
+        let scales = model.velocity_scales();
+        let sizes = basis.abs();
+        let largest = |left: &DMatrix<f64>, block: &DMatrix<f64>, right: &DMatrix<f64>| {
+            (left.transpose() * block.abs() * right).amax()
+        };
+        let rates_of_sizes = basis_rate.abs();
+        let terms = largest(&sizes, &blocks.stiffness, &sizes)
+            + largest(&sizes, &blocks.damping, &rates_of_sizes)
+            + largest(&rates_of_sizes, &blocks.mass, &rates_of_sizes)
+            + largest(&sizes, &mass_rate, &rates_of_sizes);
+        // what holds the state itself comes with rounding errors of its motion
+        let own = |x: &[f64]| {
+            let scaled = x.iter().zip(&scales).map(|(x, s)| (x / s).abs());
+            scaled.fold(0.0_f64, f64::max)
+        };
+        let held = own(&state.acceleration) + model.gravity.norm() / model.length;
+        let pace = largest(&sizes, &blocks.damping, &sizes)
+            .max(libm::sqrt(terms + held))
+            .max(own(&state.velocity));
+        let across = basis.transpose();
+        let damping = &across * &blocks.damping * &basis;
+        let stiffness = &across * &blocks.stiffness * &basis
+            + &across * &blocks.damping * &basis_rate
+            - basis_rate.transpose() * &blocks.mass * &basis_rate
+            - &across * &mass_rate * &basis_rate;
+        Ok(Equations {
+            by_states: -(&across * &blocks.forces_by_states),
+            rates_by_place: &blocks.rates_by_place * &basis
+                + &blocks.rates_by_velocity * &basis_rate,
+            rates_by_velocity: &blocks.rates_by_velocity * &basis,
+            rates_by_states: blocks.rates_by_states,
+            mass: blocks.mass,
+            basis,
+            basis_rate,
+            stiffness,
+            damping,
+            pace,
+            axes,
+        })
+    }
+
+    /// Freedoms.
+    pub fn freedoms(&self) -> usize {
+        self.basis.ncols()
+    }
+
+    /// Constraints let go, `ξ̇ = A ξ` with `ξ = (x, ẋ, z)`.
+    pub fn first_order(&self) -> DMatrix<f64> {
+        let (p, s) = (self.freedoms(), self.rates_by_states.nrows());
+        let mut out = DMatrix::zeros(2 * p + s, 2 * p + s);
+        out.view_mut((0, p), (p, p))
+            .copy_from(&DMatrix::identity(p, p));
+        out.view_mut((p, 0), (p, p)).copy_from(&-&self.stiffness);
+        out.view_mut((p, p), (p, p)).copy_from(&-&self.damping);
+        out.view_mut((p, 2 * p), (p, s)).copy_from(&self.by_states);
+        out.view_mut((2 * p, 0), (s, p))
+            .copy_from(&self.rates_by_place);
+        out.view_mut((2 * p, p), (s, p))
+            .copy_from(&self.rates_by_velocity);
+        out.view_mut((2 * p, 2 * p), (s, s))
+            .copy_from(&self.rates_by_states);
+        out
+    }
+
+    /// A vector of moves or rates in ground axes as the runtime's, rotations in body axes.
+    pub fn in_body_axes(&self, mut x: DVector<f64>) -> DVector<f64> {
+        self.axes.to_body(x.as_view_mut());
+        x
+    }
+}

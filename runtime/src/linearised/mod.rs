@@ -1,0 +1,291 @@
+//! Eigenvalues and modes of the coupled system, linearised about a state of its motion.
+//!
+//! **Perturbed motion.** Along a motion of `M v̇ − Q(q, v, z, t) + Gᵀλ = 0`, `ż = f`, `Φ(q, t) = 0`, small moves u (rotations in ground
+//! axes, see [`axes`]) obey
+//!
+//! ```text
+//! M ü + D u̇ + K u + Gᵀδλ + F δz = 0        G u = 0        δż = f_q u + f_v u̇ + f_z δz
+//! ```
+//!
+//! with the exact blocks of Newton's matrix: K holds the stiffness of the constraints `∂(Gᵀλ)/∂q`, the inertia of the frozen velocities and
+//! accelerations, springs, films, gravity; time and with it every drive are held. `u = N x` with `GN = 0`, `NᵀMN = 1`. N changes
+//! along the motion; of all bases that with `NᵀMṄ = 0` is taken, the one that turns least (in the mass norm): `[M Gᵀ; G 0][Ṅ; μ] = [0; −ĠN]`.
+//! Then `NᵀMN̈ = −ṄᵀMṄ − NᵀṀṄ`, and
+//!
+//! ```text
+//! ẍ + C ẋ + K_x x = −NᵀF δz        C = NᵀDN        K_x = NᵀKN + NᵀDṄ − ṄᵀMṄ − NᵀṀṄ
+//! ```
+//!
+//! without an approximation so far. (Without the terms of Ṅ a body that turns about a pin would seem to be held there by springs.)
+//!
+//! **Frozen time.** These coefficients are held at their values of the moment, and `ξ̇ = A ξ`, `ξ = (x, ẋ, z)` solved for its
+//! eigenvalues. That is exact where they are constant: at rest, about steady rotation of symmetric rotors between supports at rest,
+//! or of any rotor without bearings that stand. Else it is the picture of a moment, good for motions fast against the change of the
+//! coefficients: modes of an engine well above its speed. Amplitudes of a flexible body are those in its own axes: the bending of a
+//! shaft that turns at Ω is seen from its body, shifted by up to ±Ω.
+//!
+//! **Eigenvalues** `λ = −δ ± iω`: damped frequency ω/2π, undamped |λ|/2π, damping ratio −Re λ/|λ|. A double zero, such as that of a
+//! rotation that nothing holds, splits by the root of the rounding error; all below that ([`LinearModes::resolution`]) count as zeros.
+
+mod axes;
+mod eigen;
+mod energies;
+mod equations;
+mod outputs;
+mod run;
+
+pub use energies::{Part, Shares, parts_of, stores};
+pub use equations::Equations;
+pub use run::run_linear;
+
+use crate::error::{Moment, RuntimeError};
+use crate::model::Model;
+use crate::state::State;
+use energies::{Ledger, parts};
+use nalgebra::{Complex, DVector};
+use outputs::{Direction, Probe};
+
+/// Growth below this share of |λ| is rounding.
+const GROWTH: f64 = 1e-9;
+/// Numbers of a mode this close to the largest are as large: the first of them is made real.
+const ALIKE: f64 = 1e-6;
+
+/// Which modes are worked out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wanted {
+    /// Most oscillations, and most motions without oscillation: the slowest of each; `None`: all.
+    pub number: Option<u32>,
+    /// Largest |λ| (rad/s); `None`: no limit.
+    pub up_to: Option<f64>,
+}
+
+/// A motion `u(t) = Re (place e^{λt})` of the linearised system, scaled so that its kinetic energy has the peak of 1 J:
+/// `½ |λ|² u* M u = 1`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// λ (1/s), its imaginary part not negative.
+    pub value: Complex<f64>,
+    /// Moves of every body in the order of the model's velocities: δr (m), small rotation (rad), both in ground axes, modal amplitudes.
+    /// The largest, in the model's length and angles, is real and positive.
+    pub place: DVector<Complex<f64>>,
+    /// Where its energy is.
+    pub shares: Shares,
+    /// Amplitude of every channel (SI).
+    pub outputs: Vec<Complex<f64>>,
+}
+
+impl Mode {
+    /// Whether it oscillates.
+    pub fn oscillates(&self) -> bool {
+        self.value.im > 0.0
+    }
+
+    /// ω/2π (Hz); zero where it does not oscillate.
+    pub fn frequency(&self) -> f64 {
+        self.value.im / std::f64::consts::TAU
+    }
+
+    /// |λ|/2π (Hz).
+    pub fn undamped_frequency(&self) -> f64 {
+        self.value.norm() / std::f64::consts::TAU
+    }
+
+    /// −Re λ/|λ|.
+    pub fn damping_ratio(&self) -> f64 {
+        -self.value.re / self.value.norm()
+    }
+
+    /// Whether it grows.
+    pub fn grows(&self) -> bool {
+        self.value.re > GROWTH * self.value.norm()
+    }
+
+    /// The parts with most kinetic energy, the largest first: index and share.
+    pub fn leading(&self, most: usize) -> Vec<(usize, f64)> {
+        let mut order: Vec<(usize, f64)> =
+            self.shares.kinetic.iter().copied().enumerate().collect();
+        order.sort_by(|a, b| b.1.total_cmp(&a.1));
+        order.truncate(most);
+        order
+    }
+}
+
+/// What the linearised motion consists of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearModes {
+    /// Where it was linearised.
+    pub moment: Moment,
+    /// Freedoms: coordinates x.
+    pub freedoms: usize,
+    /// States of elements: z.
+    pub states: usize,
+    /// What [`Shares::kinetic`] counts.
+    pub parts: Vec<Part>,
+    /// What [`Shares::potential`] and [`Shares::lost`] count.
+    pub stores: Vec<String>,
+    /// Oscillations in the order of |λ|, then motions without oscillation in that order.
+    pub modes: Vec<Mode>,
+    /// Oscillations and others that were not asked for.
+    pub left_out: [usize; 2],
+    /// Eigenvalues that are zero: of drifting and turning that nothing holds or drives.
+    pub zeros: usize,
+    /// |λ| (rad/s) below which an eigenvalue counts as zero.
+    pub resolution: f64,
+}
+
+impl LinearModes {
+    /// The oscillations.
+    pub fn oscillations(&self) -> impl Iterator<Item = &Mode> {
+        self.modes.iter().filter(|m| m.oscillates())
+    }
+}
+
+/// Linearises about a state on the constraints, with its accelerations and multipliers.
+///
+/// # Errors
+/// When constraints depend on each other there, or numbers are not finite.
+pub fn linearise(
+    model: &Model,
+    state: &State,
+    moment: Moment,
+    wanted: Wanted,
+) -> Result<LinearModes, RuntimeError> {
+    let equations = Equations::new(model, state, moment)?;
+    let p = equations.freedoms();
+    let matrix = equations.first_order();
+    let unknowns = matrix.nrows();
+    let spectrum = eigen::spectrum(matrix)?;
+    let size = spectrum.size.max(equations.pace);
+    let resolution = libm::sqrt(unknowns as f64 * f64::EPSILON) * size;
+    let mut zeros = 0;
+    let mut kinds: [Vec<eigen::Eigenpair>; 2] = [Vec::new(), Vec::new()];
+    for pair in spectrum.pairs {
+        if pair.value.norm() <= resolution {
+            zeros += if pair.value.im > 0.0 { 2 } else { 1 };
+        } else {
+            kinds[usize::from(pair.value.im == 0.0)].push(pair);
+        }
+    }
+    let ledger = Ledger::new(model, state)?;
+    let mut probe = Probe::new(model, state, moment)?;
+    let mut modes = Vec::new();
+    let mut left_out = [0; 2];
+    for (kind, left_out) in kinds.iter_mut().zip(&mut left_out) {
+        kind.sort_by(|a, b| {
+            let key = |pair: &eigen::Eigenpair| [pair.value.norm(), pair.value.im, pair.value.re];
+            let (a, b) = (key(a), key(b));
+            a.iter()
+                .zip(&b)
+                .map(|(a, b)| a.total_cmp(b))
+                .find(|o| o.is_ne())
+                .unwrap_or(std::cmp::Ordering::Equal)
+        });
+        let most = wanted.number.map_or(usize::MAX, |n| n as usize);
+        let limit = wanted.up_to.unwrap_or(f64::INFINITY);
+        let kept = kind
+            .iter()
+            .take(most)
+            .filter(|pair| pair.value.norm() <= limit);
+        let before = modes.len();
+        for pair in kept {
+            modes.push(mode(model, &equations, &ledger, &mut probe, pair)?);
+        }
+        *left_out = kind.len() - (modes.len() - before);
+    }
+    Ok(LinearModes {
+        moment,
+        freedoms: p,
+        states: unknowns - 2 * p,
+        parts: ledger.parts,
+        stores: ledger.stores,
+        modes,
+        left_out,
+        zeros,
+        resolution,
+    })
+}
+
+/// A mode with its shares and outputs from an eigenpair.
+fn mode(
+    model: &Model,
+    equations: &Equations,
+    ledger: &Ledger,
+    probe: &mut Probe<'_>,
+    pair: &eigen::Eigenpair,
+) -> Result<Mode, RuntimeError> {
+    let p = equations.freedoms();
+    let value = pair.value;
+    let complex = |real: &nalgebra::DMatrix<f64>, x: &DVector<Complex<f64>>| {
+        let [a, b] = parts(x);
+        (real * a).zip_map(&(real * b), Complex::new)
+    };
+    let coordinates = pair.vector.rows(0, p).into_owned();
+    let mut place = complex(&equations.basis, &coordinates);
+    let mut rate = &place * value + complex(&equations.basis_rate, &coordinates);
+    let mut states = pair
+        .vector
+        .rows(2 * p, pair.vector.len() - 2 * p)
+        .into_owned();
+    // 1 J, and the largest number real; where nothing but states moves, of length one
+    let size = coordinates.norm();
+    let energetic = size > 1e-12 * states.norm();
+    let length = if energetic {
+        value.norm() * size / std::f64::consts::SQRT_2
+    } else {
+        states.norm()
+    };
+    let relative: Vec<f64> = if energetic {
+        let scales = model.velocity_scales();
+        place
+            .iter()
+            .zip(&scales)
+            .map(|(x, s)| x.norm() / s)
+            .collect()
+    } else {
+        states.iter().map(|z| z.norm()).collect()
+    };
+    let largest = relative.iter().fold(0.0_f64, |most, x| most.max(*x));
+    let leader = relative
+        .iter()
+        .position(|x| *x >= (1.0 - ALIKE) * largest)
+        .unwrap_or(0);
+    let led = if energetic {
+        place.get(leader)
+    } else {
+        states.get(leader)
+    };
+    let turn = led.map_or(Complex::new(1.0, 0.0), |x| {
+        if x.norm() > 0.0 {
+            x.conj() / x.norm()
+        } else {
+            Complex::new(1.0, 0.0)
+        }
+    });
+    let factor = turn / length.max(f64::MIN_POSITIVE);
+    place *= factor;
+    rate *= factor;
+    states *= factor;
+
+    let shares = ledger.shares(model, equations, &place, &rate, value);
+    let [x, y] = parts(&place).map(|x| equations.in_body_axes(x));
+    let [vx, vy] = parts(&rate).map(|v| equations.in_body_axes(v));
+    let [zx, zy] = parts(&states);
+    let mut along = |x: DVector<f64>, v: DVector<f64>, z: DVector<f64>| {
+        probe.along(&Direction {
+            place: x.data.into(),
+            velocity: v.data.into(),
+            states: z.data.into(),
+        })
+    };
+    let (real, imaginary) = (along(x, vx, zx)?, along(y, vy, zy)?);
+    Ok(Mode {
+        value,
+        place,
+        shares,
+        outputs: real
+            .into_iter()
+            .zip(imaginary)
+            .map(|(re, im)| Complex::new(re, im))
+            .collect(),
+    })
+}

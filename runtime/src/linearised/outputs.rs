@@ -1,0 +1,110 @@
+//! How outputs follow a small motion about a state.
+//!
+//! Outputs see accelerations and multipliers, which follow from positions, velocities and states of elements by the acceleration-level
+//! system. Their derivatives along a direction are taken by central differences of fourth order over all that,
+//! `(8 (f(h) − f(−h)) − (f(2h) − f(−2h)))/12h`, with time held.
+
+use crate::acceleration::AccelerationSystem;
+use crate::dynamics::Dynamics;
+use crate::error::{Moment, RuntimeError};
+use crate::model::Model;
+use crate::outputs::Outputs;
+use crate::state::{State, move_pose};
+
+/// The longest move of a difference, as a share of the model's position tolerance (a thousandth of the smallest clearance): films
+/// are straight over it to 1e-9, and rounding of places of a metre takes 1e-7.
+const REACH: f64 = 1.0 / 32.0;
+
+/// The fastest motion (rad/s) that may move so far; a faster one moves less, so that its velocities stay small against a film's.
+const FASTEST: f64 = 25_000.0;
+
+/// A direction of motion, as the runtime's increments.
+#[derive(Clone, Debug)]
+pub(super) struct Direction {
+    /// δq: rotations in body axes.
+    pub place: Vec<f64>,
+    /// δv.
+    pub velocity: Vec<f64>,
+    /// δz.
+    pub states: Vec<f64>,
+}
+
+/// Differences of the outputs about a state.
+#[derive(Debug)]
+pub(super) struct Probe<'a> {
+    model: &'a Model,
+    state: &'a State,
+    moment: Moment,
+    dynamics: Dynamics,
+    system: AccelerationSystem,
+    outputs: Outputs,
+    scales: Vec<f64>,
+}
+
+impl<'a> Probe<'a> {
+    /// Room for a model.
+    pub fn new(
+        model: &'a Model,
+        state: &'a State,
+        moment: Moment,
+    ) -> Result<Probe<'a>, RuntimeError> {
+        Ok(Probe {
+            dynamics: Dynamics::new(model),
+            system: AccelerationSystem::new(model)?,
+            outputs: Outputs::all(model)?,
+            scales: model.velocity_scales(),
+            model,
+            state,
+            moment,
+        })
+    }
+
+    fn at(&mut self, direction: &Direction, step: f64) -> Result<Vec<f64>, RuntimeError> {
+        let mut moved = self.state.clone();
+        move_pose(
+            self.model,
+            &self.state.pose,
+            &direction.place,
+            step,
+            &mut moved.pose,
+        );
+        for (v, d) in moved.velocity.iter_mut().zip(&direction.velocity) {
+            *v += step * d;
+        }
+        for (z, d) in moved.states.iter_mut().zip(&direction.states) {
+            *z += step * d;
+        }
+        self.system
+            .accelerations(self.model, &mut self.dynamics, &mut moved, self.moment)?;
+        self.outputs.evaluate(self.model, &self.dynamics, &moved)?;
+        Ok(self.outputs.values.clone())
+    }
+
+    /// Derivatives of all channels (SI) a unit of the direction.
+    pub fn along(&mut self, direction: &Direction) -> Result<Vec<f64>, RuntimeError> {
+        let size = |x: &[f64], scales: &[f64]| {
+            x.iter()
+                .zip(scales)
+                .fold(0.0_f64, |most, (x, s)| most.max((x / s).abs()))
+        };
+        let ones = vec![1.0; direction.states.len()];
+        let longest = size(&direction.place, &self.scales)
+            .max(size(&direction.velocity, &self.scales) / FASTEST);
+        let fallback = size(&direction.states, &ones);
+        let step = if longest > 0.0 {
+            REACH * self.model.tolerance / (self.model.length * longest)
+        } else if fallback > 0.0 {
+            1e-6 / fallback
+        } else {
+            return Ok(vec![0.0; self.outputs.values.len()]);
+        };
+        let near = [self.at(direction, step)?, self.at(direction, -step)?];
+        let far = [
+            self.at(direction, 2.0 * step)?,
+            self.at(direction, -2.0 * step)?,
+        ];
+        let slope =
+            |i: usize| (8.0 * (near[0][i] - near[1][i]) - (far[0][i] - far[1][i])) / (12.0 * step);
+        Ok((0..near[0].len()).map(slope).collect())
+    }
+}

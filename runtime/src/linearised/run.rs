@@ -1,0 +1,128 @@
+//! From a model to its modes: the start, the transient to the state, the linearisation.
+
+use super::{LinearModes, Wanted, linearise};
+use crate::error::{Moment, RuntimeError};
+use crate::simulation::{Options, Simulation};
+use crate::transient::Observer;
+use eng_system::code::Compiled;
+use eng_system::system::{Extent, Linear};
+
+/// Steps without progress of the cycle before a run by angle gives up.
+const PATIENCE: u64 = 200_000;
+
+/// Linearises where an analysis says. `observer` gets start, progress and warnings, and no samples.
+pub fn run_linear(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    linear: &Linear,
+    observer: &mut dyn Observer,
+) -> Result<LinearModes, RuntimeError> {
+    let options = Options {
+        step: linear.step,
+        rho_infinity: linear.rho_infinity,
+        start: linear.start,
+        ..Options::default()
+    };
+    let mut simulation = Simulation::new(compiled, overrides, options)?;
+    observer.started(simulation.start());
+    let wanted = Wanted {
+        number: linear.number,
+        up_to: linear.up_to,
+    };
+    let mut values = vec![0.0; compiled.system.channels.len()];
+    simulation.evaluate_channels(&mut values)?;
+    match linear.after {
+        None => {}
+        Some(Extent::Time(end)) => {
+            if !(end > 0.0 && end.is_finite()) {
+                return Err(RuntimeError::Options {
+                    message: format!("`after` is {end} s; it must be positive"),
+                });
+            }
+            while simulation.time() < end {
+                simulation.step_within(end)?;
+                tell(&mut simulation, observer, |s| s.time() / end);
+            }
+            simulation.evaluate_channels(&mut values)?;
+        }
+        Some(Extent::Angle(angle)) => turn_by(&mut simulation, angle, &mut values, observer)?,
+    }
+    for warning in simulation.take_warnings() {
+        observer.warning(&warning);
+    }
+    let modes = simulation.sampled_modes(wanted)?;
+    observer.progress(1.0, simulation.cycle_angle());
+    Ok(modes)
+}
+
+fn tell(
+    simulation: &mut Simulation,
+    observer: &mut dyn Observer,
+    part: impl Fn(&Simulation) -> f64,
+) {
+    for warning in simulation.take_warnings() {
+        observer.warning(&warning);
+    }
+    observer.progress(part(simulation).clamp(0.0, 1.0), simulation.cycle_angle());
+}
+
+/// Steps until the cycle has turned by an angle (rad), and takes the outputs there.
+fn turn_by(
+    simulation: &mut Simulation,
+    angle: f64,
+    values: &mut [f64],
+    observer: &mut dyn Observer,
+) -> Result<(), RuntimeError> {
+    if simulation.cycle_angle().is_none() {
+        return Err(RuntimeError::NoCycle);
+    }
+    if !(angle > 0.0 && angle.is_finite()) {
+        return Err(RuntimeError::Options {
+            message: format!("`after` is {angle} rad; it must be positive"),
+        });
+    }
+    let start = simulation.cycle_start();
+    let sense = match simulation.cycle_rate() {
+        Some(rate) if rate < 0.0 => -1.0,
+        _ => 1.0,
+    };
+    let done = |s: &Simulation| (s.cycle_angle().unwrap_or(start) - start) * sense;
+    let (mut farthest, mut standing) = (f64::NEG_INFINITY, 0);
+    loop {
+        simulation.step()?;
+        tell(simulation, observer, |s| done(s) / angle);
+        let now = done(simulation);
+        if now >= angle {
+            simulation.sample_at_angle(start + sense * angle, values)?;
+            return Ok(());
+        }
+        if now > farthest + 1e-9 {
+            (farthest, standing) = (now, 0);
+            continue;
+        }
+        standing += 1;
+        if standing > PATIENCE {
+            return Err(RuntimeError::CycleStands {
+                moment: Moment {
+                    time: simulation.time(),
+                    cycle_angle: simulation.cycle_angle(),
+                },
+                angle: start + sense * farthest,
+            });
+        }
+    }
+}
+
+impl Simulation {
+    /// Linearises about the state of the last outputs: [`Simulation::evaluate_channels`], [`Simulation::sample_at`] and others take
+    /// one.
+    pub fn sampled_modes(&mut self, wanted: Wanted) -> Result<LinearModes, RuntimeError> {
+        let state = self.sampled_state().clone();
+        let cycle_angle = self.sampled_cycle()?.map(|c| c[0]);
+        let moment = Moment {
+            time: state.time,
+            cycle_angle,
+        };
+        linearise(self.model(), &state, moment, wanted)
+    }
+}

@@ -1,0 +1,123 @@
+//! The table of modes, and of a sweep the modes of its points together.
+
+use super::RunOutcome;
+use super::table::Table;
+use crate::modes::{composition, values};
+use crate::results::{Column, Results};
+
+/// Rows that are printed; all are in the file.
+const MOST_ROWS: usize = 40;
+/// Modes of a point of a sweep that are printed.
+const MOST_MODES: usize = 8;
+
+fn frequency(value: f64) -> String {
+    match value {
+        0.0 => "–".to_owned(),
+        value if value >= 999.95 => format!("{value:.1}"),
+        value => format!("{value:.2}"),
+    }
+}
+
+fn at(results: &Results, path: &str, row: usize) -> f64 {
+    values(results, path)
+        .and_then(|v| v.get(row))
+        .copied()
+        .unwrap_or(f64::NAN)
+}
+
+/// Frequency, damping and what moves, a line a mode.
+pub(super) fn table(results: &Results) -> String {
+    let mut text = Table::new(&[&["mode", "frequency", "damping", ""], &["", "Hz", "%", ""]]);
+    let rows = results.samples();
+    for row in 0..rows.min(MOST_ROWS) {
+        text.row(vec![
+            format!("{:.0}", at(results, "mode", row)),
+            frequency(at(results, "frequency", row)),
+            format!("{:.2}", 100.0 * at(results, "damping_ratio", row)),
+            composition(results, row),
+        ]);
+    }
+    let rest = match rows.saturating_sub(MOST_ROWS) {
+        0 => String::new(),
+        more => format!("  and {more} more in the file\n"),
+    };
+    format!("{}{rest}", text.render_left(3))
+}
+
+/// The modes of all points of a sweep, one below the other: the point's variables, then the columns of each.
+pub(super) fn campbell(name: &str, family: &[&RunOutcome]) -> Results {
+    let Some(first) = family.first() else {
+        return Results::new("", "");
+    };
+    let mut table = first.results.without_columns();
+    let mut all = Results::new(name, table.model());
+    for (key, value) in table.metadata() {
+        // what is true of one point only
+        if !key.starts_with("point.") && !key.starts_with("start") && key != "identity" {
+            all.set_metadata(key, value);
+        }
+    }
+    table = all;
+    // names differ, lengths are one: nothing is refused
+    let mut push = |column: Column| {
+        let _ = table.push(column);
+    };
+    for (k, point) in first.point.iter().enumerate() {
+        let own = |o: &&RunOutcome| {
+            let value = o.point.get(k).map_or(f64::NAN, |p| p.value);
+            vec![value; o.results.samples()]
+        };
+        push(Column {
+            path: point.name.clone(),
+            dimension: point.dimension,
+            display: point.display.clone(),
+            frame: String::new(),
+            values: family.iter().flat_map(own).collect(),
+        });
+    }
+    for column in first.results.columns() {
+        let own = |o: &&RunOutcome| match values(&o.results, &column.path) {
+            Some(values) => values.to_vec(),
+            None => vec![f64::NAN; o.results.samples()],
+        };
+        push(Column {
+            values: family.iter().flat_map(own).collect(),
+            ..column.clone()
+        });
+    }
+    table
+}
+
+/// Frequencies and damping of the slowest oscillations, a line a point.
+pub(super) fn campbell_text(name: &str, family: &[&RunOutcome]) -> String {
+    let Some(first) = family.first() else {
+        return String::new();
+    };
+    let variables: Vec<&str> = first.point.iter().map(|p| p.name.as_str()).collect();
+    let slow = |o: &RunOutcome| -> Vec<String> {
+        (0..o.results.samples())
+            .filter(|row| at(&o.results, "frequency", *row) > 0.0)
+            .take(MOST_MODES)
+            .map(|row| {
+                format!(
+                    "{} ({:.1} %)",
+                    frequency(at(&o.results, "frequency", row)),
+                    100.0 * at(&o.results, "damping_ratio", row)
+                )
+            })
+            .collect()
+    };
+    let mut head = variables.clone();
+    head.push("Hz (damping)");
+    let mut text = Table::new(&[&head]);
+    for outcome in family {
+        let mut cells: Vec<String> = outcome
+            .point
+            .iter()
+            .map(|p| p.display.text(p.value))
+            .collect();
+        cells.extend(slow(outcome));
+        text.row(cells);
+    }
+    format!("{name}\n{}", text.render())
+}

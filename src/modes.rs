@@ -1,0 +1,258 @@
+//! Modes of a `linear` analysis as columns: a row a mode, oscillations first, each kind from slow to fast.
+//!
+//! | column | meaning |
+//! | --- | --- |
+//! | `mode` | counted from 1 |
+//! | `frequency`, `undamped_frequency` | ω/2π, \|λ\|/2π (Hz) of λ = growth ± iω; the first is 0 where nothing oscillates |
+//! | `damping_ratio` | −Re λ/\|λ\|: 1 of a decay, −1 of a growth without oscillation |
+//! | `growth` | Re λ (1/s) |
+//! | `kinetic.B` | share of body B in the kinetic energy; of a flexible one also `kinetic.B.rigid` and `kinetic.B.mode[k]` |
+//! | `potential.P`, `lost.P` | share of flexible body or load P in the stored energy, in the lost power (negative: P feeds the mode) |
+//! | a channel's path, `….phase` | its amplitude while the mode has 1 J, and its phase against the mode's largest motion |
+
+use crate::results::{Column, Results, ResultsError};
+use eng_runtime::linearised::{LinearModes, Mode, Part, parts_of, stores};
+use eng_runtime::model::Model;
+use eng_system::{Dimension, DisplayUnit};
+use std::f64::consts::PI;
+
+/// Key of the metadata that tells what the rows are, and its value for modes.
+pub const ROWS: &str = "rows";
+/// See [`ROWS`].
+pub const MODES: &str = "modes";
+/// Columns of every mode.
+pub const COLUMNS: [&str; 5] = [
+    "mode",
+    "frequency",
+    "undamped_frequency",
+    "damping_ratio",
+    "growth",
+];
+/// Before the path of a body.
+const KINETIC: &str = "kinetic.";
+/// Parts that a line of the table names, and the smallest share that it does.
+const NAMED: usize = 4;
+const SMALLEST: f64 = 0.03;
+
+fn unit(symbol: &str, scale: f64) -> DisplayUnit {
+    DisplayUnit {
+        symbol: symbol.to_owned(),
+        scale,
+        offset: 0.0,
+    }
+}
+
+fn column(path: String, dimension: Dimension, display: DisplayUnit) -> Column {
+    Column {
+        path,
+        dimension,
+        display,
+        frame: String::new(),
+        values: Vec::new(),
+    }
+}
+
+fn share(path: String) -> Column {
+    column(path, Dimension::ONE, unit("%", 0.01))
+}
+
+/// Parts of one body: the first of them, and how many.
+fn bodies(parts: &[Part]) -> Vec<(usize, usize)> {
+    let mut found: Vec<(usize, usize)> = Vec::new();
+    for (index, part) in parts.iter().enumerate() {
+        match found.last_mut() {
+            Some((_, count)) if part.mode.is_some() => *count += 1,
+            _ => found.push((index, 1)),
+        }
+    }
+    found
+}
+
+/// Columns without values, in the order of [`row`].
+pub(crate) fn push_columns(results: &mut Results, model: &Model) -> Result<(), ResultsError> {
+    results.set_metadata(ROWS, MODES);
+    let per_time = Dimension::ONE.over(Dimension::TIME);
+    let displays = [
+        (Dimension::ONE, unit("1", 1.0)),
+        (per_time, unit("Hz", 1.0)),
+        (per_time, unit("Hz", 1.0)),
+        (Dimension::ONE, unit("%", 0.01)),
+        (per_time, unit("1/s", 1.0)),
+    ];
+    for (path, (dimension, display)) in COLUMNS.into_iter().zip(displays) {
+        results.push(column(path.to_owned(), dimension, display))?;
+    }
+    let parts = parts_of(model);
+    for (first, count) in bodies(&parts) {
+        let path = &parts[first].path;
+        results.push(share(format!("{KINETIC}{path}")))?;
+        if count > 1 {
+            results.push(share(format!("{KINETIC}{path}.rigid")))?;
+            for mode in 1..count {
+                results.push(share(format!("{KINETIC}{path}.mode[{mode}]")))?;
+            }
+        }
+    }
+    for kind in ["potential", "lost"] {
+        for store in stores(model) {
+            results.push(share(format!("{kind}.{store}")))?;
+        }
+    }
+    for channel in &model.compiled.system.channels {
+        let display = DisplayUnit {
+            offset: 0.0,
+            ..channel.display.clone()
+        };
+        results.push(Column {
+            frame: channel.frame.clone(),
+            ..column(channel.path.clone(), channel.dimension, display)
+        })?;
+        let phase = format!("{}.phase", channel.path);
+        results.push(column(phase, Dimension::ANGLE, unit("deg", PI / 180.0)))?;
+    }
+    Ok(())
+}
+
+/// The values (SI) of a mode, in the order of [`push_columns`].
+pub(crate) fn row(modes: &LinearModes, index: usize, mode: &Mode) -> Vec<f64> {
+    let mut row = vec![
+        (index + 1) as f64,
+        mode.frequency(),
+        mode.undamped_frequency(),
+        mode.damping_ratio(),
+        mode.value.re,
+    ];
+    let kinetic = &mode.shares.kinetic;
+    for (first, count) in bodies(&modes.parts) {
+        let own = kinetic.get(first..first + count).unwrap_or_default();
+        row.push(own.iter().sum());
+        if count > 1 {
+            row.extend(own);
+        }
+    }
+    row.extend(&mode.shares.potential);
+    row.extend(&mode.shares.lost);
+    for output in &mode.outputs {
+        row.push(output.norm());
+        row.push(libm::atan2(output.im, output.re));
+    }
+    row
+}
+
+/// What is told of the whole: where, how many, what is zero, what grows.
+pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
+    let count = modes.oscillations().count();
+    let mut told = format!(
+        "linearised at {}: {} freedoms, {} oscillations, {} decays",
+        modes.moment,
+        modes.freedoms,
+        count,
+        modes.modes.len() - count
+    );
+    if modes.states > 0 {
+        told.push_str(&format!(", {} states of elements", modes.states));
+    }
+    if modes.zeros > 0 {
+        told.push_str(&format!(
+            "; {} eigenvalues are zero (below {:.1e} Hz)",
+            modes.zeros,
+            modes.resolution / (2.0 * PI)
+        ));
+    }
+    if modes.left_out != [0, 0] {
+        told.push_str(&format!(
+            "; {} oscillations and {} decays left out",
+            modes.left_out[0], modes.left_out[1]
+        ));
+    }
+    let mut facts = vec![told];
+    for (index, mode) in modes.modes.iter().enumerate().filter(|(_, m)| m.grows()) {
+        let named: Vec<(String, f64)> = mode
+            .leading(NAMED)
+            .into_iter()
+            .filter_map(|(part, share)| Some((modes.parts.get(part)?.to_string(), share)))
+            .collect();
+        facts.push(format!(
+            "unstable: mode {} ({:.4} Hz) grows by {:.4} 1/s: {}",
+            index + 1,
+            mode.frequency(),
+            mode.value.re,
+            listed(named)
+        ));
+    }
+    facts
+}
+
+/// Whether results hold modes.
+pub fn are_modes(results: &Results) -> bool {
+    results.metadata().get(ROWS).map(String::as_str) == Some(MODES)
+}
+
+/// `62 % crank mode 3, 20 % block`: the largest first.
+fn listed(mut shares: Vec<(String, f64)>) -> String {
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    shares.truncate(NAMED);
+    let named: Vec<String> = shares
+        .into_iter()
+        .enumerate()
+        .filter(|(place, (_, share))| *place == 0 || *share >= SMALLEST)
+        .map(|(_, (name, share))| format!("{:.0} % {name}", 100.0 * share))
+        .collect();
+    named.join(", ")
+}
+
+/// Values of a column, if it was kept.
+pub(crate) fn values<'r>(results: &'r Results, path: &str) -> Option<&'r [f64]> {
+    results.column(path).map(|c| c.values.as_slice())
+}
+
+/// What moves in a row: bodies by name, of flexible ones the rigid motion and each mode.
+pub(crate) fn composition(results: &Results, row: usize) -> String {
+    let columns = || {
+        results.columns().iter().filter_map(|c| {
+            let name = c.path.strip_prefix(KINETIC)?;
+            Some((name, *c.values.get(row)?))
+        })
+    };
+    let split: Vec<&str> = columns()
+        .filter_map(|(name, _)| name.strip_suffix(".rigid"))
+        .collect();
+    let shares = columns()
+        .filter(|(name, _)| !split.contains(name))
+        .map(|(name, share)| {
+            let name = match name.split_once(".mode[") {
+                Some((body, mode)) => format!("{body} mode {}", mode.trim_end_matches(']')),
+                None => name.replace(".rigid", " rigid"),
+            };
+            (name, share)
+        })
+        .collect();
+    listed(shares)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_named_from_columns() {
+        let mut results = Results::new("modes", "M");
+        for (path, value) in [
+            ("kinetic.crank", 0.82),
+            ("kinetic.crank.rigid", 0.2),
+            ("kinetic.crank.mode[1]", 0.0),
+            ("kinetic.crank.mode[2]", 0.62),
+            ("kinetic.rod[1]", 0.16),
+            ("kinetic.rod[2]", 0.02),
+        ] {
+            let mut column = share(path.to_owned());
+            column.values.push(value);
+            results.push(column).unwrap();
+        }
+        assert_eq!(
+            composition(&results, 0),
+            "62 % crank mode 2, 20 % crank rigid, 16 % rod[1]"
+        );
+        assert!(!are_modes(&results));
+    }
+}

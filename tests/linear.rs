@@ -1,0 +1,615 @@
+//! Linear analyses against closed forms, published bearing coefficients, and the decay of the same models in time.
+
+use eng::{LinearModes, Outcome, Program, Quantity, Sources};
+use nalgebra::{DMatrix, Matrix4};
+use std::f64::consts::{PI, TAU};
+
+fn program(text: &str) -> Program {
+    let sources = Sources::from_texts([
+        ("model.eng".to_owned(), text.to_owned()),
+        (
+            "bar.bdf".to_owned(),
+            include_str!("mesh/bar.bdf").to_owned(),
+        ),
+    ]);
+    match eng::check(&sources, "model.eng").into_program() {
+        Ok(program) => program,
+        Err(report) => panic!("{report}"),
+    }
+}
+
+fn run(program: &Program, analysis: &str, settings: &[(&str, &str)]) -> Outcome {
+    let mut analysis = program.analysis(analysis).expect("an analysis");
+    for (path, value) in settings {
+        let parameter = analysis.model().parameter(path).expect("a parameter");
+        let value: Quantity = value.parse().expect("a quantity");
+        analysis = analysis.set(parameter, value).expect("it fits");
+    }
+    match analysis.run(&mut |_| {}) {
+        Ok(outcome) => outcome,
+        Err(failed) => panic!("{}", failed.error),
+    }
+}
+
+fn modes(program: &Program, analysis: &str, settings: &[(&str, &str)]) -> LinearModes {
+    run(program, analysis, settings).modes.expect("modes")
+}
+
+/// ω (rad/s) of the oscillations, ascending.
+fn circular(modes: &LinearModes) -> Vec<f64> {
+    modes.oscillations().map(|m| m.value.im).collect()
+}
+
+#[track_caller]
+fn near(found: f64, due: f64, tolerance: f64) {
+    assert!(
+        (found - due).abs() <= tolerance * due.abs(),
+        "{found} instead of {due}: {:.1e}",
+        found / due - 1.0
+    );
+}
+
+const SPRING: &str = "
+    use std.joints.Translational
+    use std.forces.Bushing
+    model Mass {
+        param damping: Damping = 40 N*s/m
+        gravity = [0, 0, -9.81] m/s^2
+        marker wall = [0, 0, 0] mm
+        body block { mass = 2.5 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+        joint rail = Translational(block.eye, wall)
+        force spring = Bushing(block.eye, wall, stiffness: [0, 0, 9000] N/m, damping: [0 N*s/m, 0 N*s/m, damping],
+            torsional_stiffness: [0, 0, 0] N*m/rad, torsional_damping: [0, 0, 0] N*m*s/rad)
+        output acceleration = dot(block.eye.acceleration, ground.z)
+        output place = dot(block.eye.origin - wall.origin, ground.z) as mm
+    }
+    analysis modes = linear(Mass())
+    analysis later = linear(Mass(), after: 20 ms)
+    analysis fast = linear(Mass(), up_to: 1 Hz)";
+
+/// λ of a damped oscillator; its outputs at 1 J; above critical damping two decays.
+#[test]
+fn a_mass_on_a_spring() {
+    let program = program(SPRING);
+    let (m, c, k) = (2.5_f64, 40.0_f64, 9000.0_f64);
+    for analysis in ["modes", "later"] {
+        let outcome = run(&program, analysis, &[]);
+        let found = outcome.modes.expect("modes");
+        assert_eq!((found.freedoms, found.zeros, found.modes.len()), (1, 0, 1));
+        let mode = &found.modes[0];
+        near(mode.value.re, -c / (2.0 * m), 1e-12);
+        near(
+            mode.value.im,
+            (k / m - (c / (2.0 * m)).powi(2)).sqrt(),
+            1e-12,
+        );
+        near(mode.undamped_frequency(), (k / m).sqrt() / TAU, 1e-12);
+        near(mode.damping_ratio(), c / (2.0 * (k * m).sqrt()), 1e-12);
+        assert_eq!(found.stores, ["spring"]);
+        for share in [
+            mode.shares.kinetic[0],
+            mode.shares.potential[0],
+            mode.shares.lost[0],
+        ] {
+            near(share, 1.0, 1e-9);
+        }
+        // ½ m |v|² = 1 J
+        let speed = (2.0 / m).sqrt();
+        let column = |path: &str| outcome.results.column(path).expect("a column").values[0];
+        let size = mode.value.norm();
+        near(column("acceleration"), speed * size, 1e-7);
+        near(column("place"), speed / size, 1e-7);
+        near(
+            column("spring.force.z"),
+            (mode.value * c + k).norm() * speed / size,
+            1e-7,
+        );
+        near(
+            column("spring.force.z.phase").abs(),
+            (PI - ((mode.value * c + k).arg())).abs(),
+            1e-6,
+        );
+        near(column("frequency"), mode.frequency(), 1e-15);
+        near(column("kinetic.block"), 1.0, 1e-9);
+    }
+    let none = modes(&program, "fast", &[]);
+    assert_eq!((none.modes.len(), none.left_out), (0, [1, 0]));
+    let found = modes(&program, "modes", &[("damping", "400 N*s/m")]);
+    assert_eq!(found.modes.len(), 2);
+    let root = ((400.0 / (2.0 * m)).powi(2) - k / m).sqrt();
+    near(found.modes[0].value.re, -80.0 + root, 1e-12);
+    near(found.modes[1].value.re, -80.0 - root, 1e-12);
+    assert!(!found.modes[0].oscillates());
+}
+
+/// A pendulum on a hub that turns about the vertical at a constant speed, at its outward balance, and hanging.
+#[test]
+fn a_turning_pendulum() {
+    let text = "
+        use std.joints.Revolute
+        use std.drives.ConstantSpeed
+        model Governor {
+            param speed: AngularVelocity = 12 rad/s
+            param out: Angle = 0 deg
+            gravity = [0, 0, -9.81] m/s^2
+            marker stand = [0, 0, 0] mm
+            body hub { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker foot = origin; marker eye = at(origin, z: [0, -1, 0], x: [0, 0, -1]) }
+            body bob {
+                mass = 0.7 kg
+                inertia = [0.9, 4, 4] g*m^2
+                marker eye = at([-250, 0, 0] mm, z: [0, 0, 1], x: [1, 0, 0])
+                guess rotation = [0, 90, 0] deg
+            }
+            drive turn = ConstantSpeed(hub.foot, stand, speed: speed)
+            joint pin = Revolute(bob.eye, hub.eye)
+            start pin.angle = out
+            start pin.speed = 0 rpm
+        }
+        analysis modes = linear(Governor(), start: assembled)";
+    let program = program(text);
+    let (m, l, g) = (0.7_f64, 0.25_f64, 9.81_f64);
+    let (along, about) = (0.9e-3, 4e-3 + m * l * l);
+    let hanging = modes(&program, "modes", &[("speed", "1e-9 rad/s")]);
+    near(circular(&hanging)[0], (m * g * l / about).sqrt(), 1e-10);
+    let speed = 12.0_f64;
+    let cosine = m * g * l / (speed * speed * (about - along));
+    let angle = cosine.acos();
+    assert!((0.3..1.4).contains(&angle), "{angle}");
+    let found = modes(&program, "modes", &[("out", &format!("{angle} rad"))]);
+    assert_eq!((found.freedoms, found.modes.len()), (1, 1));
+    let due = speed * angle.sin() * ((about - along) / about).sqrt();
+    near(circular(&found)[0], due, 1e-9);
+    assert!(found.modes[0].damping_ratio().abs() < 1e-9);
+}
+
+/// A body that turns freely about a pin beside its centre is held by nothing: two zeros, no oscillation.
+#[test]
+fn a_body_turning_about_a_pin_is_not_held() {
+    let text = "
+        use std.joints.Revolute
+        model Wheel {
+            gravity = [0, 0, 0] m/s^2
+            marker stand = [0, 0, 0] mm
+            body wheel { mass = 3 kg; inertia = [3, 4, 5] g*m^2; products_of_inertia = [0.2, 0.1, -0.1] g*m^2; center_of_mass = [30, 10, 5] mm; marker eye = origin }
+            joint pin = Revolute(wheel.eye, stand)
+            start pin.angle = 50 deg
+            start pin.speed = 3000 rpm
+        }
+        analysis modes = linear(Wheel(), start: assembled)";
+    let found = modes(&program(text), "modes", &[]);
+    assert_eq!(
+        (found.zeros, found.modes.len()),
+        (2, 0),
+        "{:?}",
+        found.modes
+    );
+}
+
+/// A slider driven to and fro by a free crank, in the middle of its motion: `λ² = −K` with the closed form of its one freedom in
+/// the coordinate `x = √m δθ`, `K = (ṁ/2m)² + (½ m′ θ̈ + V″)/m`.
+#[test]
+fn a_crank_of_varying_inertia() {
+    let text = "
+        use std.joints.{Revolute, Translational, Distance}
+        model Crank {
+            gravity = [-60, 0, 0] m/s^2
+            marker stand = [0, 0, 0] mm
+            marker rail = at([0, 0, 0] mm, z: [1, 0, 0], x: [0, 1, 0])
+            body crank { mass = 2 kg; inertia = [2, 2, 3] g*m^2; marker hub = origin; marker pin = [50, 0, 0] mm }
+            body slider { mass = 0.8 kg; inertia = [1, 1, 1] g*m^2; marker eye = at(origin, z: [1, 0, 0], x: [0, 1, 0]); guess position = [200, 0, 0] mm }
+            joint bearing = Revolute(crank.hub, stand)
+            joint way = Translational(slider.eye, rail) { branch travel > 0 mm }
+            joint rod = Distance(crank.pin, slider.eye, length: 170 mm)
+            start bearing.angle = 130 deg
+            start bearing.speed = 90 rpm
+        }
+        analysis modes = linear(Crank(), start: assembled)";
+    let found = modes(&program(text), "modes", &[]);
+    let (inertia, mass, g, r, l) = (3e-3, 0.8, 60.0, 0.05, 0.17);
+    let (theta, speed) = (130f64.to_radians(), 90.0 * PI / 30.0);
+    // place of the slider and its derivatives by θ: u = √(l² − r² sin²θ)
+    let (sin, cos) = theta.sin_cos();
+    let u = (l * l - r * r * sin * sin).sqrt();
+    let u1 = -r * r * sin * cos / u;
+    let u2 = (-r * r * (cos * cos - sin * sin) - u1 * u1) / u;
+    let u3 = (4.0 * r * r * sin * cos - 3.0 * u1 * u2) / u;
+    let (x1, x2, x3) = (-r * sin + u1, -r * cos + u2, r * sin + u3);
+    let m = inertia + mass * x1 * x1;
+    let m1 = 2.0 * mass * x1 * x2;
+    let (v1, v2) = (mass * g * x1, mass * g * x2);
+    let acceleration = -(0.5 * m1 * speed * speed + v1) / m;
+    let stiffness = (m1 * speed / (2.0 * m)).powi(2) + (0.5 * m1 * acceleration + v2) / m;
+    // x3 enters m″ alone, which drops out
+    assert!(x3.is_finite() && stiffness > 1.0, "{stiffness}");
+    assert_eq!(found.modes.len(), 1);
+    near(circular(&found)[0], stiffness.sqrt(), 1e-9);
+}
+
+/// Whirl of a disc on an elastic support of its axis over its speed: `J_t ω² − J_p Ω ω − k = 0`, forwards and backwards.
+#[test]
+fn a_gyroscopic_rotor_over_speed() {
+    let text = "
+        use std.joints.Spherical
+        force AxisSpring(a: Marker, b: Marker, k: TorsionalStiffness) {
+            apply torque k*1 rad*cross(a.z, b.z) on a against b
+        }
+        model Rotor {
+            param speed: AngularVelocity = 0 rad/s
+            gravity = [0, 0, 0] m/s^2
+            marker stand = [0, 0, 0] mm
+            body disc { mass = 5 kg; inertia = [20, 20, 38] g*m^2; marker hub = origin; start angular_velocity = [0, 0, 1]*speed }
+            joint ball = Spherical(disc.hub, stand)
+            force support = AxisSpring(disc.hub, stand, k: 500 N*m/rad)
+        }
+        analysis campbell[s in [0, 50, 200, 800] rad/s] = linear(Rotor(speed: s))";
+    let program = program(text);
+    let (transverse, polar, k) = (20e-3_f64, 38e-3_f64, 500.0_f64);
+    for (index, speed) in [0.0, 50.0, 200.0, 800.0].into_iter().enumerate() {
+        let found = modes(&program, &format!("campbell[{}]", index + 1), &[]);
+        let half = polar * speed / (2.0 * transverse);
+        let root = (half * half + k / transverse).sqrt();
+        let found = (circular(&found), found.zeros);
+        assert_eq!((found.0.len(), found.1), (2, 2));
+        near(found.0[0], root - half, 1e-9);
+        near(found.0[1], root + half, 1e-9);
+    }
+}
+
+/// A flywheel on its coupling: two discs and a spring between; the common rotation is free.
+const DISCS: &str = "
+    use std.joints.Revolute
+    use std.forces.TorsionSpring
+    model Discs {
+        param damping: TorsionalDamping = 8 N*m*s/rad
+        gravity = [0, 0, 0] m/s^2
+        marker stand = [0, 0, 0] mm
+        marker far = [0, 0, 200] mm
+        body crank { mass = 20 kg; inertia = [0.1, 0.1, 0.18] kg*m^2; marker hub = origin }
+        body wheel { mass = 11 kg; inertia = [0.06, 0.06, 0.112] kg*m^2; marker hub = origin; guess position = [0, 0, 200] mm }
+        joint main = Revolute(crank.hub, stand)
+        joint pilot = Revolute(wheel.hub, far)
+        force coupling = TorsionSpring(wheel.hub, crank.hub, stiffness: 2e4 N*m/rad, damping: damping)
+        start main.angle = 0 deg
+        start pilot.angle = 2 deg
+        start main.speed = 4000 rpm
+        start pilot.speed = 4000 rpm
+        output twist = coupling.twist
+    }
+    analysis modes = linear(Discs(), start: assembled)
+    analysis decay = transient(Discs(), duration: 60 ms, sample: 0.05 ms, start: assembled, tolerance: 1e-3)";
+
+/// λ such that a sampled decay repeats `y(k+2) = s y(k+1) − p y(k)` best: `z² = s z − p`, `λ = ln z/h`.
+fn decay(values: &[f64], h: f64) -> (f64, f64) {
+    let mut normal = [0.0; 5];
+    for w in values.windows(3) {
+        let (a, b, y) = (w[1], -w[0], w[2]);
+        for (sum, x) in normal.iter_mut().zip([a * a, a * b, b * b, a * y, b * y]) {
+            *sum += x;
+        }
+    }
+    let [aa, ab, bb, ay, by] = normal;
+    let det = aa * bb - ab * ab;
+    let (s, p) = ((ay * bb - by * ab) / det, (aa * by - ab * ay) / det);
+    (0.5 * p.ln() / h, (0.5 * s / p.sqrt()).acos() / h)
+}
+
+#[test]
+fn a_flywheel_on_its_coupling_and_its_decay_in_time() {
+    let program = program(DISCS);
+    let found = modes(&program, "modes", &[]);
+    let inverse: f64 = 1.0 / 0.18 + 1.0 / 0.112;
+    let (k, c) = (2e4, 8.0);
+    assert_eq!((found.zeros, found.modes.len()), (2, 1));
+    let mode = &found.modes[0];
+    near(mode.value.norm(), (k * inverse).sqrt(), 1e-9);
+    near(mode.value.re, -0.5 * c * inverse, 1e-9);
+    // the lighter disc moves more: kinetic energies as the inverse inertias
+    near(mode.shares.kinetic[1], 1.0 / 0.112 / inverse, 1e-9);
+    let results = run(&program, "decay", &[]).results;
+    let twist = &results.column("twist").expect("a column").values;
+    let (re, im) = decay(&twist[10..], 0.05e-3);
+    near(re, mode.value.re, 1e-4);
+    near(im, mode.value.im, 1e-5);
+}
+
+const HELD: &str = "
+    model Held {
+        gravity = [0, 0, -9.81] m/s^2
+        flexible bar {
+            mesh = nastran(\"bar.bdf\", units: mm_tonne_s)
+            support = foot
+            modes = static(at: tip, freedoms: [x, y]) + normal(6)
+            damping = modal(2 %, up_to: 4000 Hz)
+            marker foot = patch(center: [0, 0, 0] mm, normal: z, radius: 15 mm, tie: rigid)
+            marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
+        }
+    }
+    model Free {
+        gravity = [0, 0, 0] m/s^2
+        flexible bar {
+            mesh = nastran(\"bar.bdf\", units: mm_tonne_s)
+            modes = normal(7)
+            damping = 1 %
+            marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
+        }
+    }
+    analysis held = linear(Held())
+    analysis free = linear(Free())";
+
+/// The modes of one flexible body are those of its reduction.
+#[test]
+fn a_flexible_body_alone_has_the_modes_of_its_reduction() {
+    let program = program(HELD);
+    for (model, analysis, zeros) in [("Held", "held", 0), ("Free", "free", 12)] {
+        let frequencies = program.model(model).expect("a model").reductions()[0]
+            .frequencies()
+            .to_vec();
+        let found = modes(&program, analysis, &[]);
+        assert_eq!((found.zeros, found.modes.len()), (zeros, frequencies.len()));
+        for (place, (mode, due)) in found.modes.iter().zip(&frequencies).enumerate() {
+            near(mode.undamped_frequency(), *due, 1e-9);
+            let ratio = if model == "Held" && *due > 4000.0 {
+                0.02 + 0.98 * ((due - 4000.0) / 16_000.0).min(1.0)
+            } else if model == "Held" {
+                0.02
+            } else {
+                0.01
+            };
+            near(mode.damping_ratio(), ratio, 1e-7);
+            // a pair of equal frequencies may stand in any mixture
+            let own: f64 = frequencies
+                .iter()
+                .zip(&mode.shares.kinetic[1..])
+                .filter(|(f, _)| (*f / due - 1.0).abs() < 1e-6)
+                .map(|(_, share)| share)
+                .sum();
+            near(own, 1.0, 1e-6);
+            assert!(found.parts[place + 1].to_string() == format!("bar mode {}", place + 1));
+        }
+    }
+}
+
+/// A rigid rotor on one short bearing at ε = 0.4, with the published coefficients, SI; x along the load.
+struct JournalRotor {
+    program: Program,
+    mass: f64,
+    stiffness: [[f64; 2]; 2],
+    damping: [[f64; 2]; 2],
+    /// rad/s.
+    speed: f64,
+    /// Frequency of the whirl at the threshold over the speed.
+    whirl: f64,
+}
+
+/// With a mass of so much of the one at which whirl begins, under the same load.
+fn journal_rotor(threshold: f64) -> JournalRotor {
+    let table: serde_json::Value =
+        serde_json::from_str(include_str!("reference/bearing_short_coefficients.json"))
+            .expect("JSON");
+    let rows = table["short_bearing_ocvirk"]["rows"]
+        .as_array()
+        .expect("rows");
+    let row = rows
+        .iter()
+        .find(|r| r["eps"].as_f64() == Some(0.4))
+        .expect("0.4");
+    let number = |key: &str| row[key].as_f64().expect("a number");
+    // S = μ N L D/W (R/c)², times (L/D)²
+    let (d, l, c, mu, speed): (f64, f64, f64, f64, f64) = (0.05, 0.0125, 30e-6, 0.01, 500.0);
+    let load = mu * speed / TAU * l * d * (0.5 * d / c).powi(2) * (l / d).powi(2) / number("S_LD2");
+    let mass = threshold * number("M_crit") * load / (c * speed * speed);
+    let attitude = number("attitude_deg").to_radians();
+    let ratio = 0.4 * c;
+    let text = format!(
+        "
+        use std.joints.{{ParallelAxes, PointOnPlane}}
+        use std.drives.PrescribedRotation
+        use std.journals.Short
+        model Jeffcott {{
+            param aside: Length = 0 um
+            gravity = [{gravity:e}, 0, 0] m/s^2
+            marker shell = [0, 0, 0] mm
+            body rotor {{
+                mass = {mass:e} kg; inertia = [1, 1, 1] g*m^2; marker pin = origin
+                guess position = [{x:e} m, {y:e} m + aside, 0 m]
+            }}
+            joint level = ParallelAxes(rotor.pin, shell)
+            joint thrust = PointOnPlane(rotor.pin, shell)
+            drive turn = PrescribedRotation(rotor.pin, shell, speed: 500 rad/s)
+            journal film = Short(pin: rotor.pin, shell: shell, diameter: 50 mm, width: 12.5 mm,
+                radial_clearance: 30 um, viscosity: 10 mPa*s)
+            output x = dot(rotor.pin.origin, ground.x) as um
+            output y = dot(rotor.pin.origin, ground.y) as um
+        }}
+        analysis modes = linear(Jeffcott())
+        analysis decay = transient(Jeffcott(aside: 0.05 um), duration: 120 ms, sample: 2 ms, start: assembled, step: 20 us)",
+        gravity = load / mass,
+        x = ratio * attitude.cos(),
+        y = ratio * attitude.sin(),
+    );
+    let matrix = |name: &str, unit: f64| {
+        ["x", "y"].map(|i| ["x", "y"].map(|j| unit * number(&format!("{name}{i}{j}"))))
+    };
+    JournalRotor {
+        program: program(&text),
+        mass,
+        stiffness: matrix("K", load / c),
+        damping: matrix("C", load / (c * speed)),
+        speed,
+        whirl: number("whirl_ratio"),
+    }
+}
+
+/// A rigid rotor on a short bearing: eigenvalues with the published coefficients (x along the load, y on in the sense of rotation).
+#[test]
+fn a_rotor_on_a_short_bearing_has_the_published_stiffness_and_damping() {
+    for threshold in [0.3, 0.9] {
+        let JournalRotor {
+            program,
+            mass,
+            stiffness: k,
+            damping: c,
+            ..
+        } = journal_rotor(threshold);
+        let outcome = run(&program, "modes", &[]);
+        let found = outcome.modes.expect("modes");
+        assert_eq!((found.freedoms, found.zeros), (2, 0), "{:?}", outcome.start);
+        assert!(
+            matches!(outcome.start, Some(eng::StartReport::QuasiStatic(_))),
+            "{:?}",
+            outcome.start
+        );
+        let due = Matrix4::new(
+            0.0,
+            0.0,
+            1.0,
+            0.0, //
+            0.0,
+            0.0,
+            0.0,
+            1.0, //
+            -k[0][0] / mass,
+            -k[0][1] / mass,
+            -c[0][0] / mass,
+            -c[0][1] / mass, //
+            -k[1][0] / mass,
+            -k[1][1] / mass,
+            -c[1][0] / mass,
+            -c[1][1] / mass,
+        );
+        let due = DMatrix::from_column_slice(4, 4, due.as_slice()).complex_eigenvalues();
+        assert!(!found.modes.is_empty());
+        for mode in &found.modes {
+            let nearest = due
+                .iter()
+                .map(|x| (x - mode.value).norm() / mode.value.norm())
+                .fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-5, "{} {due} {nearest:e}", mode.value);
+        }
+    }
+}
+
+/// The threshold of whirl of a rigid rotor on short bearings, and the whirl there, against the published chart.
+#[test]
+fn a_rotor_begins_to_whirl_at_the_published_threshold() {
+    for (threshold, grows) in [(0.98, false), (1.02, true)] {
+        let JournalRotor {
+            program,
+            speed,
+            whirl,
+            ..
+        } = journal_rotor(threshold);
+        let found = modes(&program, "modes", &[]);
+        let slow = found.oscillations().next().expect("a whirl");
+        assert_eq!(slow.grows(), grows, "{}", slow.value);
+        assert_eq!(
+            found.modes.iter().filter(|m| m.grows()).count(),
+            usize::from(grows)
+        );
+        near(slow.value.im / speed, whirl, 1e-2);
+        // what feeds it is the film
+        assert_eq!(slow.shares.lost[0] < 0.0, grows);
+    }
+    let JournalRotor {
+        program,
+        speed,
+        whirl,
+        ..
+    } = journal_rotor(1.0);
+    let found = modes(&program, "modes", &[]);
+    let slow = found.oscillations().next().expect("a whirl");
+    near(slow.value.im / speed, whirl, 1e-5);
+    assert!(slow.damping_ratio().abs() < 1e-5, "{}", slow.value);
+}
+
+/// Put aside by 50 nm the rotor swings back as its slow mode says.
+#[test]
+fn a_rotor_swings_back_as_its_mode_says() {
+    let program = journal_rotor(0.7).program;
+    let found = modes(&program, "modes", &[]);
+    let slow = found.oscillations().next().expect("a whirl");
+    assert!(slow.damping_ratio() > 0.01, "{}", slow.value);
+    let results = run(&program, "decay", &[]).results;
+    let y = &results.column("y").expect("a column").values;
+    // differences of samples know nothing of where it comes to rest; faster modes have gone by 20 ms
+    let swing: Vec<f64> = y[10..].windows(2).map(|w| w[1] - w[0]).collect();
+    let (re, im) = decay(&swing, 2e-3);
+    println!("{re} {im} instead of {}", slow.value);
+    near(im, slow.value.im, 1e-4);
+    near(re, slow.value.re, 2e-3);
+}
+
+/// A spring behind a damper (Maxwell's element), whose force is a state: `λ² + k/c λ + k/m = 0`, and a zero of the place.
+#[test]
+fn a_state_of_an_element() {
+    let text = "
+        use std.joints.Translational
+        force Maxwell(a: Marker, b: Marker, k: Stiffness, c: Damping) {
+            state pull: Force = 0 N
+            der(pull) = k*dot(a.velocity - b.velocity, b.z) - pull*k/c
+            apply force -pull*b.z on a against b
+            output tension = pull as N
+        }
+        model Strut {
+            gravity = [0, 0, 0] m/s^2
+            marker wall = [0, 0, 0] mm
+            body block { mass = 2 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+            joint rail = Translational(block.eye, wall)
+            force strut = Maxwell(block.eye, wall, k: 8000 N/m, c: 300 N*s/m)
+        }
+        analysis modes = linear(Strut())";
+    let outcome = run(&program(text), "modes", &[]);
+    let found = outcome.modes.expect("modes");
+    assert_eq!((found.freedoms, found.states, found.zeros), (1, 1, 1));
+    let (m, k, c) = (2.0_f64, 8000.0_f64, 300.0_f64);
+    assert_eq!(found.modes.len(), 1);
+    let mode = &found.modes[0];
+    near(mode.value.norm(), (k / m).sqrt(), 1e-12);
+    near(mode.value.re, -0.5 * k / c, 1e-12);
+    // the force that the mass feels is that of its acceleration
+    let tension = outcome
+        .results
+        .column("strut.tension")
+        .expect("a column")
+        .values[0];
+    near(tension, m * (2.0 / m).sqrt() * mode.value.norm(), 1e-7);
+}
+
+/// A free bar that spins about its axis: bending, ω₀ from the ground, is ω₀ ± Ω in the bar's own axes.
+#[test]
+fn a_spinning_bar_in_its_own_axes() {
+    let text = "
+        model Free {
+            param spin: AngularVelocity = 0 rad/s
+            gravity = [0, 0, 0] m/s^2
+            flexible bar {
+                mesh = nastran(\"bar.bdf\", units: mm_tonne_s)
+                modes = normal(4)
+                damping = 0 %
+                geometric_stiffness = true
+                marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
+                start angular_velocity = [0, 0, 1]*spin
+            }
+        }
+        analysis modes = linear(Free(), start: assembled)";
+    let program = program(text);
+    let still = circular(&modes(&program, "modes", &[]));
+    let turning = circular(&modes(&program, "modes", &[("spin", "600 rad/s")]));
+    for (k, due) in [-600.0, 600.0].into_iter().enumerate() {
+        let shift = turning[k] - still[0];
+        assert!((shift - due).abs() < 0.02 * 600.0, "{shift} {due}");
+    }
+}
+
+/// The same bits again, and in whatever order of threads.
+#[test]
+fn the_same_bits() {
+    let text = HELD;
+    let (first, second) = (
+        modes(&program(text), "held", &[]),
+        std::thread::spawn(move || modes(&program(text), "held", &[]))
+            .join()
+            .expect("a thread"),
+    );
+    assert_eq!(first, second);
+}
