@@ -1,6 +1,6 @@
 //! Freedoms of markers as rows over the free freedoms of a structure.
 
-use super::{Interface, Request, Term};
+use super::{Interface, Request};
 use crate::error::FlexibleError;
 use crate::fe::{FreedomMap, Reduction};
 use crate::modes::Load;
