@@ -61,12 +61,21 @@ struct Place {
     q: Vector4<f64>,
 }
 
+/// Mass of the quadratic element along the rod, middle, middle with end, end, of the rod's mass: `∫ N_i N_j dx/L`; and as the published equations
+/// have it, without the division by 15.
+const CONSISTENT: [f64; 3] = [8.0 / 15.0, 1.0 / 15.0, 2.0 / 15.0];
+const PUBLISHED: [f64; 3] = [8.0, 1.0, 2.0];
+
 /// Simeon's equations: the rod's deflection by two sines, its stretch by a quadratic element (middle and end), seen from the line through
 /// crank pin and slider.
 struct Simeon {
     m: Mechanism,
-    /// The strain energy has the product of stretch and slope squared.
+    /// The strain energy is `EA/2 ∫ (u' + ½ w'²)² dx`. The published equations have its product of stretch and slope squared, and leave out the
+    /// fourth power of the slope, without which the shortening of a bent rod counts as pressure in it; here it is in, as far as it is not
+    /// evened out along the rod by stretches that the quadratic element does not have.
     stiffened: bool,
+    /// Damping matrix over stiffness matrix (s).
+    damping: f64,
     mass: Matrix4<f64>,
     stiffness: Matrix4<f64>,
     /// B, and c1, c2, c12, c21 of the paper.
@@ -78,7 +87,7 @@ struct Simeon {
 }
 
 impl Simeon {
-    fn new(m: Mechanism, stiffened: bool) -> Simeon {
+    fn new(m: Mechanism, stiffened: bool, axial_mass: [f64; 3]) -> Simeon {
         let (area, slender) = (m.side * m.side, m.side / m.length);
         let volume = area * m.length;
         let mut mass = Matrix4::zeros();
@@ -88,7 +97,7 @@ impl Simeon {
         stiffness[(0, 0)] = PI.powi(4) / 24.0 * slender * slender;
         stiffness[(1, 1)] = PI.powi(4) * 2.0 / 3.0 * slender * slender;
         for (matrix, [middle, mixed, end]) in [
-            (&mut mass, [8.0 / 15.0, 1.0 / 15.0, 2.0 / 15.0]),
+            (&mut mass, axial_mass),
             (&mut stiffness, [16.0 / 3.0, -8.0 / 3.0, 7.0 / 3.0]),
         ] {
             matrix[(2, 2)] = middle;
@@ -108,6 +117,7 @@ impl Simeon {
         Simeon {
             m,
             stiffened,
+            damping: 0.0,
             mass: mass * (m.density * volume),
             stiffness: stiffness * (m.young * area / m.length),
             gyroscopic: gyroscopic * volume,
@@ -171,7 +181,8 @@ impl Simeon {
         let centrifugal = self.along_arm * (w2 * w2)
             + (self.along * c + self.across * s) * (throw * w1 * w1)
             + self.gyroscopic * rate * (2.0 * w2);
-        let mut elastic = self.mass * q * (w2 * w2) + centrifugal * density - self.stiffness * q;
+        let mut elastic = self.mass * q * (w2 * w2) + centrifugal * density
+            - self.stiffness * (q + rate * self.damping);
         if self.stiffened {
             let factor = 0.5 * m.young * m.side * m.side * PI * PI / (m.length * m.length);
             let share = 80.0 / (9.0 * PI * PI);
@@ -182,6 +193,14 @@ impl Simeon {
                 4.0 * share * q[0] * q[1],
                 0.5 * q[0] * q[0] + 2.0 * q[1] * q[1] - 2.0 * share * q[0] * q[1],
             ) * factor;
+            // ∂/∂q of EAL/8 (C² + D²), C and D the mean and the uneven part of the slope squared
+            let bend = PI * PI / (m.length * m.length);
+            let uneven_bend = 80.0 * 3f64.sqrt() / (9.0 * m.length * m.length);
+            let mean = bend * (0.5 * q[0] * q[0] + 2.0 * q[1] * q[1]);
+            let skew = uneven_bend * q[0] * q[1];
+            let stretch = 0.25 * m.young * m.side * m.side * m.length;
+            elastic[0] -= stretch * (mean * bend * q[0] + skew * uneven_bend * q[1]);
+            elastic[1] -= stretch * (mean * bend * 4.0 * q[1] + skew * uneven_bend * q[0]);
         }
         f.fixed_rows_mut::<4>(3).copy_from(&elastic);
         // constraints: the slider stays on its line, at the rod's end; the crank turns
@@ -231,27 +250,30 @@ impl Simeon {
     }
 }
 
-/// Our integration of the equations gives the published state.
+/// Our integration of the equations, with their mass along the rod, gives the published state.
 #[test]
 fn the_published_equations_give_the_published_figures() {
     let reference = reference();
-    let simeon = Simeon::new(Mechanism::new(&reference), false);
+    let simeon = Simeon::new(Mechanism::new(&reference), false, PUBLISHED);
     let initial = &reference["initial"];
     let places = simeon.run(four(&initial["q"]), four(&initial["rate"]), 1e-3, 100);
     let last = places.last().expect("a place");
     let published = &reference["at_0.1_s"];
-    for (name, found) in [
-        ("phi2", last.angle),
-        ("x3", last.slider),
-        ("q1", last.q[0]),
-        ("q2", last.q[1]),
-        ("q3", last.q[2]),
-        ("q4", last.q[3]),
+    // the published run took π with eight digits, and its slider starts where nine digits put it: 2e-10 m off
+    for (name, found, tolerance) in [
+        ("phi2", last.angle, 1e-10),
+        ("x3", last.slider, 3e-10),
+        ("q1", last.q[0], 1e-10),
+        ("q2", last.q[1], 1e-10),
+        ("q3", last.q[2], 1e-10),
+        ("q4", last.q[3], 1e-10),
     ] {
         let wanted = number(&published[name]);
         println!("{name}: {found:.12e}, published {wanted:.12e}");
-        // the published run took π with eight digits
-        assert!((found - wanted).abs() < 2e-10, "{name}: {found} {wanted}");
+        assert!(
+            (found - wanted).abs() < tolerance,
+            "{name}: {found} {wanted}"
+        );
     }
 }
 
@@ -270,8 +292,16 @@ fn deck(m: &Mechanism) -> String {
         writeln!(deck, "GRID,{},,{x:.9},0.,0.", piece + 1).expect("a line");
         writeln!(deck, "CBAR,{piece},1,{piece},{},0.,0.,1.", piece + 1).expect("a line");
     }
+    // about its axis the rod would have no inertia
+    for node in 1..=pieces + 1 {
+        write!(deck, "CONM2,{},{node},,1.e-9\n,4.e-8\n", 100 + node).expect("lines");
+    }
     deck + "ENDDATA\n"
 }
+
+/// Damping over stiffness (s) of both where they start from rest: the stretch, which that start makes ring at 3 kHz, is gone after a
+/// millisecond, bending keeps ringing.
+const DAMPING: f64 = 1e-5;
 
 fn text(m: &Mechanism, stiffened: bool) -> String {
     format!(
@@ -288,7 +318,7 @@ fn text(m: &Mechanism, stiffened: bool) -> String {
              flexible rod {{
                  mesh = nastran(\"m.bdf\", units: m_kg_s)
                  modes = constraint(at: [big, small]) + normal(16, fixed: [big, small])
-                 damping = 0 %
+                 damping = rayleigh(mass: 0 s^-1, stiffness: {DAMPING:e} s)
                  geometric_stiffness = {stiffened}
                  marker big = node(1)
                  marker quarter = node(7)
@@ -386,17 +416,22 @@ fn compare(found: &[Place], wanted: &[Place], get: impl Fn(&Place) -> f64) -> (f
     })
 }
 
-/// Two and a half turns from rest against the published equations, without and with the stiffening by the rod's force: the latter changes
-/// the bending by more than its size after some of its periods.
+/// Some turns from rest against the published equations with the element's own mass along the rod, without and with the stiffening by
+/// the rod's force, which changes the bending by a third.
 #[test]
 fn an_elastic_rod_moves_as_the_published_equations_say() {
     let m = Mechanism::new(&reference());
     let rest = Vector4::zeros();
-    let wanted =
-        [false, true].map(|stiffened| Simeon::new(m, stiffened).run(rest, rest, 1e-3, 100));
+    let wanted = [false, true].map(|stiffened| {
+        Simeon {
+            damping: DAMPING,
+            ..Simeon::new(m, stiffened, CONSISTENT)
+        }
+        .run(rest, rest, 1e-3, 100)
+    });
     let (apart, size) = compare(&wanted[0], &wanted[1], |p| p.q[0]);
     println!("stiffening changes the bending by {:.2}", apart / size);
-    assert!(apart > 0.5 * size, "{apart} {size}");
+    assert!(apart > 0.2 * size, "{apart} {size}");
     for (stiffened, wanted) in [false, true].into_iter().zip(&wanted) {
         let found = run(&m, stiffened);
         for (name, share, get) in [
