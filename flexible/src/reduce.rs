@@ -70,7 +70,7 @@ pub struct Request {
     pub damping_ratio: f64,
     /// The ratio holds up to this frequency (Hz) and rises to one at five times it; infinite: it holds for all.
     pub damping_up_to: f64,
-    /// Whether stresses of spin, acceleration and of loads at the markers of static modes change the stiffness.
+    /// Whether stresses of spin, acceleration and of loads at the markers change the stiffness.
     pub geometric_stiffness: bool,
     /// Stiffness and mass of another code in place of those of the elements, which then are there for pictures only.
     pub matrices: Option<ForeignMatrices>,
@@ -204,7 +204,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
                 advice: "leave geometric stiffness out, or let the elements of the mesh give stiffness and mass".into(),
             });
         }
-        let loads = marker_freedoms.loaded()?;
+        let loads = marker_freedoms.movable(&reduction);
         constants.geometric = Some(geometric(&model, &shapes, &loads)?);
     }
     report.body = RigidMass {

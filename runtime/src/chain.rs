@@ -1,8 +1,8 @@
 //! The kinematic chain: from bodies to markers and back, the same for every law.
 //!
 //! A marker at the undeformed place `s` of a body, with axes `C` (marker → body). On a flexible body with amplitudes a its shape
-//! rows give the displacement `u = Φt a` and the rotation `θ = Φr a`, so that `p = s + u`, and `E = exp(θ~)` turns the marker
-//! (both zero on a rigid body):
+//! ([`crate::shape`]) gives the displacement `u(a)` and the rotation `θ(a)` with the derivatives Φt and Φr, so that `p = s + u`, and
+//! `E = exp(θ~)` turns the marker (both zero on a rigid body):
 //!
 //! ```text
 //! x = r + A p                    R = A E C
@@ -15,16 +15,29 @@
 //! acceleration `J v̇ + J̇ v`. With frozen W and v, `∂(JᵀW)/∂q` and `∂(Jv)/∂q` are what makes Newton's matrix exact.
 //!
 //! A marker sees the shape of its body through `u` and `θ` alone. All of the above is therefore computed in the marker's *reach*, six
-//! numbers on a rigid body, `(δr, δπ)`, and twelve on a flexible one, `(δr, δπ, u = Φt δa, θ = Φr δa)`: a body of six modes whose shapes are
-//! the unit ones. Sums over elements are made there, and expanded by Φ once a marker, whatever the number of modes.
+//! numbers on a rigid body, `(δr, δπ)`, and twelve on a flexible one, `(δr, δπ, δu = Φt δa, δθ = Φr δa)`: a body of six modes whose shapes are
+//! the unit ones. Sums over elements are made there, and expanded by Φ once a marker, whatever the number of modes. Where the shape is of
+//! second order, Φ depends on a, and the reach has six numbers more: what u̇ and θ̇ change by δa at frozen ȧ.
 
 use crate::body::{BodyFrame, BodyModel};
-use crate::dense::{add_six, dot};
-use crate::model::{MarkerModel, MarkerShape};
+use crate::dense::add_six;
+use crate::model::MarkerModel;
 use crate::rotation::{M3, V3, exponential, matrix, skew, tangent, tangent_along};
+use crate::shape::MarkerShape;
 
-/// Numbers of its body's motion that a marker can see at most.
+/// Numbers of its body's motion that a marker with a linear shape sees.
 pub const REACH: usize = 12;
+/// The same for a shape of second order.
+pub const CURVED_REACH: usize = 18;
+
+/// Numbers of its body's motion that a marker of this shape sees.
+pub fn reach_of(shape: Option<&MarkerShape>) -> usize {
+    match shape {
+        None => 6,
+        Some(shape) if shape.is_curved() => CURVED_REACH,
+        Some(_) => REACH,
+    }
+}
 
 /// Pose and twist of a marker.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +61,7 @@ pub struct Placed {
     pub orientation: M3,
     /// What a flexible body adds.
     bent: Option<Bent>,
+    reach: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -65,9 +79,9 @@ pub struct Motion {
     pub velocity: V3,
     /// ω (rad/s, body axes).
     pub omega: V3,
-    /// Φt ȧ (m/s, body axes).
+    /// u̇ = Φt ȧ (m/s, body axes).
     pub rate: V3,
-    /// Φr ȧ (rad/s, body axes).
+    /// θ̇ = Φr ȧ (rad/s, body axes).
     pub turning: V3,
 }
 
@@ -79,9 +93,10 @@ impl Placed {
                 position: marker.position,
                 orientation: marker.orientation,
                 bent: None,
+                reach: 6,
             };
         };
-        let (displacement, theta) = shape.along(frame.amplitudes);
+        let (displacement, theta) = shape.displacement(frame.amplitudes);
         Placed {
             position: marker.position + displacement,
             orientation: matrix(&exponential(&theta)) * marker.orientation,
@@ -90,20 +105,21 @@ impl Placed {
                 theta,
                 turn: tangent(&-theta),
             }),
+            reach: reach_of(Some(shape)),
         }
     }
 
-    /// Six or twelve; see the head of this module.
+    /// Six, twelve or eighteen; see the head of this module.
     pub fn reach(&self) -> usize {
-        if self.bent.is_some() { REACH } else { 6 }
+        self.reach
     }
 }
 
 impl Motion {
-    /// From a body's velocities, or any other vector of that kind.
-    pub fn new(marker: &MarkerModel, v: &[f64]) -> Motion {
+    /// From a body's velocities, or any other vector of that kind, at the amplitudes of a frame.
+    pub fn new(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> Motion {
         let (rate, turning) = match &marker.shape {
-            Some(shape) => shape.along(&v[6..]),
+            Some(shape) => shape.rate(frame.amplitudes, &v[6..6 + shape.modes()]),
             None => (V3::zeros(), V3::zeros()),
         };
         Motion {
@@ -127,26 +143,17 @@ impl Motion {
     }
 }
 
-impl MarkerShape {
-    /// Φt x and Φr x.
-    fn along(&self, x: &[f64]) -> (V3, V3) {
-        let n = self.rows.len() / 6;
-        let row = |i: usize| dot(&self.rows[i * n..(i + 1) * n], x);
-        (
-            V3::new(row(0), row(1), row(2)),
-            V3::new(row(3), row(4), row(5)),
-        )
-    }
-}
-
-/// Expands rows over a marker's reach to rows over its body's velocities: `out += block · [1, 0; 0, Φ]`.
-pub fn expand(marker: &MarkerModel, block: &[f64], reach: usize, width: usize, out: &mut [f64]) {
+/// Expands rows over a marker's reach to rows over its body's velocities: `out += block · [1, 0; 0, Φ]`, with the rows Φ of
+/// [`MarkerShape::fill_rows`], empty on a rigid body.
+pub fn expand(shape: &[f64], block: &[f64], reach: usize, width: usize, out: &mut [f64]) {
+    let six = 6 * width.saturating_sub(6);
     for (row, line) in block.chunks_exact(reach).zip(out.chunks_exact_mut(width)) {
         for (x, y) in line[..6].iter_mut().zip(row) {
             *x += y;
         }
-        if let (Some(shape), Some(factors)) = (&marker.shape, row[6..].first_chunk::<6>()) {
-            add_six(&mut line[6..], factors, &shape.rows);
+        let parts = shape.chunks_exact(six.max(1));
+        for (factors, rows) in row[6..].as_chunks::<6>().0.iter().zip(parts) {
+            add_six(&mut line[6..], factors, rows);
         }
     }
 }
@@ -174,7 +181,7 @@ pub fn kinematics(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> MarkerK
     if marker.shape.is_none() {
         return rigid_kinematics(frame, marker, v);
     }
-    let (placed, motion) = (Placed::new(frame, marker), Motion::new(marker, v));
+    let (placed, motion) = (Placed::new(frame, marker), Motion::new(frame, marker, v));
     seen(&frame.rotation, &frame.position, &placed, &motion)
 }
 
@@ -208,11 +215,16 @@ pub fn seen(rotation: &M3, origin: &V3, placed: &Placed, motion: &Motion) -> Mar
 /// J, row-major 6 × width.
 pub fn jacobian(body: &BodyModel, frame: &BodyFrame, marker: &MarkerModel, out: &mut [f64]) {
     let placed = Placed::new(frame, marker);
-    let mut block = [0.0; 6 * REACH];
+    let mut block = [0.0; 6 * CURVED_REACH];
     let block = &mut block[..6 * placed.reach()];
     jacobian_in_reach(&frame.rotation, &placed, block);
     out[..6 * body.width()].fill(0.0);
-    expand(marker, block, placed.reach(), body.width(), out);
+    let mut rows = Vec::new();
+    if let Some(shape) = &marker.shape {
+        rows.resize(shape.length(), 0.0);
+        shape.fill_rows(frame.amplitudes, frame.amplitudes, &mut rows);
+    }
+    expand(&rows, block, placed.reach(), body.width(), out);
 }
 
 /// J of a marker that no mode moves: six rows, written.
@@ -244,8 +256,8 @@ pub fn jacobian_in_reach(rotation: &M3, placed: &Placed, out: &mut [f64]) {
     }
 }
 
-/// `∂(J v)/∂q` for frozen v in the marker's reach, row-major 6 × reach, written. Of ẋ: `A (δπ × (ω×p + Φtȧ) + ω × Φt δa)`.
-/// Of ω_m, with `y = ω + T Φr ȧ`: `CᵀEᵀ (y × T δθ + ∂(T θ̇)/∂θ δθ)`, θ̇ frozen.
+/// `∂(J v)/∂q` for frozen v in the marker's reach, row-major 6 × reach, written. Of ẋ: `A (δπ × (ω×p + u̇) + ω × δu + δu̇)`.
+/// Of ω_m, with `y = ω + T θ̇`: `CᵀEᵀ (y × T δθ + ∂(T θ̇)/∂θ δθ + T δθ̇)`, θ̇ frozen in the second term.
 pub fn twist_by_pose(rotation: &M3, placed: &Placed, motion: &Motion, out: &mut [f64]) {
     let width = placed.reach();
     out[..6 * width].fill(0.0);
@@ -255,17 +267,17 @@ pub fn twist_by_pose(rotation: &M3, placed: &Placed, motion: &Motion, out: &mut 
         put(out, width, 0, 6, &(rotation * skew(&motion.omega)));
         let spin = motion.omega + bent.turn * motion.turning;
         let by_theta = skew(&spin) * bent.turn + tangent_along(&bent.theta, &motion.turning);
-        put(
-            out,
-            width,
-            3,
-            9,
-            &(placed.orientation.transpose() * by_theta),
-        );
+        let back = placed.orientation.transpose();
+        put(out, width, 3, 9, &(back * by_theta));
+        if width == CURVED_REACH {
+            put(out, width, 0, 12, rotation);
+            put(out, width, 3, 15, &(back * bent.turn));
+        }
     }
 }
 
-/// `∂(Jᵀ W)/∂q` for a frozen wrench (force inertial, torque marker axes) in the marker's reach, row-major reach × reach, written.
+/// `∂(Jᵀ W)/∂q` for a frozen wrench (force inertial, torque marker axes) in the marker's reach, row-major reach × reach, written;
+/// what the expansion by Φ(a) changes is [`MarkerShape::add_pull`].
 /// With `f = AᵀF`, `t = E C τ`: `JᵀW = [F; p×f + t; f; Tᵀ t]`, `δf = f × δπ`, `δt = T δθ × t`, and `Tᵀ(θ) = T(−θ)`.
 pub fn force_by_pose(rotation: &M3, placed: &Placed, wrench: &[f64], out: &mut [f64]) {
     let width = placed.reach();
@@ -287,23 +299,34 @@ pub fn force_by_pose(rotation: &M3, placed: &Placed, wrench: &[f64], out: &mut [
 
 /// [`acceleration_bias`] of a marker on a body with the velocities `v` of that body.
 pub fn bias(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> [f64; 6] {
+    let swing = match &marker.shape {
+        Some(shape) => shape.swing(&v[6..6 + shape.modes()]),
+        None => (V3::zeros(), V3::zeros()),
+    };
     acceleration_bias(
         &frame.rotation,
         &Placed::new(frame, marker),
-        &Motion::new(marker, v),
+        &Motion::new(frame, marker, v),
+        &swing,
     )
 }
 
-/// `J̇ v`: acceleration of the marker (ẍ inertial m/s², ω̇ in marker axes rad/s²) at `v̇ = 0`:
-/// `A (ω×(ω×p) + 2 ω×Φtȧ)` and `CᵀEᵀ (ω × T θ̇ + ∂(T θ̇)/∂θ θ̇)`.
-pub fn acceleration_bias(rotation: &M3, placed: &Placed, motion: &Motion) -> [f64; 6] {
+/// `J̇ v`: acceleration of the marker (ẍ inertial m/s², ω̇ in marker axes rad/s²) at `v̇ = 0`, where u and θ have the second rates
+/// `swing` (ü, θ̈): `A (ω×(ω×p) + 2 ω×u̇ + ü)` and `CᵀEᵀ (ω × T θ̇ + ∂(T θ̇)/∂θ θ̇ + T θ̈)`.
+fn acceleration_bias(
+    rotation: &M3,
+    placed: &Placed,
+    motion: &Motion,
+    swing: &(V3, V3),
+) -> [f64; 6] {
     let omega = &motion.omega;
     let mut arm = omega.cross(&omega.cross(&placed.position));
     let mut spin = V3::zeros();
     if let Some(bent) = &placed.bent {
-        arm += omega.cross(&motion.rate) * 2.0;
+        arm += omega.cross(&motion.rate) * 2.0 + swing.0;
         let turning = omega.cross(&(bent.turn * motion.turning))
-            + tangent_along(&bent.theta, &motion.turning) * motion.turning;
+            + tangent_along(&bent.theta, &motion.turning) * motion.turning
+            + bent.turn * swing.1;
         spin = placed.orientation.transpose() * turning;
     }
     let x = rotation * arm;

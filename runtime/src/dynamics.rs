@@ -6,12 +6,12 @@
 pub mod matrix;
 
 use crate::body::{BodyFrame, BodyModel};
-use crate::chain::{self, MarkerKinematics, Motion, Placed, REACH};
+use crate::chain::{self, CURVED_REACH, MarkerKinematics, Motion, Placed, REACH};
 use crate::dense::{add_scaled, dot};
 use crate::elements::{self, Batch, Inputs, Scratch};
 use crate::error::{Moment, RuntimeError};
 use crate::flexible::Work;
-use crate::model::Model;
+use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
 use eng_system::code::Function;
 
@@ -42,6 +42,9 @@ pub struct Dynamics {
     pub gradients: Vec<f64>,
     /// Where the markers on flexible bodies stand in them, and how those move them.
     placed: Vec<Option<(Placed, Motion)>>,
+    /// Rows of the shapes of second order where the dynamics stand, marker after marker.
+    shapes: Vec<f64>,
+    shape_at: Vec<usize>,
     /// J of each marker in its reach, 6 × reach each.
     jacobians: Vec<f64>,
     jacobian_at: Vec<usize>,
@@ -52,6 +55,8 @@ pub struct Dynamics {
     columns: Vec<f64>,
     /// Sums of the elements' blocks between markers of flexible bodies.
     sums: Vec<f64>,
+    /// What acts on the marker's displacement and rotation along the shapes of second order, one marker after the other (body axes).
+    pulls: Vec<[f64; 6]>,
     /// One row over a body's velocities.
     line: Vec<f64>,
     /// Room of the flexible bodies.
@@ -85,7 +90,18 @@ fn matrix_size(model: &Model) -> usize {
         .map(|c| c.layout.residual_len() as usize)
         .max()
         .unwrap_or(6);
-    width.max(REACH) * width.max(rows).max(REACH)
+    let reach = model.markers.iter().map(MarkerModel::reach).max();
+    let reach = reach.unwrap_or(REACH);
+    width.max(reach) * width.max(rows).max(reach)
+}
+
+/// The rows by which a marker's reach is expanded: those of a linear shape are its own, others are cached from `at` on.
+fn shape_rows<'a>(marker: &'a MarkerModel, cached: &'a [f64], at: usize) -> &'a [f64] {
+    match &marker.shape {
+        Some(shape) if shape.is_curved() => &cached[at..at + shape.length()],
+        Some(shape) => shape.rows(),
+        None => &[],
+    }
 }
 
 impl Dynamics {
@@ -99,6 +115,13 @@ impl Dynamics {
         for marker in &model.markers {
             jacobian_at.push(total);
             total += marker.body.map_or(0, |_| 6 * marker.reach());
+        }
+        let mut shape_at = Vec::with_capacity(model.markers.len());
+        let mut cached = 0;
+        for marker in &model.markers {
+            shape_at.push(cached);
+            let curved = marker.shape.iter().filter(|shape| shape.is_curved());
+            cached += curved.map(|shape| shape.length()).sum::<usize>();
         }
         let size = matrix_size(model);
         Dynamics {
@@ -114,6 +137,8 @@ impl Dynamics {
             rates: vec![0.0; model.states],
             gradients: vec![0.0; model.gradients],
             placed: vec![None; model.markers.len()],
+            shapes: vec![0.0; cached],
+            shape_at,
             jacobians: vec![0.0; total],
             jacobian_at,
             pose_columns: vec![0.0; total],
@@ -121,6 +146,7 @@ impl Dynamics {
             block: vec![0.0; size],
             columns: vec![0.0; size],
             sums: Vec::new(),
+            pulls: vec![[0.0; 6]; model.markers.len()],
             line: Vec::new(),
             bending: Work::default(),
             time: 0.0,
@@ -155,20 +181,25 @@ impl Dynamics {
                     let frame = frame_of(&self.pose, &self.frames, body, b);
                     let v = &velocity[body.velocity..];
                     let at = self.jacobian_at[index];
-                    if marker.shape.is_none() {
+                    let Some(shape) = &marker.shape else {
                         self.markers[index] = chain::rigid_kinematics(&frame, marker, v);
                         let (out, _) = self.jacobians[at..].as_chunks_mut::<6>();
                         chain::rigid_jacobian(&frame, marker, out);
                         continue;
+                    };
+                    if shape.is_curved() {
+                        let first = self.shape_at[index];
+                        let rows = &mut self.shapes[first..first + shape.length()];
+                        shape.fill_rows(frame.amplitudes, &v[6..body.width()], rows);
                     }
                     let placed = Placed::new(&frame, marker);
-                    let motion = Motion::new(marker, v);
+                    let motion = Motion::new(&frame, marker, v);
                     self.markers[index] =
                         chain::seen(&frame.rotation, &frame.position, &placed, &motion);
                     chain::jacobian_in_reach(
                         &frame.rotation,
                         &placed,
-                        &mut self.jacobians[at..at + 6 * REACH],
+                        &mut self.jacobians[at..at + 6 * placed.reach()],
                     );
                     self.placed[index] = Some((placed, motion));
                 }
@@ -259,12 +290,14 @@ impl Dynamics {
                     add_scaled(&mut out[body.velocity..body.velocity + 6], factor, &force);
                     continue;
                 }
-                let mut force = [0.0; REACH];
-                for (w, row) in wrench.iter().zip(jacobian.as_chunks::<REACH>().0) {
-                    add_scaled(&mut force, factor * w, row);
+                let mut force = [0.0; CURVED_REACH];
+                let force = &mut force[..reach];
+                for (w, row) in wrench.iter().zip(jacobian.chunks_exact(reach)) {
+                    add_scaled(force, factor * w, row);
                 }
                 let range = body.velocity..body.velocity + body.width();
-                chain::expand(marker_model, &force, reach, body.width(), &mut out[range]);
+                let rows = shape_rows(marker_model, &self.shapes, self.shape_at[*marker]);
+                chain::expand(rows, force, reach, body.width(), &mut out[range]);
             }
         }
     }
@@ -381,12 +414,13 @@ impl Dynamics {
     /// J x of a marker for a vector of its body's velocities; zeros on ground.
     pub fn marker_along(&self, model: &Model, marker: usize, x: &[f64]) -> [f64; 6] {
         let model_marker = &model.markers[marker];
-        if model_marker.body.is_none() {
+        let Some(body) = model_marker.body else {
             return [0.0; 6];
-        }
+        };
         let reach = model_marker.reach();
         let at = self.jacobian_at[marker];
-        let along = Motion::new(model_marker, x).numbers();
+        let frame = self.frame(model, body);
+        let along = Motion::new(&frame, model_marker, x).numbers();
         std::array::from_fn(|d| {
             let row = &self.jacobians[at + d * reach..at + (d + 1) * reach];
             dot(row, &along)
@@ -415,7 +449,7 @@ impl Dynamics {
                 let reach = marker_model.reach();
                 let at = self.jacobian_at[*marker];
                 for i in 0..rows {
-                    let mut seen = [0.0; REACH];
+                    let mut seen = [0.0; CURVED_REACH];
                     for d in 0..6 {
                         let g = self.gradients[element.gradient + i * columns + 6 * k + d];
                         let row = &self.jacobians[at + d * reach..at + (d + 1) * reach];
@@ -424,7 +458,7 @@ impl Dynamics {
                     self.line.clear();
                     self.line.resize(body.width(), 0.0);
                     chain::expand(
-                        marker_model,
+                        shape_rows(marker_model, &self.shapes, self.shape_at[*marker]),
                         &seen[..reach],
                         reach,
                         body.width(),

@@ -28,8 +28,7 @@
 //!
 //! The equations above then have `Σ ω_iω_k N_ik a + Σ ω̇_k T_k a + Σ β_i L_i a` in the modal rows, and what belongs to it in the rows of
 //! force and torque: the mass matrix stays symmetric, momentum and energy are kept. The centrifugal softening is that of H alone.
-//! Loads at markers change the stiffness as well, by blocks that are not used here: the second-order displacement of markers
-//! (foreshortening) is left out, in position as in force.
+//! Loads at markers change the stiffness by the second-order displacement of the markers: see [`crate::shape`].
 
 use crate::body::{BodyFrame, Weights};
 use crate::dense::{add_product, add_scaled, add_transposed, dot};

@@ -7,7 +7,7 @@
 //! | module | subject |
 //! | --- | --- |
 //! | [`model`], [`state`] | numbers of one parameter set; the state on R³ × SO(3) × Rⁿ |
-//! | [`body`], [`chain`] | what depends on the kind of a body: inertia; markers and generalised forces |
+//! | [`body`], [`chain`], [`shape`] | what depends on the kind of a body: inertia; markers and generalised forces |
 //! | [`elements`], [`dynamics`] | calls of element code; residual and exact matrix |
 //! | [`linear`] | sparse factorisation behind a trait |
 //! | [`assembly`], [`mod@topology`] | start positions and velocities; freedom and redundancy |
@@ -39,6 +39,7 @@ pub mod model;
 pub mod outputs;
 pub mod periodic;
 pub mod rotation;
+pub mod shape;
 pub mod simulation;
 pub mod start;
 pub mod state;

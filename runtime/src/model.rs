@@ -4,6 +4,7 @@ use crate::body::{BodyKind, BodyModel, Rigid};
 use crate::error::{NamedRow, RuntimeError};
 use crate::flexible::Flexible;
 use crate::rotation::{M3, V3, skew};
+use crate::shape::MarkerShape;
 use eng_system::code::{Compiled, Function};
 use eng_system::dimension::Dimension;
 use eng_system::reduced::ReducedBody;
@@ -28,19 +29,8 @@ pub struct MarkerModel {
 impl MarkerModel {
     /// How many numbers of its body's motion it sees: see [`crate::chain`].
     pub fn reach(&self) -> usize {
-        if self.shape.is_some() {
-            crate::chain::REACH
-        } else {
-            6
-        }
+        crate::chain::reach_of(self.shape.as_ref())
     }
-}
-
-/// Rows of the mode shapes at a marker, 6 × modes, row-major: displacement (m a unit of amplitude), then rotation (rad a unit).
-#[derive(Clone, Debug, PartialEq)]
-pub struct MarkerShape {
-    /// The rows.
-    pub rows: Vec<f64>,
 }
 
 /// An element with its numbers and its places in the model's vectors.
@@ -440,7 +430,7 @@ impl Model {
                 continue;
             };
             let (first, n) = (self.bodies[b].velocity + 6, self.bodies[b].modes());
-            for (i, x) in shape.rows[..3 * n].iter().enumerate() {
+            for (i, x) in shape.rows()[..3 * n].iter().enumerate() {
                 let reach = self.length / x.abs();
                 let scale = &mut scales[first + i % n];
                 *scale = scale.min(reach);
@@ -585,8 +575,10 @@ fn marker_shape(
         .get(index as usize)
         .filter(|m| m.translation.len() == length && m.rotation.len() == length)
         .ok_or_else(|| malformed(format!("{path}: not among the reduced markers")))?;
+    let geometric = reduced.invariants.geometric.iter();
+    let loads = geometric
+        .flat_map(|geometric| &geometric.loads)
+        .filter(|load| load.marker == index as usize);
     // a body without modes is a rigid one
-    Ok((length > 0).then(|| MarkerShape {
-        rows: [&marker.translation[..], &marker.rotation[..]].concat(),
-    }))
+    Ok((length > 0).then(|| MarkerShape::new(marker, loads)))
 }

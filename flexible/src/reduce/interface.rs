@@ -1,6 +1,6 @@
 //! Freedoms of markers as rows over the free freedoms of a structure.
 
-use super::{Interface, Request, Term};
+use super::{Interface, Request};
 use crate::error::FlexibleError;
 use crate::fe::{FreedomMap, Reduction};
 use crate::modes::Load;
@@ -92,22 +92,17 @@ impl MarkerFreedoms<'_> {
         Ok((freedoms, loads))
     }
 
-    /// The freedoms that static modes load, each once: marker, component, full freedom.
-    pub fn loaded(&self) -> Result<Vec<(usize, u8, usize)>, FlexibleError> {
-        let mut loaded = Vec::new();
-        for term in &self.request.terms {
-            let Term::Static(at) = term else {
-                continue;
-            };
-            for interface in at {
-                for found in self.freedoms(interface)? {
-                    let load = (found.marker, found.component, found.freedom);
-                    if !loaded.contains(&load) {
-                        loaded.push(load);
-                    }
+    /// The freedoms of all markers that can move: marker, component, full freedom.
+    pub fn movable(&self, reduction: &Reduction) -> Vec<(usize, u8, usize)> {
+        let mut movable = Vec::new();
+        for (marker, node) in self.places.iter().enumerate() {
+            for component in 0..6 {
+                let freedom = self.freedoms.freedom(*node, component);
+                if let Some(freedom) = freedom.filter(|f| !reduction.row(*f).0.is_empty()) {
+                    movable.push((marker, component, freedom));
                 }
             }
         }
-        Ok(loaded)
+        movable
     }
 }

@@ -1,13 +1,13 @@
 //! The exact matrix of a step: where its blocks lie, and how they are filled.
 
-use super::{Dynamics, frame_of, not_finite};
+use super::{Dynamics, frame_of, not_finite, shape_rows};
 use crate::body::Weights;
-use crate::chain::{self, Motion, Placed, REACH};
+use crate::chain::{self, CURVED_REACH, Motion, Placed, REACH};
 use crate::dense::{add_product_of_six, add_scaled};
 use crate::elements;
 use crate::error::RuntimeError;
 use crate::linear::{BlockTable, Pattern, PatternBuilder, Runs};
-use crate::model::{MarkerModel, Model};
+use crate::model::Model;
 use crate::rotation::{M3, V3};
 use eng_system::code::Pair;
 use std::collections::BTreeMap;
@@ -225,14 +225,18 @@ impl MatrixPlan {
         dynamics.fill_columns(model, velocity, weights, &turn);
         dynamics.sums.clear();
         dynamics.sums.resize(self.sums, 0.0);
+        dynamics.pulls.fill([0.0; 6]);
         let Dynamics {
             batches,
             scratch,
             block,
             columns,
             sums,
+            pulls,
             line,
             placed,
+            shapes,
+            shape_at,
             pose,
             frames,
             jacobians,
@@ -279,6 +283,7 @@ impl MatrixPlan {
                             continue;
                         };
                         let (width, reach) = (model.bodies[b].width(), own.reach());
+                        let rows_of_own = shape_rows(own, shapes, shape_at[*marker]);
                         let at = jacobian_at[*marker];
                         let range = at..at + 6 * reach;
                         let jacobian = &jacobians[range.clone()];
@@ -299,18 +304,18 @@ impl MatrixPlan {
                             return Err(not_finite(model, index, *time));
                         }
                         if let Some((by_body, by_rows)) = plan.constraint[j] {
-                            expanded(own, &columns[..rows * reach], reach, width, line);
+                            expanded(rows_of_own, &columns[..rows * reach], reach, width, line);
                             self.table.get(by_body).add(values, line, 1.0);
                             // ∂/∂λ of the wrench is −Gᵀ: Jᵀ Gᵀ, without T.
                             let block = &mut block[..rows * reach];
                             block.fill(0.0);
                             seen.add(6 * j, 0, jacobian, reach, block);
-                            expanded(own, block, reach, width, line);
+                            expanded(rows_of_own, block, reach, width, line);
                             self.table.get(by_rows).add_transposed(values, line, 1.0);
                         }
                         if let Some((by_body, by_states)) = plan.state[j] {
                             let own_rates = &columns[(rows + 6 * count) * reach..];
-                            expanded(own, own_rates, reach, width, line);
+                            expanded(rows_of_own, own_rates, reach, width, line);
                             self.table.get(by_body).add(values, line, -1.0);
                             let block = &mut block[..states * reach];
                             block.fill(0.0);
@@ -320,7 +325,7 @@ impl MatrixPlan {
                                     add_scaled(row, g, jacobian);
                                 }
                             }
-                            expanded(own, block, reach, width, line);
+                            expanded(rows_of_own, block, reach, width, line);
                             self.table.get(by_states).add_transposed(values, line, -1.0);
                         }
                         for (i, other) in element.markers.iter().enumerate() {
@@ -355,6 +360,12 @@ impl MatrixPlan {
                             );
                             chain::turn_columns(block, reach, reach, &turn(b));
                             self.put(place, block, values, sums);
+                            if reach == CURVED_REACH {
+                                let wrench = &wrenches[element.wrench + 6 * j..];
+                                for (w, row) in wrench.iter().zip(jacobian.chunks_exact(reach)) {
+                                    add_scaled(&mut pulls[*marker], *w, &row[6..]);
+                                }
+                            }
                         }
                     }
                     if let Some(place) = plan.own {
@@ -381,10 +392,16 @@ impl MatrixPlan {
             let block = &mut block[..height * width];
             block.fill(0.0);
             for (first, second, at) in &coupling.markers {
-                let (first, second) = (&model.markers[*first], &model.markers[*second]);
-                let sum = &sums[*at..*at + first.reach() * second.reach()];
-                expanded(second, sum, second.reach(), width, line);
-                expand_rows(first, line, width, block);
+                let [left, right] = [*first, *second].map(|m| &model.markers[m]);
+                let sum = &sums[*at..*at + left.reach() * right.reach()];
+                let rows = shape_rows(right, shapes, shape_at[*second]);
+                expanded(rows, sum, right.reach(), width, line);
+                let rows = shape_rows(left, shapes, shape_at[*first]);
+                expand_rows(rows, line, width, block);
+                // markers of one body meet themselves once
+                if let (Some(shape), true) = (&left.shape, first == second) {
+                    shape.add_pull(&pulls[*first], width, 6, &mut block[6 * width..]);
+                }
             }
             self.table.get(coupling.block).add(values, block, -1.0);
         }
@@ -451,7 +468,7 @@ impl Dynamics {
                     let body = &model.bodies[b];
                     let frame = frame_of(&self.pose, &self.frames, body, b);
                     let v = &velocity[body.velocity..];
-                    (Placed::new(&frame, marker), Motion::new(marker, v))
+                    (Placed::new(&frame, marker), Motion::new(&frame, marker, v))
                 }
             };
             let reach = placed.reach();
@@ -478,10 +495,10 @@ struct Along<'a> {
 impl Along<'_> {
     /// `out += ∂(outputs from `from` on)/∂(six directions from `first` on) · six rows`, rows of `reach` numbers.
     fn add(&self, first: usize, from: usize, six: &[f64], reach: usize, out: &mut [f64]) {
-        if reach == REACH {
-            self.add_wide::<REACH>(first, from, six, out);
-        } else {
-            self.add_wide::<6>(first, from, six, out);
+        match reach {
+            REACH => self.add_wide::<REACH>(first, from, six, out),
+            CURVED_REACH => self.add_wide::<CURVED_REACH>(first, from, six, out),
+            _ => self.add_wide::<6>(first, from, six, out),
         }
     }
 
@@ -503,18 +520,21 @@ impl Along<'_> {
     }
 }
 
-/// Rows over a marker's reach as rows over its body's velocities, in `line`.
-fn expanded(marker: &MarkerModel, block: &[f64], reach: usize, width: usize, line: &mut Vec<f64>) {
+/// Rows over a marker's reach as rows over its body's velocities, in `line`; `shape`: see [`chain::expand`].
+fn expanded(shape: &[f64], block: &[f64], reach: usize, width: usize, line: &mut Vec<f64>) {
     line.clear();
     line.resize(block.len() / reach * width, 0.0);
-    chain::expand(marker, block, reach, width, line);
+    chain::expand(shape, block, reach, width, line);
 }
 
-/// Rows of a marker's reach, `width` long each, added to the rows of its body's velocities.
-fn expand_rows(marker: &MarkerModel, block: &[f64], width: usize, out: &mut [f64]) {
+/// Rows of a marker's reach, `width` long each, added to the rows of its body's velocities. No force acts along the numbers
+/// beyond the twelfth.
+fn expand_rows(shape: &[f64], block: &[f64], width: usize, out: &mut [f64]) {
     let (rigid, modal) = block.split_at(6 * width);
-    add_scaled(&mut out[..6 * width], 1.0, rigid);
-    if let Some(shape) = &marker.shape {
-        add_product_of_six(&mut out[6 * width..], &shape.rows, modal);
+    let (rigid_out, modal_out) = out.split_at_mut(6 * width);
+    add_scaled(rigid_out, 1.0, rigid);
+    let six = 6 * (modal_out.len() / width);
+    if let (Some(rows), Some(modal)) = (shape.get(..six), modal.get(..6 * width)) {
+        add_product_of_six(modal_out, rows, modal);
     }
 }

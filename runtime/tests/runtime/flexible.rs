@@ -3,14 +3,17 @@
 use crate::jacobian;
 use crate::support::classes::*;
 use crate::support::*;
-use eng_runtime::body::{BodyFrame, Weights};
+use eng_runtime::body::{BodyFrame, BodyKind, BodyModel, Weights};
+use eng_runtime::chain;
 use eng_runtime::dynamics::Dynamics;
 use eng_runtime::flexible::{Flexible, Work};
 use eng_runtime::integrator::{Integrator, Trial};
+use eng_runtime::model::MarkerModel;
+use eng_runtime::shape::MarkerShape;
 use eng_runtime::{Moment, Options, Simulation};
 use eng_system::code::Compiled;
-use eng_system::reduced::{Geometric, Invariants, ReducedBody, ReducedMarker};
-use eng_system::system::{Role, StepControl};
+use eng_system::reduced::{Geometric, Invariants, MarkerStiffness, ReducedBody, ReducedMarker};
+use eng_system::system::{Origin, Role, StepControl};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::sync::Arc;
 
@@ -491,12 +494,26 @@ fn matrix_of_a_step_is_exact_with_a_flexible_body() {
 
 #[test]
 fn positions_and_velocities_keep_the_constraints() {
-    let compiled = flexible_chain();
+    keeps_constraints(&flexible_chain());
+}
+
+/// A chain whose markers move in second order too.
+fn curved_chain() -> Compiled {
+    let mut draw = Draw(37);
+    chain_of(|body| body.invariants.geometric = Some(geometric(3, 3, 0.3, &mut draw)))
+}
+
+#[test]
+fn markers_of_second_order_keep_the_constraints() {
+    keeps_constraints(&curved_chain());
+}
+
+fn keeps_constraints(compiled: &Compiled) {
     let options = Options {
         step: StepControl::Fixed(1e-3),
         ..Options::default()
     };
-    let mut s = Simulation::new(&compiled, &[], options).unwrap();
+    let mut s = Simulation::new(compiled, &[], options).unwrap();
     for _ in 0..200 {
         s.step().unwrap();
         s.output_state().unwrap();
@@ -627,8 +644,8 @@ fn a_stiff_body_moves_as_a_rigid_one() {
     assert!(stiff < 5e-6 && stiff < 0.05 * soft, "{soft:e} {stiff:e}");
 }
 
-/// Symmetric blocks of geometric stiffness.
-fn geometric(modes: usize, scale: f64, draw: &mut Draw) -> Geometric {
+/// Symmetric blocks of geometric stiffness, of all loads at some markers.
+fn geometric(modes: usize, markers: usize, scale: f64, draw: &mut Draw) -> Geometric {
     let mut block = || {
         let half = DMatrix::from_fn(modes, modes, |_, _| scale * draw.next());
         (&half + half.transpose()).as_slice().to_vec()
@@ -637,7 +654,13 @@ fn geometric(modes: usize, scale: f64, draw: &mut Draw) -> Geometric {
         spin: std::array::from_fn(|_| block()),
         turn: std::array::from_fn(|_| block()),
         acceleration: std::array::from_fn(|_| block()),
-        loads: vec![],
+        loads: (0..6 * markers)
+            .map(|i| MarkerStiffness {
+                marker: i / 6,
+                component: (i % 6) as u8,
+                stiffness: block(),
+            })
+            .collect(),
     }
 }
 
@@ -645,7 +668,7 @@ fn geometric_body(modes: usize, draw: &mut Draw) -> (Invariants, Flexible) {
     let nodes = Nodes::new(5, modes, 0.3, draw);
     let (k, c) = (stiffness(modes, draw), stiffness(modes, draw));
     let mut constants = nodes.invariants(&k, &c);
-    constants.geometric = Some(geometric(modes, 0.4, draw));
+    constants.geometric = Some(geometric(modes, 0, 0.4, draw));
     let body = Flexible::new(Arc::new(constants.clone()));
     (constants, body)
 }
@@ -732,10 +755,97 @@ fn power_balances_with_geometric_stiffness() {
 
 #[test]
 fn matrix_of_a_step_is_exact_with_geometric_stiffness() {
-    let mut draw = Draw(37);
-    let compiled = chain_of(|body| body.invariants.geometric = Some(geometric(3, 0.3, &mut draw)));
-    jacobian::check(&compiled, 0.05, 0.1);
-    jacobian::check(&compiled, 0.01, 0.02);
+    jacobian::check(&curved_chain(), 0.05, 0.1);
+    jacobian::check(&curved_chain(), 0.01, 0.02);
+}
+
+/// Of a marker of second order: J v is the rate of its pose, J̇ v that of its twist.
+#[test]
+fn a_marker_of_second_order_moves_as_its_jacobian_says() {
+    let mut draw = Draw(43);
+    let modes = 4;
+    let (_, body) = geometric_body(modes, &mut draw);
+    let body = BodyModel {
+        origin: Origin::default(),
+        kind: BodyKind::Flexible(body),
+        pose: 0,
+        velocity: 0,
+    };
+    let nodes = Nodes::new(2, modes, 0.0, &mut draw);
+    let blocks = geometric(modes, 1, 0.5, &mut draw);
+    let marker = MarkerModel {
+        body: Some(0),
+        position: nodes.places[1],
+        orientation: nalgebra::Rotation3::new(draw.vector()).into_inner(),
+        shape: Some(MarkerShape::new(&nodes.marker(1), blocks.loads.iter())),
+        placed_at: None,
+    };
+    for _ in 0..5 {
+        let m = Moving::new(modes, &mut draw);
+        // v̇ = 0 in the body's own numbers: ṙ, ω, ȧ constant
+        let at = |time: f64| {
+            let omega = Vector3::new(m.v[3], m.v[4], m.v[5]);
+            let moved = Moving {
+                rotation: m.rotation * nalgebra::Rotation3::new(omega * time).into_inner(),
+                position: m.position + Vector3::new(m.v[0], m.v[1], m.v[2]) * time,
+                a: &m.a + DVector::from_row_slice(&m.v[6..]) * time,
+                v: m.v.clone(),
+                rate: m.rate.clone(),
+                gravity: m.gravity,
+            };
+            chain::kinematics(&moved.frame(), &marker, &m.v)
+        };
+        let now = at(0.0);
+        let h = 1e-3;
+        let rate = |value: &dyn Fn(f64) -> Vector3<f64>| {
+            let central = |h: f64| (value(h) - value(-h)) / (2.0 * h);
+            let (one, two, four) = (central(h), central(2.0 * h), central(4.0 * h));
+            (((one * 4.0 - two) / 3.0) * 16.0 - (two * 4.0 - four) / 3.0) / 15.0
+        };
+        let turn = |t: f64| {
+            let turned = now.rotation.transpose() * at(t).rotation;
+            nalgebra::Rotation3::from_matrix_unchecked(turned).scaled_axis()
+        };
+        let mut jacobian = vec![0.0; 6 * (6 + modes)];
+        chain::jacobian(&body, &m.frame(), &marker, &mut jacobian);
+        let twist =
+            DMatrix::from_row_slice(6, 6 + modes, &jacobian) * DVector::from_row_slice(&m.v);
+        let bias = chain::bias(&m.frame(), &marker, &m.v);
+        let three = |x: &[f64]| Vector3::new(x[0], x[1], x[2]);
+        for (found, expected) in [
+            (now.velocity, rate(&|t| at(t).position)),
+            (now.angular_velocity, rate(&turn)),
+            (three(twist.as_slice()), now.velocity),
+            (three(&twist.as_slice()[3..]), now.angular_velocity),
+            (three(&bias), rate(&|t| at(t).velocity)),
+            (three(&bias[3..]), rate(&|t| at(t).angular_velocity)),
+        ] {
+            let miss = (found - expected).amax() / (1.0 + expected.amax());
+            assert!(miss < 1e-9, "{found} {expected} {miss:e}");
+        }
+    }
+}
+
+/// The chain with joints, spring and bushing on markers of second order keeps its energy to the integrator's order.
+#[test]
+fn a_chain_on_markers_of_second_order_keeps_energy() {
+    let compiled = curved_chain();
+    let drift = |h: f64| {
+        let options = Options {
+            step: StepControl::Fixed(h),
+            rho_infinity: 0.95,
+            ..Options::default()
+        };
+        let mut s = Simulation::new(&compiled, &[], options).unwrap();
+        while s.time() < 0.3 {
+            s.step_within(0.3).unwrap();
+        }
+        let e = s.energy();
+        e.imbalance().abs() / e.damping.abs().max(e.kinetic)
+    };
+    let (coarse, fine) = (drift(4e-4), drift(2e-4));
+    println!("{coarse:e} {fine:e}");
+    assert!(fine < 1e-4 && coarse / fine > 3.5, "{coarse} {fine}");
 }
 
 /// A free body with geometric stiffness keeps its energy to the integrator's order.
@@ -746,7 +856,7 @@ fn a_free_body_with_geometric_stiffness_keeps_energy() {
     let nodes = Nodes::new(5, modes, 0.0, &mut draw);
     let mut body = reduced(&nodes, 30.0, &mut draw);
     body.invariants.damping = vec![0.0; modes * modes];
-    body.invariants.geometric = Some(geometric(modes, 0.1, &mut draw));
+    body.invariants.geometric = Some(geometric(modes, 0, 0.1, &mut draw));
     let compiled = free(&nodes, body);
     let drift = |h: f64| {
         let options = Options {

@@ -1,0 +1,537 @@
+//! Reduction of large bodies of ten-node tetrahedra, phase by phase, beside CalculiX where it is installed.
+//!
+//! `cargo bench -p eng-flexible --bench reduction [-- ROUNDS]`. Two bodies: the crankshaft of the test data (31,277 nodes), and a block with
+//! four bores that is made here (more than 100,000 nodes). Each gets 20 static and 20 free normal modes and its invariants; CalculiX (`ccx`)
+//! gets the same elements and looks for the same free modes alone. Both work on one thread where they can be told to, in processes of their
+//! own, by turns; times are CPU seconds (user and system), the least of all rounds, for other programs disturb them less than clock
+//! time. Memory is the most that a process held. Linux only: `/proc` tells both.
+
+use eng_flexible::fe::mass::rigid_motions;
+use eng_flexible::fe::{Reduction, Rules, assemble};
+use eng_flexible::invariants::{Full, invariants};
+use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider, place};
+use eng_flexible::mesh::{Element, ElementKind, Material, Mesh, Node, Property, Section};
+use eng_flexible::modes::normal::normal_modes;
+use eng_flexible::modes::statics::attachment_modes;
+use eng_flexible::modes::{Boundary, Candidate, Load, ModeSet, Structure};
+use eng_flexible::read::Files;
+use eng_flexible::reduce::{Interface, Request, Term, reduce};
+use eng_flexible::solve::{Analysis, Definiteness, Factorization, Modes, Ordering, shifted};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::{Read, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+type Failure = Box<dyn std::error::Error>;
+
+/// Elastic modes; a free body has six more.
+const NORMAL: usize = 20;
+const RIGID: usize = 6;
+
+const CASES: [&str; 2] = ["crank", "block"];
+
+struct Here;
+
+impl Files for Here {
+    fn open(&self, name: &str) -> std::io::Result<Box<dyn Read>> {
+        Ok(Box::new(std::fs::File::open(name)?))
+    }
+}
+
+/// A mesh in SI and 20 freedoms of markers.
+struct Case {
+    mesh: Mesh,
+    markers: Vec<MarkerRequest>,
+    at: Vec<Interface>,
+}
+
+impl Case {
+    fn new(name: &str) -> Result<Case, Failure> {
+        let marker = |name: String, nodes: Selection| MarkerRequest {
+            name,
+            place: Place::Gathered {
+                nodes,
+                tie: Spider::Averaging,
+                center: None,
+            },
+        };
+        if name == "crank" {
+            let deck = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/crank_m.bdf.gz");
+            let ring = |j: u32| Selection::Ring {
+                center: [0.013 + 0.096 * f64::from(j), 0.0, 0.0],
+                axis: [1.0, 0.0, 0.0],
+                radius: 0.0275,
+                width: 0.026,
+                tolerance: 1e-5,
+            };
+            return Ok(Case {
+                mesh: eng_flexible::read::nastran::read_bulk(&Here, deck)?,
+                markers: (0..5)
+                    .map(|j| marker(format!("main[{}]", j + 1), ring(j)))
+                    .collect(),
+                // across the axis, and bending
+                at: (0..5)
+                    .map(|marker| Interface {
+                        marker,
+                        components: 0b11_0110,
+                    })
+                    .collect(),
+            });
+        }
+        let patch = |x: f64, y: f64, z: f64| Selection::Patch {
+            center: [x, y, z],
+            normal: [0.0, 0.0, 1.0],
+            radius: 0.03,
+            tolerance: 1e-6,
+        };
+        let size = CELLS.map(|n| f64::from(n) * SIDE);
+        let mut markers = Vec::new();
+        let mut at = Vec::new();
+        for (z, components) in [(0.0, 0b111), (size[2], 0b11)] {
+            for x in [0.0, size[0]] {
+                for y in [0.0, size[1]] {
+                    at.push(Interface {
+                        marker: markers.len(),
+                        components,
+                    });
+                    markers.push(marker(
+                        format!("corner[{}]", markers.len() + 1),
+                        patch(x, y, z),
+                    ));
+                }
+            }
+        }
+        Ok(Case {
+            mesh: block(),
+            markers,
+            at,
+        })
+    }
+}
+
+/// Cells of the block along x, y and z, their side (m), and radius and place of its bores along z (cells).
+const CELLS: [u32; 3] = [50, 22, 15];
+const SIDE: f64 = 0.009;
+const BORE: f64 = 4.5;
+const BORES: [f64; 4] = [7.0, 19.0, 31.0, 43.0];
+
+/// A block of cubes with four bores, each cube six tetrahedra about its diagonal (H. W. Kuhn, 1960: they fit from cube to cube).
+fn block() -> Mesh {
+    let mut corners: BTreeMap<[u32; 3], u32> = BTreeMap::new();
+    let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();
+    let mut mesh = Mesh {
+        materials: vec![Material {
+            name: "iron".into(),
+            young: 1.1e11,
+            poisson: 0.26,
+            density: 7200.0,
+        }],
+        properties: vec![Property {
+            name: "block".into(),
+            material: Some(0),
+            section: Section::Solid,
+        }],
+        ..Mesh::default()
+    };
+    let add = |nodes: &mut Vec<Node>, position: [f64; 3]| {
+        nodes.push(Node {
+            id: nodes.len() as u64 + 1,
+            position,
+            frame: None,
+        });
+        nodes.len() as u32 - 1
+    };
+    // paths along three edges from corner to corner; the odd ones make tetrahedra of the other hand
+    let paths = [
+        [0, 1, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [1, 0, 2],
+        [0, 2, 1],
+        [2, 1, 0],
+    ];
+    for z in 0..CELLS[2] {
+        for y in 0..CELLS[1] {
+            for x in 0..CELLS[0] {
+                let [across, along] = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+                let off = |center: &f64| (across - center).hypot(along - 0.5 * f64::from(CELLS[1]));
+                if BORES.iter().any(|center| off(center) < BORE) {
+                    continue;
+                }
+                for (hand, path) in paths.iter().enumerate() {
+                    let mut place = [x, y, z];
+                    let mut four = [0; 4];
+                    for (k, node) in four.iter_mut().enumerate() {
+                        if k > 0 {
+                            place[path[k - 1]] += 1;
+                        }
+                        *node = *corners.entry(place).or_insert_with(|| {
+                            add(&mut mesh.nodes, place.map(|n| f64::from(n) * SIDE))
+                        });
+                    }
+                    if hand >= 3 {
+                        four.swap(1, 2);
+                    }
+                    let first = mesh.connectivity.len() as u32;
+                    mesh.connectivity.extend(four);
+                    for [i, j] in [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]] {
+                        let ends = [four[i].min(four[j]), four[i].max(four[j])];
+                        let [a, b] = ends.map(|n| mesh.nodes[n as usize].position);
+                        let middle = std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
+                        let node = *middles
+                            .entry(ends)
+                            .or_insert_with(|| add(&mut mesh.nodes, middle));
+                        mesh.connectivity.push(node);
+                    }
+                    mesh.elements.push(Element {
+                        id: mesh.elements.len() as u64 + 1,
+                        kind: ElementKind::Tetrahedron10,
+                        property: 0,
+                        first,
+                        beam: None,
+                    });
+                }
+            }
+        }
+    }
+    mesh
+}
+
+/// CPU seconds of a process and of its children that have ended, from `/proc/self/stat` (100 ticks a second on Linux).
+fn processor_time() -> Result<[f64; 2], Failure> {
+    let text = std::fs::read_to_string("/proc/self/stat")?;
+    let after = text.rsplit(')').next().ok_or("no name")?;
+    let fields: Vec<f64> = after
+        .split_whitespace()
+        .skip(11)
+        .take(4)
+        .map(str::parse)
+        .collect::<Result<_, _>>()?;
+    match fields[..] {
+        [user, system, of_children, system_of_children] => Ok([
+            (user + system) / 100.0,
+            (of_children + system_of_children) / 100.0,
+        ]),
+        _ => Err("fields are missing".into()),
+    }
+}
+
+/// The most memory that a process has held (MB).
+fn peak(process: &str) -> Option<f64> {
+    let text = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
+    let line = text.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kilobytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kilobytes / 1024.0)
+}
+
+/// Prints CPU and clock seconds and the peak so far, phase by phase.
+struct Clock {
+    begin: Instant,
+    spent: f64,
+}
+
+impl Clock {
+    fn new() -> Result<Clock, Failure> {
+        Ok(Clock {
+            begin: Instant::now(),
+            spent: processor_time()?[0],
+        })
+    }
+
+    fn tell(&mut self, phase: &str) -> Result<(), Failure> {
+        let spent = processor_time()?[0];
+        println!(
+            "  {phase:<34} {:>8.2} {:>8.2} {:>8.0}",
+            spent - self.spent,
+            self.begin.elapsed().as_secs_f64(),
+            peak("self").unwrap_or(f64::NAN)
+        );
+        // what was looked up is not counted
+        *self = Clock::new()?;
+        Ok(())
+    }
+}
+
+/// The phases of [`reduce`] one by one, with order and factor also by themselves.
+fn phases(name: &str) -> Result<(), Failure> {
+    let mut clock = Clock::new()?;
+    let Case {
+        mut mesh,
+        markers,
+        at,
+    } = Case::new(name)?;
+    clock.tell("read, or make")?;
+    let places = place(&mut mesh, &markers)?;
+    let full = assemble(&mesh, &Rules::default())?;
+    clock.tell("assemble")?;
+    let reduction = Reduction::new(&mesh, &full, &[])?;
+    let stiffness = reduction.reduce_stiffness(&full.stiffness)?;
+    let mass = reduction.reduce_mass(&full.mass)?;
+    let motions = rigid_motions(&mesh, &full.freedoms);
+    let structure = Structure::free(&stiffness, &mass, reduction.restrict(&motions))?;
+    clock.tell("take ties out")?;
+    let matrix = shifted(&stiffness, &mass, -1e4)?;
+    let ordering = Ordering::fill_reducing(&matrix)?;
+    clock.tell("order (alone)")?;
+    println!(
+        "    {:?}: {:.1} million entries, {:.0} thousand million operations",
+        ordering.method(),
+        ordering.entries() / 1e6,
+        ordering.operations() / 1e9
+    );
+    let analysis = Arc::new(Analysis::new(&matrix, ordering)?);
+    let factor = Factorization::new(&analysis, &matrix, Definiteness::Positive)?;
+    clock.tell("factor (alone)")?;
+    drop((factor, analysis, matrix));
+    let mut loads = Vec::new();
+    for interface in &at {
+        for component in (0..6u8).filter(|c| interface.components & (1 << c) != 0) {
+            let freedom = full.freedoms.freedom(places[interface.marker], component);
+            let (rows, factors) = reduction.row(freedom.ok_or("a marker does not turn")?);
+            loads.push(Load {
+                label: format!("{}.{component}", markers[interface.marker].name),
+                entries: rows.iter().copied().zip(factors.iter().copied()).collect(),
+            });
+        }
+    }
+    let answers = attachment_modes(&structure, &loads)?;
+    clock.tell(&format!("{} static modes", loads.len()))?;
+    let found = normal_modes(&structure, Modes::Count(NORMAL), &Boundary::AsIs)?;
+    clock.tell(&format!("{NORMAL} normal modes and their count"))?;
+    let size = structure.size();
+    let vectors = answers
+        .chunks_exact(size)
+        .chain(found.vectors.chunks_exact(size));
+    let candidates = vectors
+        .enumerate()
+        .map(|(index, vector)| Candidate {
+            label: format!("{index}"),
+            vector: vector.to_vec(),
+            noise: 0.0,
+        })
+        .collect();
+    drop((answers, found));
+    let set = ModeSet::new(&structure, candidates)?;
+    clock.tell("orthonormal set")?;
+    let shapes = reduction.expand(set.len(), &set.vectors);
+    let constants = invariants(
+        &Full {
+            freedoms: &full.freedoms,
+            mass: &full.mass,
+            stiffness: &full.stiffness,
+            rigid: &motions,
+        },
+        &shapes,
+    );
+    clock.tell("invariants")?;
+    println!("    {} modes, {:.3} kg", constants.modes, constants.mass);
+    Ok(())
+}
+
+/// The whole, as a model does it; the last line is for the parent: CPU seconds, MB, frequencies.
+fn whole(name: &str) -> Result<(), Failure> {
+    let Case { mesh, markers, at } = Case::new(name)?;
+    let request = Request {
+        markers,
+        terms: vec![
+            Term::Static(at),
+            Term::Normal {
+                modes: Modes::Count(NORMAL),
+                fixed: vec![],
+            },
+        ],
+        damping_up_to: f64::INFINITY,
+        ..Request::default()
+    };
+    let reduced = reduce(mesh, &request)?;
+    let mut line = format!(
+        "{} {}",
+        processor_time()?[0],
+        peak("self").unwrap_or(f64::NAN)
+    );
+    // the set's lowest are the normal modes themselves: what static modes add lies above
+    for frequency in reduced.body.frequencies.iter().take(NORMAL) {
+        write!(line, " {frequency:.9e}")?;
+    }
+    println!("{line}");
+    Ok(())
+}
+
+/// What a run told: CPU seconds, MB, frequencies (Hz).
+#[derive(Clone, Debug)]
+struct Figures {
+    seconds: f64,
+    memory: f64,
+    frequencies: Vec<f64>,
+}
+
+impl Figures {
+    /// The better of two in each respect.
+    fn least(self, other: Option<Figures>) -> Figures {
+        match other {
+            None => self,
+            Some(other) => Figures {
+                seconds: self.seconds.min(other.seconds),
+                memory: self.memory.min(other.memory),
+                frequencies: self.frequencies,
+            },
+        }
+    }
+}
+
+fn ours(name: &str) -> Result<Figures, Failure> {
+    let output = Command::new(std::env::current_exe()?)
+        .args(["whole", name])
+        .stderr(Stdio::inherit())
+        .output()?;
+    let text = String::from_utf8(output.stdout)?;
+    let numbers: Vec<f64> = text
+        .split_whitespace()
+        .map(str::parse)
+        .collect::<Result<_, _>>()?;
+    match numbers[..] {
+        [seconds, memory, ref frequencies @ ..] => Ok(Figures {
+            seconds,
+            memory,
+            frequencies: frequencies.to_vec(),
+        }),
+        _ => Err("the run failed".into()),
+    }
+}
+
+/// The deck of the elements for CalculiX, which looks for the free modes.
+fn write_deck(mesh: &Mesh, path: &Path) -> Result<(), Failure> {
+    let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
+    writeln!(file, "*NODE, NSET=ALL")?;
+    for node in &mesh.nodes {
+        let [x, y, z] = node.position;
+        writeln!(file, "{}, {x:.12e}, {y:.12e}, {z:.12e}", node.id)?;
+    }
+    writeln!(file, "*ELEMENT, TYPE=C3D10, ELSET=SOLID")?;
+    for element in &mesh.elements {
+        let ids: Vec<String> = mesh
+            .nodes_of(element)
+            .iter()
+            .map(|node| mesh.nodes[*node as usize].id.to_string())
+            .collect();
+        writeln!(file, "{}, {}", element.id, ids.join(", "))?;
+    }
+    let material = mesh.materials.first().ok_or("no material")?;
+    writeln!(
+        file,
+        "*MATERIAL, NAME=M\n*ELASTIC\n{:e}, {}\n*DENSITY\n{}\n*SOLID SECTION, ELSET=SOLID, MATERIAL=M\n*STEP\n*FREQUENCY\n{}\n*END STEP",
+        material.young,
+        material.poisson,
+        material.density,
+        NORMAL + RIGID
+    )?;
+    Ok(file.flush()?)
+}
+
+/// A folder of its own for CalculiX, gone when it is dropped.
+struct Folder(PathBuf);
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // what cannot be removed is the system's to clean: it lies among the temporary files
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// None where CalculiX is not installed.
+fn calculix(name: &str) -> Result<Option<Figures>, Failure> {
+    let folder = Folder(std::env::temp_dir().join(format!("reduction-{}", std::process::id())));
+    std::fs::create_dir_all(&folder.0)?;
+    write_deck(&Case::new(name)?.mesh, &folder.0.join("body.inp"))?;
+    let before = processor_time()?[1];
+    let started = Command::new("ccx")
+        .arg("body")
+        .current_dir(&folder.0)
+        .env("OMP_NUM_THREADS", "1")
+        .env("OPENBLAS_NUM_THREADS", "1")
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+    let mut child = match started {
+        Ok(child) => child,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
+    let mut memory = 0.0_f64;
+    let status = loop {
+        if let Some(status) = child.try_wait()? {
+            break status;
+        }
+        memory = memory.max(peak(&child.id().to_string()).unwrap_or(0.0));
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    if !status.success() {
+        return Err(format!("ccx: {status}").into());
+    }
+    let seconds = processor_time()?[1] - before;
+    // lines of the table: number, eigenvalue, rad/s, Hz, imaginary part
+    let table = std::fs::read_to_string(folder.0.join("body.dat"))?;
+    let mut frequencies = Vec::new();
+    for line in table.lines() {
+        let numbers: Option<Vec<f64>> = line.split_whitespace().map(|x| x.parse().ok()).collect();
+        match numbers.as_deref() {
+            Some([number, _, _, frequency, _]) if *number as usize == frequencies.len() + 1 => {
+                frequencies.push(*frequency);
+            }
+            _ => {}
+        }
+    }
+    Ok(Some(Figures {
+        seconds,
+        memory,
+        frequencies: frequencies.split_off(RIGID.min(frequencies.len())),
+    }))
+}
+
+fn main() -> Result<(), Failure> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["whole", name] => return whole(name),
+        ["phases", name] => return phases(name),
+        _ => {}
+    }
+    let rounds: u32 = arguments.iter().find_map(|a| a.parse().ok()).unwrap_or(2);
+    for name in CASES {
+        let mesh = Case::new(name)?.mesh;
+        println!(
+            "{name}: {} nodes, {} elements; CPU s, clock s, most memory so far MB",
+            mesh.nodes.len(),
+            mesh.elements.len()
+        );
+        drop(mesh);
+        let status = Command::new(std::env::current_exe()?)
+            .args(["phases", name])
+            .status()?;
+        if !status.success() {
+            return Err(format!("{name}: {status}").into());
+        }
+        let (mut own, mut other) = (None, None);
+        for _ in 0..rounds.max(1) {
+            own = Some(ours(name)?.least(own));
+            other = calculix(name)?.map(|found| found.least(other));
+        }
+        let Some(own) = own else { continue };
+        println!("  whole: {:.2} s, {:.0} MB", own.seconds, own.memory);
+        let Some(other) = other else {
+            println!("  CalculiX is not installed here (no ccx on the path): not compared");
+            continue;
+        };
+        let apart = own.frequencies.iter().zip(&other.frequencies);
+        let apart = apart.fold(0.0_f64, |worst, (a, b)| worst.max((a / b - 1.0).abs()));
+        println!(
+            "  CalculiX, {NORMAL} normal modes alone: {:.2} s, {:.0} MB; whole/CalculiX {:.3}; frequencies apart by {apart:.1e}",
+            other.seconds,
+            other.memory,
+            own.seconds / other.seconds
+        );
+    }
+    Ok(())
+}
