@@ -2,7 +2,17 @@
 (() => {
   "use strict";
 
-  const bytesOf = (text) => Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
+  // base64, deflated, and the four bytes of each number in planes of their own
+  const bytesOf = async (text) => {
+    const packed = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
+    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+    const planes = new Uint8Array(await new Response(stream).arrayBuffer());
+    const bytes = new Uint8Array(planes.length);
+    const length = planes.length / 4;
+    for (let plane = 0; plane < 4; plane++)
+      for (let i = 0; i < length; i++) bytes[4 * i + plane] = planes[plane * length + i];
+    return bytes;
+  };
 
   // ---- reading
 
@@ -152,7 +162,7 @@
 
   const number = (value) => (value === 0 ? "0" : Number(value.toPrecision(3)).toString());
 
-  function start(figure) {
+  async function start(figure) {
     const find = (name) => figure.querySelector("." + name);
     const canvas = figure.querySelector("canvas");
     const trouble = (text) => {
@@ -166,8 +176,9 @@
     }
     let bytes, model;
     try {
-      bytes = bytesOf(find("model").textContent);
+      bytes = await bytesOf(find("model").textContent);
       model = readModel(bytes);
+      figure.dataset.bytes = bytes.length;
     } catch (error) {
       trouble("The animation cannot be read: " + error.message);
       return;
@@ -475,14 +486,18 @@
     ask();
   }
 
-  for (const figure of document.querySelectorAll("figure.animation")) {
-    try {
-      start(figure);
-    } catch (error) {
-      console.error(error);
-      const place = figure.querySelector(".trouble");
-      place.textContent = "The animation cannot be shown: " + error.message;
-      place.hidden = false;
+  // unpacked when it comes near, so that the page opens fast
+  const near = new IntersectionObserver((entries) => {
+    for (const { isIntersecting, target } of entries) {
+      if (!isIntersecting) continue;
+      near.unobserve(target);
+      start(target).catch((error) => {
+        console.error(error);
+        const place = target.querySelector(".trouble");
+        place.textContent = "The animation cannot be shown: " + error.message;
+        place.hidden = false;
+      });
     }
-  }
+  }, { rootMargin: "400px" });
+  for (const figure of document.querySelectorAll("figure.animation")) near.observe(figure);
 })();

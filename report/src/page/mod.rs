@@ -12,7 +12,7 @@ pub use contents::{
 pub use table::{Cell, Column, Table};
 
 use crate::animation::{Animation, AnimationError, SCRIPT as VIEWER};
-use crate::escape::escaped;
+use crate::escape::{base64, escaped};
 use crate::figure::Figure;
 use std::fmt::Write;
 
@@ -29,8 +29,17 @@ enum Block {
     Code(String),
     Table(Table),
     Figure(Box<Figure>, String),
+    Drawing(Box<Drawing>),
     Animation(Box<Animation>),
     Section(Section),
+}
+
+/// A picture that was drawn elsewhere.
+#[derive(Clone, Debug, PartialEq)]
+struct Drawing {
+    svg: String,
+    title: String,
+    caption: String,
 }
 
 /// A heading and what stands under it.
@@ -103,6 +112,21 @@ impl Section {
     /// A figure with what it shows, in words: the caption, which also tells those who cannot see it.
     pub fn figure(self, figure: impl Into<Figure>, caption: impl Into<String>) -> Section {
         self.with(Block::Figure(Box::new(figure.into()), caption.into()))
+    }
+
+    /// A picture of its own, as the text of an SVG file: shown as it is, without the script's help. `title` is what it is called
+    /// for those who cannot see it.
+    pub fn drawing(
+        self,
+        svg: impl Into<String>,
+        title: impl Into<String>,
+        caption: impl Into<String>,
+    ) -> Section {
+        self.with(Block::Drawing(Box::new(Drawing {
+            svg: svg.into(),
+            title: title.into(),
+            caption: caption.into(),
+        })))
     }
 
     /// An animation.
@@ -185,16 +209,26 @@ impl Page {
             );
         }
         text.push_str("</header>\n<nav aria-label=\"Sections\">\n<ol>\n");
-        for (id, title) in &writer.entries {
-            let _ = writeln!(text, "<li><a href=\"#{id}\">{}</a></li>", escaped(title));
+        let mut inner = false;
+        for (index, (rank, id, title)) in writer.entries.iter().enumerate() {
+            if (*rank == 3) != inner {
+                // a list within the item before
+                text.push_str(if inner { "</li></ul></li>\n" } else { "\n<ul>" });
+                inner = !inner;
+            } else if index > 0 {
+                text.push_str("</li>\n");
+            }
+            let _ = write!(text, "<li><a href=\"#{id}\">{}</a>", escaped(title));
         }
+        text.push_str(match (inner, writer.entries.is_empty()) {
+            (true, _) => "</li></ul></li>\n",
+            (false, false) => "</li>\n",
+            (false, true) => "",
+        });
         text.push_str("</ol>\n</nav>\n<main id=\"contents\">\n");
         text.push_str(&writer.text);
         text.push_str("</main>\n");
-        for (needed, script) in [
-            (writer.figures > 0, FIGURES),
-            (writer.animations > 0, VIEWER),
-        ] {
+        for (needed, script) in [(writer.plots > 0, FIGURES), (writer.animations > 0, VIEWER)] {
             if needed {
                 let _ = writeln!(text, "<script>\n{script}</script>");
             }
@@ -207,10 +241,12 @@ impl Page {
 #[derive(Default)]
 struct Writer {
     text: String,
-    /// Sections of the first rank: id and title.
-    entries: Vec<(String, String)>,
+    /// Sections of the first two ranks: rank, id and title.
+    entries: Vec<(usize, String, String)>,
     sections: usize,
     figures: usize,
+    /// Figures with the script's help.
+    plots: usize,
     animations: usize,
 }
 
@@ -223,8 +259,8 @@ impl Writer {
     fn section(&mut self, section: &Section, rank: usize) -> Result<(), AnimationError> {
         self.sections += 1;
         let id = format!("section-{}", self.sections);
-        if rank == 2 {
-            self.entries.push((id.clone(), section.title.clone()));
+        if rank <= 3 {
+            self.entries.push((rank, id.clone(), section.title.clone()));
         }
         let rank = rank.min(6);
         self.put(format_args!(
@@ -273,6 +309,7 @@ impl Writer {
             }
             Block::Table(table) => self.text.push_str(&table.to_html()),
             Block::Figure(figure, caption) => self.figure(figure, caption),
+            Block::Drawing(drawing) => self.drawing(drawing),
             Block::Animation(animation) => {
                 self.animations += 1;
                 let id = format!("animation-{}", self.animations);
@@ -284,8 +321,25 @@ impl Writer {
         Ok(())
     }
 
+    /// As an image, whose text can run no script and reach no address.
+    fn drawing(&mut self, drawing: &Drawing) {
+        self.figures += 1;
+        let number = self.figures;
+        self.put(format_args!(
+            "<figure class=\"drawn\" id=\"figure-{number}\" aria-labelledby=\"figure-{number}-caption\">\n<img alt=\"{}\" src=\"data:image/svg+xml;base64,{}\">\n<figcaption id=\"figure-{number}-caption\"><b>Figure {number}.</b> {}</figcaption>\n</figure>\n",
+            escaped(&drawing.title),
+            base64(drawing.svg.as_bytes()),
+            escaped(if drawing.caption.is_empty() {
+                &drawing.title
+            } else {
+                &drawing.caption
+            })
+        ));
+    }
+
     fn figure(&mut self, figure: &Figure, caption: &str) {
         self.figures += 1;
+        self.plots += 1;
         let number = self.figures;
         let id = format!("figure-{number}");
         let drawing = figure.in_page(&format!("{id}-"));

@@ -83,6 +83,8 @@ try {
   // a point inside of a drawing, in its own units, as pixels of the window
   const at = async (figure, x, y) => {
     await evaluate(`document.querySelector('#${figure} svg').scrollIntoView({ block: 'center', behavior: 'instant' })`);
+    // it wakes when it comes near
+    await sleep(150);
     return evaluate(`(() => {
       const svg = document.querySelector('#${figure} svg');
       const [left, top, width, height] = svg.querySelector('.panel').dataset.area.split(' ').map(Number);
@@ -112,8 +114,8 @@ try {
   const onOrbit = await (async () => {
     await at("figure-3", 0.5, 0.5);
     return evaluate(`(() => {
-      const line = [...document.querySelectorAll('#figure-3 polyline.curve')].pop();
-      const p = line.points[10].matrixTransform(line.getScreenCTM());
+      const line = [...document.querySelectorAll('#figure-3 path.curve')].pop();
+      const p = line.getPointAtLength(line.getTotalLength() / 50).matrixTransform(line.getScreenCTM());
       return [p.x, p.y];
     })()`);
   })();
@@ -148,7 +150,7 @@ try {
   await shot("zoomed-by-drag.png");
 
   // legend, by keyboard
-  const shown = "[...document.querySelectorAll('#figure-1 polyline.curve')].filter((c) => getComputedStyle(c).display !== 'none').length";
+  const shown = "[...document.querySelectorAll('#figure-1 path.curve')].filter((c) => getComputedStyle(c).display !== 'none').length";
   found.curves = await evaluate(shown);
   await evaluate("document.querySelector('#figure-1 .legend-item').focus()");
   for (const type of ["keyDown", "keyUp"])
@@ -157,9 +159,9 @@ try {
   await shot("hidden-curve.png");
 
   // the animation
-  found.webgl = await evaluate("document.querySelector('figure.animation').classList.contains('alive')");
   await evaluate("document.querySelector('figure.animation').scrollIntoView({ behavior: 'instant' })");
-  await sleep(800);
+  await sleep(1500);
+  found.webgl = await evaluate("document.querySelector('figure.animation').classList.contains('alive')");
   if (found.webgl) {
     const picture = () => evaluate(`(async () => {
       const bytes = new TextEncoder().encode(document.querySelector('figure.animation canvas').toDataURL());
@@ -173,7 +175,7 @@ try {
       await sleep(400);
     };
     const clock = () => evaluate("document.querySelector('.animation .clock').textContent");
-    found.glb_bytes = await evaluate("atob(document.querySelector('.animation .model').textContent).length");
+    found.glb_bytes = await evaluate("Number(document.querySelector('figure.animation').dataset.bytes)");
     await set("time", 20);
     found.picture_start = await picture();
     await shot("animation.png");
@@ -245,7 +247,7 @@ try {
     return shown.reduce((sum, one) => sum + one, 0);
   };
   found.without_scripts = {
-    drawings: await boxes("svg.drawing"), posters: await boxes(".poster svg"), controls: await boxes(".controls, .tools"),
+    drawings: await boxes("svg.drawing"), posters: await boxes("img.poster"), controls: await boxes(".controls, .tools"),
   };
 
   found.errors = heard.flatMap(({ method, params }) => {
