@@ -14,7 +14,7 @@ mod report;
 mod results;
 mod run;
 pub(crate) mod summary;
-mod sweep;
+pub(crate) mod sweep;
 mod table;
 
 pub use engine::{

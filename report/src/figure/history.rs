@@ -16,7 +16,7 @@ const SMALL: f64 = 13.0;
 const RIGHT: f64 = 36.0;
 
 /// What stands on the horizontal axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Abscissa {
     /// Crank angle (°).
     CrankAngle,
@@ -33,16 +33,24 @@ pub enum Abscissa {
     },
     /// Speed of the shaft (1/min).
     Speed,
+    /// Any other quantity, such as the variable of a sweep.
+    Other {
+        /// What it is.
+        name: String,
+        /// Its unit; empty for none.
+        unit: String,
+    },
 }
 
 impl Abscissa {
-    fn name_and_unit(self) -> (&'static str, &'static str) {
+    fn name_and_unit(&self) -> (&str, &str) {
         match self {
             Abscissa::CrankAngle => ("Crank angle", "°CA"),
             Abscissa::Time => ("Time", "s"),
             Abscissa::Frequency => ("Frequency", "Hz"),
             Abscissa::Order | Abscissa::OrderAt { .. } => ("Order", "cycles a revolution"),
             Abscissa::Speed => ("Speed", "1/min"),
+            Abscissa::Other { name, unit } => (name, unit),
         }
     }
 }
@@ -216,7 +224,11 @@ impl History {
         svg.text(
             left + (WIDTH - left - RIGHT) / 2.0,
             bottom + 56.0,
-            &format!("{name} ({unit})"),
+            &if unit.is_empty() {
+                name.to_owned()
+            } else {
+                format!("{name} ({unit})")
+            },
             TextStyle::new(LABEL, Anchor::Middle),
         );
         svg.text(

@@ -42,6 +42,27 @@ struct Drawing {
     caption: String,
 }
 
+impl Drawing {
+    /// What stands below it.
+    fn caption(&self) -> &str {
+        match self.caption.is_empty() {
+            true => &self.title,
+            false => &self.caption,
+        }
+    }
+}
+
+/// A figure of a page as a file of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NumberedFigure {
+    /// From 1, as in the page.
+    pub number: usize,
+    /// What stands below it.
+    pub caption: String,
+    /// The picture.
+    pub svg: String,
+}
+
 /// A heading and what stands under it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
@@ -167,6 +188,37 @@ impl Page {
     pub fn section(mut self, section: Section) -> Page {
         self.sections.push(section);
         self
+    }
+
+    /// All figures as files of their own, in the order of the page and with its numbers.
+    pub fn figures(&self) -> Vec<NumberedFigure> {
+        fn gather(section: &Section, found: &mut Vec<NumberedFigure>) {
+            for block in &section.blocks {
+                let number = found.len() + 1;
+                match block {
+                    Block::Figure(figure, caption) => found.push(NumberedFigure {
+                        number,
+                        caption: match caption.is_empty() {
+                            true => figure.title().to_owned(),
+                            false => caption.clone(),
+                        },
+                        svg: figure.to_svg(),
+                    }),
+                    Block::Drawing(drawing) => found.push(NumberedFigure {
+                        number,
+                        caption: drawing.caption().to_owned(),
+                        svg: drawing.svg.clone(),
+                    }),
+                    Block::Section(section) => gather(section, found),
+                    _ => {}
+                }
+            }
+        }
+        let mut found = Vec::new();
+        for section in &self.sections {
+            gather(section, &mut found);
+        }
+        found
     }
 
     /// The file's text.
@@ -329,11 +381,7 @@ impl Writer {
             "<figure class=\"drawn\" id=\"figure-{number}\" aria-labelledby=\"figure-{number}-caption\">\n<img alt=\"{}\" src=\"data:image/svg+xml;base64,{}\">\n<figcaption id=\"figure-{number}-caption\"><b>Figure {number}.</b> {}</figcaption>\n</figure>\n",
             escaped(&drawing.title),
             base64(drawing.svg.as_bytes()),
-            escaped(if drawing.caption.is_empty() {
-                &drawing.title
-            } else {
-                &drawing.caption
-            })
+            escaped(drawing.caption())
         ));
     }
 
@@ -373,6 +421,27 @@ mod tests {
         assert!(!text.contains("http://") && !text.contains("https://"));
         assert_eq!(text.matches("<h1>").count(), 1);
         assert!(text.contains("<h2 id=\"section-1\">") && text.contains("<h3 id=\"section-2\">"));
+    }
+
+    #[test]
+    fn figures_have_the_pages_numbers_as_files() {
+        let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\"/>";
+        let page = Page::new("A")
+            .section(Section::new("B").section(Section::new("C").drawing(svg, "first", "")))
+            .section(Section::new("D").drawing(svg, "second", "What it shows."));
+        let found = page.figures();
+        let numbers: Vec<(usize, &str)> = found
+            .iter()
+            .map(|f| (f.number, f.caption.as_str()))
+            .collect();
+        assert_eq!(numbers, [(1, "first"), (2, "What it shows.")]);
+        assert_eq!(found[1].svg, svg);
+        let text = page.to_html().unwrap();
+        assert!(text.contains("<b>Figure 2.</b> What it shows."));
+        assert!(text.contains("<img alt=\"first\" src=\"data:image/svg+xml;base64,"));
+        // lists within lists end where they should
+        assert_eq!(text.matches("<li>").count(), text.matches("</li>").count());
+        assert_eq!(text.matches("<ul>").count(), text.matches("</ul>").count());
     }
 
     #[test]

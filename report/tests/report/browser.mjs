@@ -114,7 +114,7 @@ try {
   const onOrbit = await (async () => {
     await at("figure-3", 0.5, 0.5);
     return evaluate(`(() => {
-      const line = [...document.querySelectorAll('#figure-3 path.curve')].pop();
+      const line = document.querySelector('#figure-3 path.curve');
       const p = line.getPointAtLength(line.getTotalLength() / 50).matrixTransform(line.getScreenCTM());
       return [p.x, p.y];
     })()`);

@@ -47,7 +47,9 @@ impl Campbell {
         let y = Scaled::plain(ticks::inside(0.0, figure.reach(), 9), name, unit);
         let cells = Cells::new(map, y.ticks.range.1);
         let (low, high) = ticks::extent(cells.values.iter().flatten().copied());
-        let levels = ticks::rounded(if low < 0.0 { low } else { 0.0 }, high, 5);
+        // decibels have no zero to begin at
+        let from_low = low < 0.0 || figure.unit.starts_with("dB");
+        let levels = ticks::rounded(if from_low { low } else { 0.0 }, high, 5);
         area.begin_panel(&mut svg, &x, &y, &cells.attributes(&edges, figure));
         area.draw(&mut svg, &x, &y, true);
         svg.begin_clip(area.left, area.top, area.width, area.height);
