@@ -55,12 +55,12 @@ pub(crate) fn histories(outcome: &RunOutcome) -> Vec<Pictured> {
 pub(super) fn comparisons(outcomes: &[&RunOutcome]) -> Vec<(String, String)> {
     compared(outcomes)
         .into_iter()
-        .map(|(name, figure)| (name, figure.to_svg()))
+        .map(|pictured| (pictured.name, pictured.figure.to_svg()))
         .collect()
 }
 
 /// [`comparisons`] before they are drawn.
-pub(crate) fn compared(outcomes: &[&RunOutcome]) -> Vec<(String, History)> {
+pub(crate) fn compared(outcomes: &[&RunOutcome]) -> Vec<Pictured> {
     let Some(first) = outcomes.first() else {
         return Vec::new();
     };
@@ -92,8 +92,12 @@ pub(crate) fn compared(outcomes: &[&RunOutcome]) -> Vec<(String, History)> {
                 .all(|(_, r)| family.columns(r).len() == family.paths.len())
         })
         .filter_map(|family| {
-            let figure = history(&subtitle, family, &panels, &letters(first))?;
-            Some((format!("{}-{}", names.join("-"), family.name), figure))
+            Some(Pictured {
+                dimension: family.columns(&first.results).first()?.dimension,
+                name: format!("{}-{}", names.join("-"), family.name),
+                paths: family.paths.clone(),
+                figure: history(&subtitle, family, &panels, &letters(first))?,
+            })
         })
         .collect()
 }

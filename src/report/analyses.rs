@@ -19,7 +19,7 @@ pub(super) fn acceleration() -> Dimension {
 }
 
 /// A history from 0 on with the firing dead centres.
-fn marked(mut history: History, entry: &Entry) -> History {
+pub(super) fn marked(mut history: History, entry: &Entry) -> History {
     if let Some(period) = entry.described.cycle_period {
         history.marks = entry
             .described
@@ -59,11 +59,43 @@ fn range(paths: &[String]) -> String {
     }
 }
 
-/// The section. `cut` is the last cycle; `small` leaves out figures: of one of many points of a sweep.
+/// Figures of the same values once: what else each of them shows stands under its title. A force that is an output of the model, too,
+/// is drawn as that.
+pub(super) fn distinct(pictured: Vec<Pictured>, results: &Results) -> Vec<Pictured> {
+    let mut shown: Vec<(Pictured, Vec<String>)> = Vec::new();
+    for pictured in pictured {
+        match shown.iter_mut().find(|(s, _)| same(s, &pictured, results)) {
+            Some((_, others)) => others.push(range(&pictured.paths)),
+            None => shown.push((pictured, Vec::new())),
+        }
+    }
+    shown
+        .into_iter()
+        .map(|(mut pictured, others)| {
+            if !others.is_empty() {
+                let subtitle = &mut pictured.figure.subtitle;
+                *subtitle = format!("{subtitle}; the same as {}", others.join(", "));
+            }
+            pictured
+        })
+        .collect()
+}
+
+/// Which figures an analysis has of its own.
+pub(super) enum Detail {
+    /// All.
+    Whole,
+    /// Those that do not stand beside those of the other points of its sweep, which have these titles.
+    Point(Vec<String>),
+    /// None: one of many points of a sweep.
+    Numbers,
+}
+
+/// The section. `cut` is the last cycle.
 pub(super) fn section(
     entry: &Entry,
     cut: &RunOutcome,
-    small: bool,
+    detail: &Detail,
 ) -> Result<Section, ReportError> {
     let results = &cut.results;
     let whole = results.samples() == entry.outcome.results.samples();
@@ -76,21 +108,16 @@ pub(super) fn section(
     if let Some(table) = tables::journals(entry) {
         section = section.table(table);
     }
-    if !small {
-        // a force that is an output of the model, too, is drawn as that
-        let mut shown: Vec<(Pictured, Vec<String>)> = Vec::new();
-        for pictured in histories(cut) {
-            match shown.iter_mut().find(|(s, _)| same(s, &pictured, results)) {
-                Some((_, others)) => others.push(range(&pictured.paths)),
-                None => shown.push((pictured, Vec::new())),
-            }
-        }
+    let elsewhere: &[String] = match detail {
+        Detail::Point(titles) => titles,
+        _ => &[],
+    };
+    if !matches!(detail, Detail::Numbers) {
         let mut spectra = Vec::new();
-        for (pictured, others) in shown {
-            let mut history = pictured.figure;
-            if !others.is_empty() {
-                history.subtitle =
-                    format!("{}; the same as {}", history.subtitle, others.join(", "));
+        for pictured in distinct(histories(cut), results) {
+            let history = pictured.figure;
+            if elsewhere.contains(&history.title) {
+                continue;
             }
             // a sweep is compared point by point; its spectra would be most of the page
             let wanted = [force(), acceleration()].contains(&pictured.dimension);
@@ -117,6 +144,11 @@ pub(super) fn section(
                 );
                 section = section.figure(polar, caption);
             }
+        }
+        if !elsewhere.is_empty() {
+            section = section.paragraph(
+                "Its other histories stand beside those of the other points, under Comparisons.",
+            );
         }
         for figure in spectra {
             let caption = format!("{}, {}. {span}.", figure.title, entry.name());

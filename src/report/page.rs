@@ -1,5 +1,6 @@
 //! The page: which sections, in which order.
 
+use super::analyses::{Detail, distinct, marked};
 use super::describe::Matter;
 use super::scene::{Scene, scene};
 use super::spectra::of_last_cycle;
@@ -8,12 +9,13 @@ use super::{Entry, ReportError, analyses, provenance, sweeps, tables};
 use crate::Reduction;
 use crate::cli::RunOutcome;
 use crate::cli::figures::compared;
+use eng_report::figure::History;
 use eng_report::page::{Page, Section};
 
 /// Animations of a page.
 const ANIMATED: usize = 2;
 /// About how many bytes of a page the pictures of flexible bodies take, all animations together.
-const BUDGET: usize = 3_000_000;
+const BUDGET: usize = 5_000_000;
 /// More points of a sweep than these get no figures of their own.
 const POINTS: usize = 4;
 
@@ -121,14 +123,25 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
     for section in own {
         page = page.section(section);
     }
-    for (entry, cut) in entries.iter().zip(&cut) {
-        page = page.section(analyses::section(entry, cut, one_of_many(entry, entries))?);
+    let compared = comparisons(entries, &cut);
+    for (entry, own) in entries.iter().zip(&cut) {
+        let detail = if one_of_many(entry, entries) {
+            Detail::Numbers
+        } else if entry.point.is_empty() {
+            Detail::Whole
+        } else {
+            let titles = compared
+                .iter()
+                .filter(|c| c.names.iter().any(|n| n == entry.name()));
+            Detail::Point(titles.map(|c| c.figure.title.clone()).collect())
+        };
+        page = page.section(analyses::section(entry, own, &detail)?);
     }
     for section in sweeps::sections(entries, &cut) {
         page = page.section(section);
     }
-    if let Some(section) = comparison(entries, &cut) {
-        page = page.section(section);
+    if !compared.is_empty() {
+        page = page.section(comparison(compared));
     }
     if let Some(section) = motion(scenes) {
         page = page.section(section);
@@ -231,31 +244,53 @@ fn one_of_many(entry: &Entry, entries: &[Entry]) -> bool {
     !entry.point.is_empty() && entries.iter().filter(|e| root(e) == root(entry)).count() > POINTS
 }
 
+/// A figure of several analyses.
+struct Compared {
+    names: Vec<String>,
+    figure: History,
+}
+
 /// Analyses of a model beside each other; and the points of a short sweep.
-fn comparison(entries: &[Entry], cut: &[RunOutcome]) -> Option<Section> {
-    let mut groups: Vec<(&str, Vec<&RunOutcome>)> = Vec::new();
+fn comparisons(entries: &[Entry], cut: &[RunOutcome]) -> Vec<Compared> {
+    let mut groups: Vec<(&str, &Entry, Vec<&RunOutcome>)> = Vec::new();
     for (entry, cut) in entries.iter().zip(cut) {
         let group = if entry.point.is_empty() {
             ""
         } else {
             entry.name().split('[').next().unwrap_or_default()
         };
-        match groups.iter_mut().find(|(name, _)| *name == group) {
-            Some((_, members)) => members.push(cut),
-            None => groups.push((group, vec![cut])),
+        match groups.iter_mut().find(|(name, ..)| *name == group) {
+            Some((_, _, members)) => members.push(cut),
+            None => groups.push((group, entry, vec![cut])),
         }
     }
+    let mut found = Vec::new();
+    for (_, first, members) in groups {
+        let Some(results) = members.first().map(|m| &m.results) else {
+            continue;
+        };
+        for pictured in distinct(compared(&members), results) {
+            found.push(Compared {
+                names: members
+                    .iter()
+                    .filter(|m| m.results.model() == results.model())
+                    .map(|m| m.results.analysis().to_owned())
+                    .collect(),
+                // one model has one firing order
+                figure: marked(pictured.figure, first),
+            });
+        }
+    }
+    found
+}
+
+fn comparison(compared: Vec<Compared>) -> Section {
     let mut section = Section::new("Comparisons");
-    let mut any = false;
-    for (_, members) in groups {
-        for (_, figure) in compared(&members) {
-            let names: Vec<&str> = members.iter().map(|m| m.results.analysis()).collect();
-            let caption = format!("{}: {}. Last cycle.", figure.title, names.join(", "));
-            section = section.figure(figure, caption);
-            any = true;
-        }
+    for Compared { names, figure } in compared {
+        let caption = format!("{}: {}. Last cycle.", figure.title, names.join(", "));
+        section = section.figure(figure, caption);
     }
-    any.then_some(section)
+    section
 }
 
 fn motion(scenes: Vec<(&Entry, Scene)>) -> Option<Section> {

@@ -19,8 +19,10 @@ use std::f64::consts::TAU;
 const SPEEDS: usize = 4;
 /// Levels this far (dB) below the largest are one colour.
 const DYNAMIC: f64 = 80.0;
-/// Columns of the table of points.
-const COLUMNS: usize = 16;
+/// As many points have a column each in their table.
+const FEW: usize = 6;
+/// Columns of the table of more points.
+const COLUMNS: usize = 13;
 
 /// A section a sweep. `cut` are the last cycles of the entries.
 pub(super) fn sections(entries: &[Entry], cut: &[RunOutcome]) -> Vec<Section> {
@@ -50,36 +52,53 @@ pub(super) fn sections(entries: &[Entry], cut: &[RunOutcome]) -> Vec<Section> {
         .collect()
 }
 
-/// The table of points; the file has all columns.
+/// The table of points: of few a column each, of many a row each, then with some of the quantities; the file has all.
 fn shown(points: &Results) -> Table {
     let all = points.columns();
+    let cell = |column: &Column, row: usize| match column.values.get(row) {
+        Some(value) => Cell::Short {
+            value: column.display.from_si(*value),
+            digits: 5,
+        },
+        None => Cell::Empty,
+    };
+    let name = points.analysis();
+    if points.samples() <= FEW {
+        let mut columns = vec![pages::Column::new("Quantity"), pages::Column::new("Unit")];
+        columns.extend((1..=points.samples()).map(|k| pages::Column::new(&format!("{name}[{k}]"))));
+        return Table {
+            caption: format!("Points of {name}, of the last cycle"),
+            columns,
+            rows: all
+                .iter()
+                .map(|c| {
+                    let mut row = vec![
+                        Cell::Code(c.path.clone()),
+                        readable_unit(&c.display.symbol).into(),
+                    ];
+                    row.extend((0..points.samples()).map(|k| cell(c, k)));
+                    row
+                })
+                .collect(),
+        };
+    }
     let few = all.get(..COLUMNS.min(all.len())).unwrap_or_default();
-    let more = all.len() - few.len();
     Table {
-        caption: match more {
-            0 => format!("Points of {}", points.analysis()),
+        caption: match all.len() - few.len() {
+            0 => format!("Points of {name}, of the last cycle"),
             more => format!(
-                "Points of {}; {more} more columns are in {}.parquet",
-                points.analysis(),
-                points.analysis()
+                "Points of {name}, of the last cycle; {more} more quantities are in {name}.parquet"
             ),
         },
         columns: few
             .iter()
-            .map(|c| pages::Column::with_unit(&c.path, &readable_unit(&c.display.symbol)))
+            .map(|c| {
+                let heading = c.path.replace('_', " ");
+                pages::Column::with_unit(&heading, &readable_unit(&c.display.symbol))
+            })
             .collect(),
         rows: (0..points.samples())
-            .map(|row| {
-                few.iter()
-                    .map(|c| match c.values.get(row) {
-                        Some(value) => Cell::Number {
-                            value: c.display.from_si(*value),
-                            digits: 5,
-                        },
-                        None => Cell::Empty,
-                    })
-                    .collect()
-            })
+            .map(|row| few.iter().map(|c| cell(c, row)).collect())
             .collect(),
     }
 }

@@ -239,7 +239,7 @@
     const home = () => {
       state.azimuth = Math.atan2(first[0], first[2]);
       state.height = Math.asin(first[1]);
-      state.distance = model.radius * 2.8;
+      state.distance = model.radius * 2.3;
       state.target = model.center.slice();
     };
     home();
@@ -343,7 +343,7 @@
       const [a, b, t] = frameOf();
       const mix = (list) => list[a] * (1 - t) + list[b] * t;
       let text = (mix(model.times) * 1000).toFixed(2) + " ms";
-      if (model.crank_angles.length) text += ", " + mix(model.crank_angles).toFixed(1) + " °CA";
+      if (model.crank_angles.length) text += ", " + mix(model.crank_angles).toFixed(1).replace(/^-(0\.0)$/, "$1") + " °CA";
       find("clock").textContent = text;
       find("scale-value").textContent = "× " + number(model.deformation_scale * state.factor);
       find("rate-value").textContent = "1 : " + number(model.slowdown / state.rate);
