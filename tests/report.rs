@@ -145,7 +145,9 @@ fn a_report_of_an_engine_shows_what_the_results_hold() {
         .count();
     assert_eq!(spectra, 1, "{captions:?}");
     assert!(page.contains("Hann window, resolution 0.5000 orders"));
-    assert!(page.contains("Frequency (Hz) at 4200 1/min"));
+    let (_, speed) = page.split_once(">Frequency (Hz) at ").expect("its axis");
+    let speed = number(speed.split_once(" 1/min").expect("a speed").0);
+    assert!((speed / 4200.0 - 1.0).abs() < 0.01, "{speed}");
     // curves have the letters of their journals, cylinders fire where the model says
     assert!(page.contains("data-name=\"E vertical[5]\""));
     for (cylinder, angle) in [(1, 0.0), (3, 180.0), (4, 360.0), (2, 540.0)] {
@@ -303,6 +305,7 @@ fn a_report_of_a_flexible_body_has_its_modes_stresses_and_files() {
     // twice the load, twice the stress
     let largest: Vec<f64> = page
         .split("<h3")
+        .skip(1)
         .filter(|part| part.contains("Motion, "))
         .map(|part| number(&table(part, "bar: largest von Mises stress")[0][1]))
         .collect();

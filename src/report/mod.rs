@@ -4,6 +4,7 @@
 //! (`eng_report`), how stresses are recovered (`eng_flexible::recover`), arguments of the command.
 
 mod analyses;
+mod collapse;
 mod describe;
 mod loads;
 mod page;

@@ -322,18 +322,16 @@ fn deforming(
         nodes: kept,
         triangles,
         stands_for,
-        cell,
     } = thin(
         &stored.surface.triangles,
         &|node| place(stored, node),
         (most as usize).max(100),
     );
-    if cell > 0.0 {
+    if kept.len() < nodes.len() {
         notes.push(format!(
-            "{path}: {} of the {} nodes of the surface are shown, one a cell of {:.1} mm.",
+            "{path}: {} of the {} nodes of the surface are shown, those that give its form best.",
             kept.len(),
-            nodes.len(),
-            1e3 * cell
+            nodes.len()
         ));
     }
     if moving.len() < modes {
