@@ -419,8 +419,8 @@ fn a_sweep_over_speed_has_maps_and_curves() {
     let page = std::fs::read_to_string(folder.join("page.html")).expect("the page");
     let captions = captions(&page);
     for start in [
-        "main: minimum film, sweep runup.",
-        "main: peak load, sweep runup.",
+        "Minimum film of main, sweep runup.",
+        "Peak load of main, sweep runup.",
         "Waterfall of vertical[",
         "Campbell diagram of vertical[",
     ] {

@@ -123,6 +123,9 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
     for section in own {
         page = page.section(section);
     }
+    for section in sweeps::sections(entries, &cut) {
+        page = page.section(section);
+    }
     let compared = comparisons(entries, &cut);
     for (entry, own) in entries.iter().zip(&cut) {
         let detail = if one_of_many(entry, entries) {
@@ -136,9 +139,6 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
             Detail::Point(titles.map(|c| c.figure.title.clone()).collect())
         };
         page = page.section(analyses::section(entry, own, &detail)?);
-    }
-    for section in sweeps::sections(entries, &cut) {
-        page = page.section(section);
     }
     if !compared.is_empty() {
         page = page.section(comparison(compared));

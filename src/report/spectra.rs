@@ -106,12 +106,25 @@ fn spectrum_of(values: &[f64], sampled: &Sampled, periodic: bool) -> Option<Spec
     (size(&found.amplitudes) > STILL * size(signal.values)).then_some(found)
 }
 
-/// The spectrum in Hz of a column of the last cycle in its display unit, and the shaft's mean speed (1/s).
-pub(super) fn in_hertz(column: &Column, cut: &Results, periodic: bool) -> Option<(Spectrum, f64)> {
+/// The spectrum in Hz of a column of the last cycle in its display unit.
+pub(super) struct Hertz {
+    pub spectrum: Spectrum,
+    /// The shaft's mean speed (1/s).
+    pub speed: f64,
+    /// What made it, in orders where samples lie evenly in angle.
+    pub made: String,
+}
+
+/// See [`Hertz`]; none of what stands still, is uneven or does not turn.
+pub(super) fn in_hertz(column: &Column, cut: &Results, periodic: bool) -> Option<Hertz> {
     let sampled = sampled(cut)?;
     let speed = sampled.speed?;
     let found = spectrum_of(&column.shown(), &sampled, periodic)?;
-    Some((on(Axis::Frequency, &found, Some(speed))?, speed))
+    Some(Hertz {
+        spectrum: on(Axis::Frequency, &found, Some(speed))?,
+        speed,
+        made: found.description(),
+    })
 }
 
 /// The spectrum of a history of the last cycle, in orders with the frequencies at the mean speed above, or of a model without cycle
@@ -227,8 +240,13 @@ mod tests {
             values: history.panels[0].curves[0].values.clone(),
             ..Column::time(Vec::new())
         };
-        let (found, speed) = in_hertz(&column, &cut, true).unwrap();
-        assert!((speed - 50.0).abs() < 1e-9);
-        top(&found.positions(), &found.amplitudes, 200.0);
+        let found = in_hertz(&column, &cut, true).unwrap();
+        assert!((found.speed - 50.0).abs() < 1e-9);
+        top(
+            &found.spectrum.positions(),
+            &found.spectrum.amplitudes,
+            200.0,
+        );
+        assert!(found.made.contains("resolution 0.5000 orders"));
     }
 }

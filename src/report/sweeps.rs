@@ -2,12 +2,13 @@
 
 use super::Entry;
 use super::analyses::{acceleration, force};
-use super::spectra::{ORDERS, in_hertz};
+use super::spectra::{Hertz, ORDERS, in_hertz};
 use crate::cli::RunOutcome;
 use crate::cli::sweep::{families, table};
 use crate::results::{Column, Results};
 use eng_report::figure::{
     Abscissa, Campbell, Curve, History, Ordinate, Panel, Scale, SweepFigure, Waterfall,
+    journal_letter,
 };
 use eng_report::page::{self as pages, Cell, Section, Table};
 use eng_report::readable_unit;
@@ -131,13 +132,23 @@ fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<History> {
         };
         (abscissa, x.shown())
     };
+    let letters: Vec<&str> = family.first().map_or_else(Vec::new, |o| {
+        o.journals.iter().map(|j| j.path.as_str()).collect()
+    });
     let mut groups: Vec<(String, Vec<&Column>)> = Vec::new();
     for column in points.columns() {
         let Some((owner, taken)) = column.path.rsplit_once('.') else {
             continue;
         };
-        let base = owner.split('[').next().unwrap_or(owner);
-        let name = format!("{base}: {}", taken.replace('_', " "));
+        let base = owner.split('[').next().unwrap_or(owner).replace('_', " ");
+        let name = match taken {
+            "smallest" => format!("Smallest {base}"),
+            "largest" => format!("Largest {base}"),
+            "peak_load" => format!("Peak load of {base}"),
+            "minimum_film" => format!("Minimum film of {base}"),
+            "friction" => format!("Friction of {base}"),
+            _ => continue,
+        };
         match groups.iter_mut().find(|(other, _)| *other == name) {
             Some((_, columns)) => columns.push(column),
             None => groups.push((name, vec![column])),
@@ -165,7 +176,7 @@ fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<History> {
                         .iter()
                         .map(|column| Curve {
                             name: match column.path.rsplit_once('.') {
-                                Some((owner, _)) => owner.to_owned(),
+                                Some((owner, _)) => lettered(owner, &letters),
                                 None => column.path.clone(),
                             },
                             values: column.values.iter().map(|v| display.from_si(*v)).collect(),
@@ -177,11 +188,20 @@ fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<History> {
         .collect()
 }
 
+/// `A main[1]` of the path of the first journal; other paths as they are.
+fn lettered(path: &str, journals: &[&str]) -> String {
+    match journals.iter().position(|journal| *journal == path) {
+        Some(index) => format!("{} {path}", journal_letter(index)),
+        None => path.to_owned(),
+    }
+}
+
 /// A column of all points as spectra over the mean speed.
 struct Spectra {
     column: Column,
     /// Speed (1/min) and spectrum (Hz).
     runs: Vec<(f64, Spectrum)>,
+    made: String,
     largest: f64,
 }
 
@@ -196,13 +216,17 @@ fn maps(mut section: Section, entry: &Entry, family: &[&RunOutcome]) -> Section 
         if column.path.contains('.') || ![force(), acceleration()].contains(&column.dimension) {
             continue;
         }
-        let runs: Vec<(f64, Spectrum)> = family
+        let found: Vec<Hertz> = family
             .iter()
             .filter_map(|point| {
                 let column = point.results.column(&column.path)?;
-                let (found, speed) = in_hertz(column, &point.results, entry.described.periodic)?;
-                Some((60.0 * speed, found))
+                in_hertz(column, &point.results, entry.described.periodic)
             })
+            .collect();
+        let made = found.first().map(|f| f.made.clone()).unwrap_or_default();
+        let runs: Vec<(f64, Spectrum)> = found
+            .into_iter()
+            .map(|f| (60.0 * f.speed, f.spectrum))
             .collect();
         let largest = runs
             .iter()
@@ -211,6 +235,7 @@ fn maps(mut section: Section, entry: &Entry, family: &[&RunOutcome]) -> Section 
         let spectra = Spectra {
             column: column.clone(),
             runs,
+            made,
             largest,
         };
         let base = column.path.split('[').next().unwrap_or_default().to_owned();
@@ -229,17 +254,16 @@ fn maps(mut section: Section, entry: &Entry, family: &[&RunOutcome]) -> Section 
             continue;
         }
         let limit = map.speeds.last().map(|speed| ORDERS * speed / 60.0);
-        let name = first.results.analysis().split('[').next();
-        let about = spectra.runs.first().map(|(_, s)| s.description());
+        let name = first
+            .results
+            .analysis()
+            .split('[')
+            .next()
+            .unwrap_or_default();
         let title = spectra.column.path.replace('_', " ");
         let figure = SweepFigure {
             title: format!("Waterfall: {title}"),
-            subtitle: format!(
-                "{}, sweep {}; {}",
-                first.results.model(),
-                name.unwrap_or_default(),
-                about.unwrap_or_default()
-            ),
+            subtitle: spectra.made,
             quantity: format!("{title}, 0-peak"),
             unit: readable_unit(&spectra.column.display.symbol),
             frame: spectra.column.frame.clone(),
@@ -249,12 +273,16 @@ fn maps(mut section: Section, entry: &Entry, family: &[&RunOutcome]) -> Section 
         let campbell = campbell(&figure, &spectra.column, &title, orders(entry));
         section = section.figure(
             Waterfall { figure },
-            format!("Waterfall of {title}: spectra of the last cycle of each point, over its mean speed."),
+            format!(
+                "Waterfall of {title}, sweep {name}: spectra of the last cycle of each point, over its mean speed."
+            ),
         );
         if let Some(campbell) = campbell {
             section = section.figure(
                 campbell,
-                format!("Campbell diagram of {title}, with the lines of the main orders."),
+                format!(
+                    "Campbell diagram of {title}, sweep {name}, with the lines of the main orders."
+                ),
             );
         }
     }

@@ -239,7 +239,7 @@
     const home = () => {
       state.azimuth = Math.atan2(first[0], first[2]);
       state.height = Math.asin(first[1]);
-      state.distance = model.radius * 2.3;
+      state.distance = model.radius * 2.6;
       state.target = model.center.slice();
     };
     home();
@@ -255,14 +255,23 @@
       return result;
     };
 
+    const scales = new Map();
     function scaleOf(color) {
       if (color === "displacement") return { low: 0, high: largest, unit: "m", name: "displacement" };
       const all = model.bodies.flatMap((b) => b.fields.filter((f) => "field:" + f.name === color));
       if (!all.length) return null;
-      return {
-        low: Math.min(...all.map((f) => f.low)), high: Math.max(...all.map((f) => f.high)),
-        unit: all[0].unit, name: all[0].name,
-      };
+      if (!scales.has(color)) {
+        // a few sharp edges must not take the colours from all the rest
+        const sorted = Float32Array.from(all.flatMap((f) => [...f.values])).sort();
+        const largest = Math.max(...all.map((f) => f.high));
+        const most = sorted[Math.floor(0.99 * (sorted.length - 1))];
+        const clipped = most > 0 && most < 0.5 * largest;
+        scales.set(color, {
+          low: Math.min(...all.map((f) => f.low)), high: clipped ? most : largest, largest, clipped,
+          unit: all[0].unit, name: all[0].name,
+        });
+      }
+      return scales.get(color);
     }
 
     function deform(body) {
@@ -353,7 +362,9 @@
         const micro = range.unit === "m";
         const text = (v) => number(micro ? v * 1e6 : v) + (micro ? " µm" : " " + range.unit);
         find("low").textContent = text(range.low);
-        find("high").textContent = text(range.high) + ", " + range.name;
+        find("high").textContent = range.clipped
+          ? `${text(range.high)} and more, ${range.name}; at most ${text(range.largest)}`
+          : `${text(range.high)}, ${range.name}`;
       }
       if (document.activeElement !== sliders.time) sliders.time.value = state.frame;
       sliders.time.setAttribute("aria-valuetext", text);

@@ -180,15 +180,17 @@ impl History {
         let first = top + head + room + if titled { 30.0 } else { 0.0 };
         let bottom = first + count * panel_height + (count - 1.0) * gap;
         let mut svg = Svg::new(WIDTH, bottom + 78.0, &self.title, target);
-        svg.text(
+        svg.text_within(
             left,
             42.0,
+            WIDTH - left - RIGHT,
             &self.title,
             TextStyle::new(TITLE, Anchor::Start).bold(),
         );
-        svg.text(
+        svg.text_within(
             left,
             68.0,
+            WIDTH - left - RIGHT,
             &self.subtitle,
             TextStyle::new(SMALL + 1.0, Anchor::Start).soft(),
         );

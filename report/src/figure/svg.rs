@@ -117,6 +117,9 @@ pub(crate) struct CurveTag<'a> {
     pub base: Option<f64>,
 }
 
+/// No text is made smaller than this to fit.
+const SMALLEST: f64 = 9.0;
+
 /// An SVG under construction.
 #[derive(Debug)]
 pub(crate) struct Svg<'a> {
@@ -385,6 +388,15 @@ impl<'a> Svg<'a> {
             ));
         }
         self.put(format_args!(">{}</text>\n", escaped(text)));
+    }
+
+    /// A text made smaller where it would be wider than `width`, by as much as can be read.
+    pub fn text_within(&mut self, x: f64, y: f64, width: f64, text: &str, mut style: TextStyle) {
+        let wide = font::text_width(text, style.size, style.bold);
+        if wide > width && wide > 0.0 {
+            style.size = (style.size * width / wide).max(SMALLEST);
+        }
+        self.text(x, y, text, style);
     }
 
     pub fn finish(mut self) -> String {

@@ -57,15 +57,17 @@ impl SweepFigure {
     }
 
     pub(super) fn head(&self, svg: &mut Svg<'_>, left: f64) {
-        svg.text(
+        svg.text_within(
             left,
             42.0,
+            WIDTH - left - 36.0,
             &self.title,
             TextStyle::new(TITLE, Anchor::Start).bold(),
         );
-        svg.text(
+        svg.text_within(
             left,
             68.0,
+            WIDTH - left - 36.0,
             &self.subtitle,
             TextStyle::new(SMALL + 1.0, Anchor::Start).soft(),
         );
