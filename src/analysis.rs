@@ -125,6 +125,11 @@ impl Analysis {
         self
     }
 
+    /// The folder that its samples go to while it runs.
+    pub(crate) fn recorded_to(&self) -> Option<&std::path::Path> {
+        self.recording.folder.as_deref()
+    }
+
     /// The values of all slots for this analysis's parameters: what the summary needs of journals and cycle.
     pub(crate) fn bound(&self) -> Result<eng_system::code::Bound, Error> {
         let compiled = self.model.compiled();
@@ -145,6 +150,10 @@ impl Analysis {
 
     /// Runs. `progress` is called after every step.
     pub fn run(&self, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, Failed> {
+        let failed = |error: Error| Failed {
+            error: Box::new(error),
+            partial: None,
+        };
         let compiled = self.model.compiled();
         let begun = self
             .header()
@@ -153,9 +162,10 @@ impl Analysis {
             Ok(Begun::Fresh(table)) => (table, None),
             Ok(Begun::Resumed(table, point)) => (table, Some(point)),
             Ok(Begun::Complete(results)) => {
-                // its motion is on disk beside it
+                // its motion is on disk beside it, unless the run was killed just then
+                let motion = Motion::left(self, results.metadata()).map_err(failed)?;
                 return Ok(Outcome {
-                    motion: Results::new(self.name(), self.model.name()),
+                    motion: motion.unwrap_or_else(|| Results::new(self.name(), self.model.name())),
                     results,
                     warnings: Vec::new(),
                     summary: None,
@@ -172,12 +182,13 @@ impl Analysis {
                 });
             }
         };
+        let motion = Motion::begin(self, point.as_ref().map(|p| p.samples)).map_err(failed)?;
         let mut recorder = Recorder {
             table,
             refused: None,
             resumed: point.is_some(),
             warnings: point.iter().flat_map(|p| &p.warnings).map(given).collect(),
-            motion: Motion::new(self.bound().ok().and_then(|b| cycle_period(compiled, &b))),
+            motion,
             start: None,
             cycles: None,
             progress,
@@ -212,6 +223,11 @@ impl Analysis {
             Err(cause) => (None, None, Some(cause)),
         };
         let failure = cause.as_ref().map(|cause| format!("failed: {cause}"));
+        // a run that is killed between its results and its motion has all of the motion on disk
+        let saved = recorder.motion.save();
+        if cause.is_none() {
+            saved.map_err(|error| failed(error.into()))?;
+        }
         let finished = recorder.table.finish(failure.as_deref());
         let cause = cause.map(|cause| run_error(&self.model, cause));
         match (finished, cause) {
@@ -483,7 +499,9 @@ impl Observer for Recorder<'_> {
         if self.refused.is_some() {
             return ControlFlow::Break(());
         }
-        self.motion.push(sample);
+        if let Err(error) = self.motion.push(sample) {
+            return self.keep(Err(error));
+        }
         let e = &sample.energy;
         let audit = [
             e.kinetic,
@@ -508,9 +526,11 @@ impl Observer for Recorder<'_> {
     }
 
     fn checkpoint(&mut self, bytes: Vec<u8>) {
+        let warnings = self.warnings.iter().map(kept).collect();
         let saved = self
-            .table
-            .save(bytes, self.warnings.iter().map(kept).collect());
+            .motion
+            .save()
+            .and_then(|()| self.table.save(bytes, warnings));
         // the next sample ends the run
         let _ = self.keep(saved);
     }

@@ -11,7 +11,7 @@
 //! The last whole cycle is kept, of a model without cycle the whole run; of more than [`SAMPLES`] intervals every k-th sample,
 //! the last among them. Mean axes move with a free flexible body, a held one has those of its supports.
 
-use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
+use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, TIME, Trail};
 use crate::{Analysis, Error};
 use eng_runtime::Sample;
 use eng_system::system::BodyInertia;
@@ -30,6 +30,8 @@ const SLACK: f64 = 1e-6;
 pub(crate) struct Motion {
     period: Option<f64>,
     kept: VecDeque<Moment>,
+    /// All samples, where the run can be gone on from.
+    trail: Option<Trail>,
 }
 
 #[derive(Debug)]
@@ -39,18 +41,86 @@ struct Moment {
     pose: Vec<f64>,
 }
 
+impl Moment {
+    /// From the numbers of a trail.
+    fn of_row(row: &[f64], with_cycle: bool) -> Moment {
+        let (head, pose) = row.split_at(row.len().min(1 + usize::from(with_cycle)));
+        Moment {
+            time: head.first().copied().unwrap_or(f64::NAN),
+            cycle_angle: head.get(1).copied(),
+            pose: pose.to_vec(),
+        }
+    }
+}
+
 impl Motion {
-    /// Nothing yet, of a model with this cycle (rad).
-    pub fn new(period: Option<f64>) -> Motion {
-        Motion {
-            period: period.filter(|p| *p > 0.0),
-            kept: VecDeque::new(),
+    /// The motion of a run that begins, or goes on after a number of samples.
+    pub fn begin(analysis: &Analysis, resumed: Option<u64>) -> Result<Motion, Error> {
+        let mut motion = Motion::of(analysis);
+        if let Some(folder) = analysis.recorded_to() {
+            let header = trail_columns_of(analysis)?;
+            let with_cycle = analysis.model().compiled().system.cycle.is_some();
+            let trail = match resumed {
+                None => Trail::create(folder, &header)?,
+                Some(samples) => Trail::resume(folder, &header, samples, |row| {
+                    motion.keep(Moment::of_row(row, with_cycle));
+                })?,
+            };
+            motion.trail = Some(trail);
+        }
+        Ok(motion)
+    }
+
+    /// The motion of a complete run that was killed before it was written; nothing where it was.
+    pub fn left(
+        analysis: &Analysis,
+        metadata: &BTreeMap<String, String>,
+    ) -> Result<Option<Results>, Error> {
+        let Some(folder) = analysis.recorded_to() else {
+            return Ok(None);
+        };
+        let mut motion = Motion::of(analysis);
+        let with_cycle = analysis.model().compiled().system.cycle.is_some();
+        let found = Trail::left(folder, &name_of(analysis), |row| {
+            motion.keep(Moment::of_row(row, with_cycle));
+        })?;
+        match found {
+            true => motion.results(analysis, metadata).map(Some),
+            false => Ok(None),
         }
     }
 
-    /// Takes a sample, forgets what lies more than a cycle back.
-    pub fn push(&mut self, sample: &Sample<'_>) {
-        if let (Some(period), Some(now)) = (self.period, sample.cycle_angle) {
+    fn of(analysis: &Analysis) -> Motion {
+        // what cannot be bound is told by the run
+        let bound = analysis.bound().ok();
+        let period =
+            bound.and_then(|b| crate::analysis::cycle_period(analysis.model().compiled(), &b));
+        Motion {
+            period: period.filter(|p| *p > 0.0),
+            kept: VecDeque::new(),
+            trail: None,
+        }
+    }
+
+    /// Takes a sample.
+    pub fn push(&mut self, sample: &Sample<'_>) -> Result<(), ResultsError> {
+        if let Some(trail) = &mut self.trail {
+            let row = std::iter::once(sample.time)
+                .chain(sample.cycle_angle)
+                .chain(sample.pose.iter().copied());
+            trail.push(row)?;
+        }
+        self.keep(Moment {
+            time: sample.time,
+            cycle_angle: sample.cycle_angle,
+            pose: sample.pose.to_vec(),
+        });
+        Ok(())
+    }
+
+    /// Keeps a moment, forgets what lies more than a cycle back.
+    fn keep(&mut self, moment: Moment) {
+        if let (Some(period), Some(now)) = (self.period, moment.cycle_angle) {
             let old = |moment: &Moment| {
                 moment
                     .cycle_angle
@@ -60,20 +130,23 @@ impl Motion {
                 self.kept.pop_front();
             }
         }
-        self.kept.push_back(Moment {
-            time: sample.time,
-            cycle_angle: sample.cycle_angle,
-            pose: sample.pose.to_vec(),
-        });
+        self.kept.push_back(moment);
     }
 
-    /// As columns, with what is known about the run.
+    /// Brings all samples to disk: before a checkpoint that counts them, and before the results are complete.
+    pub fn save(&mut self) -> Result<(), ResultsError> {
+        match &mut self.trail {
+            Some(trail) => trail.save(),
+            None => Ok(()),
+        }
+    }
+
+    /// As columns, with what is known about the run. Where the run goes to a folder, they are written there, and the trail ends.
     pub fn results(
         mut self,
         analysis: &Analysis,
         metadata: &BTreeMap<String, String>,
     ) -> Result<Results, Error> {
-        let compiled = analysis.model().compiled();
         let samples = self.kept.len();
         let every = samples.saturating_sub(1).div_ceil(SAMPLES).max(1);
         let last = samples.saturating_sub(1);
@@ -84,8 +157,8 @@ impl Motion {
             .filter(|(index, _)| (last - index).is_multiple_of(every))
             .map(|(_, moment)| moment)
             .collect();
-        let name = format!("{}{SUFFIX}", analysis.name());
-        let mut results = Results::new(name, analysis.model().name());
+        let header = columns_of(analysis)?;
+        let mut results = header.without_columns();
         for (key, value) in metadata {
             results.set_metadata(key, value);
         }
@@ -99,53 +172,90 @@ impl Motion {
             every => format!("one of {every} samples"),
         };
         results.set_metadata("motion", format!("{span}, {kept_samples}"));
-        results.push(Column::time(kept.iter().map(|m| m.time).collect()))?;
-        let angles: Vec<f64> = kept.iter().filter_map(|m| m.cycle_angle).collect();
-        if !angles.is_empty() && angles.len() == kept.len() {
-            results.push(Column::cycle_angle(angles))?;
+        let head = 1 + usize::from(header.column(CYCLE_ANGLE).is_some());
+        for (index, column) in header.columns().iter().enumerate() {
+            let value = |moment: &Moment| match index {
+                0 => Some(moment.time),
+                1 if head == 2 => moment.cycle_angle,
+                _ => moment.pose.get(index - head).copied(),
+            };
+            results.push(Column {
+                values: kept
+                    .iter()
+                    .map(|moment| value(moment).unwrap_or(f64::NAN))
+                    .collect(),
+                ..column.clone()
+            })?;
         }
-        let mut first = 0;
-        for body in &compiled.system.bodies {
-            let modes = match body.inertia {
-                BodyInertia::Rigid { .. } => 0,
-                BodyInertia::Flexible(index) => compiled
-                    .reduced
-                    .get(index as usize)
-                    .map_or(0, |reduced| reduced.invariants.modes),
-            };
-            let path = &body.origin.path;
-            let mut push = |name: String, dimension: Dimension, unit: &str, frame: &str, at| {
-                results.push(Column {
-                    path: format!("{path}.{name}"),
-                    dimension,
-                    display: DisplayUnit {
-                        symbol: unit.to_owned(),
-                        scale: 1.0,
-                        offset: 0.0,
-                    },
-                    frame: frame.to_owned(),
-                    values: kept
-                        .iter()
-                        .map(|m| m.pose.get(first + at).copied().unwrap_or(f64::NAN))
-                        .collect(),
-                })
-            };
-            for (at, axis) in ["x", "y", "z"].into_iter().enumerate() {
-                let name = format!("position.{axis}");
-                push(name, Dimension::LENGTH, "m", "ground", at)?;
+        if let Some(folder) = analysis.recorded_to() {
+            if results.samples() > 0 {
+                results.write_parquet(folder)?;
             }
-            for (at, part) in ["w", "x", "y", "z"].into_iter().enumerate() {
-                let name = format!("orientation.{part}");
-                push(name, Dimension::ONE, "1", "ground", 3 + at)?;
-            }
-            for mode in 0..modes {
-                let name = format!("amplitude[{}]", mode + 1);
-                push(name, Dimension::ONE, "1", "", 7 + mode)?;
-            }
-            first += 7 + modes;
+            drop(self.trail.take());
+            Trail::remove(folder, &name_of(analysis))?;
         }
         Ok(results)
     }
+}
+
+fn name_of(analysis: &Analysis) -> String {
+    format!("{}{SUFFIX}", analysis.name())
+}
+
+/// The columns without values: time, the cycle's angle, and those of each body in the order of a pose.
+fn columns_of(analysis: &Analysis) -> Result<Results, Error> {
+    let compiled = analysis.model().compiled();
+    let mut header = Results::new(name_of(analysis), analysis.model().name());
+    header.push(Column::time(Vec::new()))?;
+    if compiled.system.cycle.is_some() {
+        header.push(Column::cycle_angle(Vec::new()))?;
+    }
+    for body in &compiled.system.bodies {
+        let modes = match body.inertia {
+            BodyInertia::Rigid { .. } => 0,
+            BodyInertia::Flexible(index) => compiled
+                .reduced
+                .get(index as usize)
+                .map_or(0, |reduced| reduced.invariants.modes),
+        };
+        let path = &body.origin.path;
+        let mut push = |name: String, dimension: Dimension, unit: &str, frame: &str| {
+            header.push(Column {
+                path: format!("{path}.{name}"),
+                dimension,
+                display: DisplayUnit {
+                    symbol: unit.to_owned(),
+                    scale: 1.0,
+                    offset: 0.0,
+                },
+                frame: frame.to_owned(),
+                values: Vec::new(),
+            })
+        };
+        for axis in ["x", "y", "z"] {
+            push(format!("position.{axis}"), Dimension::LENGTH, "m", "ground")?;
+        }
+        for part in ["w", "x", "y", "z"] {
+            push(format!("orientation.{part}"), Dimension::ONE, "1", "ground")?;
+        }
+        for mode in 1..=modes {
+            push(format!("amplitude[{mode}]"), Dimension::ONE, "1", "")?;
+        }
+    }
+    Ok(header)
+}
+
+/// [`columns_of`], all shown in SI.
+fn trail_columns_of(analysis: &Analysis) -> Result<Results, Error> {
+    let header = columns_of(analysis)?;
+    let mut plain = header.without_columns();
+    for column in header.columns() {
+        plain.push(Column {
+            display: DisplayUnit::si(column.dimension),
+            ..column.clone()
+        })?;
+    }
+    Ok(plain)
 }
 
 /// The motion of one body, read back.

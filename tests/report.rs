@@ -1,5 +1,10 @@
 //! `eng report`: what a reader of the page and other tools find.
 
+// some of these are for the other tests
+#[allow(dead_code)]
+#[path = "../report/tests/report/tools.rs"]
+mod tools;
+
 use eng::Results;
 use eng::cli::{JournalGeometry, JournalSummary};
 use std::f64::consts::PI;
@@ -117,26 +122,43 @@ fn a_report_of_an_engine_shows_what_the_results_hold() {
 
     let captions = captions(&page);
     for start in [
-        "vertical, short.",
-        "engine speed, short.",
-        "brake torque, short.",
-        "Journal force x on the pin, short.",
+        "Vertical, short.",
+        "Engine speed, short.",
+        "Brake torque, short.",
         "Journal force y on the pin, short.",
-        "Orbits of the pins in their shells, short.",
-        "Spectrum: Journal force x on the pin, short.",
+        "Orbits of the pins in their shells, short",
+        "Load of the pins on their shells, short",
+        "Spectrum: Journal force y on the pin, short.",
     ] {
         assert!(
             captions.iter().any(|c| c.starts_with(start)),
             "{start} in {captions:?}"
         );
     }
-    // in orders and in Hz
+    // the same values are drawn once
+    assert!(!captions.iter().any(|c| c.contains("Journal force x")));
+    assert!(page.contains("the same as main[1].force.x to main[5].force.x"));
+    // a spectrum in orders with the frequencies above
     let spectra = captions
         .iter()
-        .filter(|c| c.starts_with("Spectrum: vertical"))
+        .filter(|c| c.starts_with("Spectrum: Vertical"))
         .count();
-    assert_eq!(spectra, 2, "{captions:?}");
+    assert_eq!(spectra, 1, "{captions:?}");
     assert!(page.contains("Hann window, resolution 0.5000 orders"));
+    let (_, speed) = page.split_once(">Frequency (Hz) at ").expect("its axis");
+    let speed = number(speed.split_once(" 1/min").expect("a speed").0);
+    assert!((speed / 4200.0 - 1.0).abs() < 0.01, "{speed}");
+    // curves have the letters of their journals, cylinders fire where the model says
+    assert!(page.contains("data-name=\"E vertical[5]\""));
+    for (cylinder, angle) in [(1, 0.0), (3, 180.0), (4, 360.0), (2, 540.0)] {
+        let path = format!("gas[{cylinder}].firing");
+        let row = table(&page, "Inputs of Inline4")
+            .into_iter()
+            .find(|row| row[0] == path)
+            .expect("an input");
+        assert_eq!(number(&row[2]), angle, "{path}");
+        assert!(page.contains(&format!(">TDC {cylinder}</text>")));
+    }
 
     let rows = table(&page, "Journals over the last cycle, short");
     assert_eq!(rows.len(), 5);
@@ -171,7 +193,18 @@ fn a_report_of_an_engine_shows_what_the_results_hold() {
         .iter()
         .find(|row| row[0] == "speed")
         .expect("the speed");
-    assert_eq!((number(&speed[2]), number(&speed[3])), (4000.0, 4200.0));
+    assert_eq!((number(&speed[2]), number(&speed[4])), (4000.0, 4200.0));
+    let stated = |input: &str| {
+        let row = inputs.iter().find(|row| row[0] == input);
+        row.map(|row| row[3].clone()).unwrap_or_default()
+    };
+    assert!(stated("speed").starts_with("engine.eng:"));
+    // what was said of no gas force is the library's
+    assert!(
+        stated("gas[1].ambient").starts_with("library, "),
+        "{}",
+        stated("gas[1].ambient")
+    );
 
     let audit = table(&page, "Energy, short");
     let change = |path: &str| {
@@ -240,7 +273,17 @@ fn bar(name: &str) -> PathBuf {
 fn a_report_of_a_flexible_body_has_its_modes_stresses_and_files() {
     let folder = bar("report-bar");
     done(&folder, &["run", "bar.eng", "--no-plots", "-q"]);
-    done(&folder, &["report", "bar.eng", "--vtu", "series"]);
+    done(
+        &folder,
+        &[
+            "report",
+            "bar.eng",
+            "--vtu",
+            "series",
+            "--stress-at",
+            "20 ms",
+        ],
+    );
     let page = std::fs::read_to_string(folder.join("results/bar/report.html")).expect("the page");
 
     let text = String::from_utf8(eng(&folder, &["reduce", "bar.eng"]).stdout).expect("text");
@@ -255,9 +298,14 @@ fn a_report_of_a_flexible_body_has_its_modes_stresses_and_files() {
         );
         assert_eq!(number(&row[3]), 70.0);
     }
+    for wrong in [["--stress-at", "3 mm"], ["--stress-at", "soon"]] {
+        let output = eng(&folder, &["report", "bar.eng", wrong[0], wrong[1]]);
+        assert_eq!(output.status.code(), Some(2), "{wrong:?}");
+    }
     // twice the load, twice the stress
     let largest: Vec<f64> = page
         .split("<h3")
+        .skip(1)
         .filter(|part| part.contains("Motion, "))
         .map(|part| number(&table(part, "bar: largest von Mises stress")[0][1]))
         .collect();
@@ -267,7 +315,7 @@ fn a_report_of_a_flexible_body_has_its_modes_stresses_and_files() {
     assert!(
         captions
             .iter()
-            .any(|c| c == "deflection: settle, harder. Last cycle."),
+            .any(|c| c == "Deflection: settle, harder. Last cycle."),
         "{captions:?}"
     );
 
@@ -281,8 +329,139 @@ fn a_report_of_a_flexible_body_has_its_modes_stresses_and_files() {
     assert_eq!(named.len(), 34);
     for name in named {
         let file = std::fs::read_to_string(folder.join("series").join(name)).expect("a file");
-        assert!(file.contains("Name=\"displacement\"") && file.contains("Name=\"von_mises\""));
+        for array in ["displacement", "von_mises", "von_mises_envelope (Pa)"] {
+            assert!(file.contains(&format!("Name=\"{array}\"")), "{array}");
+        }
     }
+    in_a_browser(&folder.join("results/bar/report.html"));
+}
+
+/// Goes through a page in a headless Chromium, where there is one.
+fn in_a_browser(page: &Path) {
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    let browser = tools::find_or("ENG_TEST_CHROMIUM", &names);
+    let (Some(browser), Some(node)) = (browser, tools::find(&["node"])) else {
+        return tools::skip("Chromium with Node.js");
+    };
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser/report.mjs");
+    let output = tools::run(Command::new(node).arg(script).arg(browser).arg(page));
+    assert!(output.status.success(), "{}", output.status);
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    eprintln!("{found:#}");
+    let text = std::fs::read_to_string(page).expect("the page");
+    let count = |what: &str| found[what].as_u64().expect("a count") as usize;
+    assert_eq!(
+        count("figures"),
+        text.matches("<figure class=\"plot\"").count()
+    );
+    assert_eq!(
+        count("animations"),
+        text.matches("<figure class=\"animation\"").count()
+    );
+    assert!(count("figures") > 0 && count("animations") > 0 && count("tables") > 0);
+    // every figure wakes, zooms, shows all again, and tells what lies under the pointer
+    for fault in [
+        "errors",
+        "requests",
+        "asleep",
+        "not_zoomed",
+        "not_reset",
+        "silent",
+        "odd_readouts",
+    ] {
+        assert_eq!(found[fault], serde_json::json!([]), "{fault}");
+    }
+    for fault in ["tables_without_headers", "unnamed_figures", "dead_links"] {
+        assert_eq!(count(fault), 0, "{fault}");
+    }
+    let ranks: Vec<i64> = found["headings"]
+        .as_array()
+        .expect("ranks")
+        .iter()
+        .filter_map(serde_json::Value::as_i64)
+        .collect();
+    assert!(ranks[0] == 1 && ranks.windows(2).all(|pair| pair[1] <= pair[0] + 1));
+    if found["webgl"] == false {
+        return tools::skip("WebGL 2 in Chromium");
+    }
+    for moved in found["moved"].as_array().expect("animations") {
+        assert_eq!(*moved, true, "an animation stands still");
+    }
+    for colours in found["colours"].as_array().expect("animations") {
+        let choices = colours["choices"].as_array().expect("choices").len();
+        assert!(choices >= 3, "{colours}");
+        assert!(colours["pictures"].as_u64() >= Some(3), "{colours}");
+    }
+}
+
+#[test]
+fn a_sweep_over_speed_has_maps_and_curves() {
+    let folder = folder("report-sweep");
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/inline4");
+    let text = std::fs::read_to_string(examples.join("inline4.eng")).expect("the example");
+    let (model, _) = text.split_once("analysis unfired").expect("its analyses");
+    let run = "analysis runup[s in [2000, 2500, 3000, 3500, 4000] rpm] =
+        transient(Inline4(speed: s), duration: 2 rev, sample: 2 deg)\n";
+    write(folder.join("engine.eng"), &format!("{model}{run}"));
+    std::fs::copy(examples.join("pressure.csv"), folder.join("pressure.csv")).expect("a copy");
+    done(&folder, &["run", "engine.eng", "--no-plots", "-q"]);
+    done(
+        &folder,
+        &[
+            "report",
+            "engine.eng",
+            "--out",
+            "page.html",
+            "--figures",
+            "figures",
+        ],
+    );
+    let page = std::fs::read_to_string(folder.join("page.html")).expect("the page");
+    let captions = captions(&page);
+    for start in [
+        "Minimum film of main, sweep runup.",
+        "Peak load of main, sweep runup.",
+        "Waterfall of vertical[",
+        "Campbell diagram of vertical[",
+    ] {
+        assert!(
+            captions.iter().any(|c| c.starts_with(start)),
+            "{start} in {captions:?}"
+        );
+    }
+    // four firings in two revolutions: the second order is the first of the main ones
+    for order in [2, 4, 6, 8] {
+        assert!(page.contains(&format!(">order {order}</text>")));
+    }
+    let points =
+        Results::read_parquet(folder.join("results/engine/runup.parquet")).expect("points");
+    let column = points.column("main[3].peak_load").expect("a column");
+    let rows = table(&page, "Points of runup");
+    assert_eq!(rows.len(), points.columns().len());
+    let row = rows.iter().find(|row| row[0] == "main[3].peak_load");
+    let row = row.expect("the largest load");
+    for (cell, value) in row[2..].iter().zip(&column.values) {
+        assert!((number(cell) / value - 1.0).abs() < 1e-4, "{cell} {value}");
+    }
+    // each figure as two files, with the page's number
+    let figures = page.matches("<b>Figure ").count();
+    assert!(figures > 8);
+    let mut names: Vec<String> = std::fs::read_dir(folder.join("figures"))
+        .expect("a folder")
+        .map(|entry| {
+            entry
+                .expect("a file")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
+    names.sort();
+    assert_eq!(names.len(), 2 * figures);
+    assert!(
+        names[0].starts_with("figure-01-") && names[0].ends_with(".png"),
+        "{names:?}"
+    );
 }
 
 #[test]

@@ -81,3 +81,6 @@ mod escape;
 pub mod figure;
 pub mod page;
 pub mod signal;
+mod unit;
+
+pub use unit::readable_unit;

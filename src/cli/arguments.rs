@@ -114,6 +114,13 @@ pub(super) struct ReportArguments {
     /// Write the motion and stresses of its flexible bodies as a series for ParaView into this folder, too
     #[arg(long, value_name = "DIR")]
     pub vtu: Option<PathBuf>,
+    /// Write each figure as SVG and PNG into this folder, too
+    #[arg(long, value_name = "DIR")]
+    pub figures: Option<PathBuf>,
+    /// Show stresses at this crank angle or time, such as "372 deg" or "12 ms"; may be given several times [default: where each body's
+    /// is largest]
+    #[arg(long, value_name = "MOMENT")]
+    pub stress_at: Vec<String>,
     /// Say nothing but warnings and errors
     #[arg(long, short)]
     pub quiet: bool,

@@ -3,13 +3,15 @@
 use super::RunOutcome;
 use crate::plot::{Abscissa, Curve, History, Orbit, Orbits, Ordinate, Panel, Scale};
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
+use eng_report::figure::journal_letter;
+use eng_report::readable_unit;
 use eng_system::Dimension;
 
 /// File names (without extension) and SVG texts: the forces and orbits of the journals, and the model's own outputs.
 pub(super) fn of_analysis(outcome: &RunOutcome) -> Vec<(String, String)> {
     let mut figures: Vec<(String, String)> = histories(outcome)
         .into_iter()
-        .map(|(_, name, figure)| (name, figure.to_svg()))
+        .map(|pictured| (pictured.name, pictured.figure.to_svg()))
         .collect();
     if let Some(orbits) = orbits(outcome) {
         let name = format!("{}-orbits", outcome.results.analysis());
@@ -18,8 +20,18 @@ pub(super) fn of_analysis(outcome: &RunOutcome) -> Vec<(String, String)> {
     figures
 }
 
-/// The model's outputs and the forces of its journals: dimension, file name, figure.
-pub(crate) fn histories(outcome: &RunOutcome) -> Vec<(Dimension, String, History)> {
+/// A figure of histories with what it shows.
+pub(crate) struct Pictured {
+    pub dimension: Dimension,
+    /// For a file.
+    pub name: String,
+    /// The columns, in the order of the curves.
+    pub paths: Vec<String>,
+    pub figure: History,
+}
+
+/// The model's outputs and the forces of its journals.
+pub(crate) fn histories(outcome: &RunOutcome) -> Vec<Pictured> {
     let results = &outcome.results;
     let mut wanted = families(results);
     wanted.extend(["x", "y"].map(|axis| journal_forces(outcome, axis)));
@@ -28,9 +40,13 @@ pub(crate) fn histories(outcome: &RunOutcome) -> Vec<(Dimension, String, History
         .iter()
         .filter_map(|family| {
             let dimension = family.columns(results).first()?.dimension;
-            let figure = history(&family.title(), &about(results), family, &one)?;
-            let name = format!("{}-{}", results.analysis(), family.name);
-            Some((dimension, name, figure))
+            let figure = history(&about(results), family, &one, &letters(outcome))?;
+            Some(Pictured {
+                dimension,
+                name: format!("{}-{}", results.analysis(), family.name),
+                paths: family.paths.clone(),
+                figure,
+            })
         })
         .collect()
 }
@@ -39,12 +55,12 @@ pub(crate) fn histories(outcome: &RunOutcome) -> Vec<(Dimension, String, History
 pub(super) fn comparisons(outcomes: &[&RunOutcome]) -> Vec<(String, String)> {
     compared(outcomes)
         .into_iter()
-        .map(|(name, figure)| (name, figure.to_svg()))
+        .map(|pictured| (pictured.name, pictured.figure.to_svg()))
         .collect()
 }
 
 /// [`comparisons`] before they are drawn.
-pub(crate) fn compared(outcomes: &[&RunOutcome]) -> Vec<(String, History)> {
+pub(crate) fn compared(outcomes: &[&RunOutcome]) -> Vec<Pictured> {
     let Some(first) = outcomes.first() else {
         return Vec::new();
     };
@@ -76,8 +92,12 @@ pub(crate) fn compared(outcomes: &[&RunOutcome]) -> Vec<(String, History)> {
                 .all(|(_, r)| family.columns(r).len() == family.paths.len())
         })
         .filter_map(|family| {
-            let figure = history(&family.title(), &subtitle, family, &panels)?;
-            Some((format!("{}-{}", names.join("-"), family.name), figure))
+            Some(Pictured {
+                dimension: family.columns(&first.results).first()?.dimension,
+                name: format!("{}-{}", names.join("-"), family.name),
+                paths: family.paths.clone(),
+                figure: history(&subtitle, family, &panels, &letters(first))?,
+            })
         })
         .collect()
 }
@@ -92,8 +112,13 @@ struct Family {
 }
 
 impl Family {
+    /// The quantity with a capital.
     fn title(&self) -> String {
-        self.quantity.clone()
+        let mut letters = self.quantity.chars();
+        match letters.next() {
+            Some(first) => first.to_uppercase().chain(letters).collect(),
+            None => String::new(),
+        }
     }
 
     fn columns<'a>(&self, results: &'a Results) -> Vec<&'a Column> {
@@ -136,7 +161,7 @@ fn journal_forces(outcome: &RunOutcome, axis: &str) -> Family {
     }
 }
 
-fn about(results: &Results) -> String {
+pub(crate) fn about(results: &Results) -> String {
     format!(
         "{}, analysis {}, not filtered",
         results.model(),
@@ -144,12 +169,33 @@ fn about(results: &Results) -> String {
     )
 }
 
-/// A history of a family, a panel for each of the results; `None` where there is nothing to draw.
+/// Letters of the journals, as a paper has them, by the axes that their forces are in.
+fn letters(outcome: &RunOutcome) -> Vec<(String, String)> {
+    let all: Vec<(String, String)> = outcome
+        .journals
+        .iter()
+        .enumerate()
+        .filter_map(|(index, journal)| {
+            let force = format!("{}.force.x", journal.path);
+            let frame = outcome.results.column(&force)?.frame.clone();
+            Some((frame, journal_letter(index)))
+        })
+        .collect();
+    // axes that several journals share tell none apart
+    let alone = |frame: &str| all.iter().filter(|(other, _)| other == frame).count() == 1;
+    all.iter()
+        .filter(|(frame, _)| alone(frame))
+        .cloned()
+        .collect()
+}
+
+/// A history of a family, a panel for each of the results; `None` where there is nothing to draw. Curves in the axes of a journal's
+/// shell have its letter.
 fn history(
-    title: &str,
     subtitle: &str,
     family: &Family,
     panels: &[(String, &Results)],
+    letters: &[(String, String)],
 ) -> Option<History> {
     let columns: Vec<&Column> = panels.iter().flat_map(|(_, r)| family.columns(r)).collect();
     let display = &columns.first()?.display;
@@ -165,14 +211,17 @@ fn history(
                 .columns(results)
                 .into_iter()
                 .map(|column| Curve {
-                    name: curve_name(&column.path),
+                    name: match letters.iter().find(|(frame, _)| *frame == column.frame) {
+                        Some((_, letter)) => format!("{letter} {}", curve_name(&column.path)),
+                        None => curve_name(&column.path),
+                    },
                     values: column.values.iter().map(|v| display.from_si(*v)).collect(),
                 })
                 .collect(),
         });
     }
     Some(History {
-        title: title.to_owned(),
+        title: family.title(),
         subtitle: subtitle.to_owned(),
         abscissa: if with_angle {
             Abscissa::CrankAngle
@@ -181,7 +230,7 @@ fn history(
         },
         ordinate: Ordinate {
             quantity: family.quantity.clone(),
-            unit: display.symbol.clone(),
+            unit: readable_unit(&display.symbol),
             frame: common_frame(&frames),
         },
         scale: Scale::Linear,
@@ -235,11 +284,12 @@ pub(crate) fn orbits(outcome: &RunOutcome) -> Option<Orbits> {
     let orbits: Vec<Orbit> = outcome
         .journals
         .iter()
-        .filter_map(|journal| {
+        .enumerate()
+        .filter_map(|(index, journal)| {
             let x = results.column(&format!("{}.eccentricity.x", journal.path))?;
             let y = results.column(&format!("{}.eccentricity.y", journal.path))?;
             Some(Orbit {
-                name: journal.path.clone(),
+                name: format!("{} {}", journal_letter(index), journal.path),
                 frame: x.frame.clone(),
                 clearance: journal.radial_clearance,
                 x: x.values.clone(),

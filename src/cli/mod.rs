@@ -15,7 +15,7 @@ mod report;
 mod results;
 mod run;
 pub(crate) mod summary;
-mod sweep;
+pub(crate) mod sweep;
 mod table;
 
 pub use engine::{

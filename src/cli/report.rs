@@ -4,11 +4,14 @@ use super::arguments::ReportArguments;
 use super::run::{chosen, explain_error, results_folder, show, told_of};
 use super::{Console, Engine, MODEL_WRONG, Stop, USAGE_OR_SYSTEM};
 use crate::modes::are_modes;
+use crate::Quantity;
 use crate::motion::SUFFIX;
-use crate::report::{Entry, make, write_series};
+use crate::plot::write_svg_and_png;
+use crate::report::{At, Entry, Request, make, write_series};
 use crate::results::{Results, ResultsError, file_stem, replace_file};
 use eng_flexible::store::{content_hash, hexadecimal};
 use eng_grammar::SourceMap;
+use eng_system::Dimension;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -25,6 +28,13 @@ pub(super) fn report(
     if checked.diagnostics.has_errors() {
         return Err(Stop::Code(MODEL_WRONG));
     }
+    let moments = match moments(&arguments.stress_at) {
+        Ok(moments) => moments,
+        Err(message) => {
+            writeln!(console.errors, "error: {message}")?;
+            return Err(Stop::Code(USAGE_OR_SYSTEM));
+        }
+    };
     let names = chosen(&arguments.model, &arguments.analysis, &checked, console)?;
     let folder = arguments
         .results
@@ -97,7 +107,15 @@ pub(super) fn report(
         .unwrap_or_default()
         .to_string_lossy();
     let made = told_of(
-        make(&file, &entries, &missing, &command(arguments)),
+        make(Request {
+            file: &file,
+            entries: &entries,
+            missing: &missing,
+            command: &command(arguments),
+            stress_at: &moments,
+            own: Vec::new(),
+            drawn: arguments.figures.is_some(),
+        }),
         console,
     )?;
     for warning in &made.warnings {
@@ -120,6 +138,12 @@ pub(super) fn report(
             }
         }
     }
+    if let Some(folder) = &arguments.figures {
+        for drawn in &made.figures {
+            let paths = write_svg_and_png(&drawn.svg, folder, &drawn.name);
+            written.extend(told_of(paths, console)?);
+        }
+    }
     if let Some(folder) = &arguments.vtu {
         let moved = entries.iter().find(|e| e.outcome.motion.is_some());
         let series = match moved.or(entries.first()) {
@@ -140,6 +164,24 @@ pub(super) fn report(
         }
     }
     Ok(())
+}
+
+/// Angles and times as they were typed.
+fn moments(typed: &[String]) -> Result<Vec<At>, String> {
+    typed
+        .iter()
+        .map(|text| {
+            let said = |reason: String| format!("--stress-at {text}: {reason}");
+            let quantity: Quantity = text
+                .parse()
+                .map_err(|e: crate::QuantityError| said(e.to_string()))?;
+            match quantity.dimension() {
+                Dimension::ANGLE => Ok(At::Angle(quantity.value())),
+                Dimension::TIME => Ok(At::Time(quantity.value())),
+                _ => Err(said("neither an angle nor a time".to_owned())),
+            }
+        })
+        .collect()
 }
 
 /// A file's name with the hash of its contents.
@@ -173,11 +215,15 @@ fn command(arguments: &ReportArguments) -> String {
         ("--out", &arguments.out),
         ("--gltf", &arguments.gltf),
         ("--vtu", &arguments.vtu),
+        ("--figures", &arguments.figures),
     ];
     for (flag, path) in paths {
         if let Some(path) = path {
             words.push(format!("{flag} {}", path.display()));
         }
+    }
+    for moment in &arguments.stress_at {
+        words.push(format!("--stress-at \"{moment}\""));
     }
     words.join(" ")
 }

@@ -335,7 +335,11 @@ fn report(
     };
     wrote(&path, arguments, console)?;
     if let Some(motion) = &outcome.motion {
-        let path = told_of(motion.write_parquet(folder), console)?;
+        let path = if written {
+            folder.join(format!("{}.parquet", file_stem(motion.analysis())))
+        } else {
+            told_of(motion.write_parquet(folder), console)?
+        };
         wrote(&path, arguments, console)?;
     }
     if arguments.csv {

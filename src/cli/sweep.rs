@@ -7,7 +7,7 @@ use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
 use eng_system::{Dimension, DisplayUnit};
 
 /// The analyses of one name with an index, two or more of them: `runup[1]`, `runup[2]`, …
-pub(super) fn families(outcomes: &[RunOutcome]) -> Vec<Vec<&RunOutcome>> {
+pub(crate) fn families(outcomes: &[RunOutcome]) -> Vec<Vec<&RunOutcome>> {
     let mut families: Vec<Vec<&RunOutcome>> = Vec::new();
     for outcome in outcomes.iter().filter(|o| !o.point.is_empty()) {
         let name = base(outcome);
@@ -37,7 +37,7 @@ pub(super) fn name<'o>(family: &[&'o RunOutcome]) -> &'o str {
 /// One row a point: the variables; cycles of a periodic analysis, and 1 where the last repeats; of every journal the peak load, the
 /// smallest film and the friction; of every output of the model the smallest and the largest value. Over the last whole cycle where
 /// there is one, else over the whole run.
-pub(super) fn table(family: &[&RunOutcome]) -> Results {
+pub(crate) fn table(family: &[&RunOutcome]) -> Results {
     let Some(first) = family.first() else {
         return Results::new("", "");
     };

@@ -4,9 +4,10 @@ use crate::cli::JournalGeometry;
 use crate::local::{at, journals, upright};
 use crate::plot::Upright;
 use crate::{Analysis, Error, Quantity, Reduction};
+use eng_grammar::{SourceId, SourceMap};
 use eng_report::animation::Up;
 use eng_system::code::Bound;
-use eng_system::system::{AnalysisKind, BodyInertia, BodyRef, System};
+use eng_system::system::{AnalysisKind, BodyInertia, BodyRef, Location, PointValue, System};
 use eng_system::{Dimension, DisplayUnit};
 use std::collections::BTreeMap;
 
@@ -23,6 +24,30 @@ pub struct InputValue {
     pub limits: (f64, f64),
     /// How it is shown.
     pub display: DisplayUnit,
+    /// Where its default is stated: file and line; empty where that is not known.
+    pub stated_at: String,
+    /// Whether that is the library's text: nothing was said in the model.
+    pub of_library: bool,
+}
+
+/// The axes of a marker.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkerAxes {
+    /// Path of the marker.
+    pub marker: String,
+    /// Path of its body; none on the ground.
+    pub body: Option<String>,
+    /// Rotation matrix marker → body, row-major.
+    pub orientation: [f64; 9],
+}
+
+/// Pin and shell of a journal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JournalAxes {
+    /// Turns.
+    pub pin: MarkerAxes,
+    /// In its axes forces and eccentricities are.
+    pub shell: MarkerAxes,
 }
 
 /// A place on a body.
@@ -70,6 +95,10 @@ pub struct Described {
     pub inputs: Vec<InputValue>,
     /// Journals in the order of the text.
     pub journals: Vec<JournalGeometry>,
+    /// Their pins and shells, in the same order.
+    pub axes: Vec<JournalAxes>,
+    /// Where it stands in its sweep.
+    pub point: Vec<PointValue>,
     /// The cycle's period (rad), if there is a cycle.
     pub cycle_period: Option<f64>,
     /// Whether the results repeat each cycle by what was asked for.
@@ -78,8 +107,9 @@ pub struct Described {
     pub upright: Upright,
     /// Which ground axis points up.
     pub up: Up,
-    /// Firing dead centres: number of the cylinder and angle (rad).
-    pub firing: Vec<(usize, f64)>,
+    /// Firing dead centres: number of the cylinder, if it has one, and angle of the cycle (rad). They are the angles `firing` of
+    /// the model's forces.
+    pub firing: Vec<(Option<usize>, f64)>,
     /// Bodies in a fixed order.
     pub bodies: Vec<BodyPicture>,
 }
@@ -106,29 +136,26 @@ impl Described {
             .parameters
             .iter()
             .zip(bound.parameters.iter().zip(defaults))
-            .map(|(p, (value, default))| InputValue {
-                path: p.origin.path.clone(),
-                value: *value,
-                default,
-                limits: p.limits,
-                display: p.display.clone(),
+            .map(|(p, (value, default))| {
+                let (stated_at, of_library) = stated(model.texts(), p.origin.used_at);
+                InputValue {
+                    path: p.origin.path.clone(),
+                    value: *value,
+                    default,
+                    limits: p.limits,
+                    display: p.display.clone(),
+                    stated_at,
+                    of_library,
+                }
             })
             .collect();
-        let firing = system
-            .parameters
-            .iter()
-            .zip(&bound.parameters)
-            .filter(|(p, _)| p.dimension == Dimension::ANGLE)
-            .filter_map(|(p, value)| {
-                let owner = p.origin.path.strip_suffix(".firing")?;
-                let (_, index) = owner.strip_suffix(']')?.rsplit_once('[')?;
-                Some((index.parse().ok()?, *value))
-            })
-            .collect();
+        let firing = firing(system, &bound);
         Ok(Described {
             source_hash,
             inputs,
             journals: journals(system, &bound),
+            axes: axes(system, &bound),
+            point: analysis.point().to_vec(),
             cycle_period: crate::analysis::cycle_period(compiled, &bound),
             periodic: matches!(analysis.kind(), AnalysisKind::Periodic(_)),
             upright: upright(system, &bound),
@@ -137,6 +164,66 @@ impl Described {
             bodies: bodies(system, &bound, model.reductions()),
         })
     }
+}
+
+/// File and line of a place, and whether it is the library's.
+fn stated(texts: &SourceMap, place: Option<Location>) -> (String, bool) {
+    let found = place.and_then(|place| {
+        let source = SourceId(place.source);
+        let (line, _) = texts.line_column(source, place.start)?;
+        Some((texts.get(source)?.name.clone(), line))
+    });
+    match found {
+        Some((name, line)) => (format!("{name}:{line}"), name.starts_with("std")),
+        None => (String::new(), false),
+    }
+}
+
+/// The angles `firing` of elements such as `gas[3]`.
+fn firing(system: &System, bound: &Bound) -> Vec<(Option<usize>, f64)> {
+    system
+        .parameters
+        .iter()
+        .zip(&bound.parameters)
+        .filter(|(p, _)| system.cycle.is_some() && p.dimension == Dimension::ANGLE)
+        .filter_map(|(p, value)| {
+            let owner = p.origin.path.strip_suffix(".firing")?;
+            system.elements.iter().find(|e| e.origin.path == owner)?;
+            let index = owner
+                .strip_suffix(']')
+                .and_then(|owner| owner.rsplit_once('['))
+                .and_then(|(_, index)| index.parse().ok());
+            Some((index, *value))
+        })
+        .collect()
+}
+
+fn axes(system: &System, bound: &Bound) -> Vec<JournalAxes> {
+    system
+        .journals
+        .iter()
+        .filter_map(|journal| {
+            let element = system.elements.get(journal.element as usize)?;
+            let marker = |index: u32| {
+                let marker = element.markers.get(index as usize)?;
+                let marker = system.markers.get(*marker as usize)?;
+                Some(MarkerAxes {
+                    marker: marker.origin.path.clone(),
+                    body: match marker.body {
+                        BodyRef::Ground => None,
+                        BodyRef::Body(body) => {
+                            Some(system.bodies.get(body as usize)?.origin.path.clone())
+                        }
+                    },
+                    orientation: marker.orientation.map(|slot| at(bound, slot)),
+                })
+            };
+            Some(JournalAxes {
+                pin: marker(journal.pin)?,
+                shell: marker(journal.shell)?,
+            })
+        })
+        .collect()
 }
 
 /// Sets what the metadata say and the analysis does not.

@@ -3,18 +3,25 @@
 //! May contain: what is shown of which results, and in which order. Must not contain: how figures, pages and animations are drawn
 //! (`eng_report`), how stresses are recovered (`eng_flexible::recover`), arguments of the command.
 
+mod analyses;
+mod collapse;
 mod describe;
+mod loads;
 mod page;
+mod provenance;
 mod scene;
 mod series;
+mod shapes;
 mod spectra;
 mod stress;
 mod surface;
+mod sweeps;
 mod tables;
 
-pub use describe::{BodyPicture, Described, InputValue, Matter, Spot};
-pub use page::{Made, make};
+pub use describe::{BodyPicture, Described, InputValue, JournalAxes, MarkerAxes, Matter, Spot};
+pub use page::{Drawn, Made, Request, make};
 pub use series::write_series;
+pub use stress::At;
 
 use crate::cli::RunOutcome;
 use crate::results::ResultsError;
@@ -94,7 +101,7 @@ impl Entry {
                 upright: described.upright,
                 diagnostics: Default::default(),
                 facts: Vec::new(),
-                point: Vec::new(),
+                point: described.point.clone(),
                 periodic: None,
                 results,
                 motion,

@@ -1,16 +1,16 @@
 //! The page: which sections, in which order.
 
+use super::analyses::{Detail, distinct, marked};
 use super::describe::Matter;
 use super::scene::{Scene, scene};
-use super::spectra::{of_last_cycle, spectra_of};
-use super::{Entry, ReportError, tables};
+use super::spectra::of_last_cycle;
+use super::stress::At;
+use super::{Entry, ReportError, analyses, provenance, sweeps, tables};
 use crate::Reduction;
 use crate::cli::RunOutcome;
-use crate::cli::figures::{compared, histories, orbits};
-use eng_flexible::store::hexadecimal;
-use eng_report::figure::{History, Mark};
-use eng_report::page::{Page, Provenance, Section};
-use eng_system::Dimension;
+use crate::cli::figures::compared;
+use eng_report::figure::History;
+use eng_report::page::{Page, Section};
 
 /// Animations of a page.
 const ANIMATED: usize = 2;
@@ -19,6 +19,34 @@ const BUDGET: usize = 5_000_000;
 /// More points of a sweep than these get no figures of their own.
 const POINTS: usize = 4;
 
+/// What a page is made of.
+#[derive(Clone, Debug, Default)]
+pub struct Request<'a> {
+    /// The model's file.
+    pub file: &'a str,
+    /// The results.
+    pub entries: &'a [Entry],
+    /// Analyses without results.
+    pub missing: &'a [String],
+    /// What was typed.
+    pub command: &'a str,
+    /// Moments at which stresses are shown, besides those of the largest.
+    pub stress_at: &'a [At],
+    /// Sections that others have made of the results, such as the model's own reports; they stand before the analyses.
+    pub own: Vec<Section>,
+    /// Whether the figures are wanted as files, too.
+    pub drawn: bool,
+}
+
+/// A figure of the page as a file of its own.
+#[derive(Clone, Debug)]
+pub struct Drawn {
+    /// `figure-07-orbits-of-the-pins-in-their-shells-unfired`.
+    pub name: String,
+    /// Its text.
+    pub svg: String,
+}
+
 /// A page with what belongs to it.
 #[derive(Clone, Debug)]
 pub struct Made {
@@ -26,20 +54,26 @@ pub struct Made {
     pub html: String,
     /// The first animation as a binary glTF file, where something moves.
     pub gltf: Option<Vec<u8>>,
+    /// The figures, where they were wanted.
+    pub figures: Vec<Drawn>,
     /// What could not be shown, a sentence each.
     pub warnings: Vec<String>,
 }
 
-/// Makes the page of a model's results. `missing` are analyses without results, `command` is what was typed.
+/// Makes the page of a model's results.
 ///
 /// # Errors
 /// Results and model that do not fit together.
-pub fn make(
-    file: &str,
-    entries: &[Entry],
-    missing: &[String],
-    command: &str,
-) -> Result<Made, ReportError> {
+pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
+    let Request {
+        file,
+        entries,
+        missing,
+        command,
+        stress_at,
+        own,
+        drawn,
+    } = request;
     let mut warnings = Vec::new();
     for entry in entries {
         if entry.outdated() {
@@ -60,7 +94,7 @@ pub fn make(
         .collect();
     for entry in &animated {
         if let Some(motion) = &entry.outcome.motion {
-            match scene(entry, motion, BUDGET / animated.len()) {
+            match scene(entry, motion, BUDGET / animated.len(), stress_at) {
                 Ok(made) => scenes.push((entry, made)),
                 // the rest of the page is of use without it
                 Err(error @ (ReportError::Modes { .. } | ReportError::Results(_))) => {
@@ -86,21 +120,62 @@ pub fn make(
     if let Some(section) = flexible(entries) {
         page = page.section(section);
     }
-    for (entry, cut) in entries.iter().zip(&cut) {
-        page = page.section(analysis(entry, cut, entries)?);
-    }
-    if let Some(section) = comparison(entries, &cut) {
+    for section in own {
         page = page.section(section);
+    }
+    for section in sweeps::sections(entries, &cut) {
+        page = page.section(section);
+    }
+    let compared = comparisons(entries, &cut);
+    for (entry, own) in entries.iter().zip(&cut) {
+        let detail = if one_of_many(entry, entries) {
+            Detail::Numbers
+        } else if entry.point.is_empty() {
+            Detail::Whole
+        } else {
+            let titles = compared
+                .iter()
+                .filter(|c| c.names.iter().any(|n| n == entry.name()));
+            Detail::Point(titles.map(|c| c.figure.title.clone()).collect())
+        };
+        page = page.section(analyses::section(entry, own, &detail)?);
+    }
+    if !compared.is_empty() {
+        page = page.section(comparison(compared));
     }
     if let Some(section) = motion(scenes) {
         page = page.section(section);
     }
-    let html = page.section(provenance(entries, command)).to_html()?;
+    page = page.section(provenance::section(entries, command));
+    let figures = if drawn { files(&page) } else { Vec::new() };
     Ok(Made {
-        html,
+        html: page.to_html()?,
         gltf,
+        figures,
         warnings,
     })
+}
+
+/// The page's figures with names in the order of the page.
+fn files(page: &Page) -> Vec<Drawn> {
+    page.figures()
+        .into_iter()
+        .map(|figure| {
+            // what it is called, as far as the caption's first stop
+            let said = figure.caption.split(". ").next().unwrap_or_default();
+            let mut name = format!("figure-{:02}", figure.number);
+            for word in said.split(|c: char| !c.is_ascii_alphanumeric()) {
+                if !word.is_empty() && name.len() + word.len() < 100 {
+                    name.push('-');
+                    name.push_str(&word.to_ascii_lowercase());
+                }
+            }
+            Drawn {
+                name,
+                svg: figure.svg,
+            }
+        })
+        .collect()
 }
 
 fn summary(entries: &[Entry], missing: &[String], warnings: &[String]) -> Section {
@@ -169,98 +244,53 @@ fn one_of_many(entry: &Entry, entries: &[Entry]) -> bool {
     !entry.point.is_empty() && entries.iter().filter(|e| root(e) == root(entry)).count() > POINTS
 }
 
-fn force() -> Dimension {
-    Dimension::MASS.times(acceleration())
-}
-
-fn acceleration() -> Dimension {
-    Dimension::LENGTH
-        .over(Dimension::TIME)
-        .over(Dimension::TIME)
-}
-
-/// A history from 0 on with the firing dead centres.
-fn marked(mut history: History, entry: &Entry) -> History {
-    if let Some(period) = entry.described.cycle_period {
-        history.marks = entry
-            .described
-            .firing
-            .iter()
-            .map(|(cylinder, angle)| {
-                Mark::firing_tdc(*cylinder, angle.to_degrees(), period.to_degrees())
-            })
-            .collect();
-    }
-    history
-}
-
-fn analysis(entry: &Entry, cut: &RunOutcome, entries: &[Entry]) -> Result<Section, ReportError> {
-    let span =
-        if cut.results.samples() < entry.outcome.results.samples() || entry.described.periodic {
-            "Last cycle"
-        } else {
-            "Whole run"
-        };
-    let mut section = Section::new(format!("Analysis {}", entry.name()));
-    if let Some(table) = tables::journals(entry) {
-        section = section.table(table);
-    }
-    if !one_of_many(entry, entries) {
-        let mut spectra = Vec::new();
-        for (dimension, _, history) in histories(cut) {
-            // a sweep is compared point by point; its spectra would be most of the page
-            let wanted = [force(), acceleration()].contains(&dimension);
-            if wanted && entry.point.is_empty() {
-                spectra.extend(spectra_of(&history, &cut.results, entry.described.periodic));
-            }
-            let caption = format!("{}, {}. {span}.", history.title, entry.name());
-            section = section.figure(marked(history, entry), caption);
-        }
-        if let Some(orbits) = orbits(&entry.outcome) {
-            let caption = format!(
-                "{}, {}. The last cycle is drawn strongly; the circle is the clearance.",
-                orbits.title,
-                entry.name()
-            );
-            section = section.figure(orbits, caption);
-        }
-        for figure in spectra {
-            let caption = format!("{}, {}. {span}.", figure.title, entry.name());
-            section = section.figure(figure, caption);
-        }
-    }
-    if let Some(audit) = tables::energy(&cut.results) {
-        let caption = format!("Energy, {}: {}", entry.name(), span.to_lowercase());
-        section = section.table(audit.table(&caption));
-    }
-    Ok(section)
+/// A figure of several analyses.
+struct Compared {
+    names: Vec<String>,
+    figure: History,
 }
 
 /// Analyses of a model beside each other; and the points of a short sweep.
-fn comparison(entries: &[Entry], cut: &[RunOutcome]) -> Option<Section> {
-    let mut groups: Vec<(&str, Vec<&RunOutcome>)> = Vec::new();
+fn comparisons(entries: &[Entry], cut: &[RunOutcome]) -> Vec<Compared> {
+    let mut groups: Vec<(&str, &Entry, Vec<&RunOutcome>)> = Vec::new();
     for (entry, cut) in entries.iter().zip(cut) {
         let group = if entry.point.is_empty() {
             ""
         } else {
             entry.name().split('[').next().unwrap_or_default()
         };
-        match groups.iter_mut().find(|(name, _)| *name == group) {
-            Some((_, members)) => members.push(cut),
-            None => groups.push((group, vec![cut])),
+        match groups.iter_mut().find(|(name, ..)| *name == group) {
+            Some((_, _, members)) => members.push(cut),
+            None => groups.push((group, entry, vec![cut])),
         }
     }
+    let mut found = Vec::new();
+    for (_, first, members) in groups {
+        let Some(results) = members.first().map(|m| &m.results) else {
+            continue;
+        };
+        for pictured in distinct(compared(&members), results) {
+            found.push(Compared {
+                names: members
+                    .iter()
+                    .filter(|m| m.results.model() == results.model())
+                    .map(|m| m.results.analysis().to_owned())
+                    .collect(),
+                // one model has one firing order
+                figure: marked(pictured.figure, first),
+            });
+        }
+    }
+    found
+}
+
+fn comparison(compared: Vec<Compared>) -> Section {
     let mut section = Section::new("Comparisons");
-    let mut any = false;
-    for (_, members) in groups {
-        for (_, figure) in compared(&members) {
-            let names: Vec<&str> = members.iter().map(|m| m.results.analysis()).collect();
-            let caption = format!("{}: {}. Last cycle.", figure.title, names.join(", "));
-            section = section.figure(figure, caption);
-            any = true;
-        }
+    for Compared { names, figure } in compared {
+        let caption = format!("{}: {}. Last cycle.", figure.title, names.join(", "));
+        section = section.figure(figure, caption);
     }
-    any.then_some(section)
+    section
 }
 
 fn motion(scenes: Vec<(&Entry, Scene)>) -> Option<Section> {
@@ -293,64 +323,4 @@ fn motion(scenes: Vec<(&Entry, Scene)>) -> Option<Section> {
         section = section.section(own);
     }
     Some(section)
-}
-
-fn provenance(entries: &[Entry], command: &str) -> Section {
-    let mut versions = vec![(
-        "eng, this report".to_owned(),
-        env!("CARGO_PKG_VERSION").to_owned(),
-    )];
-    let mut hashes = Vec::new();
-    if let Some(entry) = entries.first() {
-        hashes.push((
-            "texts of the model, now".to_owned(),
-            format!("sha256:{}", entry.described.source_hash),
-        ));
-    }
-    for entry in entries {
-        let metadata = entry.outcome.results.metadata();
-        if let Some(version) = metadata.get("version") {
-            versions.push((format!("eng, {}", entry.name()), version.clone()));
-        }
-        if let Some(hash) = metadata.get("source_hash") {
-            let name = format!("texts of the model, {}", entry.name());
-            hashes.push((name, format!("sha256:{hash}")));
-        }
-        hashes.extend(
-            entry
-                .files
-                .iter()
-                .map(|(name, hash)| (name.clone(), format!("sha256:{hash}"))),
-        );
-        for body in &entry.described.bodies {
-            let Matter::Flexible(reduction) = &body.matter else {
-                continue;
-            };
-            let stored = &reduction.stored;
-            let mut found = vec![(
-                format!("reduction of {}, {}", body.path, entry.name()),
-                hexadecimal(&stored.key.0),
-            )];
-            found.extend(
-                stored
-                    .provenance
-                    .iter()
-                    .filter(|(name, _)| name.starts_with("file "))
-                    .cloned(),
-            );
-            for (name, hash) in found {
-                let row = (name, format!("sha256:{hash}"));
-                if !hashes.contains(&row) {
-                    hashes.push(row);
-                }
-            }
-        }
-    }
-    let provenance = Provenance {
-        command: command.to_owned(),
-        versions,
-        hashes,
-        notes: Vec::new(),
-    };
-    Section::new("Provenance").table(provenance.table("How this came to be"))
 }

@@ -1,15 +1,18 @@
 //! The moving bodies of an analysis: flexible ones with their shapes and stresses, rigid ones as simple solids.
 
-use super::describe::{BodyPicture, Matter, Spot};
+use super::describe::{BodyPicture, Matter};
+use super::shapes::{outlined, solid};
+use super::stress::{self, At};
 use super::surface::{Thinned, thin};
-use super::{Entry, ReportError, stress};
+use super::{Entry, ReportError};
 use crate::motion::{BodyMotion, moments};
 use crate::results::Results;
 use eng_flexible::store::StoredBody;
 use eng_report::animation::{
-    Animation, FlexibleBody, ModeShape, NodeField, Part, Pose, RigidBody, Surface,
+    Animation, FlexibleBody, ModeShape, NodeField, Pose, RigidBody, Surface,
 };
 use eng_report::page::Table;
+use std::collections::BTreeMap;
 
 /// Modes that move no node by more than this share of what the largest one does are left out of pictures.
 const MOVES: f64 = 1e-3;
@@ -19,8 +22,8 @@ const SHOWN: f64 = 0.04;
 const LARGE: f64 = 0.3;
 /// Seconds in which a cycle is played.
 const PLAYED: f64 = 8.0;
-/// Bytes of a page a node and mode: three floats of single precision in base64.
-const BYTES: usize = 16;
+/// Bytes of a page a node and mode: three floats of single precision, deflated to about half, in base64.
+const BYTES: usize = 9;
 
 /// The animation of an analysis with what is to be said about it.
 #[derive(Clone, Debug)]
@@ -34,8 +37,14 @@ pub(super) struct Scene {
     pub maxima: Vec<Table>,
 }
 
-/// The motion of an analysis that has one; pictures of flexible bodies take no more than about `budget` bytes of a page.
-pub(super) fn scene(entry: &Entry, motion: &Results, budget: usize) -> Result<Scene, ReportError> {
+/// The motion of an analysis that has one; pictures of flexible bodies take no more than about `budget` bytes of a page. Stresses are
+/// shown at the moments `at`, at that of each body's largest, and as an envelope.
+pub(super) fn scene(
+    entry: &Entry,
+    motion: &Results,
+    budget: usize,
+    at: &[At],
+) -> Result<Scene, ReportError> {
     let (times, angles) = moments(motion);
     let angles: Vec<f64> = shifted(angles.unwrap_or_default(), entry.described.cycle_period)
         .iter()
@@ -44,16 +53,24 @@ pub(super) fn scene(entry: &Entry, motion: &Results, budget: usize) -> Result<Sc
     let (mut flexible, mut rigid) = (Vec::new(), Vec::new());
     let (mut notes, mut maxima, mut held) = (Vec::new(), Vec::new(), Vec::new());
     let all: usize = entry.described.bodies.iter().map(surface_nodes).sum();
+    let mut chosen: Vec<usize> = Vec::new();
+    for at in at {
+        match at.nearest(&times, &angles, entry.described.cycle_period) {
+            Some(index) => chosen.push(index),
+            None => notes.push(format!("Stresses at {at}: the motion has no such moment.")),
+        }
+    }
+    let mut coverings = Vec::new();
     for body in &entry.described.bodies {
-        let motion = BodyMotion::of(motion, &body.path)?;
-        let poses = poses(&motion);
+        let own = BodyMotion::of(motion, &body.path)?;
+        let poses = poses(&own);
         match &body.matter {
             Matter::Flexible(reduction) => {
                 let share = budget as f64 * surface_nodes(body) as f64 / all.max(1) as f64;
                 let made = deforming(
                     body,
                     &reduction.stored,
-                    &motion,
+                    &own,
                     poses,
                     (&times, share),
                     &mut notes,
@@ -77,6 +94,13 @@ pub(super) fn scene(entry: &Entry, motion: &Results, budget: usize) -> Result<Sc
                 if reduction.stored.report.supported {
                     held.push(body.path.clone());
                 }
+                let largest = made
+                    .peaks
+                    .iter()
+                    .max_by(|a, b| a.stress.total_cmp(&b.stress))
+                    .and_then(|peak| times.iter().position(|t| *t == peak.time));
+                chosen.extend(largest);
+                coverings.push((&reduction.stored, own.amplitudes, made.covering));
                 flexible.push(made.body);
             }
             Matter::Rigid {
@@ -89,6 +113,25 @@ pub(super) fn scene(entry: &Entry, motion: &Results, budget: usize) -> Result<Sc
                 parts: solid(*mass, *center, *inertia, markers),
                 poses,
             }),
+        }
+    }
+    chosen.sort_unstable();
+    chosen.dedup();
+    for (body, (stored, amplitudes, covering)) in flexible.iter_mut().zip(&coverings) {
+        for index in &chosen {
+            let Some(amplitudes) = amplitudes.get(*index) else {
+                continue;
+            };
+            let moment = match (angles.get(*index), times.get(*index)) {
+                (Some(angle), _) => format!("{angle:.0} °CA"),
+                (None, Some(time)) => format!("{:.3} ms", 1e3 * time),
+                (None, None) => continue,
+            };
+            let values = stress::at(stored, &covering.all, amplitudes)?;
+            if !values.is_empty() {
+                body.fields
+                    .push(covering.field(format!("von Mises at {moment}"), &values));
+            }
         }
     }
     let largest = flexible
@@ -231,6 +274,27 @@ pub(super) fn place(stored: &StoredBody, node: u32) -> [f64; 3] {
 struct Deforming {
     body: FlexibleBody,
     peaks: Vec<stress::Peak>,
+    covering: Covering,
+}
+
+/// Which kept node stands for each node of a surface.
+struct Covering {
+    /// Nodes of the whole surface.
+    all: Vec<u32>,
+    stands_for: BTreeMap<u32, u32>,
+    kept: usize,
+}
+
+impl Covering {
+    /// Stresses (Pa) of nodes as a field (MPa) of the kept ones.
+    fn field(&self, name: String, values: &[(u32, f64)]) -> NodeField {
+        let values = stress::by_place(values, &self.stands_for, self.kept);
+        NodeField {
+            name,
+            unit: "MPa".to_owned(),
+            values: values.into_iter().map(|v| 1e-6 * v).collect(),
+        }
+    }
 }
 
 fn deforming(
@@ -258,18 +322,16 @@ fn deforming(
         nodes: kept,
         triangles,
         stands_for,
-        cell,
     } = thin(
         &stored.surface.triangles,
         &|node| place(stored, node),
         (most as usize).max(100),
     );
-    if cell > 0.0 {
+    if kept.len() < nodes.len() {
         notes.push(format!(
-            "{path}: {} of the {} nodes of the surface are shown, one a cell of {:.1} mm.",
+            "{path}: {} of the {} nodes of the surface are shown, those that give its form best.",
             kept.len(),
-            nodes.len(),
-            1e3 * cell
+            nodes.len()
         ));
     }
     if moving.len() < modes {
@@ -302,14 +364,15 @@ fn deforming(
             })
         })
         .collect();
+    let covering = Covering {
+        kept: kept.len(),
+        stands_for,
+        all: nodes,
+    };
     let mut fields = Vec::new();
     if !peaks.is_empty() {
-        let values = stress::by_place(&peaks, &stands_for, kept.len());
-        fields.push(NodeField {
-            name: "von Mises, largest over the motion".to_owned(),
-            unit: "MPa".to_owned(),
-            values: values.into_iter().map(|v| 1e-6 * v).collect(),
-        });
+        let values: Vec<(u32, f64)> = peaks.iter().map(|p| (p.node, p.stress)).collect();
+        fields.push(covering.field("von Mises, largest over the motion".to_owned(), &values));
     }
     Ok(Deforming {
         body: FlexibleBody {
@@ -328,6 +391,7 @@ fn deforming(
             fields,
         },
         peaks,
+        covering,
     })
 }
 
@@ -354,153 +418,9 @@ fn moving(stored: &StoredBody, nodes: &[u32], amplitudes: &[Vec<f64>]) -> Vec<us
         .collect()
 }
 
-/// Bars from the first marker to the others; where all markers lie in one place, a cylinder or box of the body's mass and diagonal
-/// inertia: `J_axis = m r²/2`, `J_across = m (3r² + h²)/12`, and for a box `a² = 6 (J_b + J_c − J_a)/m`.
-fn solid(mass: f64, center: [f64; 3], inertia: [f64; 3], markers: &[Spot]) -> Vec<Part> {
-    let between =
-        |a: [f64; 3], b: [f64; 3]| libm::sqrt((0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum());
-    let mut places: Vec<[f64; 3]> = Vec::new();
-    for marker in markers {
-        if places.iter().all(|p| between(*p, marker.place) > 1e-6) {
-            places.push(marker.place);
-        }
-    }
-    if let Some((first, others)) = places.split_first()
-        && !others.is_empty()
-    {
-        return others
-            .iter()
-            .map(|to| Part::Cylinder {
-                from: *first,
-                to: *to,
-                radius: 0.06 * between(*first, *to),
-            })
-            .collect();
-    }
-    let side = |i: usize| {
-        let [own, one, other] = [inertia[i], inertia[(i + 1) % 3], inertia[(i + 2) % 3]];
-        libm::sqrt((6.0 * (one + other - own) / mass).max(0.0))
-    };
-    let round = (0..3).find(|axis| {
-        let (a, b) = (inertia[(axis + 1) % 3], inertia[(axis + 2) % 3]);
-        (a - b).abs() <= 0.02 * a.max(b)
-    });
-    let part = match round {
-        Some(axis) => {
-            let across = inertia[(axis + 1) % 3];
-            let square = 2.0 * inertia[axis] / mass;
-            let radius = libm::sqrt(square.max(0.0));
-            let height = libm::sqrt((12.0 * across / mass - 3.0 * square).max(0.0));
-            // a disc without thickness would not be seen from its side
-            let half = 0.5 * height.max(0.04 * radius);
-            let (mut from, mut to) = (center, center);
-            from[axis] -= half;
-            to[axis] += half;
-            Part::Cylinder { from, to, radius }
-        }
-        None => Part::Box {
-            center,
-            size: [side(0), side(1), side(2)],
-        },
-    };
-    let finite = match &part {
-        Part::Cylinder { radius, .. } => radius.is_finite() && *radius > 0.0,
-        Part::Box { size, .. } => size.iter().all(|s| s.is_finite()),
-        _ => true,
-    };
-    if finite { vec![part] } else { Vec::new() }
-}
-
-/// A cylinder as its two rims and four lines along it where its radius (m) is larger, so that it hides nothing.
-fn outlined(part: Part, larger: f64) -> Vec<Part> {
-    let Part::Cylinder { from, to, radius } = part else {
-        return vec![part];
-    };
-    let axis = (0..3).find(|i| from[*i] != to[*i]);
-    let along = (0..3).filter(|i| from[*i] != to[*i]).count() == 1;
-    let Some(axis) = axis.filter(|_| along && larger > 0.0 && radius > larger) else {
-        return vec![Part::Cylinder { from, to, radius }];
-    };
-    let at = |center: [f64; 3], side: u32| {
-        let (sine, cosine) = libm::sincos(std::f64::consts::TAU * f64::from(side) / 48.0);
-        let mut point = center;
-        point[(axis + 1) % 3] += radius * cosine;
-        point[(axis + 2) % 3] += radius * sine;
-        point
-    };
-    let rim = |center| Part::Line {
-        points: (0..=48).map(|side| at(center, side)).collect(),
-    };
-    let mut lines = vec![rim(from), rim(to)];
-    lines.extend([0, 12, 24, 36].map(|side| Part::Line {
-        points: vec![at(from, side), at(to, side)],
-    }));
-    lines
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_solid_has_the_bodys_mass_and_inertia() {
-        // a disc of 11 kg: radius 0.15, height 0.02
-        let (mass, radius, height) = (11.0, 0.15, 0.02);
-        let across = mass * (3.0 * radius * radius + height * height) / 12.0;
-        let inertia = [across, across, 0.5 * mass * radius * radius];
-        match solid(mass, [0.0, 0.0, 0.01], inertia, &[]).as_slice() {
-            [
-                Part::Cylinder {
-                    from,
-                    to,
-                    radius: r,
-                },
-            ] => {
-                assert!((r - radius).abs() < 1e-12);
-                assert!((from[2]).abs() < 1e-12 && (to[2] - 0.02).abs() < 1e-12);
-            }
-            other => panic!("{other:?}"),
-        }
-        let [a, b, c] = [0.1, 0.2, 0.3];
-        let box_inertia = [b * b + c * c, a * a + c * c, a * a + b * b].map(|s| s / 12.0);
-        match solid(1.0, [0.0; 3], box_inertia, &[]).as_slice() {
-            [Part::Box { size, .. }] => {
-                assert!(
-                    size.iter()
-                        .zip([a, b, c])
-                        .all(|(x, y)| (x - y).abs() < 1e-12)
-                );
-            }
-            other => panic!("{other:?}"),
-        }
-    }
-
-    #[test]
-    fn large_discs_are_outlines_of_their_size() {
-        let disc = |radius| Part::Cylinder {
-            from: [0.0, 0.0, -0.01],
-            to: [0.0, 0.0, 0.01],
-            radius,
-        };
-        assert_eq!(outlined(disc(0.05), 0.1), [disc(0.05)]);
-        let lines = outlined(disc(0.15), 0.1);
-        assert_eq!(lines.len(), 6);
-        for line in lines {
-            let Part::Line { points } = line else {
-                panic!("{line:?}");
-            };
-            for [x, y, z] in points {
-                assert!((libm::hypot(x, y) - 0.15).abs() < 1e-12 && z.abs() == 0.01);
-            }
-        }
-        // a bar that lies askew stays a bar
-        let askew = Part::Cylinder {
-            from: [0.0; 3],
-            to: [1.0, 1.0, 0.0],
-            radius: 0.2,
-        };
-        assert_eq!(outlined(askew.clone(), 0.1), [askew]);
-    }
 
     #[test]
     fn scales_are_round_numbers() {

@@ -1,18 +1,35 @@
 //! Motion and stresses of flexible bodies as files for ParaView: a `.vtu` a body and time, and a `.pvd` that names them all.
 
 use super::scene::{place, poses, shapes};
+use super::stress::{self, Peak};
 use super::{Entry, ReportError, describe::Matter};
 use crate::motion::{BodyMotion, moments};
 use crate::results::{file_stem, replace_file};
 use eng_flexible::recover::{Location, Recovery};
 use eng_report::animation::{
-    FlexibleBody, ModeShape, Surface, VtkEncoding, VtkFrame, VtkPart, pvd, vtu,
+    FlexibleBody, ModeShape, NodeField, Surface, VtkEncoding, VtkFrame, VtkPart, pvd, vtu,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Most times of a series.
 const TIMES: usize = 36;
+
+/// Largest von Mises stress over the motion and when, where every node of the surface has one.
+fn envelope_of(peaks: &[Peak], nodes: usize) -> Vec<NodeField> {
+    if peaks.len() != nodes {
+        return Vec::new();
+    }
+    let field = |name: &str, unit: &str, of: fn(&Peak) -> f64| NodeField {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        values: peaks.iter().map(of).collect(),
+    };
+    vec![
+        field("von_mises_envelope", "Pa", |p| p.stress),
+        field("time_of_envelope", "s", |p| p.time),
+    ]
+}
 
 /// Writes the series of an analysis: the whole surface, at up to 37 times of its last cycle. Returns the path of the `.pvd` file, or
 /// nothing where no body is flexible.
@@ -47,6 +64,8 @@ pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, Rep
         let nodes = stored.surface.nodes();
         let recovery = Recovery::of_stored(stored)?;
         let modal = recovery.stress_at_nodes(&nodes)?;
+        let envelope = stress::peaks(stored, &nodes, &times, &own.amplitudes)?;
+        let fields = envelope_of(&envelope, nodes.len());
         let at: Vec<Option<usize>> = modal
             .locations
             .iter()
@@ -104,7 +123,7 @@ pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, Rep
                 pose: *pose,
                 displacements: &displacements,
                 stress: &stress,
-                fields: &[],
+                fields: &fields,
             };
             let name = format!(
                 "{stem}-{}-{:03}.vtu",

@@ -1,16 +1,16 @@
-//! The last cycle of results, and spectra of its histories in orders and in Hz.
+//! The last cycle of results, and spectra of it.
 
 use super::Entry;
 use super::scene::shifted;
 use crate::cli::RunOutcome;
 use crate::cli::summary::last_cycle;
 use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
-use eng_report::figure::{History, Ordinate, Scale, spectra};
+use eng_report::figure::{Abscissa, History, Ordinate, Scale, spectra};
 use eng_report::signal::{Axis, Sampling, Signal, Spectrum, SpectrumOptions, Window, spectrum};
 use std::f64::consts::TAU;
 
 /// Highest order that is drawn.
-const ORDERS: f64 = 30.0;
+pub(super) const ORDERS: f64 = 30.0;
 /// Share of its size by which a signal must vary to have a spectrum.
 const STILL: f64 = 1e-9;
 /// Share of the mean distance by which samples of a spectrum may lie off their grid.
@@ -81,14 +81,9 @@ fn step(values: &[f64]) -> Option<f64> {
     (even && step != 0.0).then_some(step)
 }
 
-/// The spectra of a history of the last cycle, in orders and in Hz; none where samples are uneven.
-///
-/// Under the title stands what made the spectrum. The window is rectangular where the cycle repeats, else Hann. Hz are orders times the mean speed of the cycle.
-pub(super) fn spectra_of(history: &History, cut: &Results, periodic: bool) -> Vec<History> {
-    let Some(sampled) = sampled(cut) else {
-        return Vec::new();
-    };
-    let options = SpectrumOptions {
+/// What makes the spectra of the last cycle: the window is rectangular where the cycle repeats, else Hann.
+fn options(periodic: bool) -> SpectrumOptions {
+    SpectrumOptions {
         window: if periodic {
             Window::Rectangular
         } else {
@@ -96,56 +91,82 @@ pub(super) fn spectra_of(history: &History, cut: &Results, periodic: bool) -> Ve
         },
         remove_mean: true,
         ..SpectrumOptions::default()
+    }
+}
+
+/// The spectrum of values of the last cycle; none of those that stand still or are uneven.
+fn spectrum_of(values: &[f64], sampled: &Sampled, periodic: bool) -> Option<Spectrum> {
+    let signal = Signal {
+        values: values.get(..sampled.count)?,
+        sampling: sampled.sampling,
     };
-    let Some(panel) = history.panels.first() else {
-        return Vec::new();
-    };
-    let found: Vec<(String, Spectrum)> = panel
-        .curves
-        .iter()
-        .filter_map(|curve| {
-            let signal = Signal {
-                values: curve.values.get(..sampled.count)?,
-                sampling: sampled.sampling,
-            };
-            let found = spectrum(signal, options).ok()?;
-            // of a constant nothing is left but rounding
-            let size = |values: &[f64]| values.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-            let moves = size(&found.amplitudes) > STILL * size(signal.values);
-            moves.then(|| (curve.name.clone(), found))
-        })
-        .collect();
-    if found.is_empty() {
-        return Vec::new();
+    let found = spectrum(signal, options(periodic)).ok()?;
+    // of a constant nothing is left but rounding
+    let size = |values: &[f64]| values.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    (size(&found.amplitudes) > STILL * size(signal.values)).then_some(found)
+}
+
+/// The spectrum in Hz of a column of the last cycle in its display unit.
+pub(super) struct Hertz {
+    pub spectrum: Spectrum,
+    /// The shaft's mean speed (1/s).
+    pub speed: f64,
+    /// What made it, in orders where samples lie evenly in angle.
+    pub made: String,
+}
+
+/// See [`Hertz`]; none of what stands still, is uneven or does not turn.
+pub(super) fn in_hertz(column: &Column, cut: &Results, periodic: bool) -> Option<Hertz> {
+    let sampled = sampled(cut)?;
+    let speed = sampled.speed?;
+    let found = spectrum_of(&column.shown(), &sampled, periodic)?;
+    Some(Hertz {
+        spectrum: on(Axis::Frequency, &found, Some(speed))?,
+        speed,
+        made: found.description(),
+    })
+}
+
+/// The spectrum of a history of the last cycle, in orders with the frequencies at the mean speed above, or of a model without cycle
+/// in Hz; none where samples are uneven. Under the title stands what made it.
+pub(super) fn spectra_of(history: &History, cut: &Results, periodic: bool) -> Option<History> {
+    let sampled = sampled(cut)?;
+    let panel = history.panels.first()?;
+    let mut axis = Axis::Frequency;
+    let mut shown: Vec<(String, Spectrum)> = Vec::new();
+    for curve in &panel.curves {
+        let Some(found) = spectrum_of(&curve.values, &sampled, periodic) else {
+            continue;
+        };
+        match on(Axis::Order, &found, sampled.speed) {
+            Some(found) => {
+                axis = Axis::Order;
+                shown.push((curve.name.clone(), found));
+            }
+            None => shown.push((curve.name.clone(), found)),
+        }
+    }
+    let curves: Vec<(String, &Spectrum)> =
+        shown.iter().map(|(name, s)| (name.clone(), s)).collect();
+    if curves.is_empty() {
+        return None;
     }
     let ordinate = Ordinate {
         quantity: format!("{}, 0-peak", history.ordinate.quantity),
         ..history.ordinate.clone()
     };
-    let mut figures = Vec::new();
-    for axis in [Axis::Order, Axis::Frequency] {
-        let shown: Vec<(String, Spectrum)> = found
-            .iter()
-            .filter_map(|(name, spectrum)| Some((name.clone(), on(axis, spectrum, sampled.speed)?)))
-            .collect();
-        let limit = match axis {
-            Axis::Order => Some(ORDERS),
-            Axis::Frequency => sampled.speed.map(|speed| ORDERS * speed.abs()),
-        };
-        let curves: Vec<(String, &Spectrum)> =
-            shown.iter().map(|(name, s)| (name.clone(), s)).collect();
-        if !curves.is_empty() {
-            figures.push(spectra(
-                &format!("Spectrum: {}", history.title),
-                "",
-                ordinate.clone(),
-                Scale::Logarithmic,
-                limit,
-                &curves,
-            ));
-        }
+    let mut figure = spectra(
+        &format!("Spectrum: {}", history.title),
+        "",
+        ordinate,
+        Scale::Logarithmic,
+        (axis == Axis::Order).then_some(ORDERS),
+        &curves,
+    );
+    if let (Axis::Order, Some(speed)) = (axis, sampled.speed) {
+        figure.abscissa = Abscissa::OrderAt { speed };
     }
-    figures
+    Some(figure)
 }
 
 /// A spectrum on another axis, by the shaft's mean speed (1/s).
@@ -165,7 +186,7 @@ fn on(axis: Axis, spectrum: &Spectrum, speed: Option<f64>) -> Option<Spectrum> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eng_report::figure::{Abscissa, Curve, Panel};
+    use eng_report::figure::{Curve, Panel};
 
     #[test]
     fn a_wave_stands_at_its_order_and_its_frequency() {
@@ -199,25 +220,33 @@ mod tests {
                 }],
             }],
         };
-        let figures = spectra_of(&history, &cut, true);
-        assert_eq!(figures.len(), 2);
-        for (figure, place) in figures.iter().zip([4.0, 200.0]) {
-            let panel = &figure.panels[0];
-            let values = &panel.curves[0].values;
+        let figure = spectra_of(&history, &cut, true).unwrap();
+        assert_eq!(figure.abscissa, Abscissa::OrderAt { speed: 50.0 });
+        let top = |x: &[f64], values: &[f64], place: f64| {
             let top = (0..values.len())
                 .max_by(|a, b| values[*a].total_cmp(&values[*b]))
                 .unwrap();
-            assert!(
-                (panel.x[top] - place).abs() < 1e-9 * place,
-                "{}",
-                panel.x[top]
-            );
+            assert!((x[top] - place).abs() < 1e-9 * place, "{}", x[top]);
             assert!((values[top] - 5.0).abs() < 1e-10, "{}", values[top]);
-        }
+        };
+        let panel = &figure.panels[0];
+        top(&panel.x, &panel.curves[0].values, 4.0);
         assert!(
-            figures[1]
+            figure
                 .subtitle
-                .contains("rectangular window, resolution 25.0000 Hz")
+                .contains("rectangular window, resolution 0.5000 orders")
         );
+        let column = Column {
+            values: history.panels[0].curves[0].values.clone(),
+            ..Column::time(Vec::new())
+        };
+        let found = in_hertz(&column, &cut, true).unwrap();
+        assert!((found.speed - 50.0).abs() < 1e-9);
+        top(
+            &found.spectrum.positions(),
+            &found.spectrum.amplitudes,
+            200.0,
+        );
+        assert!(found.made.contains("resolution 0.5000 orders"));
     }
 }

@@ -52,6 +52,66 @@ pub(super) fn peaks(
         .collect())
 }
 
+/// Von Mises stresses (Pa) at nodes of solids among `nodes`, for one set of amplitudes.
+pub(super) fn at(
+    stored: &StoredBody,
+    nodes: &[u32],
+    amplitudes: &[f64],
+) -> Result<Vec<(u32, f64)>, ReportError> {
+    let once = [amplitudes.to_vec()];
+    let found = peaks(stored, nodes, &[0.0], &once)?;
+    Ok(found.into_iter().map(|p| (p.node, p.stress)).collect())
+}
+
+/// A moment of a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum At {
+    /// Crank angle (rad), in any cycle.
+    Angle(f64),
+    /// Time (s).
+    Time(f64),
+}
+
+impl At {
+    /// Index of the sample nearest to the moment: of `times` (s) and `angles` (°), which may be missing. None where the motion does not
+    /// reach it.
+    pub(super) fn nearest(
+        self,
+        times: &[f64],
+        angles: &[f64],
+        period: Option<f64>,
+    ) -> Option<usize> {
+        let (places, wanted, period) = match self {
+            At::Angle(angle) => (angles, angle.to_degrees(), period.map(f64::to_degrees)),
+            At::Time(time) => (times, time, None),
+        };
+        let (first, last) = (places.first()?, places.last()?);
+        let slack = (last - first) / places.len() as f64;
+        let distance = |place: f64| match period.filter(|p| *p > 0.0) {
+            Some(period) => {
+                let off = place - wanted;
+                (off - period * (off / period).round()).abs()
+            }
+            None => (place - wanted).abs(),
+        };
+        let (index, near) = places
+            .iter()
+            .map(|place| distance(*place))
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (near <= slack.abs()).then_some(index)
+    }
+}
+
+impl std::fmt::Display for At {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            At::Angle(angle) => write!(f, "{} °CA", angle.to_degrees()),
+            At::Time(time) => write!(f, "{} s", time),
+        }
+    }
+}
+
 /// The largest peaks that lie apart from each other, the largest first. `angle` gives the crank angle (°) of a time.
 pub(super) fn table(
     caption: &str,
@@ -120,15 +180,19 @@ pub(super) fn table(
     }
 }
 
-/// For each of `count` places that stand for nodes the largest peak among these (Pa), zero where there is none.
-pub(super) fn by_place(peaks: &[Peak], stands_for: &BTreeMap<u32, u32>, count: usize) -> Vec<f64> {
+/// For each of `count` places that stand for nodes the largest stress among these (Pa), zero where there is none.
+pub(super) fn by_place(
+    values: &[(u32, f64)],
+    stands_for: &BTreeMap<u32, u32>,
+    count: usize,
+) -> Vec<f64> {
     let mut largest = vec![0.0; count];
-    for peak in peaks {
-        let place = stands_for.get(&peak.node);
+    for (node, stress) in values {
+        let place = stands_for.get(node);
         if let Some(most) = place.and_then(|at| largest.get_mut(*at as usize))
-            && peak.stress > *most
+            && stress > most
         {
-            *most = peak.stress;
+            *most = *stress;
         }
     }
     largest
@@ -193,6 +257,24 @@ mod tests {
         assert_eq!(shown.rows[0][1], Cell::number(1e-6 * largest));
         // places that stand for several nodes have the largest of them
         let all_to_one = nodes.iter().map(|n| (*n, 0)).collect();
-        assert_eq!(by_place(&found, &all_to_one, 2), [largest, 0.0]);
+        let values: Vec<(u32, f64)> = found.iter().map(|p| (p.node, p.stress)).collect();
+        assert_eq!(by_place(&values, &all_to_one, 2), [largest, 0.0]);
+        // of one moment it is that moment's envelope
+        assert_eq!(at(stored, &nodes, &own.amplitudes[3]).unwrap(), values);
+    }
+
+    #[test]
+    fn moments_are_found_in_any_cycle() {
+        let times: Vec<f64> = (0..=360).map(|i| 0.5 + f64::from(i) * 1e-4).collect();
+        let angles: Vec<f64> = (0..=360).map(|i| f64::from(i) * 2.0).collect();
+        let period = Some(720f64.to_radians());
+        let angle = |degrees: f64| At::Angle(f64::to_radians(degrees));
+        let index = |at: At| at.nearest(&times, &angles, period);
+        assert_eq!(index(angle(372.4)), Some(186));
+        assert_eq!(index(angle(372.4 + 1440.0)), Some(186));
+        assert_eq!(index(angle(-348.0)), Some(186));
+        assert_eq!(index(At::Time(0.51)), Some(100));
+        assert_eq!(index(At::Time(0.6)), None);
+        assert_eq!(angle(90.0).nearest(&times, &[], period), None);
     }
 }

@@ -1,5 +1,6 @@
-//! Surfaces with fewer nodes: each cell of a grid keeps one of its nodes, so that places and shapes stay those of the mesh.
+//! Surfaces with fewer nodes, all of them nodes of the mesh, so that places and shapes stay those of the mesh.
 
+use super::collapse::collapsed;
 use std::collections::BTreeMap;
 
 /// A surface of some nodes of a mesh.
@@ -11,14 +12,9 @@ pub(super) struct Thinned {
     pub triangles: Vec<[u32; 3]>,
     /// For each node of the whole surface the place in `nodes` of that which stands for it.
     pub stands_for: BTreeMap<u32, u32>,
-    /// Side of a cell (m); zero where all nodes are kept.
-    pub cell: f64,
 }
 
-/// A cell and the side to which the surface there looks, which keeps both faces of a thin wall apart.
-type Key = ([i64; 3], u8);
-
-/// The surface of `triangles` between nodes of a mesh with no more than `most` nodes, or as few as a coarse grid leaves.
+/// The surface of `triangles` between nodes of a mesh with no more than `most` nodes, or as few as it can be drawn together to.
 pub(super) fn thin(
     triangles: &[[u32; 3]],
     place: &dyn Fn(u32) -> [f64; 3],
@@ -28,100 +24,25 @@ pub(super) fn thin(
     used.sort_unstable();
     used.dedup();
     if used.len() <= most {
-        return gather(triangles, &used, |node| node, 0.0);
+        return gather(triangles, &used, |node| node);
     }
-    let sides = sides(triangles, place);
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for node in &used {
-        for (axis, x) in place(*node).into_iter().enumerate() {
-            low[axis] = low[axis].min(x);
-            high[axis] = high[axis].max(x);
-        }
-    }
-    let size = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
-    let mut cell = size / 256.0;
-    loop {
-        let mut cells: BTreeMap<Key, Vec<u32>> = BTreeMap::new();
-        for node in &used {
-            let p = place(*node);
-            let at = [0, 1, 2].map(|i| ((p[i] - low[i]) / cell).floor() as i64);
-            let side = sides.get(node).copied().unwrap_or(0);
-            cells.entry((at, side)).or_default().push(*node);
-        }
-        // cells as large as the body leave no more than one a side
-        if cells.len() <= most || cell.is_nan() || cell >= size {
-            let mut chosen = BTreeMap::new();
-            for members in cells.values() {
-                let middle = middle(members, place);
-                for node in members {
-                    chosen.insert(*node, nearest(members, middle, place).unwrap_or(*node));
-                }
-            }
-            let of = |node: u32| chosen.get(&node).copied().unwrap_or(node);
-            return gather(triangles, &used, of, cell);
-        }
-        cell *= 1.12;
-    }
-}
-
-fn middle(nodes: &[u32], place: &dyn Fn(u32) -> [f64; 3]) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for node in nodes {
-        for (sum, x) in sum.iter_mut().zip(place(*node)) {
-            *sum += x / nodes.len() as f64;
-        }
-    }
-    sum
-}
-
-fn nearest(nodes: &[u32], to: [f64; 3], place: &dyn Fn(u32) -> [f64; 3]) -> Option<u32> {
-    let distance = |node: &u32| {
-        let p = place(*node);
-        (0..3).map(|i| (p[i] - to[i]) * (p[i] - to[i])).sum::<f64>()
-    };
-    nodes
+    let places: Vec<[f64; 3]> = used.iter().map(|node| place(*node)).collect();
+    let local: Vec<[usize; 3]> = triangles
         .iter()
-        .copied()
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .map(|t| t.map(|node| used.binary_search(&node).unwrap_or(0)))
+        .collect();
+    let stands = collapsed(&places, &local, most);
+    let of: BTreeMap<u32, u32> = used
+        .iter()
+        .zip(stands)
+        .filter_map(|(node, stands)| Some((*node, *used.get(stands)?)))
+        .collect();
+    gather(triangles, &used, |node| {
+        of.get(&node).copied().unwrap_or(node)
+    })
 }
 
-/// Along which of ±x, ±y, ±z the surface at each node looks most.
-fn sides(triangles: &[[u32; 3]], place: &dyn Fn(u32) -> [f64; 3]) -> BTreeMap<u32, u8> {
-    let mut normals: BTreeMap<u32, [f64; 3]> = BTreeMap::new();
-    for triangle in triangles {
-        let [a, b, c] = triangle.map(place);
-        let u = [0, 1, 2].map(|i| b[i] - a[i]);
-        let v = [0, 1, 2].map(|i| c[i] - a[i]);
-        let normal = [
-            u[1] * v[2] - u[2] * v[1],
-            u[2] * v[0] - u[0] * v[2],
-            u[0] * v[1] - u[1] * v[0],
-        ];
-        for node in triangle {
-            let sum = normals.entry(*node).or_insert([0.0; 3]);
-            for (sum, x) in sum.iter_mut().zip(normal) {
-                *sum += x;
-            }
-        }
-    }
-    normals
-        .into_iter()
-        .map(|(node, n)| {
-            let [x, y, z] = n.map(f64::abs);
-            let axis = if x >= y && x >= z {
-                0
-            } else if y >= z {
-                1
-            } else {
-                2
-            };
-            let along = n.get(usize::from(axis)).copied().unwrap_or(0.0);
-            (node, 2 * axis + u8::from(along < 0.0))
-        })
-        .collect()
-}
-
-fn gather(triangles: &[[u32; 3]], used: &[u32], of: impl Fn(u32) -> u32, cell: f64) -> Thinned {
+fn gather(triangles: &[[u32; 3]], used: &[u32], of: impl Fn(u32) -> u32) -> Thinned {
     let mut places: BTreeMap<u32, u32> = used.iter().map(|n| (of(*n), 0)).collect();
     for (index, place) in (0u32..).zip(places.values_mut()) {
         *place = index;
@@ -143,7 +64,6 @@ fn gather(triangles: &[[u32; 3]], used: &[u32], of: impl Fn(u32) -> u32, cell: f
         triangles,
         stands_for: used.iter().map(|node| (*node, at(*node))).collect(),
         nodes: places.keys().copied().collect(),
-        cell,
     }
 }
 
@@ -171,16 +91,12 @@ mod tests {
         assert_eq!((whole.nodes.len(), whole.triangles.len()), (1681, 3200));
         assert_eq!(whole.triangles, triangles);
         let few = thin(&triangles, &place, 200);
-        assert!(
-            few.nodes.len() <= 200 && few.nodes.len() > 100,
-            "{}",
-            few.nodes.len()
-        );
-        assert!(few.cell > 2.0 && few.nodes.iter().all(|n| *n < 1681));
+        assert_eq!(few.nodes.len(), 200);
+        assert!(few.nodes.iter().all(|n| *n < 1681));
         let known = |n: &u32| (*n as usize) < few.nodes.len();
         assert!(few.triangles.as_flattened().iter().all(known));
         assert_eq!(few.stands_for.len(), 1681);
-        // the sheet is still as large, less half a cell at each side
+        // a flat sheet is as large as it was
         let area: f64 = few
             .triangles
             .iter()
@@ -189,7 +105,6 @@ mod tests {
                 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]))
             })
             .sum();
-        let side = 40.0 - 1.2 * few.cell;
-        assert!(area > side * side && area <= 1600.0 + 1e-9, "{area}");
+        assert!((area - 1600.0).abs() < 1e-9, "{area}");
     }
 }

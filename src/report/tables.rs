@@ -9,6 +9,7 @@ use eng_report::figure::journal_letter;
 use eng_report::page::{
     Cell, Column, EnergyAudit, Journal, Mode, Table, journals_table, modes_table,
 };
+use eng_report::readable_unit;
 
 fn code(text: &str) -> Cell {
     Cell::Code(text.to_owned())
@@ -63,26 +64,29 @@ pub(super) fn inputs(model: &str, entries: &[&Entry]) -> Table {
         Column::new("Unit"),
         Column::new("Limits"),
         Column::new("Default"),
+        Column::new("Stated at"),
     ];
     columns.extend(entries.iter().map(|e| Column::new(e.name())));
     let first = entries.first().map_or(&[][..], |e| &e.described.inputs);
     let shown = |input: &InputValue, value: f64| {
         let value = input.display.from_si(value);
         if value.is_finite() {
-            Cell::Number { value, digits: 6 }
+            Cell::Short { value, digits: 6 }
         } else {
             Cell::Empty
         }
     };
     Table {
-        caption: format!("Inputs of {model}; a value where it is not the default"),
+        caption: format!(
+            "Inputs of {model}; a value where the analysis or the command line sets another than the default"
+        ),
         columns,
         rows: first
             .iter()
             .map(|input| {
                 let (low, high) = input.limits;
                 let limit = |x: f64| match x.is_finite() {
-                    true => format!("{:.6}", input.display.from_si(x)),
+                    true => format!("{}", input.display.from_si(x)),
                     false => "…".to_owned(),
                 };
                 let limits = if low.is_finite() || high.is_finite() {
@@ -92,9 +96,14 @@ pub(super) fn inputs(model: &str, entries: &[&Entry]) -> Table {
                 };
                 let mut row = vec![
                     code(&input.path),
-                    input.display.symbol.as_str().into(),
+                    readable_unit(&input.display.symbol).into(),
                     limits.into(),
                     shown(input, input.default),
+                    match input.of_library {
+                        true => format!("library, {}", input.stated_at),
+                        false => input.stated_at.clone(),
+                    }
+                    .into(),
                 ];
                 row.extend(entries.iter().map(|entry| {
                     let own = entry.described.inputs.iter().find(|i| i.path == input.path);

@@ -15,6 +15,7 @@ mod schema;
 mod selection;
 mod stream;
 mod table;
+mod trail;
 mod universal;
 
 pub use column::Column;
@@ -25,6 +26,7 @@ pub use recording::Recording;
 pub use resume_point::{KeptWarning, ResumePoint};
 pub use selection::{Last, Selection};
 pub(crate) use table::{Begun, Table};
+pub(crate) use trail::Trail;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

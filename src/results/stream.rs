@@ -38,9 +38,9 @@ impl Stream {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(at(folder))?;
         }
-        let file = locked(path)?;
-        file.set_len(0).map_err(at(path))?;
-        let mut stream = Stream::on(path, file, header)?;
+        let mut stream = Stream::on(path, locked(path)?, header)?;
+        // a run that is killed between these two leaves an empty file: they follow each other closely
+        stream.file.set_len(0).map_err(at(path))?;
         stream.hand_over()?;
         Ok(stream)
     }

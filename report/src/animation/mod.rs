@@ -3,6 +3,8 @@
 //! One set of plain data becomes a glTF file, a viewer inside a page, and files for ParaView. Lengths are metres, times seconds.
 
 mod gltf;
+mod image;
+mod packed;
 mod poster;
 mod quaternion;
 mod solid;

@@ -1,17 +1,15 @@
 //! A still picture of an animation: on paper, and where no script runs.
 
+use super::image::{Canvas, Vertex};
 use super::quaternion::{cross, direction, dot, minus, rotated};
 use super::solid::Solid;
 use super::{Animation, Pose, Surface};
-use crate::figure::svg::coordinate;
-use std::fmt::Write;
 
-const WIDTH: f64 = 960.0;
-const HEIGHT: f64 = 540.0;
+/// Pixels.
+const WIDTH: usize = 1200;
+const HEIGHT: usize = 675;
 /// The picture's share of the sheet.
-const FILL: f64 = 0.92;
-/// More triangles than this are thinned out to the largest.
-const MANY: usize = 6000;
+const FILL: f64 = 0.94;
 /// Towards the viewer, y up; the viewer of a page starts here, too.
 pub(super) const VIEW: [f64; 3] = [0.75, 0.45, 1.0];
 /// Shades of the bodies, in the order of the glTF file's colours.
@@ -23,47 +21,42 @@ const SHADES: [[f64; 3]; 6] = [
     [205.0, 155.0, 185.0],
     [150.0, 150.0, 150.0],
 ];
+/// Lines of rigid bodies.
+const LINES: [u8; 3] = [110, 110, 110];
 
 struct Facet {
-    depth: f64,
-    points: [(f64, f64); 3],
-    shade: [f64; 3],
-    area: f64,
+    corners: [[f64; 3]; 3],
+    shade: [u8; 3],
 }
 
 impl Animation {
-    /// All bodies at the first time, deformed at the scale, as SVG; painted from back to front.
-    pub fn to_poster(&self) -> String {
+    /// All bodies at the first time, deformed at the scale, as a PNG with transparent ground.
+    pub fn to_poster(&self) -> Vec<u8> {
         let towards = direction(VIEW);
         let right = direction(cross([0.0, 1.0, 0.0], towards));
         let up = cross(towards, right);
         let turn = self.up.rotation();
-        let (center, _) = self.bounds();
-        let center = rotated(turn, center);
-        let view = |pose: &Pose, point: [f64; 3]| -> ([f64; 3], (f64, f64)) {
-            let place = minus(rotated(turn, pose.place(point)), center);
-            let flat = (dot(place, right), -dot(place, up));
-            (place, flat)
+        // right, down, towards the viewer
+        let view = |pose: &Pose, point: [f64; 3]| -> [f64; 3] {
+            let place = rotated(turn, pose.place(point));
+            [dot(place, right), -dot(place, up), dot(place, towards)]
         };
         let mut facets: Vec<Facet> = Vec::new();
-        let mut lines: Vec<[(f64, f64); 2]> = Vec::new();
+        let mut lines: Vec<[[f64; 3]; 2]> = Vec::new();
         let mut add = |surface: &Surface, moved: &[[f64; 3]], pose: &Pose, shade: [f64; 3]| {
+            let seen: Vec<[f64; 3]> = moved.iter().map(|point| view(pose, *point)).collect();
             for triangle in &surface.triangles {
                 let corner = |index: usize| {
                     let node = triangle.get(index).map_or(0, |n| *n as usize);
-                    moved.get(node).map(|point| view(pose, *point))
+                    seen.get(node).copied()
                 };
                 let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else {
                     continue;
                 };
-                let normal = cross(minus(b.0, a.0), minus(c.0, a.0));
-                let light = dot(direction(normal), towards).abs();
-                let area = dot(normal, normal).sqrt();
+                let [_, _, light] = direction(cross(minus(b, a), minus(c, a)));
                 facets.push(Facet {
-                    depth: dot(a.0, towards) + dot(b.0, towards) + dot(c.0, towards),
-                    points: [a.1, b.1, c.1],
-                    shade: shade.map(|s| s * (0.45 + 0.55 * light)),
-                    area,
+                    corners: [a, b, c],
+                    shade: shade.map(|s| (s * (0.45 + 0.55 * light.abs())) as u8),
                 });
             }
         };
@@ -86,81 +79,62 @@ impl Animation {
             add(&solid.surface, &solid.surface.nodes, &pose, shade);
             for pair in solid.segments.chunks_exact(2) {
                 if let [from, to] = pair {
-                    lines.push([view(&pose, *from).1, view(&pose, *to).1]);
+                    lines.push([view(&pose, *from), view(&pose, *to)]);
                 }
             }
         }
-        if facets.len() > MANY {
-            facets.sort_by(|a, b| b.area.total_cmp(&a.area));
-            facets.truncate(MANY);
+        let frame = Frame::around(
+            facets
+                .iter()
+                .flat_map(|f| f.corners)
+                .chain(lines.iter().copied().flatten()),
+        );
+        let mut canvas = Canvas::new(WIDTH, HEIGHT);
+        for facet in &facets {
+            canvas.triangle(facet.corners.map(|c| frame.vertex(c)), facet.shade);
         }
-        facets.sort_by(|a, b| a.depth.total_cmp(&b.depth));
-        let all = facets
-            .iter()
-            .flat_map(|f| f.points)
-            .chain(lines.iter().copied().flatten());
-        let frame = Frame::around(all);
-        drawn(&facets, &lines, &frame)
+        // an edge of a solid lies in its faces
+        let lift = 1e-3 * WIDTH as f64 / frame.scale;
+        for [from, to] in lines {
+            canvas.line(frame.vertex(from), frame.vertex(to), lift, LINES);
+        }
+        canvas.to_png()
     }
 }
 
 /// From the plane of the picture (m) to pixels.
 struct Frame {
-    middle: (f64, f64),
+    middle: [f64; 2],
     scale: f64,
 }
 
 impl Frame {
     /// As large as the sheet allows.
-    fn around(points: impl Iterator<Item = (f64, f64)>) -> Frame {
+    fn around(points: impl Iterator<Item = [f64; 3]>) -> Frame {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for (x, y) in points {
+        for [x, y, _] in points {
             low = [low[0].min(x), low[1].min(y)];
             high = [high[0].max(x), high[1].max(y)];
         }
         let size = [high[0] - low[0], high[1] - low[1]];
         if !size.iter().all(|s| s.is_finite()) {
             return Frame {
-                middle: (0.0, 0.0),
+                middle: [0.0; 2],
                 scale: 1.0,
             };
         }
+        let (width, height) = (WIDTH as f64, HEIGHT as f64);
         Frame {
-            middle: ((low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0),
-            scale: FILL * (WIDTH / size[0].max(1e-9)).min(HEIGHT / size[1].max(1e-9)),
+            middle: [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0],
+            scale: FILL * (width / size[0].max(1e-9)).min(height / size[1].max(1e-9)),
         }
     }
-}
 
-fn drawn(facets: &[Facet], lines: &[[(f64, f64); 2]], frame: &Frame) -> String {
-    let mut text = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" aria-hidden=\"true\">\n"
-    );
-    let at = |(x, y): (f64, f64)| {
-        format!(
-            "{} {}",
-            coordinate(WIDTH / 2.0 + frame.scale * (x - frame.middle.0)),
-            coordinate(HEIGHT / 2.0 + frame.scale * (y - frame.middle.1))
-        )
-    };
-    for facet in facets {
-        let [r, g, b] = facet.shade.map(|s| s.clamp(0.0, 255.0) as u8);
-        let [p, q, s] = facet.points.map(at);
-        let color = format!("#{r:02x}{g:02x}{b:02x}");
-        // the stroke closes the seams between neighbours; writing to a String cannot fail
-        let _ = writeln!(
-            text,
-            "<path d=\"M{p}L{q}L{s}z\" fill=\"{color}\" stroke=\"{color}\" stroke-width=\"0.5\"/>"
-        );
+    fn vertex(&self, [x, y, near]: [f64; 3]) -> Vertex {
+        Vertex {
+            x: WIDTH as f64 / 2.0 + self.scale * (x - self.middle[0]),
+            y: HEIGHT as f64 / 2.0 + self.scale * (y - self.middle[1]),
+            near,
+        }
     }
-    for [from, to] in lines {
-        let _ = writeln!(
-            text,
-            "<path d=\"M{}L{}\" stroke=\"#555555\" stroke-width=\"2\"/>",
-            at(*from),
-            at(*to)
-        );
-    }
-    text.push_str("</svg>\n");
-    text
 }

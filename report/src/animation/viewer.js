@@ -2,7 +2,17 @@
 (() => {
   "use strict";
 
-  const bytesOf = (text) => Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
+  // base64, deflated, and the four bytes of each number in planes of their own
+  const bytesOf = async (text) => {
+    const packed = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
+    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+    const planes = new Uint8Array(await new Response(stream).arrayBuffer());
+    const bytes = new Uint8Array(planes.length);
+    const length = planes.length / 4;
+    for (let plane = 0; plane < 4; plane++)
+      for (let i = 0; i < length; i++) bytes[4 * i + plane] = planes[plane * length + i];
+    return bytes;
+  };
 
   // ---- reading
 
@@ -152,7 +162,7 @@
 
   const number = (value) => (value === 0 ? "0" : Number(value.toPrecision(3)).toString());
 
-  function start(figure) {
+  async function start(figure) {
     const find = (name) => figure.querySelector("." + name);
     const canvas = figure.querySelector("canvas");
     const trouble = (text) => {
@@ -166,8 +176,9 @@
     }
     let bytes, model;
     try {
-      bytes = bytesOf(find("model").textContent);
+      bytes = await bytesOf(find("model").textContent);
       model = readModel(bytes);
+      figure.dataset.bytes = bytes.length;
     } catch (error) {
       trouble("The animation cannot be read: " + error.message);
       return;
@@ -228,7 +239,7 @@
     const home = () => {
       state.azimuth = Math.atan2(first[0], first[2]);
       state.height = Math.asin(first[1]);
-      state.distance = model.radius * 2.8;
+      state.distance = model.radius * 2.6;
       state.target = model.center.slice();
     };
     home();
@@ -244,14 +255,23 @@
       return result;
     };
 
+    const scales = new Map();
     function scaleOf(color) {
       if (color === "displacement") return { low: 0, high: largest, unit: "m", name: "displacement" };
       const all = model.bodies.flatMap((b) => b.fields.filter((f) => "field:" + f.name === color));
       if (!all.length) return null;
-      return {
-        low: Math.min(...all.map((f) => f.low)), high: Math.max(...all.map((f) => f.high)),
-        unit: all[0].unit, name: all[0].name,
-      };
+      if (!scales.has(color)) {
+        // a few sharp edges must not take the colours from all the rest
+        const sorted = Float32Array.from(all.flatMap((f) => [...f.values])).sort();
+        const largest = Math.max(...all.map((f) => f.high));
+        const most = sorted[Math.floor(0.99 * (sorted.length - 1))];
+        const clipped = most > 0 && most < 0.5 * largest;
+        scales.set(color, {
+          low: Math.min(...all.map((f) => f.low)), high: clipped ? most : largest, largest, clipped,
+          unit: all[0].unit, name: all[0].name,
+        });
+      }
+      return scales.get(color);
     }
 
     function deform(body) {
@@ -332,7 +352,7 @@
       const [a, b, t] = frameOf();
       const mix = (list) => list[a] * (1 - t) + list[b] * t;
       let text = (mix(model.times) * 1000).toFixed(2) + " ms";
-      if (model.crank_angles.length) text += ", " + mix(model.crank_angles).toFixed(1) + " °CA";
+      if (model.crank_angles.length) text += ", " + mix(model.crank_angles).toFixed(1).replace(/^-(0\.0)$/, "$1") + " °CA";
       find("clock").textContent = text;
       find("scale-value").textContent = "× " + number(model.deformation_scale * state.factor);
       find("rate-value").textContent = "1 : " + number(model.slowdown / state.rate);
@@ -342,7 +362,9 @@
         const micro = range.unit === "m";
         const text = (v) => number(micro ? v * 1e6 : v) + (micro ? " µm" : " " + range.unit);
         find("low").textContent = text(range.low);
-        find("high").textContent = text(range.high) + ", " + range.name;
+        find("high").textContent = range.clipped
+          ? `${text(range.high)} and more, ${range.name}; at most ${text(range.largest)}`
+          : `${text(range.high)}, ${range.name}`;
       }
       if (document.activeElement !== sliders.time) sliders.time.value = state.frame;
       sliders.time.setAttribute("aria-valuetext", text);
@@ -475,14 +497,18 @@
     ask();
   }
 
-  for (const figure of document.querySelectorAll("figure.animation")) {
-    try {
-      start(figure);
-    } catch (error) {
-      console.error(error);
-      const place = figure.querySelector(".trouble");
-      place.textContent = "The animation cannot be shown: " + error.message;
-      place.hidden = false;
+  // unpacked when it comes near, so that the page opens fast
+  const near = new IntersectionObserver((entries) => {
+    for (const { isIntersecting, target } of entries) {
+      if (!isIntersecting) continue;
+      near.unobserve(target);
+      start(target).catch((error) => {
+        console.error(error);
+        const place = target.querySelector(".trouble");
+        place.textContent = "The animation cannot be shown: " + error.message;
+        place.hidden = false;
+      });
     }
-  }
+  }, { rootMargin: "400px" });
+  for (const figure of document.querySelectorAll("figure.animation")) near.observe(figure);
 })();

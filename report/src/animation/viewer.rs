@@ -1,5 +1,6 @@
 //! The viewer inside a page: the glTF file, a canvas, controls. Its script reads the same bytes as any other viewer would.
 
+use super::packed::packed;
 use super::poster::VIEW;
 use super::{Animation, AnimationError};
 use crate::escape::{base64, escaped};
@@ -24,8 +25,7 @@ impl Animation {
             "<figure class=\"animation\" id=\"{id}\" aria-labelledby=\"{id}-title\" data-view=\"{} {} {}\">
 <div class=\"stage\">
 <canvas tabindex=\"0\" role=\"img\" aria-label=\"{title}: moving bodies in three dimensions. Arrow keys turn the view, plus and minus come closer or go away, space starts and stops.\"></canvas>
-<div class=\"poster\">
-{}</div>
+<img class=\"poster\" alt=\"\" width=\"1200\" height=\"675\" src=\"data:image/png;base64,{}\">
 <div class=\"colors\" hidden><span class=\"low\"></span><span class=\"bar\"></span><span class=\"high\"></span></div>
 </div>
 <p class=\"trouble\" role=\"status\" hidden></p>
@@ -48,7 +48,7 @@ impl Animation {
             VIEW[0],
             VIEW[1],
             VIEW[2],
-            self.to_poster(),
+            base64(&self.to_poster()),
             file_stem(&self.title),
             if self.flexible.is_empty() {
                 "none: all bodies are rigid".to_owned()
@@ -62,7 +62,7 @@ impl Animation {
                 self.times.last().copied().unwrap_or_default(),
                 self.slowdown
             )),
-            base64(&bytes)
+            packed(&bytes)
         );
         Ok(text)
     }

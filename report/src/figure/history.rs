@@ -3,6 +3,7 @@
 use super::axes::{Area, Scale, Scaled};
 use super::font::text_width;
 use super::palette::{self, Color};
+use super::plane::significant;
 use super::svg::{Anchor, CurveTag, Stroke, Svg, Target, TextStyle, coordinate};
 use super::{decimate, ticks};
 
@@ -15,7 +16,7 @@ const SMALL: f64 = 13.0;
 const RIGHT: f64 = 36.0;
 
 /// What stands on the horizontal axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Abscissa {
     /// Crank angle (°).
     CrankAngle,
@@ -25,18 +26,31 @@ pub enum Abscissa {
     Frequency,
     /// Order of the shaft: cycles a revolution.
     Order,
+    /// The same with the frequency (Hz) above the panels: order times the shaft's mean speed.
+    OrderAt {
+        /// Mean speed (revolutions a second).
+        speed: f64,
+    },
     /// Speed of the shaft (1/min).
     Speed,
+    /// Any other quantity, such as the variable of a sweep.
+    Other {
+        /// What it is.
+        name: String,
+        /// Its unit; empty for none.
+        unit: String,
+    },
 }
 
 impl Abscissa {
-    fn name_and_unit(self) -> (&'static str, &'static str) {
+    fn name_and_unit(&self) -> (&str, &str) {
         match self {
             Abscissa::CrankAngle => ("Crank angle", "°CA"),
             Abscissa::Time => ("Time", "s"),
             Abscissa::Frequency => ("Frequency", "Hz"),
-            Abscissa::Order => ("Order", "cycles a revolution"),
+            Abscissa::Order | Abscissa::OrderAt { .. } => ("Order", "cycles a revolution"),
             Abscissa::Speed => ("Speed", "1/min"),
+            Abscissa::Other { name, unit } => (name, unit),
         }
     }
 }
@@ -161,18 +175,22 @@ impl History {
         let panel_height = if self.panels.len() <= 1 { 500.0 } else { 360.0 };
         let room = if self.marks.is_empty() { 0.0 } else { 18.0 };
         let gap = room + if titled { 46.0 } else { 28.0 };
-        let first = top + room + if titled { 30.0 } else { 0.0 };
+        let above = self.above();
+        let head = if above.is_some() { 48.0 } else { 0.0 };
+        let first = top + head + room + if titled { 30.0 } else { 0.0 };
         let bottom = first + count * panel_height + (count - 1.0) * gap;
         let mut svg = Svg::new(WIDTH, bottom + 78.0, &self.title, target);
-        svg.text(
+        svg.text_within(
             left,
             42.0,
+            WIDTH - left - RIGHT,
             &self.title,
             TextStyle::new(TITLE, Anchor::Start).bold(),
         );
-        svg.text(
+        svg.text_within(
             left,
             68.0,
+            WIDTH - left - RIGHT,
             &self.subtitle,
             TextStyle::new(SMALL + 1.0, Anchor::Start).soft(),
         );
@@ -185,12 +203,9 @@ impl History {
                 height: panel_height,
             };
             let last = index + 1 == self.panels.len();
-            area.begin_panel(
-                &mut svg,
-                &horizontal,
-                &vertical,
-                &[("data-title", panel.title.clone())],
-            );
+            let mut known = vec![("data-title", panel.title.clone())];
+            known.extend(above.map(|speed| ("data-speed", format!("{speed}"))));
+            area.begin_panel(&mut svg, &horizontal, &vertical, &known);
             area.draw(&mut svg, &horizontal, &vertical, last);
             if !panel.title.is_empty() {
                 svg.text(
@@ -201,6 +216,9 @@ impl History {
                 );
             }
             self.draw_marks(&mut svg, &area, &horizontal);
+            if let (0, Some(speed)) = (index, above) {
+                draw_frequencies(&mut svg, &area, &horizontal, speed);
+            }
             draw_curves(&mut svg, &area, panel, &names, (&horizontal, &vertical));
             svg.end_group();
         }
@@ -208,7 +226,11 @@ impl History {
         svg.text(
             left + (WIDTH - left - RIGHT) / 2.0,
             bottom + 56.0,
-            &format!("{name} ({unit})"),
+            &if unit.is_empty() {
+                name.to_owned()
+            } else {
+                format!("{name} ({unit})")
+            },
             TextStyle::new(LABEL, Anchor::Middle),
         );
         svg.text(
@@ -229,6 +251,14 @@ impl History {
                 ..Scaled::plain(ticks::crank_angle(low, high, 14), name, unit)
             },
             _ => Scaled::plain(ticks::inside(low, high, 10), name, unit),
+        }
+    }
+
+    /// The speed (1/s) by which orders are frequencies, where these stand above the panels.
+    fn above(&self) -> Option<f64> {
+        match self.abscissa {
+            Abscissa::OrderAt { speed } if speed > 0.0 && speed.is_finite() => Some(speed),
+            _ => None,
         }
     }
 
@@ -297,6 +327,34 @@ impl History {
             }
         }
     }
+}
+
+/// Numbers of a second axis above the panel: orders times `speed` (1/s), in Hz. They move with the curves.
+fn draw_frequencies(svg: &mut Svg<'_>, area: &Area, horizontal: &Scaled, speed: f64) {
+    let (low, high) = horizontal.ticks.range;
+    let frequencies = ticks::inside(speed * low, speed * high, 10);
+    for value in &frequencies.values {
+        let at = area.x(value / speed, &horizontal.ticks);
+        svg.begin_group("mark", &[("data-x", coordinate(at))]);
+        svg.line(
+            (at, area.top - 6.0),
+            (at, area.top),
+            Stroke::solid(Color::Rule, 1.0),
+        );
+        svg.text(
+            at,
+            area.top - 11.0,
+            &ticks::number(*value, frequencies.step),
+            TextStyle::new(SMALL, Anchor::Middle),
+        );
+        svg.end_group();
+    }
+    svg.text(
+        area.left + area.width / 2.0,
+        area.top - 32.0,
+        &format!("Frequency (Hz) at {} 1/min", significant(60.0 * speed)),
+        TextStyle::new(SMALL + 1.0, Anchor::Middle),
+    );
 }
 
 impl Ordinate {
@@ -453,6 +511,24 @@ mod tests {
         figure.panels.clear();
         let svg = figure.to_svg();
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    }
+
+    #[test]
+    fn frequencies_stand_above_their_orders() {
+        let mut figure = small();
+        figure.abscissa = Abscissa::OrderAt { speed: 50.0 };
+        figure.panels[0].x = vec![0.0, 5.0, 10.0];
+        let svg = figure.to_svg();
+        assert!(svg.contains("Frequency (Hz) at 3000 1/min") && svg.contains(">500</text>"));
+        let left = |text: &str| {
+            let (before, _) = svg.split_once(&format!(">{text}</text>"))?;
+            let (_, tag) = before.rsplit_once("<text x=\"")?;
+            tag.split_once('"')?.0.parse::<f64>().ok()
+        };
+        // 250 Hz are the fifth order of 3000 1/min
+        assert!(left("250").is_some() && left("250") == left("5"), "{svg}");
+        figure.abscissa = Abscissa::OrderAt { speed: f64::NAN };
+        assert!(!figure.to_svg().contains("NaN"));
     }
 
     #[test]

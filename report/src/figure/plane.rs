@@ -93,15 +93,17 @@ impl Sheet<'_> {
         let top = 92.0 + 26.0 * key_rows as f64;
         let height = top + rows as f64 * CELL.1 + 16.0;
         let mut svg = Svg::new(width, height, self.title, target);
-        svg.text(
+        svg.text_within(
             40.0,
             42.0,
+            width - 80.0,
             self.title,
             TextStyle::new(TITLE, Anchor::Start).bold(),
         );
-        svg.text(
+        svg.text_within(
             40.0,
             68.0,
+            width - 80.0,
             self.subtitle,
             TextStyle::new(SMALL + 1.0, Anchor::Start).soft(),
         );

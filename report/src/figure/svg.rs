@@ -117,6 +117,9 @@ pub(crate) struct CurveTag<'a> {
     pub base: Option<f64>,
 }
 
+/// No text is made smaller than this to fit.
+const SMALLEST: f64 = 9.0;
+
 /// An SVG under construction.
 #[derive(Debug)]
 pub(crate) struct Svg<'a> {
@@ -285,32 +288,61 @@ impl<'a> Svg<'a> {
     }
 
     /// A path through the points; nothing for fewer than two.
+    ///
+    /// On paper a `polyline`. In a page a `path` of class `curve` in hundredths of a pixel: a place, then steps; angles are
+    /// hundredths of a degree: one, then differences. That is less than half as long.
     pub fn curve(&mut self, points: &[(f64, f64)], stroke: Stroke, tag: &CurveTag<'_>) {
         if points.len() < 2 {
             return;
         }
+        if self.target.theme == Theme::Paper {
+            self.put(format_args!(
+                "<polyline fill=\"none\" stroke-linejoin=\"round\""
+            ));
+            self.stroke(stroke);
+            self.points(points);
+            self.put(format_args!("/>\n"));
+            return;
+        }
         self.put(format_args!(
-            "<polyline fill=\"none\" stroke-linejoin=\"round\""
+            "<path fill=\"none\" stroke-linejoin=\"round\""
         ));
         self.stroke(stroke);
-        if self.target.theme == Theme::Page {
-            self.put(format_args!(
-                " class=\"curve\" vector-effect=\"non-scaling-stroke\" data-name=\"{}\"",
-                escaped(tag.name)
-            ));
-            if !tag.label.is_empty() {
-                self.put(format_args!(" data-label=\"{}\"", escaped(tag.label)));
-            }
-            if let Some(base) = tag.base {
-                self.put(format_args!(" data-base=\"{}\"", coordinate(base)));
-            }
-            if !tag.angles.is_empty() {
-                let angles: Vec<String> = tag.angles.iter().map(|a| coordinate(*a)).collect();
-                self.put(format_args!(" data-angles=\"{}\"", angles.join(" ")));
-            }
+        self.put(format_args!(
+            " class=\"curve\" transform=\"scale(.01)\" vector-effect=\"non-scaling-stroke\" data-name=\"{}\"",
+            escaped(tag.name)
+        ));
+        if !tag.label.is_empty() {
+            self.put(format_args!(" data-label=\"{}\"", escaped(tag.label)));
         }
-        self.points(points);
-        self.put(format_args!("/>\n"));
+        if let Some(base) = tag.base {
+            self.put(format_args!(" data-base=\"{}\"", coordinate(base)));
+        }
+        if !tag.angles.is_empty() {
+            self.put(format_args!(" data-angles=\""));
+            let mut before = 0;
+            for (index, angle) in tag.angles.iter().enumerate() {
+                let here = hundredths(*angle);
+                self.step(here - before, index > 0);
+                before = here;
+            }
+            self.put(format_args!("\""));
+        }
+        self.put(format_args!(" d=\"m"));
+        let mut before = (0, 0);
+        for (index, (x, y)) in points.iter().enumerate() {
+            let here = (hundredths(*x), hundredths(*y));
+            self.step(here.0 - before.0, index > 0);
+            self.step(here.1 - before.1, true);
+            before = here;
+        }
+        self.put(format_args!("\"/>\n"));
+    }
+
+    /// A number of a list; a sign parts it from the one before as well as a space does.
+    fn step(&mut self, value: i64, parted: bool) {
+        let space = if parted && value >= 0 { " " } else { "" };
+        self.put(format_args!("{space}{value}"));
     }
 
     fn points(&mut self, points: &[(f64, f64)]) {
@@ -358,21 +390,38 @@ impl<'a> Svg<'a> {
         self.put(format_args!(">{}</text>\n", escaped(text)));
     }
 
+    /// A text made smaller where it would be wider than `width`, by as much as can be read.
+    pub fn text_within(&mut self, x: f64, y: f64, width: f64, text: &str, mut style: TextStyle) {
+        let wide = font::text_width(text, style.size, style.bold);
+        if wide > width && wide > 0.0 {
+            style.size = (style.size * width / wide).max(SMALLEST);
+        }
+        self.text(x, y, text, style);
+    }
+
     pub fn finish(mut self) -> String {
         self.text.push_str("</svg>\n");
         self.text
     }
 }
 
-/// Two decimals at most, no `-0`. What lies far outside of any sheet stays far outside; what is no number lands at 0, so that
-/// the file can always be read.
-pub(crate) fn coordinate(value: f64) -> String {
-    let value = if value.is_nan() {
+/// In whole hundredths, within [`coordinate`]'s limits.
+fn hundredths(value: f64) -> i64 {
+    (100.0 * within(value)).round() as i64
+}
+
+/// What lies far outside of any sheet stays far outside; what is no number lands at 0, so that a file can always be read.
+fn within(value: f64) -> f64 {
+    if value.is_nan() {
         0.0
     } else {
         value.clamp(-1e7, 1e7)
-    };
-    let text = format!("{value:.2}");
+    }
+}
+
+/// Two decimals at most, no `-0`.
+pub(crate) fn coordinate(value: f64) -> String {
+    let text = format!("{:.2}", within(value));
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" {
         "0".to_owned()
@@ -398,5 +447,24 @@ mod tests {
         for (value, text) in cases {
             assert_eq!(coordinate(value), text);
         }
+    }
+
+    #[test]
+    fn curves_of_a_page_are_steps() {
+        let target = Target {
+            theme: Theme::Page,
+            id: "a",
+        };
+        let mut svg = Svg::new(10.0, 10.0, "", target);
+        let tag = CurveTag {
+            name: "A",
+            angles: vec![0.0, 0.5, 719.5],
+            ..CurveTag::default()
+        };
+        let points = [(1.0, 2.0), (1.744, 1.0), (0.004, f64::NAN)];
+        svg.curve(&points, Stroke::solid(Color::Ink, 1.0), &tag);
+        let text = svg.finish();
+        assert!(text.contains(" d=\"m100 200 74-100-174-100\""), "{text}");
+        assert!(text.contains(" data-angles=\"0 50 71900\""), "{text}");
     }
 }

@@ -144,9 +144,9 @@ pub fn journals_table(caption: &str, journals: &[Journal]) -> Table {
                         digits: 3,
                     },
                     (force * 1e-3).into(),
-                    Cell::Number {
+                    Cell::Fixed {
                         value: force_angle,
-                        digits: 4,
+                        decimals: 1,
                     },
                     Cell::Number {
                         value: force / (journal.diameter * journal.width) * 1e-6,
@@ -156,9 +156,9 @@ pub fn journals_table(caption: &str, journals: &[Journal]) -> Table {
                         value: film * 1e6,
                         digits: 3,
                     },
-                    Cell::Number {
+                    Cell::Fixed {
                         value: film_angle,
-                        digits: 4,
+                        decimals: 1,
                     },
                     Cell::Number {
                         value: journal.eccentricity,

@@ -3,6 +3,12 @@
   "use strict";
 
   const numbers = (text) => text.trim().split(/\s+/).map(Number);
+  // hundredths: the first ones, then differences to those `width` before
+  const summed = (text, width) => {
+    const list = (text.match(/-?\d+/g) || []).map(Number);
+    for (let i = width; i < list.length; i++) list[i] += list[i - width];
+    return list.map((value) => value / 100);
+  };
   const space = document.querySelector("svg.drawing").namespaceURI;
   const make = (name, attributes) => {
     const element = document.createElementNS(space, name);
@@ -54,13 +60,13 @@
       this.factor = Number(data.yFactor || 1);
       this.grid = group.querySelector(".grid");
       this.original = this.grid && [...this.grid.childNodes];
-      this.curves = [...group.querySelectorAll("polyline.curve")].map((line) => ({
+      this.curves = [...group.querySelectorAll("path.curve")].map((line) => ({
         line,
         name: line.dataset.name,
         label: line.dataset.label || line.dataset.name,
         base: line.dataset.base === undefined ? null : Number(line.dataset.base),
-        angles: line.dataset.angles ? numbers(line.dataset.angles) : null,
-        points: line.getAttribute("points").trim().split(/[ ,]+/).map(Number),
+        angles: line.dataset.angles ? summed(line.dataset.angles, 1) : null,
+        points: summed(line.getAttribute("d"), 2),
       })).filter((curve) => curve.name);
       this.map = data.map ? this.readMap(data) : null;
       this.reset();
@@ -215,7 +221,9 @@
       }
       const own = this.data.title ? this.data.title + ", " : "";
       const place = found.length ? found[0].x : this.valueX(x);
-      return { hair: this.shownX(this.pixelX(place)), dots, parts: [{ text: `${own}${this.data.xName} ${short(place)} ${this.data.xUnit}` }, ...found] };
+      const frequency = this.data.speed ? `, ${short(Number((place * this.data.speed).toPrecision(5)))} Hz` : "";
+      const here = `${own}${this.data.xName} ${short(place)} ${this.data.xUnit}${frequency}`;
+      return { hair: this.shownX(this.pixelX(place)), dots, parts: [{ text: here }, ...found] };
     }
 
     atNearest(x, y) {
@@ -263,11 +271,9 @@
   function start(figure) {
     const svg = figure.querySelector("svg.drawing");
     const readout = figure.querySelector(".readout");
-    const tools = figure.querySelector(".tools");
     const reset = figure.querySelector(".reset");
     const panels = [...svg.querySelectorAll("g.panel")].map((group) => new Panel(group));
     if (!panels.length) return;
-    tools.hidden = false;
     // panels one above the other share their axes
     const linked = (panel) => (panel.equal ? [panel] : panels);
     const cursor = make("g", { class: "cursor" });
@@ -440,5 +446,16 @@
     addEventListener("beforeprint", all);
   }
 
-  for (const figure of document.querySelectorAll("figure.plot")) start(figure);
+  // a page of a hundred drawings opens fast: each wakes when it comes near
+  const near = new IntersectionObserver((entries) => {
+    for (const { isIntersecting, target } of entries) {
+      if (!isIntersecting) continue;
+      near.unobserve(target);
+      start(target);
+    }
+  }, { rootMargin: "600px" });
+  for (const figure of document.querySelectorAll("figure.plot")) {
+    figure.querySelector(".tools").hidden = false;
+    near.observe(figure);
+  }
 })();

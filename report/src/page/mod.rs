@@ -12,7 +12,7 @@ pub use contents::{
 pub use table::{Cell, Column, Table};
 
 use crate::animation::{Animation, AnimationError, SCRIPT as VIEWER};
-use crate::escape::escaped;
+use crate::escape::{base64, escaped};
 use crate::figure::Figure;
 use std::fmt::Write;
 
@@ -29,8 +29,38 @@ enum Block {
     Code(String),
     Table(Table),
     Figure(Box<Figure>, String),
+    Drawing(Box<Drawing>),
     Animation(Box<Animation>),
     Section(Section),
+}
+
+/// A picture that was drawn elsewhere.
+#[derive(Clone, Debug, PartialEq)]
+struct Drawing {
+    svg: String,
+    title: String,
+    caption: String,
+}
+
+impl Drawing {
+    /// What stands below it.
+    fn caption(&self) -> &str {
+        match self.caption.is_empty() {
+            true => &self.title,
+            false => &self.caption,
+        }
+    }
+}
+
+/// A figure of a page as a file of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NumberedFigure {
+    /// From 1, as in the page.
+    pub number: usize,
+    /// What stands below it.
+    pub caption: String,
+    /// The picture.
+    pub svg: String,
 }
 
 /// A heading and what stands under it.
@@ -105,6 +135,21 @@ impl Section {
         self.with(Block::Figure(Box::new(figure.into()), caption.into()))
     }
 
+    /// A picture of its own, as the text of an SVG file: shown as it is, without the script's help. `title` is what it is called
+    /// for those who cannot see it.
+    pub fn drawing(
+        self,
+        svg: impl Into<String>,
+        title: impl Into<String>,
+        caption: impl Into<String>,
+    ) -> Section {
+        self.with(Block::Drawing(Box::new(Drawing {
+            svg: svg.into(),
+            title: title.into(),
+            caption: caption.into(),
+        })))
+    }
+
     /// An animation.
     pub fn animation(self, animation: Animation) -> Section {
         self.with(Block::Animation(Box::new(animation)))
@@ -143,6 +188,37 @@ impl Page {
     pub fn section(mut self, section: Section) -> Page {
         self.sections.push(section);
         self
+    }
+
+    /// All figures as files of their own, in the order of the page and with its numbers.
+    pub fn figures(&self) -> Vec<NumberedFigure> {
+        fn gather(section: &Section, found: &mut Vec<NumberedFigure>) {
+            for block in &section.blocks {
+                let number = found.len() + 1;
+                match block {
+                    Block::Figure(figure, caption) => found.push(NumberedFigure {
+                        number,
+                        caption: match caption.is_empty() {
+                            true => figure.title().to_owned(),
+                            false => caption.clone(),
+                        },
+                        svg: figure.to_svg(),
+                    }),
+                    Block::Drawing(drawing) => found.push(NumberedFigure {
+                        number,
+                        caption: drawing.caption().to_owned(),
+                        svg: drawing.svg.clone(),
+                    }),
+                    Block::Section(section) => gather(section, found),
+                    _ => {}
+                }
+            }
+        }
+        let mut found = Vec::new();
+        for section in &self.sections {
+            gather(section, &mut found);
+        }
+        found
     }
 
     /// The file's text.
@@ -185,16 +261,26 @@ impl Page {
             );
         }
         text.push_str("</header>\n<nav aria-label=\"Sections\">\n<ol>\n");
-        for (id, title) in &writer.entries {
-            let _ = writeln!(text, "<li><a href=\"#{id}\">{}</a></li>", escaped(title));
+        let mut inner = false;
+        for (index, (rank, id, title)) in writer.entries.iter().enumerate() {
+            if (*rank == 3) != inner {
+                // a list within the item before
+                text.push_str(if inner { "</li></ul></li>\n" } else { "\n<ul>" });
+                inner = !inner;
+            } else if index > 0 {
+                text.push_str("</li>\n");
+            }
+            let _ = write!(text, "<li><a href=\"#{id}\">{}</a>", escaped(title));
         }
+        text.push_str(match (inner, writer.entries.is_empty()) {
+            (true, _) => "</li></ul></li>\n",
+            (false, false) => "</li>\n",
+            (false, true) => "",
+        });
         text.push_str("</ol>\n</nav>\n<main id=\"contents\">\n");
         text.push_str(&writer.text);
         text.push_str("</main>\n");
-        for (needed, script) in [
-            (writer.figures > 0, FIGURES),
-            (writer.animations > 0, VIEWER),
-        ] {
+        for (needed, script) in [(writer.plots > 0, FIGURES), (writer.animations > 0, VIEWER)] {
             if needed {
                 let _ = writeln!(text, "<script>\n{script}</script>");
             }
@@ -207,10 +293,12 @@ impl Page {
 #[derive(Default)]
 struct Writer {
     text: String,
-    /// Sections of the first rank: id and title.
-    entries: Vec<(String, String)>,
+    /// Sections of the first two ranks: rank, id and title.
+    entries: Vec<(usize, String, String)>,
     sections: usize,
     figures: usize,
+    /// Figures with the script's help.
+    plots: usize,
     animations: usize,
 }
 
@@ -223,8 +311,8 @@ impl Writer {
     fn section(&mut self, section: &Section, rank: usize) -> Result<(), AnimationError> {
         self.sections += 1;
         let id = format!("section-{}", self.sections);
-        if rank == 2 {
-            self.entries.push((id.clone(), section.title.clone()));
+        if rank <= 3 {
+            self.entries.push((rank, id.clone(), section.title.clone()));
         }
         let rank = rank.min(6);
         self.put(format_args!(
@@ -273,6 +361,7 @@ impl Writer {
             }
             Block::Table(table) => self.text.push_str(&table.to_html()),
             Block::Figure(figure, caption) => self.figure(figure, caption),
+            Block::Drawing(drawing) => self.drawing(drawing),
             Block::Animation(animation) => {
                 self.animations += 1;
                 let id = format!("animation-{}", self.animations);
@@ -284,8 +373,21 @@ impl Writer {
         Ok(())
     }
 
+    /// As an image, whose text can run no script and reach no address.
+    fn drawing(&mut self, drawing: &Drawing) {
+        self.figures += 1;
+        let number = self.figures;
+        self.put(format_args!(
+            "<figure class=\"drawn\" id=\"figure-{number}\" aria-labelledby=\"figure-{number}-caption\">\n<img alt=\"{}\" src=\"data:image/svg+xml;base64,{}\">\n<figcaption id=\"figure-{number}-caption\"><b>Figure {number}.</b> {}</figcaption>\n</figure>\n",
+            escaped(&drawing.title),
+            base64(drawing.svg.as_bytes()),
+            escaped(drawing.caption())
+        ));
+    }
+
     fn figure(&mut self, figure: &Figure, caption: &str) {
         self.figures += 1;
+        self.plots += 1;
         let number = self.figures;
         let id = format!("figure-{number}");
         let drawing = figure.in_page(&format!("{id}-"));
@@ -319,6 +421,27 @@ mod tests {
         assert!(!text.contains("http://") && !text.contains("https://"));
         assert_eq!(text.matches("<h1>").count(), 1);
         assert!(text.contains("<h2 id=\"section-1\">") && text.contains("<h3 id=\"section-2\">"));
+    }
+
+    #[test]
+    fn figures_have_the_pages_numbers_as_files() {
+        let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\"/>";
+        let page = Page::new("A")
+            .section(Section::new("B").section(Section::new("C").drawing(svg, "first", "")))
+            .section(Section::new("D").drawing(svg, "second", "What it shows."));
+        let found = page.figures();
+        let numbers: Vec<(usize, &str)> = found
+            .iter()
+            .map(|f| (f.number, f.caption.as_str()))
+            .collect();
+        assert_eq!(numbers, [(1, "first"), (2, "What it shows.")]);
+        assert_eq!(found[1].svg, svg);
+        let text = page.to_html().unwrap();
+        assert!(text.contains("<b>Figure 2.</b> What it shows."));
+        assert!(text.contains("<img alt=\"first\" src=\"data:image/svg+xml;base64,"));
+        // lists within lists end where they should
+        assert_eq!(text.matches("<li>").count(), text.matches("</li>").count());
+        assert_eq!(text.matches("<ul>").count(), text.matches("</ul>").count());
     }
 
     #[test]

@@ -15,6 +15,13 @@ pub enum Cell {
         /// Digits that count, 1 to 17.
         digits: usize,
     },
+    /// A number with at most so many significant digits, without trailing zeros: one that somebody wrote.
+    Short {
+        /// Its value; no finite number is shown as a dash.
+        value: f64,
+        /// Digits that count, 1 to 17.
+        digits: usize,
+    },
     /// A number with so many decimals, for columns that are to be added up.
     Fixed {
         /// Its value; no finite number is shown as a dash.
@@ -100,10 +107,9 @@ impl Table {
         );
         let numeric: Vec<bool> = (0..self.columns.len())
             .map(|column| {
-                self.rows
-                    .iter()
-                    .filter_map(|row| row.get(column))
-                    .any(Cell::is_number)
+                let mut cells = self.rows.iter().filter_map(|row| row.get(column));
+                // a column of dashes stands as its neighbours of numbers do
+                cells.clone().any(Cell::is_number) || cells.all(|cell| *cell == Cell::Empty)
             })
             .collect();
         for (column, numeric) in self.columns.iter().zip(&numeric) {
@@ -145,13 +151,17 @@ impl Table {
 
 impl Cell {
     fn is_number(&self) -> bool {
-        matches!(self, Cell::Number { .. } | Cell::Fixed { .. })
+        matches!(
+            self,
+            Cell::Number { .. } | Cell::Short { .. } | Cell::Fixed { .. }
+        )
     }
 
     pub(super) fn to_html(&self) -> String {
         match self {
             Cell::Text(text) => escaped(text),
             Cell::Number { value, digits } => significant(*value, *digits),
+            Cell::Short { value, digits } => shortened(&significant(*value, *digits)),
             Cell::Fixed { value, .. } if !value.is_finite() => "–".to_owned(),
             Cell::Fixed { value, decimals } => minus(&format!("{value:.*}", (*decimals).min(17))),
             Cell::Code(text) => format!("<code>{}</code>", escaped(text)),
@@ -183,6 +193,19 @@ fn significant(value: f64, digits: usize) -> String {
     minus(&plain)
 }
 
+/// Without the zeros at the end of the decimals.
+fn shortened(text: &str) -> String {
+    let (number, power) = match text.split_once('·') {
+        Some((number, power)) => (number, format!("·{power}")),
+        None => (text, String::new()),
+    };
+    let number = match number.contains('.') {
+        true => number.trim_end_matches('0').trim_end_matches('.'),
+        false => number,
+    };
+    format!("{number}{power}")
+}
+
 fn minus(text: &str) -> String {
     match text.strip_prefix('-') {
         Some(rest) => format!("−{rest}"),
@@ -206,6 +229,15 @@ mod tests {
             (f64::NAN, 4, "–"),
         ] {
             assert_eq!(significant(value, digits), text);
+        }
+        for (text, short) in [
+            ("4000.00", "4000"),
+            ("0.112000", "0.112"),
+            ("100000", "100000"),
+            ("−1.50000·10<sup>20</sup>", "−1.5·10<sup>20</sup>"),
+            ("–", "–"),
+        ] {
+            assert_eq!(shortened(text), short);
         }
     }
 

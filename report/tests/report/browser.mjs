@@ -1,61 +1,13 @@
-// Drives a page in a headless Chromium by its debugging pipe and prints what it found as JSON.
+// Drives a page in a headless Chromium and prints what it found as JSON.
 // Usage: node browser.mjs CHROMIUM PAGE FOLDER; screenshots go to the folder.
-import { spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import { tmpdir } from "node:os";
-import { join, resolve } from "node:path";
-import { pathToFileURL } from "node:url";
+import { join } from "node:path";
+import { sleep, withPage } from "./chromium.mjs";
 
 const [browser, page, folder] = process.argv.slice(2);
-const profile = mkdtempSync(join(tmpdir(), "eng-browser-"));
-const child = spawn(browser, [
-  "--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--remote-debugging-pipe", "--no-first-run",
-  "--disable-background-networking", "--disable-component-update", "--disable-extensions", "--mute-audio",
-  "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
-  `--user-data-dir=${profile}`, "about:blank",
-], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
-
-let next = 0;
-let rest = "";
-const waiting = new Map();
-const heard = [];
-child.stdio[4].on("data", (data) => {
-  rest += data;
-  for (let end; (end = rest.indexOf("\0")) >= 0; rest = rest.slice(end + 1)) {
-    const message = JSON.parse(rest.slice(0, end));
-    if (message.id === undefined) heard.push(message);
-    else {
-      const { resolve, reject } = waiting.get(message.id);
-      waiting.delete(message.id);
-      if (message.error) reject(new Error(JSON.stringify(message.error)));
-      else resolve(message.result);
-    }
-  }
-});
-const send = (method, params = {}, sessionId = undefined) => new Promise((resolve, reject) => {
-  const id = ++next;
-  waiting.set(id, { resolve, reject });
-  child.stdio[3].write(JSON.stringify({ id, method, params, sessionId }) + "\0");
-});
-const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
-const limit = setTimeout(() => {
-  console.error("the browser did not finish in time");
-  child.kill("SIGKILL");
-  process.exit(2);
-}, 150000);
-
 const found = {};
-try {
-  const { targetId } = await send("Target.createTarget", { url: "about:blank" });
-  const { sessionId } = await send("Target.attachToTarget", { targetId, flatten: true });
-  const call = (method, params) => send(method, params, sessionId);
-  const evaluate = async (expression) => {
-    const { result, exceptionDetails } = await call("Runtime.evaluate", { expression, returnByValue: true, awaitPromise: true });
-    if (exceptionDetails) throw new Error(expression + ": " + JSON.stringify(exceptionDetails.exception || exceptionDetails));
-    return result.value;
-  };
-  const size = (width, height) => call("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: false });
+await withPage(browser, page, 300000, async ({ call, evaluate, size, mouse, errors, requests }) => {
   const shot = async (name) => {
     const { data } = await call("Page.captureScreenshot", { format: "png" });
     writeFileSync(join(folder, name), Buffer.from(data, "base64"));
@@ -70,12 +22,6 @@ try {
       await shot(`${name}-${i + 1}.png`);
     }
   };
-  for (const domain of ["Page", "Runtime", "Log", "Network", "DOM"]) await call(domain + ".enable");
-  await size(1280, 900);
-  await call("Page.navigate", { url: pathToFileURL(resolve(page)).href });
-  for (let i = 0; i < 200 && (await evaluate("document.readyState")) !== "complete"; i++) await sleep(50);
-  await sleep(500);
-
   found.figures = await evaluate("document.querySelectorAll('figure.plot svg.drawing').length");
   found.animations = await evaluate("document.querySelectorAll('figure.animation').length");
   found.overflow_wide = await evaluate("document.documentElement.scrollWidth - innerWidth");
@@ -83,6 +29,8 @@ try {
   // a point inside of a drawing, in its own units, as pixels of the window
   const at = async (figure, x, y) => {
     await evaluate(`document.querySelector('#${figure} svg').scrollIntoView({ block: 'center', behavior: 'instant' })`);
+    // it wakes when it comes near
+    await sleep(150);
     return evaluate(`(() => {
       const svg = document.querySelector('#${figure} svg');
       const [left, top, width, height] = svg.querySelector('.panel').dataset.area.split(' ').map(Number);
@@ -90,7 +38,6 @@ try {
       return [p.x, p.y];
     })()`);
   };
-  const mouse = (type, [x, y], more = {}) => call("Input.dispatchMouseEvent", { type, x, y, ...more });
   const click = async (place, clickCount = 1) => {
     await mouse("mousePressed", place, { button: "left", buttons: 1, clickCount });
     await mouse("mouseReleased", place, { button: "left", clickCount });
@@ -112,8 +59,8 @@ try {
   const onOrbit = await (async () => {
     await at("figure-3", 0.5, 0.5);
     return evaluate(`(() => {
-      const line = [...document.querySelectorAll('#figure-3 polyline.curve')].pop();
-      const p = line.points[10].matrixTransform(line.getScreenCTM());
+      const line = document.querySelector('#figure-3 path.curve');
+      const p = line.getPointAtLength(line.getTotalLength() / 50).matrixTransform(line.getScreenCTM());
       return [p.x, p.y];
     })()`);
   })();
@@ -148,7 +95,7 @@ try {
   await shot("zoomed-by-drag.png");
 
   // legend, by keyboard
-  const shown = "[...document.querySelectorAll('#figure-1 polyline.curve')].filter((c) => getComputedStyle(c).display !== 'none').length";
+  const shown = "[...document.querySelectorAll('#figure-1 path.curve')].filter((c) => getComputedStyle(c).display !== 'none').length";
   found.curves = await evaluate(shown);
   await evaluate("document.querySelector('#figure-1 .legend-item').focus()");
   for (const type of ["keyDown", "keyUp"])
@@ -157,9 +104,9 @@ try {
   await shot("hidden-curve.png");
 
   // the animation
-  found.webgl = await evaluate("document.querySelector('figure.animation').classList.contains('alive')");
   await evaluate("document.querySelector('figure.animation').scrollIntoView({ behavior: 'instant' })");
-  await sleep(800);
+  await sleep(1500);
+  found.webgl = await evaluate("document.querySelector('figure.animation').classList.contains('alive')");
   if (found.webgl) {
     const picture = () => evaluate(`(async () => {
       const bytes = new TextEncoder().encode(document.querySelector('figure.animation canvas').toDataURL());
@@ -173,7 +120,7 @@ try {
       await sleep(400);
     };
     const clock = () => evaluate("document.querySelector('.animation .clock').textContent");
-    found.glb_bytes = await evaluate("atob(document.querySelector('.animation .model').textContent).length");
+    found.glb_bytes = await evaluate("Number(document.querySelector('figure.animation').dataset.bytes)");
     await set("time", 20);
     found.picture_start = await picture();
     await shot("animation.png");
@@ -245,25 +192,10 @@ try {
     return shown.reduce((sum, one) => sum + one, 0);
   };
   found.without_scripts = {
-    drawings: await boxes("svg.drawing"), posters: await boxes(".poster svg"), controls: await boxes(".controls, .tools"),
+    drawings: await boxes("svg.drawing"), posters: await boxes("img.poster"), controls: await boxes(".controls, .tools"),
   };
 
-  found.errors = heard.flatMap(({ method, params }) => {
-    if (method === "Runtime.exceptionThrown") return [params.exceptionDetails.exception?.description || params.exceptionDetails.text];
-    if (method === "Runtime.consoleAPICalled" && ["error", "assert"].includes(params.type)) return [JSON.stringify(params.args)];
-    if (method === "Log.entryAdded" && params.entry.level === "error") return [params.entry.text];
-    return [];
-  });
-  found.requests = heard
-    .filter(({ method }) => method === "Network.requestWillBeSent")
-    .map(({ params }) => params.request.url)
-    .filter((url) => !url.startsWith("file:") && !url.startsWith("blob:") && !url.startsWith("data:"));
+  found.errors = errors();
+  found.requests = requests();
   console.log(JSON.stringify(found));
-} finally {
-  clearTimeout(limit);
-  const ended = new Promise((done) => child.once("exit", done));
-  child.kill("SIGTERM");
-  await Promise.race([ended, sleep(3000)]);
-  child.kill("SIGKILL");
-  rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
-}
+});

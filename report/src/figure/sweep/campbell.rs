@@ -1,0 +1,202 @@
+//! Colours over speed and frequency, with the lines of orders and of natural frequencies.
+
+use super::super::axes::{Area, Scaled};
+use super::super::font::text_width;
+use super::super::palette::{Color, LEVEL_COUNT};
+use super::super::svg::{Anchor, CurveTag, Stroke, Svg, Target, TextStyle, coordinate};
+use super::super::ticks;
+use super::cells::{Cells, draw_cells, edges};
+use super::{LABEL, SMALL, SweepFigure, WIDTH};
+use crate::signal::Axis;
+
+/// Colours over speed and frequency, with the lines of orders and of natural frequencies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Campbell {
+    /// What is shown.
+    pub figure: SweepFigure,
+    /// Orders to draw a line for.
+    pub orders: Vec<f64>,
+    /// Natural frequencies (Hz) with names, drawn across.
+    pub natural_frequencies: Vec<(String, f64)>,
+}
+
+impl Campbell {
+    /// The figure as SVG, 1200 pixels wide, a file of its own.
+    pub fn to_svg(&self) -> String {
+        self.draw(Target::PAPER)
+    }
+
+    pub(crate) fn draw(&self, target: Target<'_>) -> String {
+        let figure = &self.figure;
+        let map = &figure.map;
+        let area = Area {
+            left: 116.0,
+            top: 110.0,
+            width: 856.0,
+            height: 520.0,
+        };
+        let mut svg = Svg::new(WIDTH, area.bottom() + 78.0, &figure.title, target);
+        figure.head(&mut svg, area.left);
+        let edges = edges(&map.speeds);
+        let (from, to) = match (edges.first(), edges.last()) {
+            (Some(from), Some(to)) => (*from, *to),
+            _ => (0.0, 1.0),
+        };
+        let x = Scaled::plain(ticks::inside(from, to, 9), "Speed", "1/min");
+        let (name, unit) = figure.axis_name();
+        let y = Scaled::plain(ticks::inside(0.0, figure.reach(), 9), name, unit);
+        let cells = Cells::new(map, y.ticks.range.1);
+        let (low, high) = ticks::extent(cells.values.iter().flatten().copied());
+        // decibels have no zero to begin at
+        let from_low = low < 0.0 || figure.unit.starts_with("dB");
+        let levels = ticks::rounded(if from_low { low } else { 0.0 }, high, 5);
+        area.begin_panel(&mut svg, &x, &y, &cells.attributes(&edges, figure));
+        area.draw(&mut svg, &x, &y, true);
+        svg.begin_clip(area.left, area.top, area.width, area.height);
+        draw_cells(&mut svg, &area, (&x, &y), &cells, &edges, levels.range);
+        svg.end_clip();
+        self.draw_orders(&mut svg, &area, (&x, &y));
+        self.draw_natural_frequencies(&mut svg, &area, &y);
+        svg.end_group();
+        draw_levels(&mut svg, &area, &levels, &figure.value_label());
+        svg.text(
+            area.left + area.width / 2.0,
+            area.bottom() + 56.0,
+            "Speed (1/min)",
+            TextStyle::new(LABEL, Anchor::Middle),
+        );
+        svg.text(
+            40.0,
+            area.top + area.height / 2.0,
+            &format!("{name} ({unit})"),
+            TextStyle::new(LABEL, Anchor::Middle).upwards(),
+        );
+        svg.finish()
+    }
+
+    fn draw_orders(&self, svg: &mut Svg<'_>, area: &Area, (x, y): (&Scaled, &Scaled)) {
+        let stroke = Stroke {
+            color: Color::OnMap,
+            width: 1.2,
+            dash: "6 4",
+        };
+        let (from, to) = x.ticks.range;
+        let top = y.ticks.range.1;
+        for order in &self.orders {
+            let at = |speed: f64| match self.figure.map.axis {
+                Axis::Frequency => order * speed / 60.0,
+                Axis::Order => *order,
+            };
+            let end = if at(to) > top && at(to) > at(from) {
+                from + (to - from) * (top - at(from)) / (at(to) - at(from))
+            } else {
+                to
+            };
+            if end <= from || at(from) > top {
+                continue;
+            }
+            let place = |speed: f64| (area.x(speed, &x.ticks), area.y(at(speed), &y.ticks));
+            let tag = CurveTag::default();
+            svg.begin_clip(area.left, area.top, area.width, area.height);
+            svg.curve(&[place(from), place(end)], stroke, &tag);
+            svg.end_clip();
+            let (right, height) = place(end);
+            let beyond = end < to;
+            svg.begin_group(
+                "mark",
+                &[
+                    ("data-x", coordinate(right)),
+                    ("data-y", coordinate(height)),
+                ],
+            );
+            svg.text(
+                right + if beyond { 0.0 } else { 4.0 },
+                height + if beyond { -6.0 } else { 4.0 },
+                &format!("order {order}"),
+                TextStyle::new(
+                    SMALL,
+                    if beyond {
+                        Anchor::Middle
+                    } else {
+                        Anchor::Start
+                    },
+                ),
+            );
+            svg.end_group();
+        }
+    }
+
+    fn draw_natural_frequencies(&self, svg: &mut Svg<'_>, area: &Area, y: &Scaled) {
+        if self.figure.map.axis != Axis::Frequency {
+            return;
+        }
+        for (name, frequency) in &self.natural_frequencies {
+            if !(y.ticks.range.0..=y.ticks.range.1).contains(frequency) {
+                continue;
+            }
+            let at = area.y(*frequency, &y.ticks);
+            svg.begin_group("mark", &[("data-y", coordinate(at))]);
+            svg.line(
+                (area.left, at),
+                (area.right(), at),
+                Stroke {
+                    color: Color::Series(1),
+                    width: 1.4,
+                    dash: "2.5 3",
+                },
+            );
+            svg.text(
+                area.left + 6.0,
+                at - 4.0,
+                &format!("{name}, {frequency:.0} Hz"),
+                TextStyle::new(SMALL, Anchor::Start).on_map(),
+            );
+            svg.end_group();
+        }
+    }
+}
+
+/// The colours with their numbers.
+fn draw_levels(svg: &mut Svg<'_>, area: &Area, levels: &ticks::Ticks, label: &str) {
+    let (left, width) = (area.right() + 84.0, 20.0);
+    let height = area.height / LEVEL_COUNT as f64;
+    for level in 0..LEVEL_COUNT {
+        svg.area(
+            left,
+            area.bottom() - (level + 1) as f64 * height,
+            width,
+            height + 0.3,
+            Color::Level(level),
+        );
+    }
+    let exponent = ticks::exponent(levels.range);
+    let factor = libm::pow(10.0, f64::from(exponent));
+    let mut widest = 0.0f64;
+    for value in &levels.values {
+        let at = area.y(*value, levels);
+        let number = ticks::number(value / factor, levels.step / factor);
+        widest = widest.max(text_width(&number, SMALL, false));
+        svg.line(
+            (left + width, at),
+            (left + width + 5.0, at),
+            Stroke::solid(Color::Rule, 1.0),
+        );
+        svg.text(
+            left + width + 9.0,
+            at + SMALL * 0.36,
+            &number,
+            TextStyle::new(SMALL, Anchor::Start),
+        );
+    }
+    let label = if exponent == 0 {
+        label.to_owned()
+    } else {
+        format!("{} · {label}", ticks::power_of_ten(exponent))
+    };
+    svg.text(
+        left + width + 9.0 + widest + 22.0,
+        area.top + area.height / 2.0,
+        &label,
+        TextStyle::new(LABEL - 1.0, Anchor::Middle).upwards(),
+    );
+}

@@ -1,0 +1,141 @@
+//! Amplitudes over speed: a waterfall of curves, and a Campbell diagram.
+
+mod campbell;
+mod cells;
+mod waterfall;
+
+pub use campbell::Campbell;
+pub use waterfall::Waterfall;
+
+use super::svg::{Anchor, Svg, TextStyle};
+use crate::signal::{Axis, SweepMap};
+
+const WIDTH: f64 = 1200.0;
+const TITLE: f64 = 22.0;
+const LABEL: f64 = 16.0;
+const SMALL: f64 = 13.0;
+
+/// What both diagrams say of themselves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepFigure {
+    /// Title.
+    pub title: String,
+    /// Stands under the title: model, analysis, window, resolution.
+    pub subtitle: String,
+    /// `Acceleration x of main[5]`.
+    pub quantity: String,
+    /// `m/s²`; of a level `dB re 1e-6 m/s²`.
+    pub unit: String,
+    /// The axes the component is in; empty for a scalar.
+    pub frame: String,
+    /// The amplitudes.
+    pub map: SweepMap,
+    /// The axis of frequencies or orders ends here; `None` shows all.
+    pub limit: Option<f64>,
+}
+
+impl SweepFigure {
+    pub(super) fn axis_name(&self) -> (&'static str, &'static str) {
+        match self.map.axis {
+            Axis::Frequency => ("Frequency", "Hz"),
+            Axis::Order => ("Order", "cycles a revolution"),
+        }
+    }
+
+    pub(super) fn value_label(&self) -> String {
+        let frame = if self.frame.is_empty() {
+            String::new()
+        } else {
+            format!(", axes of {}", self.frame)
+        };
+        format!("{} ({}){frame}", self.quantity, self.unit)
+    }
+
+    pub(super) fn reach(&self) -> f64 {
+        let end = self.map.positions.last().copied().unwrap_or(1.0);
+        self.limit.map_or(end, |limit| limit.min(end))
+    }
+
+    pub(super) fn head(&self, svg: &mut Svg<'_>, left: f64) {
+        svg.text_within(
+            left,
+            42.0,
+            WIDTH - left - 36.0,
+            &self.title,
+            TextStyle::new(TITLE, Anchor::Start).bold(),
+        );
+        svg.text_within(
+            left,
+            68.0,
+            WIDTH - left - 36.0,
+            &self.subtitle,
+            TextStyle::new(SMALL + 1.0, Anchor::Start).soft(),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    pub(super) fn figure() -> SweepFigure {
+        let positions: Vec<f64> = (0..2000).map(f64::from).collect();
+        let speeds = vec![1000.0, 1500.0, 2500.0];
+        SweepFigure {
+            title: "Run-up <1>".to_owned(),
+            subtitle: String::new(),
+            quantity: "Acceleration x".to_owned(),
+            unit: "m/s²".to_owned(),
+            frame: "block".to_owned(),
+            map: SweepMap {
+                axis: Axis::Frequency,
+                amplitudes: speeds
+                    .iter()
+                    .map(|speed| {
+                        positions
+                            .iter()
+                            .map(|p| {
+                                if (p - speed / 30.0).abs() < 0.5 {
+                                    7.0
+                                } else {
+                                    0.1
+                                }
+                            })
+                            .collect()
+                    })
+                    .collect(),
+                positions,
+                speeds,
+            },
+            limit: None,
+        }
+    }
+
+    #[test]
+    fn diagrams_are_drawn_whatever_the_map() {
+        let mut figure = figure();
+        let campbell = Campbell {
+            figure: figure.clone(),
+            orders: vec![2.0, 4.0, 1000.0],
+            natural_frequencies: vec![("first".to_owned(), 800.0), ("far".to_owned(), 1e5)],
+        };
+        let svg = campbell.to_svg();
+        assert!(svg.contains(">order 2<") && svg.contains(">order 4<") && !svg.contains(">far"));
+        assert!(svg.contains("first, 800 Hz") && !svg.contains("NaN"));
+        assert!(svg.contains("Acceleration x (m/s²), axes of block"));
+        let waterfall = |figure| Waterfall { figure }.to_svg();
+        assert_eq!(waterfall(figure.clone()).matches("<polyline").count(), 3);
+        figure.map.amplitudes[0][3] = f64::NAN;
+        assert!(!waterfall(figure.clone()).contains("NaN"));
+        figure.map.speeds.clear();
+        figure.map.amplitudes.clear();
+        figure.map.positions.clear();
+        let empty = Campbell {
+            figure: figure.clone(),
+            ..campbell
+        };
+        for svg in [waterfall(figure), empty.to_svg()] {
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        }
+    }
+}

@@ -1,0 +1,381 @@
+//! Which nodes of a surface can go: edges are drawn together into one of their ends, those first that change the surface least.
+//!
+//! The cost of an end is the sum of squared distances to the planes of all triangles that were merged into it, weighted by their
+//! areas (m⁴): M. Garland, P. Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997. The end that stays does
+//! not move, so that it is still a node of the mesh.
+
+use std::cmp::Ordering;
+use std::collections::{BTreeSet, BinaryHeap};
+
+/// Share of an edge's length to the fourth that is added to its cost: in a plane short edges go first, and triangles stay compact.
+const LENGTH: f64 = 1e-3;
+/// Planes across a rim weigh so many times their squared edge.
+const RIM: f64 = 10.0;
+/// A triangle may turn by no more than the angle with this cosine.
+const TURN: f64 = 0.3;
+
+type Vector = [f64; 3];
+
+fn minus(a: Vector, b: Vector) -> Vector {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: Vector, b: Vector) -> Vector {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// Sum of w (n·x + d)² over planes: the six of n nᵀ, three of n d, d².
+#[derive(Clone, Copy, Default)]
+struct Quadric([f64; 10]);
+
+impl Quadric {
+    /// The plane through a point with a normal of any length, of a weight.
+    fn plane(normal: Vector, point: Vector, weight: f64) -> Quadric {
+        let length = dot(normal, normal).sqrt();
+        if length <= 0.0 {
+            return Quadric::default();
+        }
+        let [a, b, c] = normal.map(|x| x / length);
+        let d = -dot([a, b, c], point);
+        let terms = [
+            a * a,
+            b * b,
+            c * c,
+            a * b,
+            b * c,
+            a * c,
+            a * d,
+            b * d,
+            c * d,
+            d * d,
+        ];
+        Quadric(terms.map(|x| weight * x))
+    }
+
+    fn add(&mut self, other: &Quadric) {
+        for (a, b) in self.0.iter_mut().zip(other.0) {
+            *a += b;
+        }
+    }
+
+    fn at(&self, [x, y, z]: Vector) -> f64 {
+        let q = &self.0;
+        let squares = q[0] * x * x + q[1] * y * y + q[2] * z * z;
+        let mixed = q[3] * x * y + q[4] * y * z + q[5] * x * z;
+        squares + 2.0 * (mixed + q[6] * x + q[7] * y + q[8] * z) + q[9]
+    }
+}
+
+/// A node that may go into another.
+struct Candidate {
+    cost: f64,
+    goes: usize,
+    stays: usize,
+    /// Changes of both when the cost was found.
+    ages: [u32; 2],
+}
+
+impl Ord for Candidate {
+    /// The cheapest is the greatest; equal ones by their numbers.
+    fn cmp(&self, other: &Candidate) -> Ordering {
+        other
+            .cost
+            .total_cmp(&self.cost)
+            .then(other.goes.cmp(&self.goes))
+            .then(other.stays.cmp(&self.stays))
+    }
+}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Candidate) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Candidate) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Candidate {}
+
+/// A surface from which nodes go. All indices are of `places`, and were checked when it was made.
+struct Surface<'a> {
+    places: &'a [Vector],
+    triangles: Vec<[usize; 3]>,
+    /// Triangles that are left, by node.
+    around: Vec<BTreeSet<usize>>,
+    quadrics: Vec<Quadric>,
+    ages: Vec<u32>,
+}
+
+impl Surface<'_> {
+    fn neighbours(&self, node: usize) -> BTreeSet<usize> {
+        self.around[node]
+            .iter()
+            .flat_map(|t| self.triangles[*t])
+            .filter(|other| *other != node)
+            .collect()
+    }
+
+    fn normal(&self, corners: [usize; 3]) -> Vector {
+        let [a, b, c] = corners.map(|node| self.places[node]);
+        cross(minus(b, a), minus(c, a))
+    }
+
+    /// Planes of the triangles at a node, and planes across the rim where an edge has but one.
+    fn quadric(&self, node: usize) -> Quadric {
+        let mut sum = Quadric::default();
+        for t in &self.around[node] {
+            let corners = self.triangles[*t];
+            let normal = self.normal(corners);
+            let area = 0.5 * dot(normal, normal).sqrt();
+            sum.add(&Quadric::plane(normal, self.places[node], area));
+            for other in corners.into_iter().filter(|other| *other != node) {
+                let shared = self.around[node].intersection(&self.around[other]).count();
+                if shared == 1 {
+                    let edge = minus(self.places[other], self.places[node]);
+                    let across = cross(edge, normal);
+                    let weight = RIM * dot(edge, edge);
+                    sum.add(&Quadric::plane(across, self.places[node], weight));
+                }
+            }
+        }
+        sum
+    }
+
+    fn candidate(&self, goes: usize, stays: usize) -> Candidate {
+        let place = self.places[stays];
+        let edge = minus(place, self.places[goes]);
+        let mut sum = self.quadrics[goes];
+        sum.add(&self.quadrics[stays]);
+        let square = dot(edge, edge);
+        Candidate {
+            cost: sum.at(place).max(0.0) + LENGTH * square * square,
+            goes,
+            stays,
+            ages: [self.ages[goes], self.ages[stays]],
+        }
+    }
+
+    /// Whether the surface stays one, and no triangle turns over.
+    fn allowed(&self, goes: usize, stays: usize) -> bool {
+        let shared = self.around[goes].intersection(&self.around[stays]).count();
+        let common = self
+            .neighbours(goes)
+            .intersection(&self.neighbours(stays))
+            .count();
+        if shared == 0 || common != shared {
+            return false;
+        }
+        self.around[goes]
+            .iter()
+            .filter(|t| !self.around[stays].contains(t))
+            .all(|t| {
+                let before = self.triangles[*t];
+                let after = before.map(|node| if node == goes { stays } else { node });
+                let (a, b) = (self.normal(before), self.normal(after));
+                dot(a, b) > TURN * (dot(a, a) * dot(b, b)).sqrt()
+            })
+    }
+
+    fn draw_together(&mut self, goes: usize, stays: usize) {
+        let own = std::mem::take(&mut self.around[goes]);
+        for t in own {
+            if self.triangles[t].contains(&stays) {
+                for node in self.triangles[t] {
+                    self.around[node].remove(&t);
+                }
+            } else {
+                let corners = &mut self.triangles[t];
+                *corners = corners.map(|node| if node == goes { stays } else { node });
+                self.around[stays].insert(t);
+            }
+        }
+        let merged = self.quadrics[goes];
+        self.quadrics[stays].add(&merged);
+        self.ages[goes] += 1;
+        self.ages[stays] += 1;
+    }
+}
+
+/// For each of `places` the one that stands for it, with itself where it stays; no more than `most` stay, or as few as the surface
+/// allows. Triangles hold indices of `places`; those that hold others or one twice are left out.
+pub(super) fn collapsed(places: &[Vector], triangles: &[[usize; 3]], most: usize) -> Vec<usize> {
+    let mut surface = Surface {
+        places,
+        triangles: triangles
+            .iter()
+            .copied()
+            .filter(|[a, b, c]| a != b && b != c && a != c)
+            .filter(|t| t.iter().all(|node| *node < places.len()))
+            .collect(),
+        around: vec![BTreeSet::new(); places.len()],
+        quadrics: Vec::new(),
+        ages: vec![0; places.len()],
+    };
+    for (index, corners) in surface.triangles.iter().enumerate() {
+        for node in corners {
+            surface.around[*node].insert(index);
+        }
+    }
+    surface.quadrics = (0..places.len())
+        .map(|node| surface.quadric(node))
+        .collect();
+    let mut stands: Vec<usize> = (0..places.len()).collect();
+    let mut heap: BinaryHeap<Candidate> = BinaryHeap::new();
+    for node in 0..places.len() {
+        for other in surface.neighbours(node) {
+            heap.push(surface.candidate(node, other));
+        }
+    }
+    let mut left = places.len();
+    while left > most
+        && let Some(Candidate {
+            goes, stays, ages, ..
+        }) = heap.pop()
+    {
+        let now = [surface.ages[goes], surface.ages[stays]];
+        if now != ages || !surface.allowed(goes, stays) {
+            continue;
+        }
+        surface.draw_together(goes, stays);
+        stands[goes] = stays;
+        left -= 1;
+        for other in surface.neighbours(stays) {
+            heap.push(surface.candidate(stays, other));
+            heap.push(surface.candidate(other, stays));
+        }
+    }
+    // chains end at a node that stays
+    for node in 0..stands.len() {
+        let mut end = node;
+        while stands[end] != end {
+            end = stands[end];
+        }
+        stands[node] = end;
+    }
+    stands
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ball of radius 1: `rows` circles of twice as many nodes, and two poles.
+    fn ball(rows: usize) -> (Vec<Vector>, Vec<[usize; 3]>) {
+        let around = 2 * rows;
+        let mut places = vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+        for row in 1..=rows {
+            let polar = std::f64::consts::PI * row as f64 / (rows + 1) as f64;
+            for k in 0..around {
+                let turn = std::f64::consts::TAU * k as f64 / around as f64;
+                let (sine, cosine) = libm::sincos(turn);
+                let (radius, height) = libm::sincos(polar);
+                places.push([radius * cosine, radius * sine, height]);
+            }
+        }
+        let at = |row: usize, k: usize| 2 + row * around + k % around;
+        let mut triangles = Vec::new();
+        for k in 0..around {
+            triangles.push([0, at(0, k), at(0, k + 1)]);
+            triangles.push([1, at(rows - 1, k + 1), at(rows - 1, k)]);
+            for row in 0..rows - 1 {
+                triangles.push([at(row, k), at(row + 1, k), at(row + 1, k + 1)]);
+                triangles.push([at(row, k), at(row + 1, k + 1), at(row, k + 1)]);
+            }
+        }
+        (places, triangles)
+    }
+
+    fn volume(places: &[Vector], triangles: &[[usize; 3]], stands: &[usize]) -> f64 {
+        triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|node| places[stands[node]]);
+                dot(a, cross(b, c)) / 6.0
+            })
+            .sum()
+    }
+
+    #[test]
+    fn a_ball_keeps_its_size_with_a_tenth_of_its_nodes() {
+        let (places, triangles) = ball(30);
+        assert_eq!(places.len(), 1802);
+        let stands = collapsed(&places, &triangles, 180);
+        let mut kept: Vec<usize> = stands.clone();
+        kept.sort_unstable();
+        kept.dedup();
+        assert_eq!(kept.len(), 180);
+        assert!(kept.iter().all(|node| stands[*node] == *node));
+        let all: Vec<usize> = (0..places.len()).collect();
+        let (whole, small) = (
+            volume(&places, &triangles, &all),
+            volume(&places, &triangles, &stands),
+        );
+        assert!(small > 0.96 * whole && small < whole, "{small} {whole}");
+        // closed as before: each edge of what is left has two triangles
+        let mut edges = std::collections::BTreeMap::new();
+        for t in &triangles {
+            let [a, b, c] = t.map(|node| stands[node]);
+            if a != b && b != c && a != c {
+                for (p, q) in [(a, b), (b, c), (c, a)] {
+                    *edges.entry((p.min(q), p.max(q))).or_insert(0) += 1;
+                }
+            }
+        }
+        assert!(edges.values().all(|count| *count == 2));
+        // the nearest kept node is near
+        for (node, end) in stands.iter().enumerate() {
+            let off = minus(places[node], places[*end]);
+            assert!(dot(off, off).sqrt() < 0.6, "{node}");
+        }
+    }
+
+    #[test]
+    fn a_flat_sheet_keeps_its_rim() {
+        let n = 20;
+        let places: Vec<Vector> = (0..=n)
+            .flat_map(|i| (0..=n).map(move |j| [i as f64, j as f64, 0.0]))
+            .collect();
+        let at = |i: usize, j: usize| i * (n + 1) + j;
+        let triangles: Vec<[usize; 3]> = (0..n)
+            .flat_map(|i| (0..n).map(move |j| (i, j)))
+            .flat_map(|(i, j)| {
+                [
+                    [at(i, j), at(i + 1, j), at(i + 1, j + 1)],
+                    [at(i, j), at(i + 1, j + 1), at(i, j + 1)],
+                ]
+            })
+            .collect();
+        let stands = collapsed(&places, &triangles, 60);
+        let area: f64 = triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|node| places[stands[node]]);
+                0.5 * cross(minus(b, a), minus(c, a))[2]
+            })
+            .sum();
+        assert!((area - 400.0).abs() < 1e-9, "{area}");
+        for corner in [at(0, 0), at(n, 0), at(0, n), at(n, n)] {
+            assert_eq!(stands[corner], corner);
+        }
+    }
+
+    #[test]
+    fn what_is_no_surface_is_left_alone() {
+        assert!(collapsed(&[], &[], 0).is_empty());
+        let places = [[0.0; 3], [1.0, 0.0, 0.0], [f64::NAN; 3]];
+        let stands = collapsed(&places, &[[0, 0, 1], [0, 1, 9], [0, 1, 2]], 1);
+        assert_eq!(stands.len(), 3);
+    }
+}

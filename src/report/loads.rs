@@ -1,0 +1,210 @@
+//! Polar diagrams of journals: where shell and pin are loaded, from the forces of the results and the turning of the motion.
+
+use super::Entry;
+use super::describe::MarkerAxes;
+use crate::cli::RunOutcome;
+use crate::cli::figures::about;
+use crate::motion::{BodyMotion, moments};
+use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
+use eng_report::figure::{FixedTo, Polar, PolarCurve, journal_letter};
+
+/// Newtons a unit of the diagrams.
+const KILO: f64 = 1e3;
+
+/// The load that each pin puts on its shell, −force on the pin, over the last cycle: in the shell's axes, and in the pin's where the
+/// motion was kept. The tip points at the side of shell and pin that carries it.
+pub(super) fn polar(entry: &Entry, cut: &RunOutcome) -> Result<Vec<Polar>, ResultsError> {
+    let results = &cut.results;
+    let Some(time) = results.column(TIME) else {
+        return Ok(Vec::new());
+    };
+    let angle = results
+        .column(CYCLE_ANGLE)
+        .map_or_else(Vec::new, Column::shown);
+    let (mut housing, mut journal) = (Vec::new(), Vec::new());
+    for (index, geometry) in cut.journals.iter().enumerate() {
+        let column = |axis: &str| results.column(&format!("{}.force.{axis}", geometry.path));
+        let (Some(x), Some(y)) = (column("x"), column("y")) else {
+            continue;
+        };
+        let load = |column: &Column| column.values.iter().map(|v| -v / KILO).collect();
+        let curve = PolarCurve {
+            name: format!("{} {}", journal_letter(index), geometry.path),
+            frame: x.frame.clone(),
+            x: load(x),
+            y: load(y),
+            angle: angle.clone(),
+        };
+        if let (Some(motion), Some(axes)) = (&entry.outcome.motion, entry.described.axes.get(index))
+            && let Some(turn) = turn(motion, &axes.pin, &axes.shell, &time.values)?
+        {
+            journal.push(curve.turned(&turn, &axes.pin.marker));
+        }
+        housing.push(curve);
+    }
+    let figure = |fixed_to, curves: Vec<PolarCurve>| {
+        (!curves.is_empty()).then(|| Polar {
+            title: "Load of the pins on their shells".to_owned(),
+            subtitle: format!("{}, last cycle", about(results)),
+            quantity: "load".to_owned(),
+            unit: "kN".to_owned(),
+            fixed_to,
+            period: cut.cycle_period.map_or(360.0, f64::to_degrees),
+            upright: cut.upright,
+            limit: None,
+            curves,
+        })
+    };
+    Ok([
+        figure(FixedTo::Housing, housing),
+        figure(FixedTo::Journal, journal),
+    ]
+    .into_iter()
+    .flatten()
+    .collect())
+}
+
+/// Angle (°) of the pin's x axis from the shell's about the shell's z at each of `times` (s): that of the motion's samples, unwrapped,
+/// linear between them. Deflections of flexible bodies turn their markers by less than a degree and are left out. `None` where the
+/// motion has no two samples or does not cover the times.
+fn turn(
+    motion: &Results,
+    pin: &MarkerAxes,
+    shell: &MarkerAxes,
+    times: &[f64],
+) -> Result<Option<Vec<f64>>, ResultsError> {
+    let (moved, _) = moments(motion);
+    let pin = orientations(motion, pin, moved.len())?;
+    let shell = orientations(motion, shell, moved.len())?;
+    let mut turned: Vec<f64> = Vec::with_capacity(moved.len());
+    for (pin, shell) in pin.iter().zip(&shell) {
+        // columns of a rotation matrix are the axes
+        let along =
+            |axis: usize| -> f64 { (0..3).map(|row| pin[3 * row] * shell[3 * row + axis]).sum() };
+        let angle = libm::atan2(along(1), along(0)).to_degrees();
+        let before = turned.last().copied().unwrap_or(angle);
+        turned.push(angle + 360.0 * ((before - angle) / 360.0).round());
+    }
+    let ([first, second, ..], Some(last)) = (moved.as_slice(), moved.last()) else {
+        return Ok(None);
+    };
+    // a thinned motion may begin within an interval after the cycle does
+    let slack = second - first;
+    let covered = |time: &f64| *time >= first - slack && *time <= last + 1e-9 * slack;
+    if !times.iter().all(covered) {
+        return Ok(None);
+    }
+    Ok(Some(
+        times
+            .iter()
+            .map(|time| {
+                let after = moved
+                    .partition_point(|t| t < time)
+                    .clamp(1, moved.len() - 1);
+                let (from, to) = (moved[after - 1], moved[after]);
+                let share = (time - from) / (to - from);
+                turned[after - 1] + share * (turned[after] - turned[after - 1])
+            })
+            .collect(),
+    ))
+}
+
+/// Rotation matrices marker → ground, row-major, at each sample of the motion.
+fn orientations(
+    motion: &Results,
+    marker: &MarkerAxes,
+    samples: usize,
+) -> Result<Vec<[f64; 9]>, ResultsError> {
+    let Some(body) = &marker.body else {
+        return Ok(vec![marker.orientation; samples]);
+    };
+    let own = BodyMotion::of(motion, body)?;
+    Ok(own
+        .orientations
+        .iter()
+        .map(|q| product(&matrix(*q), &marker.orientation))
+        .collect())
+}
+
+/// The rotation of a unit quaternion w, x, y, z.
+fn matrix([w, x, y, z]: [f64; 4]) -> [f64; 9] {
+    [
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y - w * z),
+        2.0 * (x * z + w * y),
+        2.0 * (x * y + w * z),
+        1.0 - 2.0 * (x * x + z * z),
+        2.0 * (y * z - w * x),
+        2.0 * (x * z - w * y),
+        2.0 * (y * z + w * x),
+        1.0 - 2.0 * (x * x + y * y),
+    ]
+}
+
+fn product(a: &[f64; 9], b: &[f64; 9]) -> [f64; 9] {
+    std::array::from_fn(|i| (0..3).map(|k| a[3 * (i / 3) + k] * b[3 * k + i % 3]).sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eng_system::{Dimension, DisplayUnit};
+
+    /// A body that turns about z by `angle(time)` (rad).
+    fn turning(times: &[f64], angle: impl Fn(f64) -> f64) -> Results {
+        let mut motion = Results::new("a.motion", "M");
+        motion.push(Column::time(times.to_vec())).unwrap();
+        let mut push = |name: &str, values: Vec<f64>| {
+            motion
+                .push(Column {
+                    path: format!("crank.{name}"),
+                    dimension: Dimension::ONE,
+                    display: DisplayUnit::si(Dimension::ONE),
+                    frame: String::new(),
+                    values,
+                })
+                .unwrap();
+        };
+        let all = |f: &dyn Fn(f64) -> f64| times.iter().map(|t| f(*t)).collect::<Vec<f64>>();
+        for axis in ["x", "y", "z"] {
+            push(&format!("position.{axis}"), all(&|_| 0.0));
+        }
+        push("orientation.w", all(&|t| libm::cos(angle(t) / 2.0)));
+        push("orientation.x", all(&|_| 0.0));
+        push("orientation.y", all(&|_| 0.0));
+        push("orientation.z", all(&|t| libm::sin(angle(t) / 2.0)));
+        motion
+    }
+
+    const HOME: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+    fn marker(body: Option<&str>, orientation: [f64; 9]) -> MarkerAxes {
+        MarkerAxes {
+            marker: "crank.main".to_owned(),
+            body: body.map(str::to_owned),
+            orientation,
+        }
+    }
+
+    #[test]
+    fn a_pin_turns_as_its_body_does_over_many_turns() {
+        // 10 revolutions a second, ten samples a revolution
+        let times: Vec<f64> = (0..=30).map(|i| f64::from(i) * 0.01).collect();
+        let motion = turning(&times, |t| 20.0 * std::f64::consts::PI * t);
+        let asked: Vec<f64> = (0..=300).map(|i| f64::from(i) * 0.001).collect();
+        let (pin, shell) = (marker(Some("crank"), HOME), marker(None, HOME));
+        let found = turn(&motion, &pin, &shell, &asked).unwrap().unwrap();
+        for (time, angle) in asked.iter().zip(&found) {
+            assert!((angle - 3600.0 * time).abs() < 1e-9, "{time}: {angle}");
+        }
+        // a shell whose x is the ground's y: 90° less
+        let turned = [0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        let found = turn(&motion, &pin, &marker(None, turned), &asked)
+            .unwrap()
+            .unwrap();
+        assert!((found[0] + 90.0).abs() < 1e-9);
+        // times that the motion does not reach, and bodies that it does not know
+        assert_eq!(turn(&motion, &pin, &shell, &[0.31]).unwrap(), None);
+        assert!(turn(&motion, &marker(Some("rod"), HOME), &shell, &asked).is_err());
+    }
+}

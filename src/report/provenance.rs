@@ -1,0 +1,79 @@
+//! Where results come from: versions, texts, files and reductions with their hashes.
+
+use super::Entry;
+use super::describe::Matter;
+use eng_flexible::store::hexadecimal;
+use eng_report::page::{Provenance, Section};
+
+/// The section. `command` is what was typed.
+pub(super) fn section(entries: &[Entry], command: &str) -> Section {
+    let mut versions = vec![(
+        "eng, this report".to_owned(),
+        env!("CARGO_PKG_VERSION").to_owned(),
+    )];
+    let mut hashes = Vec::new();
+    if let Some(entry) = entries.first() {
+        hashes.push((
+            "texts of the model, now".to_owned(),
+            format!("sha256:{}", entry.described.source_hash),
+        ));
+    }
+    // what several analyses share is told once
+    let mut told: Vec<(String, String, Vec<&str>)> = Vec::new();
+    let mut tell = |what: &str, value: String, analysis| {
+        let same = told.iter_mut().find(|(w, v, _)| w == what && *v == value);
+        match same {
+            Some((_, _, names)) => names.push(analysis),
+            None => told.push((what.to_owned(), value, vec![analysis])),
+        }
+    };
+    for entry in entries {
+        let metadata = entry.outcome.results.metadata();
+        if let Some(version) = metadata.get("version") {
+            tell("eng", version.clone(), entry.name());
+        }
+        if let Some(hash) = metadata.get("source_hash") {
+            tell("texts of the model", sha256(hash), entry.name());
+        }
+        for body in &entry.described.bodies {
+            let Matter::Flexible(reduction) = &body.matter else {
+                continue;
+            };
+            let stored = &reduction.stored;
+            let key = hexadecimal(&stored.key.0);
+            tell(
+                &format!("reduction of {}", body.path),
+                sha256(&key),
+                entry.name(),
+            );
+            for (name, hash) in &stored.provenance {
+                if name.starts_with("file ") {
+                    tell(name, sha256(hash), entry.name());
+                }
+            }
+        }
+    }
+    for (what, value, names) in told {
+        let row = (format!("{what}, {}", names.join(", ")), value);
+        if what == "eng" {
+            versions.push(row);
+        } else {
+            hashes.push(row);
+        }
+    }
+    for entry in entries {
+        let files = entry.files.iter();
+        hashes.extend(files.map(|(name, hash)| (name.clone(), sha256(hash))));
+    }
+    let provenance = Provenance {
+        command: command.to_owned(),
+        versions,
+        hashes,
+        notes: Vec::new(),
+    };
+    Section::new("Provenance").table(provenance.table("How this came to be"))
+}
+
+fn sha256(hash: &str) -> String {
+    format!("sha256:{hash}")
+}
