@@ -92,6 +92,11 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             }
         }
     }
+    let mut reports = Vec::new();
+    if !diagnostics.has_errors() {
+        reports =
+            eng_compiler::check::reports(&resolved, &texts, sources, &plans, &mut diagnostics);
+    }
     let failed = diagnostics.has_errors();
     let texts = Arc::new(texts);
     let program = (!failed).then(|| Program {
@@ -99,6 +104,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             sources: sources.clone(),
             resolved,
             plans,
+            reports,
             texts: Arc::clone(&texts),
             file: file.to_owned(),
             reducer: crate::reduction::Reducer::default(),
@@ -154,6 +160,7 @@ struct Inner {
     sources: Sources,
     resolved: Resolved,
     plans: Vec<AnalysisPlan>,
+    reports: Vec<eng_system::report::Report>,
     texts: Arc<SourceMap>,
     file: String,
     reducer: crate::reduction::Reducer,
@@ -181,6 +188,11 @@ impl Program {
             .iter()
             .map(|p| p.analysis.origin.path.as_str())
             .collect()
+    }
+
+    /// The reports, in the order of the text; see [`crate::post::evaluate`].
+    pub fn reports(&self) -> &[eng_system::report::Report] {
+        &self.inner.reports
     }
 
     /// The file's name.

@@ -9,6 +9,7 @@ mod engine;
 mod explain;
 mod export;
 pub(crate) mod figures;
+mod post;
 mod reduce;
 mod report;
 mod results;
@@ -22,6 +23,7 @@ pub use engine::{
     RunOutcome, Setting,
 };
 pub use summary::{JournalSummary, journal_table};
+pub(crate) use table::Table;
 
 use arguments::{Arguments, Command};
 use clap::Parser;

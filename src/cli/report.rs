@@ -80,7 +80,13 @@ pub(super) fn report(
         .unwrap_or_default()
         .to_string_lossy();
     let made = told_of(
-        make(&file, &entries, &missing, &command(arguments)),
+        make(
+            &file,
+            &entries,
+            &missing,
+            &engine.reports(),
+            &command(arguments),
+        ),
         console,
     )?;
     for warning in &made.warnings {

@@ -1,7 +1,7 @@
 //! Tables with aligned columns.
 
 /// A table: its first column is aligned left, the others right.
-pub(super) struct Table {
+pub(crate) struct Table {
     rows: Vec<Vec<String>>,
     heads: usize,
 }

@@ -14,6 +14,7 @@ mod tables;
 
 pub use describe::{BodyPicture, Described, InputValue, Matter, Spot};
 pub use page::{Made, make};
+pub(crate) use scene::shifted;
 pub use series::write_series;
 
 use crate::cli::RunOutcome;

@@ -7,10 +7,12 @@ use super::{Entry, ReportError, tables};
 use crate::Reduction;
 use crate::cli::RunOutcome;
 use crate::cli::figures::{compared, histories, orbits};
+use crate::post::{self, Run, RunModel};
 use eng_flexible::store::hexadecimal;
 use eng_report::figure::{History, Mark};
 use eng_report::page::{Page, Provenance, Section};
 use eng_system::Dimension;
+use eng_system::report::Report;
 
 /// Animations of a page.
 const ANIMATED: usize = 2;
@@ -30,7 +32,8 @@ pub struct Made {
     pub warnings: Vec<String>,
 }
 
-/// Makes the page of a model's results. `missing` are analyses without results, `command` is what was typed.
+/// Makes the page of a model's results. `missing` are analyses without results, `reports` those of the text, `command` is what was
+/// typed.
 ///
 /// # Errors
 /// Results and model that do not fit together.
@@ -38,6 +41,7 @@ pub fn make(
     file: &str,
     entries: &[Entry],
     missing: &[String],
+    reports: &[Report],
     command: &str,
 ) -> Result<Made, ReportError> {
     let mut warnings = Vec::new();
@@ -82,6 +86,9 @@ pub fn make(
     let mut page = Page::new(format!("Report of {file}"))
         .subtitle(format!("analyses {}", names.join(", ")))
         .section(summary(entries, missing, &warnings));
+    for section in reported(reports, entries) {
+        page = page.section(section);
+    }
     page = page.section(inputs(entries));
     if let Some(section) = flexible(entries) {
         page = page.section(section);
@@ -112,6 +119,23 @@ fn summary(entries: &[Entry], missing: &[String], warnings: &[String]) -> Sectio
         section = section.paragraph(format!("Without results: {}.", missing.join(", ")));
     }
     section
+}
+
+/// What the text itself reports.
+fn reported(reports: &[Report], entries: &[Entry]) -> Vec<Section> {
+    let models: Vec<RunModel> = entries
+        .iter()
+        .map(|entry| RunModel::from(&entry.described))
+        .collect();
+    let runs: Vec<Run<'_>> = entries
+        .iter()
+        .zip(&models)
+        .map(|(entry, model)| Run::new(&entry.outcome.results, model))
+        .collect();
+    reports
+        .iter()
+        .map(|report| post::section(&post::evaluate(report, &runs)))
+        .collect()
 }
 
 fn inputs(entries: &[Entry]) -> Section {

@@ -24,7 +24,7 @@ pub use listing::{Kind, Listed, listed};
 pub use recording::Recording;
 pub use resume_point::{KeptWarning, ResumePoint};
 pub use selection::{Last, Selection};
-pub(crate) use table::{Begun, Table};
+pub(crate) use table::{Begun, STATE, Table};
 
 pub use eng_system::recorded::{CYCLE_ANGLE, CYCLE_SPEED, TIME};
 
