@@ -51,11 +51,14 @@ fn wrong_models_and_their_messages() {
     let mut settings = insta::Settings::clone_current();
     settings.add_filter(r"(std/\w+\.eng):\d+:\d+", "$1");
     let _bound = settings.bind_to_scope();
-    insta::glob!("diagnostics/{resolve,check,elaborate,report}/*.eng", |path| {
-        let run = run_file(path);
-        assert!(!run.diagnostics.is_empty(), "no message");
-        insta::assert_snapshot!(render(&run));
-    });
+    insta::glob!(
+        "diagnostics/{resolve,check,elaborate,report}/*.eng",
+        |path| {
+            let run = run_file(path);
+            assert!(!run.diagnostics.is_empty(), "no message");
+            insta::assert_snapshot!(render(&run));
+        }
+    );
 }
 
 #[test]

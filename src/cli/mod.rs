@@ -23,7 +23,6 @@ pub use engine::{
     RunOutcome, Setting,
 };
 pub use summary::{JournalSummary, journal_table};
-pub(crate) use table::Table;
 
 use arguments::{Arguments, Command};
 use clap::Parser;

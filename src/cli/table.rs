@@ -1,7 +1,7 @@
 //! Tables with aligned columns.
 
 /// A table: its first column is aligned left, the others right.
-pub(crate) struct Table {
+pub(super) struct Table {
     rows: Vec<Vec<String>>,
     heads: usize,
 }

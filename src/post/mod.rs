@@ -229,6 +229,17 @@ pub struct Evaluated {
     pub outcome: Result<Outcome, PostError>,
 }
 
+impl Evaluated {
+    /// What a number of it is called: its title, and what it is of where there are several.
+    fn name_of(&self, number: &Number) -> String {
+        if number.name.is_empty() {
+            self.title.clone()
+        } else {
+            format!("{}, {}", self.title, number.name)
+        }
+    }
+}
+
 /// A report with the numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EvaluatedReport {

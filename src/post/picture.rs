@@ -85,6 +85,24 @@ impl Drawer<'_> {
         Ok(format!("{}, {shown}", models.join(" and ")))
     }
 
+    /// What stands under the title of spectra: analyses, and filters where there are any; the line is long enough with what made
+    /// the spectra.
+    fn short_subtitle(&self, members: &[&Member]) -> Result<String, PostError> {
+        let mut parts: Vec<String> = Vec::new();
+        match members {
+            [] => {}
+            [one] => parts.push(one.analysis.clone()),
+            [first, .., last] if first.analysis == last.analysis => {
+                parts.push(first.analysis.clone());
+            }
+            [first, .., last] => parts.push(format!("{} to {}", first.analysis, last.analysis)),
+        }
+        for member in members {
+            self.filters(&member.expression, &mut parts)?;
+        }
+        Ok(parts.join("; "))
+    }
+
     /// What stands under the title of signals: model, analyses, filters.
     fn subtitle(&self, members: &[&Member]) -> Result<String, PostError> {
         let mut analyses = Vec::new();
@@ -258,7 +276,7 @@ impl Drawer<'_> {
         };
         Ok(spectra(
             self.title,
-            &self.subtitle(&all)?,
+            &self.short_subtitle(&all)?,
             self.amplitudes(&all, settings)?,
             scale,
             settings.up_to,
@@ -298,7 +316,7 @@ impl Drawer<'_> {
         let ordinate = self.amplitudes(&all, settings)?;
         Ok(SweepFigure {
             title: self.title.to_owned(),
-            subtitle: format!("{}; {description}", self.subtitle(&all)?),
+            subtitle: format!("{}; {description}", self.short_subtitle(&all)?),
             quantity: ordinate.quantity,
             unit: ordinate.unit,
             frame: ordinate.frame,

@@ -32,13 +32,8 @@ pub(crate) fn section(report: &EvaluatedReport) -> Section {
                     } else {
                         display.symbol.as_str()
                     };
-                    let name = if number.name.is_empty() {
-                        entry.title.clone()
-                    } else {
-                        format!("{}, {}", entry.title, number.name)
-                    };
                     rows.push(vec![
-                        Cell::Text(name),
+                        Cell::Text(entry.name_of(number)),
                         Cell::number(display.from_si(number.value)),
                         Cell::Text(unit.to_owned()),
                         Cell::Code(entry.written.clone()),

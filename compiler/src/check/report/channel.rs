@@ -110,6 +110,18 @@ impl<'a> Models<'a> {
             .collect()
     }
 
+    /// The names of all analyses, sweeps once.
+    pub fn names(&self) -> Vec<&'a str> {
+        let mut names: Vec<&str> = Vec::new();
+        for plan in self.plans {
+            let name = root(&plan.analysis.origin.path);
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
     /// The analysis with a full name.
     pub fn plan(&self, path: &str) -> Option<&'a AnalysisPlan> {
         self.plans.iter().find(|p| p.analysis.origin.path == path)
@@ -290,7 +302,15 @@ impl<'a> Reporter<'a, '_> {
             self.tell(
                 Diagnostic::error(
                     codes::INDEX,
-                    format!("`{what}` has {depth} indices, not {}", indices.len()),
+                    format!(
+                        "`{what}` has {}, not {}",
+                        if depth == 1 {
+                            "one index".to_owned()
+                        } else {
+                            format!("{depth} indices")
+                        },
+                        indices.len()
+                    ),
                 )
                 .at(span, "indexed here"),
             );

@@ -2,7 +2,6 @@
 
 use super::Reporter;
 use super::arguments::Form;
-use super::channel::not_one;
 use super::picture;
 use super::value::{Member, Shape, Typed};
 use crate::check::types::{Quantity, Type};
@@ -361,8 +360,13 @@ impl<'a> Reporter<'a, '_> {
                 });
             }
             let Some(sum) = sum else {
-                let message = not_one(place, expr.span);
-                self.tell(message.with_help("`norm` takes what has x and y"));
+                self.tell(
+                    Diagnostic::error(
+                        codes::REPORT_SHAPE,
+                        format!("`{}` is no vector", place.path),
+                    )
+                    .at(expr.span, "it has no x and y"),
+                );
                 return None;
             };
             members.push(Member {
@@ -461,7 +465,7 @@ impl<'a> Reporter<'a, '_> {
             (Some(Limit::Frequency(low)), Some(Limit::Frequency(high)), Some(expr))
             | (Some(Limit::Order(low)), Some(Limit::Order(high)), Some(expr)) => {
                 if low >= high {
-                    self.refuse(expr, "the upper limit", "above the lower one", high)?;
+                    self.refuse(expr, "the upper limit", "above the lower one")?;
                 }
             }
             (Some(_), Some(_), Some(expr)) => {
@@ -484,7 +488,6 @@ impl<'a> Reporter<'a, '_> {
                         expr,
                         "`butterworth`, the order of the filter,",
                         "a whole number from 1 to 32",
-                        value,
                     )?;
                 }
                 Some(value as u32)
@@ -506,7 +509,7 @@ impl<'a> Reporter<'a, '_> {
         };
         let value = self.constant(expr, &Quantity::one(), "`cycles`")?;
         if value < 1.0 || value > 1e6 || value.fract() != 0.0 {
-            self.refuse(expr, "`cycles`", "a whole number from 1 on", value)?;
+            self.refuse(expr, "`cycles`", "a whole number from 1 on")?;
         }
         Some(Some(value as u32))
     }

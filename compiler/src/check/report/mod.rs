@@ -412,8 +412,17 @@ impl<'p> Checker<'p> {
     }
 }
 
+/// As stated, or the name as words.
 fn title(stated: Option<&ast::Title>, name: &str) -> String {
-    stated.map_or_else(|| name.replace('_', " "), |title| title.text.clone())
+    match stated {
+        Some(title) => title.text.clone(),
+        None => {
+            let words = name.replace('_', " ");
+            let mut letters = words.chars();
+            let first = letters.next().into_iter().flat_map(char::to_uppercase);
+            first.chain(letters).collect()
+        }
+    }
 }
 
 fn location(span: Span) -> Location {

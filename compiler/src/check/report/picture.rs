@@ -159,15 +159,19 @@ impl<'a> Reporter<'a, '_> {
         self.shaped(first, &of, Shape::Signal, &format!("what `{name}` shows"))?;
         let shown = self.display(&of, display, first)?;
         let quantity = quantity_text(&of);
-        let runs = match name {
+        let enough = match name {
             "spectrum" => true,
-            "order_track" => taken.option("block").is_some() || several_runs(&of.members),
-            _ => several_runs(&of.members),
+            "order_track" => taken.option("block").is_some() || runs(&of.members) > 1,
+            _ => runs(&of.members) > 1 && runs(&of.members) == of.members.len(),
         };
-        if !runs {
-            let root = match super::channel::root_name(first) {
-                Some(root) => format!("for instance `{root}[*]`: all runs of a sweep"),
-                None => "take the signals of a sweep, `runup[*].force`".to_owned(),
+        if !enough {
+            let sweep = super::channel::root_name(first).filter(|root| {
+                let plans = self.models.named(root);
+                plans.iter().any(|plan| !plan.analysis.point.is_empty())
+            });
+            let help = match sweep {
+                Some(sweep) => format!("`{sweep}[*]` are all its runs"),
+                None => "an analysis with an index has several: `analysis runup[s in 1000 rpm .. 6000 rpm by 250 rpm] = …`".to_owned(),
             };
             self.tell(
                 Diagnostic::error(
@@ -175,7 +179,7 @@ impl<'a> Reporter<'a, '_> {
                     format!("`{name}` shows one signal of several runs"),
                 )
                 .at(first.span, "of one run, or several of one")
-                .with_help(root),
+                .with_help(help),
             );
             return None;
         }
@@ -188,7 +192,7 @@ impl<'a> Reporter<'a, '_> {
                     let angle = Quantity::hard(Dimension::ANGLE);
                     let angle = self.constant(expr, &angle, "`block`, an angle of the shaft,")?;
                     if !(angle > 0.0 && angle.is_finite()) {
-                        self.refuse(expr, "`block`", "above zero", angle)?;
+                        self.refuse(expr, "`block`", "above zero")?;
                     }
                     let overlap = self.overlap(taken)?;
                     Some((angle / std::f64::consts::TAU, overlap))
@@ -235,7 +239,7 @@ impl<'a> Reporter<'a, '_> {
         for item in items {
             let order = self.constant(item, &Quantity::one(), "an order")?;
             if !(order > 0.0 && order.is_finite()) {
-                self.refuse(item, "an order", "above zero", order)?;
+                self.refuse(item, "an order", "above zero")?;
             }
             orders.push(order);
         }
@@ -398,21 +402,19 @@ impl<'a> Reporter<'a, '_> {
             return self.places(expr);
         }
         if self.is_constant(expr) {
-            // what is misspelt is told as everywhere
-            if self.checker.infer(&self.scope, expr).is_error() {
-                return None;
-            }
+            self.all_known(expr)?;
         }
         self.tell(Diagnostic::error(codes::REPORT_SHAPE, title).at(expr.span, label.to_owned()));
         None
     }
 }
 
-/// Whether there is more than one run.
-fn several_runs(members: &[Member]) -> bool {
-    let mut analyses = members.iter().map(|m| &m.label.analysis);
-    let first = analyses.next();
-    analyses.any(|other| Some(other) != first)
+/// How many runs there are.
+fn runs(members: &[Member]) -> usize {
+    let mut analyses: Vec<&str> = members.iter().map(|m| m.label.analysis.as_str()).collect();
+    analyses.sort_unstable();
+    analyses.dedup();
+    analyses.len()
 }
 
 pub(super) fn planned(members: Vec<Member>) -> Vec<plan::Member> {

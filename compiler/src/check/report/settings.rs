@@ -45,10 +45,10 @@ fn frequency() -> Quantity {
 
 impl<'a> Reporter<'a, '_> {
     /// Says that a number lies outside of what it may be.
-    pub(super) fn refuse(&mut self, expr: &Expr, what: &str, due: &str, value: f64) -> Option<()> {
+    pub(super) fn refuse(&mut self, expr: &Expr, what: &str, due: &str) -> Option<()> {
         self.tell(
             Diagnostic::error(codes::REPORT_NUMBER, format!("{what} must be {due}"))
-                .at(expr.span, format!("this is {value} in SI units")),
+                .at(expr.span, "outside of this"),
         );
         None
     }
@@ -57,7 +57,7 @@ impl<'a> Reporter<'a, '_> {
     pub(super) fn limit(&mut self, expr: &'a Expr, what: &str) -> Option<Limit> {
         let (quantity, value) = self.constant_of(expr, what)?;
         if !(value > 0.0 && value.is_finite()) {
-            self.refuse(expr, what, "above zero", value)?;
+            self.refuse(expr, what, "above zero")?;
         }
         if quantity.dim.is_one() {
             return Some(Limit::Order(value));
@@ -80,7 +80,7 @@ impl<'a> Reporter<'a, '_> {
     pub(super) fn extent(&mut self, expr: &'a Expr, of: &Typed, what: &str) -> Option<Extent> {
         let (quantity, value) = self.constant_of(expr, what)?;
         if !(value > 0.0 && value.is_finite()) {
-            self.refuse(expr, what, "above zero", value)?;
+            self.refuse(expr, what, "above zero")?;
         }
         if quantity.dim.base == Dimension::ANGLE {
             self.with_cycle(expr, of, what)?;
@@ -143,7 +143,7 @@ impl<'a> Reporter<'a, '_> {
         };
         let overlap = self.constant(expr, &Quantity::one(), "`overlap`")?;
         if !(0.0..1.0).contains(&overlap) {
-            self.refuse(expr, "`overlap`", "from 0 to below 100 %", overlap)?;
+            self.refuse(expr, "`overlap`", "from 0 to below 100 %")?;
         }
         Some(overlap)
     }
@@ -228,7 +228,7 @@ impl<'a> Reporter<'a, '_> {
     pub(super) fn reference(&mut self, expr: &'a Expr, of: &Typed) -> Option<f64> {
         let value = self.constant(expr, &of.quantity, "`reference`")?;
         if !(value > 0.0 && value.is_finite()) {
-            self.refuse(expr, "`reference`", "above zero", value)?;
+            self.refuse(expr, "`reference`", "above zero")?;
         }
         Some(value)
     }

@@ -3,10 +3,13 @@
 use super::Reporter;
 use super::channel::root_name;
 use super::function;
+use crate::check::builtin;
 use crate::check::declare::collect_names;
 use crate::check::mismatch::Due;
+use crate::check::scope::BUILT_IN_NAMES;
 use crate::check::types::{Quantity, Type};
 use crate::codes;
+use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{BinaryOp, Expr, ExprKind, IndexArgument, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::DisplayUnit;
@@ -39,7 +42,7 @@ pub(super) enum Shape {
 impl Shape {
     fn words(self) -> &'static str {
         match self {
-            Shape::Signal => "a signal, a number at each sample",
+            Shape::Signal => "a signal",
             Shape::Number => "a number",
             Shape::Truth => "a condition",
         }
@@ -156,6 +159,7 @@ impl<'a> Reporter<'a, '_> {
 
     /// A constant, or a list of constants.
     fn known(&mut self, expr: &'a Expr) -> Option<Typed> {
+        self.all_known(expr)?;
         let ty = self.checker.infer(&self.scope, expr);
         if ty.is_error() {
             return None;
@@ -190,6 +194,37 @@ impl<'a> Reporter<'a, '_> {
             display: None,
             level: None,
         })
+    }
+
+    /// Says which name of an expression is of nothing that a report can read.
+    pub(super) fn all_known(&mut self, expr: &Expr) -> Option<()> {
+        let mut names = Vec::new();
+        collect_names(expr, &mut names);
+        let found = names.into_iter().find(|(name, _)| {
+            !BUILT_IN_NAMES.contains(&name.as_str())
+                && !builtin::NAMES.contains(&name.as_str())
+                && self.checker.find(&self.scope, name).is_none()
+        });
+        let Some((name, span)) = found else {
+            return Some(());
+        };
+        let mut message =
+            Diagnostic::error(codes::UNKNOWN_NAME, format!("there is no `{name}` here"))
+                .at(span, "not known");
+        let analyses = self.models.names();
+        let own: Vec<&str> = self.names.keys().copied().collect();
+        let module = self.checker.program.modules.get(self.scope.module as usize);
+        let top = module.into_iter().flat_map(|m| m.scope.keys());
+        let near = nearest(&name, analyses.iter().copied().chain(own))
+            .or_else(|| nearest(&name, top.map(String::as_str)));
+        message = match near {
+            Some(near) => message
+                .with_help(format!("did you mean `{near}`?"))
+                .with_fix(format!("write `{near}`"), span, near),
+            None => message.with_note(format!("the analyses are {}", listing(analyses, 12))),
+        };
+        self.tell(message);
+        None
     }
 
     /// A number that is known while checking.
@@ -365,9 +400,12 @@ impl<'a> Reporter<'a, '_> {
         .at(expr.span, format!("this is {}", found.shape.words()));
         let text = self.checker.sources.text(expr.span);
         message = match (found.shape, due) {
-            (Shape::Signal, Shape::Number) => message.with_help(format!(
-                "make a number of it: `maximum({text})`, `rms({text})`, `mean({text})`, …"
-            )),
+            (Shape::Signal, Shape::Number) => message
+                .with_note("a signal is a number at each sample of a run")
+                .with_help(format!(
+                    "make a number of it: `maximum({text})`, `rms({text})`, `mean({text})`, …"
+                )),
+            (_, Shape::Signal) => message.with_note("a signal is a number at each sample of a run"),
             (_, Shape::Truth) => message.with_help("compare it with something: `x < 5 %`"),
             _ => message,
         };
