@@ -117,6 +117,20 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
     }
 }
 
+/// Where the `///` lines before an item begin that begins at a byte.
+fn documented(text: &str, item: usize) -> usize {
+    let mut begin = item;
+    while let Some(before) = text.get(..begin).map(str::trim_end) {
+        let line = before.rfind('\n').map_or(0, |end| end + 1);
+        let docs = before.get(line..).map(str::trim_start);
+        if line >= begin || !docs.is_some_and(|text| text.starts_with("///")) {
+            break;
+        }
+        begin = line;
+    }
+    begin
+}
+
 fn models_of(resolved: &Resolved) -> Vec<DefinitionId> {
     let root = resolved.root();
     let Some(module) = resolved.modules.get(root as usize) else {
@@ -205,14 +219,28 @@ impl Program {
         &self.inner.texts
     }
 
-    /// SHA-256 of all texts that were read, library and user's, as hexadecimal digits.
+    /// SHA-256 of all texts that were read, library and user's, as hexadecimal digits. Report blocks are left out: a change of one
+    /// changes no result.
     pub fn source_hash(&self) -> String {
         use sha2::Digest;
         let mut hash = sha2::Sha256::new();
-        for (_, source) in self.inner.texts.iter() {
+        for (id, source) in self.inner.texts.iter() {
             hash.update(source.name.as_bytes());
             hash.update([0]);
-            hash.update(source.text.as_bytes());
+            let modules = self.inner.resolved.modules.iter();
+            let mut at = 0;
+            for item in modules
+                .filter(|module| module.source == id)
+                .flat_map(|module| &module.file.items)
+                .filter(|item| matches!(item.kind, ItemKind::Report(_)))
+            {
+                let kept = source
+                    .text
+                    .get(at..documented(&source.text, item.span.start as usize));
+                hash.update(kept.unwrap_or_default().as_bytes());
+                at = item.span.end as usize;
+            }
+            hash.update(source.text.get(at..).unwrap_or_default().as_bytes());
             hash.update([0]);
         }
         hash.finalize().iter().map(|b| format!("{b:02x}")).collect()

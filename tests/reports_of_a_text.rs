@@ -336,6 +336,8 @@ fn what_cannot_be_made_is_said_in_its_place() {
             value short = rms(last(timed.ripple, 1 s))
             require fine < limit else \"{fine as kN} is too much\"
             require fine < 2 kN else \"the wave has {fine as kN}\"
+            let peaks = maximum(timed.wave[1..2])
+            require peaks < 5 kN else \"a wave has {peaks as kN}\"
             advise fine < 3 kN else \"the wave has {fine as kN}\"
         }",
         &["timed", "turned"],
@@ -367,12 +369,19 @@ fn what_cannot_be_made_is_said_in_its_place() {
             _ => None,
         })
         .collect();
-    assert_eq!(held, [(true, false), (false, false), (false, true)]);
+    assert_eq!(
+        held,
+        [(true, false), (false, false), (false, false), (false, true)]
+    );
     assert!(report.fails());
     let text = eng::post::text(&report);
     assert!(
         text.contains("  required: fine < 2 kN does not hold: the wave has 4.5 kN\n"),
         "{text}"
+    );
+    assert!(
+        text.contains("peaks < 5 kN does not hold: a wave has 7.5 kN\n"),
+        "of a list the first that fails: {text}"
     );
     assert!(text.contains("  Fine  4.5 kN\n"), "{text}");
 }
@@ -459,6 +468,19 @@ report bounds { require maximum(timed.wave[2]) < limit else \"too much\" }
         assert!(page.contains(shown), "no {shown}");
     }
 
+    // another report leaves the results what they are, another constant of the text does not
+    let other = text.replace("What both runs say.", "What they say.");
+    let other = other.replace("\"Largest <wave>\"", "\"Largest\"");
+    std::fs::write(folder.join("spin.eng"), &other).expect("a file");
+    let third = command(
+        &folder,
+        &["run", "spin.eng", "--analysis", "timed", "--no-plots"],
+    );
+    assert!(
+        third.stderr.is_empty(),
+        "{}",
+        String::from_utf8_lossy(&third.stderr)
+    );
     std::fs::write(
         folder.join("spin.eng"),
         text.replace("limit = 9 kN", "limit = 5 kN"),

@@ -357,16 +357,23 @@ fn outcome(kind: &EntryKind, title: &str, evaluator: &Evaluator<'_>) -> Result<O
             message,
             advise,
         } => {
-            let mut holds = true;
-            for member in members {
-                holds &= evaluator.truth(member)?;
+            let mut failing = None;
+            for (place, member) in members.iter().enumerate() {
+                if !evaluator.truth(member)? {
+                    failing.get_or_insert(place);
+                }
             }
+            let holds = failing.is_none();
+            // of a list the first that does not hold is told of
+            let place = failing.unwrap_or(0);
             let mut told = String::new();
             for part in message {
                 match part {
                     MessagePart::Text(text) => told.push_str(text),
-                    MessagePart::Value(value, display) => {
-                        told.push_str(&display.text(evaluator.number(value)?));
+                    MessagePart::Value(values, display) => {
+                        if let Some(value) = values.get(place).or(values.first()) {
+                            told.push_str(&display.text(evaluator.number(value)?));
+                        }
                     }
                 }
             }

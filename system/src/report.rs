@@ -65,8 +65,8 @@ pub enum EntryKind {
 pub enum MessagePart {
     /// Plain text.
     Text(String),
-    /// A number.
-    Value(Expression, DisplayUnit),
+    /// A number; one for each member of the condition, or one for all.
+    Value(Vec<Expression>, DisplayUnit),
 }
 
 /// A named expression.
@@ -352,9 +352,9 @@ impl Entry {
                 members, message, ..
             } => members
                 .iter()
-                .chain(message.iter().filter_map(|part| match part {
-                    MessagePart::Value(value, _) => Some(value),
-                    MessagePart::Text(_) => None,
+                .chain(message.iter().flat_map(|part| match part {
+                    MessagePart::Value(values, _) => values.as_slice(),
+                    MessagePart::Text(_) => &[],
                 }))
                 .collect(),
             EntryKind::Figure(figure) => match &figure.picture {

@@ -338,9 +338,19 @@ impl<'a> Reporter<'a, '_> {
                     let typed = self.named(&name, span)?;
                     self.shaped(&value, &typed, Shape::Number, "a value in a message")?;
                     let display = self.display(&typed, unit.as_ref(), &value)?;
-                    if let Some(first) = typed.members.into_iter().next() {
-                        told.push(plan::MessagePart::Value(first.expression, display));
+                    let shown: Vec<_> = typed.members.into_iter().map(|m| m.expression).collect();
+                    if shown.len() > 1 && shown.len() != found.members.len() {
+                        self.tell(
+                            Diagnostic::error(
+                                codes::REPORT_RUNS,
+                                format!("a message shows {} values at one place", shown.len()),
+                            )
+                            .at(span, "a list of another length than the condition")
+                            .with_help(format!("show one of them: `{name}[1]` by a `let`")),
+                        );
+                        return None;
                     }
+                    told.push(plan::MessagePart::Value(shown, display));
                 }
             }
         }
