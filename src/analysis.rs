@@ -9,8 +9,8 @@ use eng_runtime::{
     CycleReport, LinearModes, Moment, Observer, PeriodicSummary, RunSummary, Sample, StartReport,
     Warning, run_linear, run_periodic, run_transient,
 };
+use eng_system::recorded::recorded;
 use eng_system::system::{AnalysisKind, Location, Origin, PointValue};
-use eng_system::{Dimension, DisplayUnit};
 use std::ops::ControlFlow;
 
 /// An analysis, ready to run.
@@ -303,35 +303,12 @@ impl Analysis {
     /// Columns of samples: time, cycle, channels, energy.
     fn push_samples(&self, results: &mut Results) -> Result<(), Error> {
         let system = &self.model.compiled().system;
-        results.push(Column::time(Vec::new()))?;
-        if system.cycle.is_some() {
-            results.push(Column::cycle_angle(Vec::new()))?;
-            results.push(Column::cycle_speed(Vec::new()))?;
-        }
-        for channel in &system.channels {
+        for column in recorded(system) {
             results.push(Column {
-                path: channel.path.clone(),
-                dimension: channel.dimension,
-                display: channel.display.clone(),
-                frame: channel.frame.clone(),
-                values: Vec::new(),
-            })?;
-        }
-        let energy = Dimension::MASS
-            .times(Dimension::LENGTH)
-            .times(Dimension::LENGTH)
-            .over(Dimension::TIME)
-            .over(Dimension::TIME);
-        for path in ENERGY {
-            results.push(Column {
-                path: path.to_owned(),
-                dimension: energy,
-                display: DisplayUnit {
-                    symbol: "J".into(),
-                    scale: 1.0,
-                    offset: 0.0,
-                },
-                frame: String::new(),
+                path: column.path,
+                dimension: column.dimension,
+                display: column.display,
+                frame: column.frame,
                 values: Vec::new(),
             })?;
         }
@@ -469,17 +446,6 @@ fn given(kept: &KeptWarning) -> Warning {
         },
     }
 }
-
-/// Paths of the energy audit's columns.
-const ENERGY: [&str; 7] = [
-    "energy.kinetic",
-    "energy.gravity",
-    "energy.strain",
-    "energy.damping",
-    "energy.work_of_loads",
-    "energy.work_of_drives",
-    "energy.imbalance",
-];
 
 impl Observer for Recorder<'_> {
     fn started(&mut self, report: &StartReport) {

@@ -30,6 +30,7 @@
 pub mod cli;
 pub mod codes;
 pub mod plot;
+pub mod post;
 pub mod render;
 pub mod results;
 

@@ -115,6 +115,11 @@ impl Engine for Local {
             .collect()
     }
 
+    fn reports(&self) -> Vec<eng_system::report::Report> {
+        let program = self.program.as_ref();
+        program.map_or_else(Vec::new, |program| program.reports().to_vec())
+    }
+
     fn assemble(&mut self) -> Result<AssemblyOutcome, EngineError> {
         let Some(program) = &self.program else {
             return Err(EngineError::System("no model was checked".into()));

@@ -92,6 +92,11 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             }
         }
     }
+    let mut reports = Vec::new();
+    if !diagnostics.has_errors() {
+        reports =
+            eng_compiler::check::reports(&resolved, &texts, sources, &plans, &mut diagnostics);
+    }
     let failed = diagnostics.has_errors();
     let texts = Arc::new(texts);
     let program = (!failed).then(|| Program {
@@ -99,6 +104,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             sources: sources.clone(),
             resolved,
             plans,
+            reports,
             texts: Arc::clone(&texts),
             file: file.to_owned(),
             reducer: crate::reduction::Reducer::default(),
@@ -109,6 +115,20 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
         diagnostics,
         program,
     }
+}
+
+/// Where the `///` lines before an item begin that begins at a byte.
+fn documented(text: &str, item: usize) -> usize {
+    let mut begin = item;
+    while let Some(before) = text.get(..begin).map(str::trim_end) {
+        let line = before.rfind('\n').map_or(0, |end| end + 1);
+        let docs = before.get(line..).map(str::trim_start);
+        if line >= begin || !docs.is_some_and(|text| text.starts_with("///")) {
+            break;
+        }
+        begin = line;
+    }
+    begin
 }
 
 fn models_of(resolved: &Resolved) -> Vec<DefinitionId> {
@@ -154,6 +174,7 @@ struct Inner {
     sources: Sources,
     resolved: Resolved,
     plans: Vec<AnalysisPlan>,
+    reports: Vec<eng_system::report::Report>,
     texts: Arc<SourceMap>,
     file: String,
     reducer: crate::reduction::Reducer,
@@ -183,6 +204,11 @@ impl Program {
             .collect()
     }
 
+    /// The reports, in the order of the text; see [`crate::post::evaluate`].
+    pub fn reports(&self) -> &[eng_system::report::Report] {
+        &self.inner.reports
+    }
+
     /// The file's name.
     pub fn file(&self) -> &str {
         &self.inner.file
@@ -193,14 +219,28 @@ impl Program {
         &self.inner.texts
     }
 
-    /// SHA-256 of all texts that were read, library and user's, as hexadecimal digits.
+    /// SHA-256 of all texts that were read, library and user's, as hexadecimal digits. Report blocks are left out: a change of one
+    /// changes no result.
     pub fn source_hash(&self) -> String {
         use sha2::Digest;
         let mut hash = sha2::Sha256::new();
-        for (_, source) in self.inner.texts.iter() {
+        for (id, source) in self.inner.texts.iter() {
             hash.update(source.name.as_bytes());
             hash.update([0]);
-            hash.update(source.text.as_bytes());
+            let modules = self.inner.resolved.modules.iter();
+            let mut at = 0;
+            for item in modules
+                .filter(|module| module.source == id)
+                .flat_map(|module| &module.file.items)
+                .filter(|item| matches!(item.kind, ItemKind::Report(_)))
+            {
+                let kept = source
+                    .text
+                    .get(at..documented(&source.text, item.span.start as usize));
+                hash.update(kept.unwrap_or_default().as_bytes());
+                at = item.span.end as usize;
+            }
+            hash.update(source.text.get(at..).unwrap_or_default().as_bytes());
             hash.update([0]);
         }
         hash.finalize().iter().map(|b| format!("{b:02x}")).collect()

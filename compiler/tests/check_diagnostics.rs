@@ -23,7 +23,7 @@ fn run_text(path: &Path, text: &str) -> Run {
         .expect("a file")
         .to_string_lossy()
         .into_owned();
-    if folder.ends_with("elaborate") {
+    if folder.ends_with("elaborate") || folder.ends_with("report") {
         elaborated_in(&folder, &file, text)
     } else {
         run_in(&folder, &file, text)
@@ -33,7 +33,7 @@ fn run_text(path: &Path, text: &str) -> Run {
 fn fixtures() -> Vec<PathBuf> {
     let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/diagnostics");
     let mut files = Vec::new();
-    for stage in ["resolve", "check", "elaborate"] {
+    for stage in ["resolve", "check", "elaborate", "report"] {
         for entry in std::fs::read_dir(base.join(stage)).expect("a folder") {
             let path = entry.expect("an entry").path();
             if path.extension().is_some_and(|extension| extension == "eng") {
@@ -51,11 +51,14 @@ fn wrong_models_and_their_messages() {
     let mut settings = insta::Settings::clone_current();
     settings.add_filter(r"(std/\w+\.eng):\d+:\d+", "$1");
     let _bound = settings.bind_to_scope();
-    insta::glob!("diagnostics/{resolve,check,elaborate}/*.eng", |path| {
-        let run = run_file(path);
-        assert!(!run.diagnostics.is_empty(), "no message");
-        insta::assert_snapshot!(render(&run));
-    });
+    insta::glob!(
+        "diagnostics/{resolve,check,elaborate,report}/*.eng",
+        |path| {
+            let run = run_file(path);
+            assert!(!run.diagnostics.is_empty(), "no message");
+            insta::assert_snapshot!(render(&run));
+        }
+    );
 }
 
 #[test]

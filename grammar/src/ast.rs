@@ -68,6 +68,10 @@ pub enum ItemKind {
     Declaration(Declaration),
     /// `mass = 0.62 kg` inside a block.
     Attribute(Attribute),
+    /// `report bearings "Main bearings" { … }`: what is made of results.
+    Report(Report),
+    /// `figure name = …`, `value name = …` inside a report.
+    Entry(Entry),
     /// Could not be read; the message was given.
     Error,
 }
@@ -327,6 +331,54 @@ pub struct Attribute {
     pub name: Name,
     /// Its value.
     pub value: Expr,
+}
+
+/// A text in quotes and its place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Title {
+    /// Unescaped.
+    pub text: String,
+    /// Its place, with the quotes.
+    pub span: Span,
+}
+
+/// `report bearings "Main bearings" { … }`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// Place of the word.
+    pub word: Span,
+    /// The name.
+    pub name: Name,
+    /// What the section is called; absent where the name says enough.
+    pub title: Option<Title>,
+    /// Figures, values, `let`s and `require`s.
+    pub block: Block,
+}
+
+/// What an entry of a report is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum EntryKind {
+    /// A picture.
+    Figure,
+    /// A row of the table, or several.
+    Value,
+}
+
+/// `value peak "Largest force" = maximum(run.force) as kN`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// Which.
+    pub kind: EntryKind,
+    /// Place of the word.
+    pub word: Span,
+    /// The name.
+    pub name: Name,
+    /// What it is called; absent where the name says enough.
+    pub title: Option<Title>,
+    /// After `=`.
+    pub value: Expr,
+    /// `as kN`.
+    pub display: Option<UnitExpr>,
 }
 
 /// A type or a dimension, as written.

@@ -28,7 +28,7 @@ pub(crate) struct Finding {
 const MAX_SPLITS: usize = 8;
 
 /// Words that begin an item and are not kinds.
-const ITEM_WORDS: [&str; 18] = [
+const ITEM_WORDS: [&str; 21] = [
     "use",
     "dimension",
     "unit",
@@ -47,6 +47,9 @@ const ITEM_WORDS: [&str; 18] = [
     "require",
     "advise",
     "der",
+    "report",
+    "figure",
+    "value",
 ];
 
 /// Whether an item can begin with this word for more than its name.

@@ -26,6 +26,7 @@ fn fixtures_have_no_mistake() {
         ("slider_crank", include_str!("good/slider_crank.eng"), 4),
         ("inline4", include_str!("good/inline4.eng"), 9),
         ("v6_split_pins", include_str!("good/v6_split_pins.eng"), 10),
+        ("report", include_str!("good/report.eng"), 4),
     ] {
         let file = check(name, text);
         assert_eq!(file.items.len(), items, "items of {name}");

@@ -40,6 +40,11 @@ pub trait Engine {
         false
     }
 
+    /// The reports of the checked text, in its order.
+    fn reports(&self) -> Vec<eng_system::report::Report> {
+        Vec::new()
+    }
+
     /// Runs several analyses, up to `threads` at a time; `tell` hears of the one with an index among `analyses`. The results are those
     /// of [`Engine::run`] to the last bit, whatever the number of threads.
     fn run_many(

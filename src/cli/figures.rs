@@ -245,7 +245,7 @@ fn curve_name(path: &str) -> String {
 }
 
 /// One name for the frames of several curves: `block.main[1…5]` where they differ in one number.
-fn common_frame(frames: &[&str]) -> String {
+pub(crate) fn common_frame(frames: &[&str]) -> String {
     let mut distinct: Vec<&str> = Vec::new();
     for frame in frames {
         if !distinct.contains(frame) {

@@ -10,6 +10,7 @@ mod explain;
 mod export;
 pub(crate) mod figures;
 mod modes;
+mod post;
 mod reduce;
 mod report;
 mod results;

@@ -4,7 +4,7 @@ use super::arguments::RunArguments;
 use super::summary::{JournalSummary, journal_table};
 use super::{
     CheckOutcome, Console, Engine, EngineError, Event, MODEL_WRONG, Progress, RunOutcome, Stop,
-    USAGE_OR_SYSTEM, figures, modes, sweep,
+    USAGE_OR_SYSTEM, figures, modes, post, sweep,
 };
 use crate::Quantity;
 use crate::modes::are_modes;
@@ -113,7 +113,8 @@ pub(super) fn run(
             .collect();
         draw(figures::comparisons(&compared), &folder, arguments, console)?;
     }
-    if told.failed {
+    let holds = post::reports(&outcomes, arguments, &checked, &folder, engine, console)?;
+    if told.failed || !holds {
         return Err(Stop::Code(MODEL_WRONG));
     }
     Ok(())
@@ -354,7 +355,7 @@ fn report(
     Ok(())
 }
 
-fn draw(
+pub(super) fn draw(
     figures: Vec<(String, String)>,
     folder: &Path,
     arguments: &RunArguments,

@@ -20,6 +20,7 @@ mod tables;
 
 pub use describe::{BodyPicture, Described, InputValue, JournalAxes, MarkerAxes, Matter, Spot};
 pub use page::{Drawn, Made, Request, make};
+pub(crate) use scene::shifted;
 pub use series::write_series;
 pub use stress::At;
 

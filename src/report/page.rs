@@ -9,8 +9,10 @@ use super::{Entry, ReportError, analyses, provenance, sweeps, tables};
 use crate::Reduction;
 use crate::cli::RunOutcome;
 use crate::cli::figures::compared;
+use crate::post::{self, Run, RunModel};
 use eng_report::figure::History;
 use eng_report::page::{Page, Section};
+use eng_system::report::Report;
 
 /// Animations of a page.
 const ANIMATED: usize = 2;
@@ -28,12 +30,12 @@ pub struct Request<'a> {
     pub entries: &'a [Entry],
     /// Analyses without results.
     pub missing: &'a [String],
+    /// The reports of the text.
+    pub reports: &'a [Report],
     /// What was typed.
     pub command: &'a str,
     /// Moments at which stresses are shown, besides those of the largest.
     pub stress_at: &'a [At],
-    /// Sections that others have made of the results, such as the model's own reports; they stand before the analyses.
-    pub own: Vec<Section>,
     /// Whether the figures are wanted as files, too.
     pub drawn: bool,
 }
@@ -69,9 +71,9 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
         file,
         entries,
         missing,
+        reports,
         command,
         stress_at,
-        own,
         drawn,
     } = request;
     let mut warnings = Vec::new();
@@ -116,11 +118,11 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
     let mut page = Page::new(format!("Report of {file}"))
         .subtitle(format!("analyses {}", names.join(", ")))
         .section(summary(entries, missing, &warnings));
-    page = page.section(inputs(entries));
-    if let Some(section) = flexible(entries) {
+    for section in reported(reports, entries) {
         page = page.section(section);
     }
-    for section in own {
+    page = page.section(inputs(entries));
+    if let Some(section) = flexible(entries) {
         page = page.section(section);
     }
     for section in sweeps::sections(entries, &cut) {
@@ -187,6 +189,23 @@ fn summary(entries: &[Entry], missing: &[String], warnings: &[String]) -> Sectio
         section = section.paragraph(format!("Without results: {}.", missing.join(", ")));
     }
     section
+}
+
+/// What the text itself reports.
+fn reported(reports: &[Report], entries: &[Entry]) -> Vec<Section> {
+    let models: Vec<RunModel> = entries
+        .iter()
+        .map(|entry| RunModel::from(&entry.described))
+        .collect();
+    let runs: Vec<Run<'_>> = entries
+        .iter()
+        .zip(&models)
+        .map(|(entry, model)| Run::new(&entry.outcome.results, model))
+        .collect();
+    reports
+        .iter()
+        .map(|report| post::section(&post::evaluate(report, &runs)))
+        .collect()
 }
 
 fn inputs(entries: &[Entry]) -> Section {

@@ -203,7 +203,7 @@ impl Scene {
 }
 
 /// Angles less whole cycles, so that the first lies in the first cycle.
-pub(super) fn shifted(mut angles: Vec<f64>, period: Option<f64>) -> Vec<f64> {
+pub(crate) fn shifted(mut angles: Vec<f64>, period: Option<f64>) -> Vec<f64> {
     if let (Some(period), Some(first)) = (period.filter(|p| *p > 0.0), angles.first().copied()) {
         let whole = period * ((first + 1e-6) / period).floor();
         angles.iter_mut().for_each(|angle| *angle -= whole);

@@ -4,17 +4,15 @@ use super::Entry;
 use super::scene::shifted;
 use crate::cli::RunOutcome;
 use crate::cli::summary::last_cycle;
+use crate::post::{Sampled, on, sampled};
 use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
 use eng_report::figure::{Abscissa, History, Ordinate, Scale, spectra};
-use eng_report::signal::{Axis, Sampling, Signal, Spectrum, SpectrumOptions, Window, spectrum};
-use std::f64::consts::TAU;
+use eng_report::signal::{Axis, Signal, Spectrum, SpectrumOptions, Window, spectrum};
 
 /// Highest order that is drawn.
 pub(super) const ORDERS: f64 = 30.0;
 /// Share of its size by which a signal must vary to have a spectrum.
 const STILL: f64 = 1e-9;
-/// Share of the mean distance by which samples of a spectrum may lie off their grid.
-const EVEN: f64 = 1e-4;
 
 /// The last whole cycle with its angles from 0 on; of results without a whole cycle all.
 pub(super) fn of_last_cycle(entry: &Entry) -> Result<RunOutcome, ResultsError> {
@@ -39,46 +37,10 @@ pub(super) fn of_last_cycle(entry: &Entry) -> Result<RunOutcome, ResultsError> {
     })
 }
 
-/// How the last cycle was sampled, over which samples, and the shaft's mean speed (1/s).
-struct Sampled {
-    sampling: Sampling,
-    count: usize,
-    speed: Option<f64>,
-}
-
-fn sampled(results: &Results) -> Option<Sampled> {
-    let time = &results.column(TIME)?.values;
-    let duration = time.last()? - time.first()?;
-    let angle = results.column(CYCLE_ANGLE).map(|c| &c.values);
-    let turned = angle.and_then(|a| Some(a.last()? - a.first()?));
-    let speed = turned.map(|turned| turned / duration / TAU);
-    // of a whole cycle the last sample is the first of the next
-    let count = time.len().checked_sub(1)?;
-    if let Some(step) = angle.and_then(|a| step(a)).filter(|s| *s > 0.0) {
-        let sampling = Sampling::Angle {
-            step: step.to_degrees(),
-        };
-        return Some(Sampled {
-            sampling,
-            count,
-            speed,
-        });
-    }
-    Some(Sampled {
-        sampling: Sampling::Time { step: step(time)? },
-        count,
-        speed,
-    })
-}
-
-/// Distance of evenly spaced values.
-fn step(values: &[f64]) -> Option<f64> {
-    let (first, last) = (values.first()?, values.last()?);
-    let step = (last - first) / (values.len().checked_sub(1).filter(|n| *n > 2)? as f64);
-    let even = values
-        .windows(2)
-        .all(|pair| (pair[1] - pair[0] - step).abs() <= EVEN * step.abs());
-    (even && step != 0.0).then_some(step)
+/// How the last cycle was sampled.
+fn sampled_evenly(cut: &Results) -> Option<Sampled> {
+    let angle = cut.column(CYCLE_ANGLE).map(|c| c.values.as_slice());
+    sampled(&cut.column(TIME)?.values, angle, Axis::Order)
 }
 
 /// What makes the spectra of the last cycle: the window is rectangular where the cycle repeats, else Hann.
@@ -117,7 +79,7 @@ pub(super) struct Hertz {
 
 /// See [`Hertz`]; none of what stands still, is uneven or does not turn.
 pub(super) fn in_hertz(column: &Column, cut: &Results, periodic: bool) -> Option<Hertz> {
-    let sampled = sampled(cut)?;
+    let sampled = sampled_evenly(cut)?;
     let speed = sampled.speed?;
     let found = spectrum_of(&column.shown(), &sampled, periodic)?;
     Some(Hertz {
@@ -130,7 +92,7 @@ pub(super) fn in_hertz(column: &Column, cut: &Results, periodic: bool) -> Option
 /// The spectrum of a history of the last cycle, in orders with the frequencies at the mean speed above, or of a model without cycle
 /// in Hz; none where samples are uneven. Under the title stands what made it.
 pub(super) fn spectra_of(history: &History, cut: &Results, periodic: bool) -> Option<History> {
-    let sampled = sampled(cut)?;
+    let sampled = sampled_evenly(cut)?;
     let panel = history.panels.first()?;
     let mut axis = Axis::Frequency;
     let mut shown: Vec<(String, Spectrum)> = Vec::new();
@@ -169,24 +131,11 @@ pub(super) fn spectra_of(history: &History, cut: &Results, periodic: bool) -> Op
     Some(figure)
 }
 
-/// A spectrum on another axis, by the shaft's mean speed (1/s).
-fn on(axis: Axis, spectrum: &Spectrum, speed: Option<f64>) -> Option<Spectrum> {
-    let speed = speed.filter(|s| s.is_finite() && *s > 0.0);
-    match (spectrum.axis, axis) {
-        (Axis::Order, Axis::Frequency) => Some(Spectrum {
-            axis,
-            step: spectrum.step * speed?,
-            ..spectrum.clone()
-        }),
-        (Axis::Frequency, Axis::Order) => spectrum.clone().in_orders(60.0 * speed?).ok(),
-        _ => Some(spectrum.clone()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use eng_report::figure::{Curve, Panel};
+    use std::f64::consts::TAU;
 
     #[test]
     fn a_wave_stands_at_its_order_and_its_frequency() {

@@ -25,18 +25,13 @@ pub use listing::{Kind, Listed, listed};
 pub use recording::Recording;
 pub use resume_point::{KeptWarning, ResumePoint};
 pub use selection::{Last, Selection};
-pub(crate) use table::{Begun, Table};
+pub(crate) use table::{Begun, STATE, Table};
 pub(crate) use trail::Trail;
+
+pub use eng_system::recorded::{CYCLE_ANGLE, CYCLE_SPEED, TIME};
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// Path of the column of time.
-pub const TIME: &str = "time";
-/// Path of the column of the unwrapped cycle angle.
-pub const CYCLE_ANGLE: &str = "cycle.angle";
-/// Path of the column of the cycle angle's rate.
-pub const CYCLE_SPEED: &str = "cycle.speed";
 
 /// Results that cannot be built, written or read.
 #[derive(Debug, thiserror::Error)]

@@ -21,7 +21,7 @@ const SHARE: u32 = 20;
 /// Key of the metadata that tells runs apart.
 const IDENTITY: &str = "identity";
 /// Key of the metadata that tells how a run ended: [`COMPLETE`], or why it failed.
-pub(super) const STATE: &str = "state";
+pub(crate) const STATE: &str = "state";
 const COMPLETE: &str = "complete";
 
 /// The rows of a run: kept in memory, or sent to disk in batches.

@@ -9,7 +9,9 @@ pub mod dimension;
 pub mod flexible;
 pub mod host;
 pub mod layout;
+pub mod recorded;
 pub mod reduced;
+pub mod report;
 pub mod system;
 pub mod table;
 

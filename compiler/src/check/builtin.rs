@@ -192,7 +192,7 @@ impl<'p> Checker<'p> {
     }
 
     /// A function of a plain number, where an angle may stand for one.
-    fn plain_argument(
+    pub(super) fn plain_argument(
         &mut self,
         name: &str,
         (expr, ty): &(&Expr, Type),
@@ -221,7 +221,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    fn root(&mut self, (expr, ty): &(&Expr, Type)) -> Type {
+    pub(super) fn root(&mut self, (expr, ty): &(&Expr, Type)) -> Type {
         let Some(quantity) = ty.quantity() else {
             return self.not_a(expr, ty, "the argument of `sqrt`", "a number");
         };
@@ -240,7 +240,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    fn magnitude(&mut self, (expr, ty): &(&Expr, Type)) -> Type {
+    pub(super) fn magnitude(&mut self, (expr, ty): &(&Expr, Type)) -> Type {
         match ty {
             Type::Int => Type::Int,
             Type::Scalar(quantity) => Type::Scalar(Quantity {

@@ -65,6 +65,12 @@ fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'static str)> 
                 "the values of a record are its `let`s",
             ),
         },
+        ItemKind::Report(_) => (false, "a report", "it belongs at the top of the file"),
+        ItemKind::Entry(_) => (
+            false,
+            "a figure or value of results",
+            "it belongs into a `report`; what a run records is an `output`",
+        ),
         ItemKind::Attribute(_) => (holds_parts, "an attribute", "a named value is a `let`"),
         ItemKind::Statement(statement) => match statement {
             Statement::Constrain(_) | Statement::Branch(_) => (
@@ -596,13 +602,15 @@ impl<'p> Checker<'p> {
 }
 
 /// Where an item begins: the part of it that a message should show.
-fn item_place(item: &Item) -> Span {
+pub(super) fn item_place(item: &Item) -> Span {
     match &item.kind {
         ItemKind::Binding(binding) => binding.name.span,
         ItemKind::Function(function) => function.name.span,
         ItemKind::Table(table) => table.name.span,
         ItemKind::Declaration(declaration) => declaration.kind_span.to(declaration.name.span),
         ItemKind::Attribute(attribute) => attribute.name.span,
+        ItemKind::Report(report) => report.word.to(report.name.span),
+        ItemKind::Entry(entry) => entry.word.to(entry.name.span),
         ItemKind::Dimension(dimension) => dimension.name.span,
         ItemKind::Unit(unit) => unit.name.span,
         ItemKind::Use(_) | ItemKind::Statement(_) | ItemKind::Error => item.span,

@@ -19,12 +19,15 @@ mod function;
 mod level;
 mod mismatch;
 mod operator;
+mod report;
 mod scope;
 mod statement;
 mod table;
 mod types;
 mod unit;
 mod unused;
+
+pub use report::reports;
 
 use crate::codes;
 use crate::program::{Checked, DefinitionId, Program, ValueType};
@@ -72,20 +75,7 @@ struct Checker<'p> {
 /// Checks every definition of every module.
 pub fn check(program: &Program, sources: &SourceMap, diagnostics: &mut Diagnostics) -> Checked {
     let earlier = diagnostics.has_errors();
-    let mut checker = Checker {
-        program,
-        sources,
-        diagnostics: Diagnostics::new(),
-        tables: BTreeMap::new(),
-        values: BTreeMap::new(),
-        signatures: BTreeMap::new(),
-        variables: Vec::new(),
-        used: BTreeSet::new(),
-        used_top: BTreeSet::new(),
-        used_units: BTreeSet::new(),
-        wanted: None,
-        depth: 0,
-    };
+    let mut checker = Checker::new(program, sources);
     for (index, module) in program.modules.iter().enumerate() {
         for (item_index, item) in module.file.items.iter().enumerate() {
             let id = DefinitionId {
@@ -124,6 +114,23 @@ fn in_order_of_place(diagnostics: &Diagnostics) -> Diagnostics {
 }
 
 impl<'p> Checker<'p> {
+    fn new(program: &'p Program, sources: &'p SourceMap) -> Checker<'p> {
+        Checker {
+            program,
+            sources,
+            diagnostics: Diagnostics::new(),
+            tables: BTreeMap::new(),
+            values: BTreeMap::new(),
+            signatures: BTreeMap::new(),
+            variables: Vec::new(),
+            used: BTreeSet::new(),
+            used_top: BTreeSet::new(),
+            used_units: BTreeSet::new(),
+            wanted: None,
+            depth: 0,
+        }
+    }
+
     fn report(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
     }
@@ -181,6 +188,14 @@ impl<'p> Checker<'p> {
                 "an attribute",
                 "at the top of a file",
                 "a value that all may use is a `const`",
+            ),
+            // checked against the channels of its analyses: see `report`
+            ItemKind::Report(report) => self.names_of_report(id.module, report),
+            ItemKind::Entry(entry) => self.misplaced(
+                entry.word.to(entry.name.span),
+                "a figure or value of results",
+                "at the top of a file",
+                "it belongs into a block: `report name { … }`",
             ),
             ItemKind::Declaration(declaration) => match (&declaration.form, declaration.kind) {
                 (_, Kind::Default) => self.not_built(declaration.kind_span, "`default` blocks"),

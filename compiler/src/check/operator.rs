@@ -43,6 +43,17 @@ impl<'p> Checker<'p> {
         }
         let a = self.infer(scope, left);
         let b = self.infer(scope, right);
+        self.operated(op, op_span, (left, &a), (right, &b))
+    }
+
+    /// The type of an operator between two sides of known types; not of `and` and `or`.
+    pub(super) fn operated(
+        &mut self,
+        op: BinaryOp,
+        op_span: Span,
+        (left, a): (&Expr, &Type),
+        (right, b): (&Expr, &Type),
+    ) -> Type {
         if a.is_error() || b.is_error() {
             // A comparison is a condition whatever its sides are.
             return match op {
@@ -69,14 +80,14 @@ impl<'p> Checker<'p> {
             | BinaryOp::LessEqual
             | BinaryOp::Greater
             | BinaryOp::GreaterEqual => {
-                self.comparison(&sides, &a, &b);
+                self.comparison(&sides, a, b);
                 Type::Bool
             }
-            BinaryOp::Add if a == Type::ModeSet && b == Type::ModeSet => Type::ModeSet,
-            BinaryOp::Add | BinaryOp::Subtract => self.sum(&sides, &a, &b),
-            BinaryOp::Multiply => self.product(&sides, &a, &b),
-            BinaryOp::Divide => self.quotient(&sides, &a, &b),
-            BinaryOp::Power => self.power(&sides, &a, &b),
+            BinaryOp::Add if *a == Type::ModeSet && *b == Type::ModeSet => Type::ModeSet,
+            BinaryOp::Add | BinaryOp::Subtract => self.sum(&sides, a, b),
+            BinaryOp::Multiply => self.product(&sides, a, b),
+            BinaryOp::Divide => self.quotient(&sides, a, b),
+            BinaryOp::Power => self.power(&sides, a, b),
         }
     }
 

@@ -343,6 +343,17 @@ impl<'p> Checker<'p> {
                 }
                 _ => Type::Class(id),
             },
+            ItemKind::Report(report) => {
+                self.report(
+                    Diagnostic::error(
+                        codes::WRONG_TYPE,
+                        format!("`{}` is a report, not a value", report.name.text),
+                    )
+                    .at(span, "a value is due here")
+                    .also(report.name.span, "defined here"),
+                );
+                Type::Error
+            }
             ItemKind::Dimension(dimension) => {
                 self.report(
                     Diagnostic::error(

@@ -1,21 +1,23 @@
 //! The registry of message codes: resolving (`02`), checking types and units (`03`), classes and their uses (`04`),
-//! elaborating (`05`).
+//! elaborating (`05`), reports (`08`).
 //!
 //! A code has one meaning and never changes it; a test asserts that each is raised by a fixture.
 
 mod checking;
 mod classes;
 mod elaborating;
+mod reporting;
 mod resolving;
 
 pub use checking::*;
 pub use classes::*;
 pub use elaborating::*;
 pub use eng_grammar::Code;
+pub use reporting::*;
 pub use resolving::*;
 
 /// All codes of this crate, by group.
-pub const GROUPS: [&[Code]; 4] = [RESOLVING, CHECKING, CLASSES, ELABORATING];
+pub const GROUPS: [&[Code]; 5] = [RESOLVING, CHECKING, CLASSES, ELABORATING, REPORTING];
 
 /// All codes of this crate, in order.
 pub fn all() -> impl Iterator<Item = &'static Code> {

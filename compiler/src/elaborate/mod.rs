@@ -7,6 +7,7 @@ mod analysis;
 mod binding;
 mod body;
 mod builtin;
+mod constants;
 mod element;
 mod expression;
 mod finish;
@@ -22,6 +23,7 @@ mod value;
 
 pub use analysis::{AnalysisPlan, analyses};
 pub use binding::{BindProgram, Check, MessagePart, ParameterDefault};
+pub(crate) use constants::Constants;
 pub use finish::{Elaborated, Structural, elaborate};
 pub use flexible::{MarkerName, ModePart};
 

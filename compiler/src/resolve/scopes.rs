@@ -18,10 +18,12 @@ pub(crate) fn defined_name(item: &ItemKind) -> Option<&Name> {
         ItemKind::Function(function) => Some(&function.name),
         ItemKind::Table(table) => Some(&table.name),
         ItemKind::Declaration(declaration) => Some(&declaration.name),
+        ItemKind::Report(report) => Some(&report.name),
         ItemKind::Use(_)
         | ItemKind::Unit(_)
         | ItemKind::Statement(_)
         | ItemKind::Attribute(_)
+        | ItemKind::Entry(_)
         | ItemKind::Error => None,
     }
 }

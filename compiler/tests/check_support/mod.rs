@@ -1,6 +1,6 @@
 //! What the tests of checking share: a host over texts, a run, a plain renderer.
 
-use eng_compiler::check::check;
+use eng_compiler::check::{check, reports};
 use eng_compiler::elaborate::{analyses, elaborate};
 use eng_compiler::library::LIBRARY;
 use eng_compiler::program::{Checked, DefinitionId, Program};
@@ -57,9 +57,12 @@ fn run_stages(folder: &str, root: &str, text: &str, elaborated: bool) -> Run {
     let program = resolve(root, &host, LIBRARY, &mut sources, &mut diagnostics);
     let checked = check(&program, &sources, &mut diagnostics);
     if elaborated && !diagnostics.has_errors() {
-        analyses(&program, &mut sources, &host, &mut diagnostics);
+        let plans = analyses(&program, &mut sources, &host, &mut diagnostics);
         for model in models(&program) {
             elaborate(&program, &mut sources, &host, model, &[], &mut diagnostics);
+        }
+        if !diagnostics.has_errors() {
+            reports(&program, &sources, &host, &plans, &mut diagnostics);
         }
     }
     Run {

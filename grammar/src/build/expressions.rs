@@ -329,7 +329,7 @@ impl<'t> Builder<'t, '_> {
     }
 
     /// The text between two bytes with its escapes resolved; an unknown escape is a mistake.
-    fn unescaped(&mut self, start: usize, end: usize) -> String {
+    pub(super) fn unescaped(&mut self, start: usize, end: usize) -> String {
         let (text, unknown) = strings::unescape(self.text.get(start..end).unwrap_or(""));
         for at in unknown {
             let span = self.span(start + at, start + at + 2);

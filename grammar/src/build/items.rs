@@ -2,15 +2,15 @@
 
 use super::{Builder, MAX_DEPTH};
 use crate::ast::{
-    Attribute, Binding, BindingKind, Block, Declaration, DimensionItem, Expr, ExprKind, Form,
-    Function, Item, ItemKind, Kind, Name, Parameter, Statement, Table, UnitItem, Use, UseNames,
+    Attribute, Binding, BindingKind, Block, Declaration, DimensionItem, Entry, EntryKind, Expr,
+    ExprKind, Form, Function, Item, ItemKind, Kind, Name, Parameter, Report, Statement, Table,
+    Title, UnitItem, Use, UseNames,
 };
 use crate::codes;
 use crate::diagnose;
 use crate::diagnostic::Diagnostic;
 use crate::grammar::Rule;
 use crate::span::Span;
-use crate::strings;
 use pest::iterators::{Pair, Pairs};
 
 /// The text of a `///` or `//!` line.
@@ -103,6 +103,8 @@ impl<'t> Builder<'t, '_> {
             Rule::table => self.table(body, span, depth),
             Rule::declaration | Rule::unknown_declaration => self.declaration(body, depth),
             Rule::attribute => self.attribute(body, span, depth),
+            Rule::report => self.report_block(body, span, depth),
+            Rule::entry => self.entry(body, span, depth),
             _ => match self.statement(body, depth) {
                 Some(statement) => ItemKind::Statement(statement),
                 None => ItemKind::Error,
@@ -464,13 +466,9 @@ impl<'t> Builder<'t, '_> {
                 let lint = inner.find(|part| part.as_rule() == Rule::lint_kind)?;
                 let condition = self.next_expression(&mut inner, span, depth);
                 let text = inner.find(|part| part.as_rule() == Rule::string)?;
-                let (start, end) = self.range(&text);
-                let (start, end) = (start + 1, end.saturating_sub(1));
+                let (start, end) = self.inside_quotes(&text);
+                self.unescaped(start, end);
                 let raw = self.text.get(start..end).unwrap_or("");
-                for at in strings::unescape(raw).1 {
-                    let span = self.span(start + at, start + at + 2);
-                    self.report(strings::unknown_escape(span));
-                }
                 Statement::Require {
                     advise: lint.as_str() == "advise",
                     condition,
@@ -488,6 +486,79 @@ impl<'t> Builder<'t, '_> {
             }
             _ => return None,
         })
+    }
+
+    /// Where the text of a string stands without its quotes.
+    fn inside_quotes(&self, pair: &Pair<'_, Rule>) -> (usize, usize) {
+        let (start, end) = self.range(pair);
+        (start + 1, end.saturating_sub(1))
+    }
+
+    fn title(&mut self, pair: &Pair<'t, Rule>) -> Title {
+        let (start, end) = self.inside_quotes(pair);
+        Title {
+            text: self.unescaped(start, end),
+            span: self.place(pair),
+        }
+    }
+
+    fn report_block(&mut self, pair: Pair<'t, Rule>, span: Span, depth: usize) -> ItemKind {
+        let (mut word, mut name, mut title, mut block) = (span, None, None, None);
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::word_report => word = self.place(&part),
+                Rule::name => name = Some(self.name(&part)),
+                Rule::string => title = Some(self.title(&part)),
+                Rule::block => block = Some(self.block(part, depth + 1)),
+                _ => {}
+            }
+        }
+        match (name, block) {
+            (Some(name), Some(block)) => ItemKind::Report(Report {
+                word,
+                name,
+                title,
+                block,
+            }),
+            _ => ItemKind::Error,
+        }
+    }
+
+    fn entry(&mut self, pair: Pair<'t, Rule>, span: Span, depth: usize) -> ItemKind {
+        let mut kind = EntryKind::Value;
+        let (mut word, mut name, mut title, mut value, mut display) =
+            (span, None, None, None, None);
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::entry_kind => {
+                    word = self.place(&part);
+                    if part.as_str() == "figure" {
+                        kind = EntryKind::Figure;
+                    }
+                }
+                Rule::name => name = Some(self.name(&part)),
+                Rule::string => title = Some(self.title(&part)),
+                Rule::expression => value = Some(self.expression(part, depth)),
+                Rule::display => {
+                    display = part
+                        .into_inner()
+                        .find(|inner| inner.as_rule() == Rule::display_unit)
+                        .map(|inner| self.unit(inner, depth));
+                }
+                _ => {}
+            }
+        }
+        match (name, value) {
+            (Some(name), Some(value)) => ItemKind::Entry(Entry {
+                kind,
+                word,
+                name,
+                title,
+                value,
+                display,
+            }),
+            _ => ItemKind::Error,
+        }
     }
 
     fn declaration(&mut self, pair: Pair<'t, Rule>, depth: usize) -> ItemKind {

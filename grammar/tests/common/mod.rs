@@ -195,6 +195,27 @@ fn item_text(kind: &ItemKind) -> String {
         ),
         ItemKind::Statement(statement) => statement_text(statement),
         ItemKind::Attribute(item) => format!("({} = {})", item.name.text, expr(&item.value)),
+        ItemKind::Report(item) => {
+            let title = item.title.as_ref().map_or("", |title| title.text.as_str());
+            format!(
+                "(report {} {title:?}\n{})",
+                item.name.text,
+                tree(&item.block.items)
+            )
+        }
+        ItemKind::Entry(item) => {
+            let title = item.title.as_ref().map_or("", |title| title.text.as_str());
+            let display = item
+                .display
+                .as_ref()
+                .map_or(String::new(), |u| format!(" as {}", unit(u)));
+            format!(
+                "({:?} {} {title:?} = {}{display})",
+                item.kind,
+                item.name.text,
+                expr(&item.value)
+            )
+        }
         ItemKind::Declaration(_) => String::new(),
         ItemKind::Error => "(error)".to_string(),
     }

@@ -1,0 +1,584 @@
+//! Channels by name: `unfired.main[1..5].force.x`, `runup[*].vertical[5]`.
+
+use super::Reporter;
+use super::value::{Label, Member, Shape, Typed};
+use crate::check::types::Quantity;
+use crate::codes;
+use crate::elaborate::{AnalysisPlan, Structural, elaborate};
+use crate::program::{DefinitionId, Program};
+use crate::resolve::suggest::{listing, nearest};
+use eng_grammar::ast::{Expr, ExprKind, IndexArgument, Name};
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
+use eng_system::host::Host;
+use eng_system::recorded::{Recorded, recorded};
+use eng_system::report::Expression;
+use std::rc::Rc;
+
+/// Indices written out in a message.
+const SHOWN: usize = 12;
+
+/// What a model records.
+pub(super) struct Channels {
+    pub columns: Vec<Recorded>,
+    pub journals: Vec<String>,
+    pub cycle: bool,
+}
+
+/// What each analysis records; models are elaborated when first asked for.
+pub(super) struct Models<'a> {
+    program: &'a Program,
+    sources: &'a SourceMap,
+    host: &'a dyn Host,
+    pub plans: &'a [AnalysisPlan],
+    #[allow(clippy::type_complexity)]
+    known: Vec<(
+        DefinitionId,
+        &'a [(String, Structural)],
+        Option<Rc<Channels>>,
+    )>,
+    messages: Diagnostics,
+}
+
+impl<'a> Models<'a> {
+    pub fn new(
+        program: &'a Program,
+        sources: &'a SourceMap,
+        host: &'a dyn Host,
+        plans: &'a [AnalysisPlan],
+    ) -> Models<'a> {
+        Models {
+            program,
+            sources,
+            host,
+            plans,
+            known: Vec::new(),
+            messages: Diagnostics::new(),
+        }
+    }
+
+    /// What elaborating said that no earlier elaboration of the same model did.
+    pub fn messages(&mut self) -> Diagnostics {
+        std::mem::take(&mut self.messages)
+    }
+
+    /// What an analysis records; `None` where its model has a mistake.
+    pub fn channels(&mut self, plan: &'a AnalysisPlan) -> Option<Rc<Channels>> {
+        let same = self
+            .known
+            .iter()
+            .find(|(model, constants, _)| *model == plan.model && *constants == plan.constants);
+        if let Some((_, _, channels)) = same {
+            return channels.clone();
+        }
+        let mut texts = self.sources.clone();
+        let mut found = Diagnostics::new();
+        let elaborated = elaborate(
+            self.program,
+            &mut texts,
+            self.host,
+            plan.model,
+            &plan.constants,
+            &mut found,
+        );
+        if found.has_errors() {
+            self.messages.extend(found);
+        }
+        let channels = elaborated.map(|elaborated| {
+            let system = &elaborated.system;
+            Rc::new(Channels {
+                columns: recorded(system),
+                journals: system
+                    .journals
+                    .iter()
+                    .filter_map(|j| {
+                        Some(system.elements.get(j.element as usize)?.origin.path.clone())
+                    })
+                    .collect(),
+                cycle: system.cycle.is_some(),
+            })
+        });
+        self.known
+            .push((plan.model, &plan.constants, channels.clone()));
+        channels
+    }
+
+    /// The analyses of a name, points of a sweep in their order.
+    pub fn named(&self, name: &str) -> Vec<&'a AnalysisPlan> {
+        self.plans
+            .iter()
+            .filter(|plan| root(&plan.analysis.origin.path) == name)
+            .collect()
+    }
+
+    /// The names of all analyses, sweeps once.
+    pub fn names(&self) -> Vec<&'a str> {
+        let mut names: Vec<&str> = Vec::new();
+        for plan in self.plans {
+            let name = root(&plan.analysis.origin.path);
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    /// The analysis with a full name.
+    pub fn plan(&self, path: &str) -> Option<&'a AnalysisPlan> {
+        self.plans.iter().find(|p| p.analysis.origin.path == path)
+    }
+}
+
+fn root(path: &str) -> &str {
+    path.split('[').next().unwrap_or_default()
+}
+
+/// A part of a path.
+enum Step<'a> {
+    Field(&'a Name),
+    Index(&'a [IndexArgument], Span),
+}
+
+/// The name at the root of a path with its steps; `None` for what is no path.
+fn steps(expr: &Expr) -> Option<(&str, Span, Vec<Step<'_>>)> {
+    match &expr.kind {
+        ExprKind::Name(name) => Some((name, expr.span, Vec::new())),
+        ExprKind::Field { base, name } => {
+            let (root, span, mut steps) = steps(base)?;
+            steps.push(Step::Field(name));
+            Some((root, span, steps))
+        }
+        ExprKind::Index { base, indices } => {
+            let (root, span, mut steps) = steps(base)?;
+            steps.push(Step::Index(indices, expr.span));
+            Some((root, span, steps))
+        }
+        _ => None,
+    }
+}
+
+/// The name at the root of a path.
+pub(super) fn root_name(expr: &Expr) -> Option<&str> {
+    steps(expr).map(|(root, ..)| root)
+}
+
+/// A place in the results of an analysis: the start of channels' paths.
+pub(super) struct Found<'a> {
+    pub plan: &'a AnalysisPlan,
+    pub channels: Rc<Channels>,
+    pub path: String,
+}
+
+/// Places of several analyses, and what tells them apart.
+pub(super) struct Places<'a> {
+    pub found: Vec<Found<'a>>,
+    /// Whether a range or `*` was written.
+    pub list: bool,
+}
+
+impl Places<'_> {
+    /// How a place is called beside the others.
+    pub fn label(&self, place: &Found<'_>) -> Label {
+        Label {
+            analysis: place.plan.analysis.origin.path.clone(),
+            channel: place.path.clone(),
+        }
+    }
+}
+
+/// The numbers of one index that a text asks for.
+enum Wanted {
+    All,
+    Some(Vec<i64>),
+}
+
+impl<'a> Reporter<'a, '_> {
+    /// The places that a path names; `None` where a message was given.
+    pub(super) fn places(&mut self, expr: &'a Expr) -> Option<Places<'a>> {
+        let (name, root_span, steps) = steps(expr)?;
+        let mut plans = self.models.named(name);
+        let mut steps = steps.into_iter().peekable();
+        let mut list = false;
+        let sweep = plans.iter().any(|p| !p.analysis.point.is_empty());
+        if sweep {
+            let Some(Step::Index(indices, span)) = steps.peek() else {
+                self.tell(
+                    Diagnostic::error(
+                        codes::INDEX,
+                        format!("`{name}` is a sweep of {} runs", plans.len()),
+                    )
+                    .at(root_span, "which of them?")
+                    .with_help(format!("`{name}[1]` is the first, `{name}[*]` are all")),
+                );
+                return None;
+            };
+            let (indices, span) = (*indices, *span);
+            steps.next();
+            let known: Vec<(Vec<i64>, &'a AnalysisPlan)> = plans
+                .iter()
+                .map(|p| {
+                    (
+                        numbers(p.analysis.origin.path.get(name.len()..).unwrap_or_default()),
+                        *p,
+                    )
+                })
+                .collect();
+            let (chosen, many) = self.chosen(name, indices, span, &known)?;
+            plans = chosen;
+            list |= many;
+        }
+        let mut found = Vec::new();
+        for plan in plans {
+            let channels = self.models.channels(plan)?;
+            found.push(Found {
+                plan,
+                channels,
+                path: String::new(),
+            });
+        }
+        for step in steps {
+            match step {
+                Step::Field(field) => {
+                    for place in &mut found {
+                        let path = if place.path.is_empty() {
+                            field.text.clone()
+                        } else {
+                            format!("{}.{}", place.path, field.text)
+                        };
+                        if !place
+                            .channels
+                            .columns
+                            .iter()
+                            .any(|c| begins(&c.path, &path))
+                        {
+                            let message = no_channel(place, field);
+                            self.tell(message);
+                            return None;
+                        }
+                        place.path = path;
+                    }
+                }
+                Step::Index(indices, span) => {
+                    let mut next = Vec::new();
+                    for place in found {
+                        let known = indexed(&place);
+                        if known.is_empty() {
+                            self.tell(
+                                Diagnostic::error(
+                                    codes::INDEX,
+                                    format!(
+                                        "`{}` of `{}` has no index",
+                                        place.path, place.plan.analysis.origin.path
+                                    ),
+                                )
+                                .at(span, "indexed here"),
+                            );
+                            return None;
+                        }
+                        let (chosen, many) = self.chosen(&place.path, indices, span, &known)?;
+                        list |= many;
+                        next.extend(chosen.into_iter().map(|path| Found {
+                            plan: place.plan,
+                            channels: Rc::clone(&place.channels),
+                            path,
+                        }));
+                    }
+                    found = next;
+                }
+            }
+        }
+        Some(Places { found, list })
+    }
+
+    /// The things whose indices are asked for, in the order asked; whether several may be meant.
+    fn chosen<T: Clone>(
+        &mut self,
+        what: &str,
+        indices: &'a [IndexArgument],
+        span: Span,
+        known: &[(Vec<i64>, T)],
+    ) -> Option<(Vec<T>, bool)> {
+        let depth = known.first().map_or(0, |(numbers, _)| numbers.len());
+        if indices.len() != depth {
+            self.tell(
+                Diagnostic::error(
+                    codes::INDEX,
+                    format!(
+                        "`{what}` has {}, not {}",
+                        if depth == 1 {
+                            "one index".to_owned()
+                        } else {
+                            format!("{depth} indices")
+                        },
+                        indices.len()
+                    ),
+                )
+                .at(span, "indexed here"),
+            );
+            return None;
+        }
+        let mut many = false;
+        let mut wanted = Vec::new();
+        for index in indices {
+            match index {
+                IndexArgument::All(_) => {
+                    many = true;
+                    wanted.push(Wanted::All);
+                }
+                IndexArgument::At(at) => {
+                    let (numbers, range) = self.index(at)?;
+                    many |= range;
+                    wanted.push(Wanted::Some(numbers));
+                }
+            }
+        }
+        let matching: Vec<T> = match wanted.as_slice() {
+            // in the order asked for
+            [Wanted::Some(numbers)] => {
+                let mut chosen = Vec::new();
+                for number in numbers {
+                    match known.iter().find(|(at, _)| at.as_slice() == [*number]) {
+                        Some((_, thing)) => chosen.push(thing.clone()),
+                        None => {
+                            self.outside(what, &number.to_string(), span, known);
+                            return None;
+                        }
+                    }
+                }
+                chosen
+            }
+            wanted => known
+                .iter()
+                .filter(|(at, _)| {
+                    at.iter().zip(wanted).all(|(number, wanted)| match wanted {
+                        Wanted::All => true,
+                        Wanted::Some(numbers) => numbers.contains(number),
+                    })
+                })
+                .map(|(_, thing)| thing.clone())
+                .collect(),
+        };
+        if matching.is_empty() {
+            let text = self.checker.sources.text(span).to_owned();
+            self.outside(what, &text, span, known);
+            return None;
+        }
+        Some((matching, many))
+    }
+
+    fn outside<T>(&mut self, what: &str, found: &str, span: Span, known: &[(Vec<i64>, T)]) {
+        let names: Vec<String> = known
+            .iter()
+            .map(|(numbers, _)| {
+                let numbers: Vec<String> = numbers.iter().map(i64::to_string).collect();
+                numbers.join(", ")
+            })
+            .collect();
+        self.tell(
+            Diagnostic::error(
+                codes::INDEX_OUTSIDE,
+                format!("there is no `{what}` with the index {found}"),
+            )
+            .at(span, "outside")
+            .with_note(format!(
+                "it has {}",
+                listing(names.iter().map(String::as_str), SHOWN)
+            )),
+        );
+    }
+
+    /// The whole numbers of an index, and whether it is a range.
+    pub(super) fn index(&mut self, at: &'a Expr) -> Option<(Vec<i64>, bool)> {
+        let number = |reporter: &mut Self, expr: &'a Expr| -> Option<i64> {
+            let value = reporter.constant(expr, &Quantity::one(), "an index")?;
+            if value.fract() != 0.0 || value.abs() > 1e9 {
+                reporter.tell(
+                    Diagnostic::error(codes::INDEX, "an index is a whole number")
+                        .at(expr.span, format!("this is {value}")),
+                );
+                return None;
+            }
+            Some(value as i64)
+        };
+        match &at.kind {
+            ExprKind::Range { from, to, by } => {
+                let (from, to) = (number(self, from)?, number(self, to)?);
+                let by = match by {
+                    Some(by) => number(self, by)?,
+                    None => 1,
+                };
+                if by < 1 || to < from || (to - from) / by > 100_000 {
+                    self.tell(
+                        Diagnostic::error(codes::RANGE, "this range has no place in it")
+                            .at(at.span, "from the smaller to the larger index"),
+                    );
+                    return None;
+                }
+                Some(((from..=to).step_by(by as usize).collect(), true))
+            }
+            ExprKind::List { items, unit: None } => {
+                let numbers: Option<Vec<i64>> = items.iter().map(|i| number(self, i)).collect();
+                Some((numbers?, true))
+            }
+            _ => Some((vec![number(self, at)?], false)),
+        }
+    }
+
+    /// The channels that a path names.
+    pub(super) fn channels(&mut self, expr: &'a Expr) -> Option<Typed> {
+        let places = self.places(expr)?;
+        let mut members = Vec::new();
+        let mut first: Option<Recorded> = None;
+        for place in &places.found {
+            let Some(column) = place.channels.columns.iter().find(|c| c.path == place.path) else {
+                let message = not_one(place, expr.span);
+                self.tell(message);
+                return None;
+            };
+            match &first {
+                Some(first) if first.dimension != column.dimension => {
+                    self.tell(
+                        Diagnostic::error(
+                            codes::LIST_ELEMENTS,
+                            "the channels of a list are of one dimension",
+                        )
+                        .at(
+                            expr.span,
+                            format!("`{}` differs from `{}`", column.path, first.path),
+                        ),
+                    );
+                    return None;
+                }
+                Some(_) => {}
+                None => first = Some(column.clone()),
+            }
+            members.push(Member {
+                label: places.label(place),
+                expression: Expression::Channel {
+                    analysis: place.plan.analysis.origin.path.clone(),
+                    path: column.path.clone(),
+                },
+            });
+        }
+        let first = first?;
+        Some(Typed {
+            members,
+            list: places.list,
+            shape: Shape::Signal,
+            quantity: Quantity::hard(first.dimension),
+            display: Some(first.display),
+            level: None,
+        })
+    }
+}
+
+/// Whether a path is the other one or continues it.
+pub(super) fn begins(path: &str, start: &str) -> bool {
+    path.strip_prefix(start)
+        .is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+}
+
+/// The numbers of `[1,2]` at the start of a text.
+fn numbers(text: &str) -> Vec<i64> {
+    let inside = text
+        .strip_prefix('[')
+        .and_then(|rest| rest.split(']').next())
+        .unwrap_or_default();
+    inside
+        .split(',')
+        .filter_map(|number| number.trim().parse().ok())
+        .collect()
+}
+
+/// The indices that follow a place, each with the path up to it, in the order of the channels.
+fn indexed(place: &Found<'_>) -> Vec<(Vec<i64>, String)> {
+    let mut known: Vec<(Vec<i64>, String)> = Vec::new();
+    for column in &place.channels.columns {
+        let Some(rest) = column.path.strip_prefix(&place.path) else {
+            continue;
+        };
+        let Some((index, _)) = rest.strip_prefix('[').and_then(|rest| rest.split_once(']')) else {
+            continue;
+        };
+        let path = format!("{}[{index}]", place.path);
+        if known.iter().all(|(_, other)| *other != path) {
+            known.push((numbers(rest), path));
+        }
+    }
+    known
+}
+
+/// What can follow a place: the next names, or indices.
+fn next_names(place: &Found<'_>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for column in &place.channels.columns {
+        let rest = if place.path.is_empty() {
+            Some(column.path.as_str())
+        } else {
+            column
+                .path
+                .strip_prefix(&place.path)
+                .and_then(|rest| rest.strip_prefix('.'))
+        };
+        if let Some(name) = rest.and_then(|rest| rest.split(['.', '[']).next())
+            && names.iter().all(|known| known != name)
+        {
+            names.push(name.to_owned());
+        }
+    }
+    names
+}
+
+fn no_channel(place: &Found<'_>, field: &Name) -> Diagnostic {
+    let analysis = &place.plan.analysis.origin.path;
+    let what = if place.path.is_empty() {
+        format!("the results of `{analysis}` have no `{}`", field.text)
+    } else {
+        format!(
+            "`{}` of `{analysis}` has no channel `{}`",
+            place.path, field.text
+        )
+    };
+    let message = Diagnostic::error(codes::NO_MEMBER, what).at(field.span, "not recorded");
+    let known = next_names(place);
+    if let Some(near) = nearest(&field.text, known.iter().map(String::as_str)) {
+        return message
+            .with_help(format!("did you mean `{near}`?"))
+            .with_fix(format!("write `{near}`"), field.span, near);
+    }
+    let indices = indexed(place);
+    if known.is_empty() && !indices.is_empty() {
+        return message.with_help(format!(
+            "say which one: `{}`",
+            indices.first().map_or("", |(_, path)| path.as_str())
+        ));
+    }
+    message.with_note(format!(
+        "it has {}",
+        listing(known.iter().map(String::as_str), SHOWN)
+    ))
+}
+
+/// The message for a place that several channels begin with.
+pub(super) fn not_one(place: &Found<'_>, span: Span) -> Diagnostic {
+    let known = next_names(place);
+    let indices = indexed(place);
+    let what = if place.path.is_empty() {
+        place.plan.analysis.origin.path.clone()
+    } else {
+        place.path.clone()
+    };
+    let message = Diagnostic::error(
+        codes::REPORT_SHAPE,
+        format!("`{what}` is not one channel but several"),
+    )
+    .at(span, "which of them?");
+    match indices.first() {
+        Some((_, first)) if known.is_empty() => {
+            message.with_help(format!("for instance `{first}`, or `{what}[*]` for all"))
+        }
+        _ => message.with_note(format!(
+            "it has {}",
+            listing(known.iter().map(String::as_str), SHOWN)
+        )),
+    }
+}

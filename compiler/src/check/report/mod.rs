@@ -1,0 +1,444 @@
+//! Reports: figures and values made of the channels that runs record.
+//!
+//! They are checked when the analyses are known and their models elaborated, so that every recorded channel can be named, index
+//! by index, and nothing else. Lists are written out here: what is handed on names single channels.
+//!
+//! May contain: names, types, numbers that are known. Must not contain: results.
+
+mod arguments;
+mod channel;
+mod function;
+mod picture;
+mod settings;
+mod value;
+
+use super::Checker;
+use super::scope::Scope;
+use super::types::Quantity;
+use crate::codes;
+use crate::elaborate::{AnalysisPlan, Constants};
+use crate::program::Program;
+use channel::Models;
+use eng_grammar::ast::{self, BindingKind, Expr, ItemKind, Statement};
+use eng_grammar::{Diagnostic, Diagnostics, MessagePart, SourceMap, Span, parse_message};
+use eng_system::DisplayUnit;
+use eng_system::host::Host;
+use eng_system::report as plan;
+use eng_system::system::Location;
+use std::collections::BTreeMap;
+use value::{Shape, Typed};
+
+/// The reports of the root module. Those with a mistake are left out, and messages given.
+pub fn reports(
+    program: &Program,
+    sources: &SourceMap,
+    host: &dyn Host,
+    plans: &[AnalysisPlan],
+    diagnostics: &mut Diagnostics,
+) -> Vec<plan::Report> {
+    let root = program.modules.get(program.root() as usize);
+    let items = root.map_or(&[][..], |module| &module.file.items);
+    let written: Vec<(&[String], &ast::Report)> = items
+        .iter()
+        .filter_map(|item| match &item.kind {
+            ItemKind::Report(report) => Some((item.docs.as_slice(), report)),
+            _ => None,
+        })
+        .collect();
+    if written.is_empty() {
+        return Vec::new();
+    }
+    let mut texts = sources.clone();
+    let mut of_constants = Diagnostics::new();
+    let mut made = Vec::new();
+    let mut messages = Diagnostics::new();
+    if let Some(constants) = Constants::new(program, &mut texts, host, &mut of_constants) {
+        let mut reporter = Reporter {
+            checker: Checker::new(program, sources),
+            constants,
+            models: Models::new(program, sources, host, plans),
+            scope: Scope::top(program.root()),
+            names: BTreeMap::new(),
+        };
+        for (docs, report) in written {
+            if let Some(report) = reporter.report(docs, report) {
+                made.push(report);
+            }
+        }
+        messages.extend(reporter.models.messages());
+        messages.extend(reporter.checker.diagnostics);
+    }
+    diagnostics.extend(of_constants);
+    diagnostics.extend(super::in_order_of_place(&messages));
+    made
+}
+
+/// A name of a report.
+#[derive(Clone)]
+enum Named<'a> {
+    /// Evaluated when first asked for.
+    Lazy(&'a Expr),
+    /// Being evaluated.
+    Busy,
+    /// Known; `None` where a message was given.
+    Done(Option<Typed>),
+}
+
+/// The state of checking reports.
+struct Reporter<'a, 'd> {
+    checker: Checker<'a>,
+    constants: Constants<'a, 'd>,
+    models: Models<'a>,
+    scope: Scope<'a>,
+    /// `let`s and values of the report at hand.
+    names: BTreeMap<&'a str, (Span, Named<'a>)>,
+}
+
+impl<'a> Reporter<'a, '_> {
+    fn tell(&mut self, diagnostic: Diagnostic) {
+        self.checker.report(diagnostic);
+    }
+
+    fn report(&mut self, docs: &[String], report: &'a ast::Report) -> Option<plan::Report> {
+        self.names.clear();
+        let mut entries: Vec<(&'a ast::Item, &'a str, Span)> = Vec::new();
+        let mut whole = true;
+        for item in &report.block.items {
+            let (name, value) = match &item.kind {
+                ItemKind::Error | ItemKind::Statement(Statement::Require { .. }) => continue,
+                ItemKind::Entry(entry) => (&entry.name, Some(&entry.value)),
+                ItemKind::Binding(binding)
+                    if binding.kind == BindingKind::Let && binding.index.is_empty() =>
+                {
+                    (&binding.name, binding.value.as_ref())
+                }
+                _ => {
+                    whole = false;
+                    self.checker.misplaced(
+                        super::class::item_place(item),
+                        "this",
+                        "into a report",
+                        "it takes `figure`, `value`, `let`, `require` and `advise`",
+                    );
+                    continue;
+                }
+            };
+            if let Some((_, _, first)) = entries.iter().find(|(_, known, _)| *known == name.text) {
+                whole = false;
+                self.tell(
+                    Diagnostic::error(
+                        codes::DEFINED_TWICE,
+                        format!("`{}` is defined twice", name.text),
+                    )
+                    .at(name.span, "again here")
+                    .also(*first, "first here"),
+                );
+                continue;
+            }
+            entries.push((item, &name.text, name.span));
+            let figure =
+                matches!(&item.kind, ItemKind::Entry(e) if e.kind == ast::EntryKind::Figure);
+            match value {
+                Some(value) if !figure => {
+                    self.names
+                        .insert(&name.text, (name.span, Named::Lazy(value)));
+                }
+                Some(_) => {}
+                None => {
+                    whole = false;
+                    self.tell(
+                        Diagnostic::error(
+                            codes::MISSING_VALUE,
+                            format!("`{}` has no value", name.text),
+                        )
+                        .at(name.span, "named, but not given"),
+                    );
+                }
+            }
+        }
+        let mut made = Vec::new();
+        for item in &report.block.items {
+            let kind = match &item.kind {
+                ItemKind::Entry(entry) => self.entry(entry).map(Some),
+                ItemKind::Binding(binding) if binding.value.is_some() => {
+                    // a mistake is told even where nothing reads it
+                    self.named(&binding.name.text, binding.name.span)
+                        .map(|_| None)
+                }
+                ItemKind::Statement(Statement::Require {
+                    advise,
+                    condition,
+                    message,
+                }) => self.require(*advise, condition, message).map(Some),
+                _ => continue,
+            };
+            match kind {
+                Some(Some(kind)) => made.push(self.planned(item, kind)),
+                Some(None) => {}
+                None => whole = false,
+            }
+        }
+        whole.then(|| plan::Report {
+            name: report.name.text.clone(),
+            title: title(report.title.as_ref(), &report.name.text),
+            text: docs.join("\n"),
+            place: location(report.name.span),
+            entries: made,
+        })
+    }
+
+    fn planned(&self, item: &ast::Item, kind: plan::EntryKind) -> plan::Entry {
+        let written = |span: Span| self.checker.sources.text(span).to_owned();
+        let (name, title, written, place) = match &item.kind {
+            ItemKind::Entry(entry) => (
+                entry.name.text.clone(),
+                title(entry.title.as_ref(), &entry.name.text),
+                written(entry.value.span),
+                entry.name.span,
+            ),
+            ItemKind::Statement(Statement::Require {
+                condition, advise, ..
+            }) => (
+                if *advise { "advise" } else { "require" }.to_owned(),
+                written(condition.span),
+                written(condition.span),
+                condition.span,
+            ),
+            _ => (String::new(), String::new(), String::new(), item.span),
+        };
+        plan::Entry {
+            name,
+            title,
+            text: item.docs.join("\n"),
+            written,
+            place: location(place),
+            kind,
+        }
+    }
+
+    fn entry(&mut self, entry: &'a ast::Entry) -> Option<plan::EntryKind> {
+        if entry.kind == ast::EntryKind::Figure {
+            return self
+                .figure(&entry.value, entry.display.as_ref())
+                .map(plan::EntryKind::Figure);
+        }
+        let typed = self.named(&entry.name.text, entry.name.span)?;
+        self.shaped(&entry.value, &typed, Shape::Number, "a value")?;
+        let display = self.display(&typed, entry.display.as_ref(), &entry.value)?;
+        Some(plan::EntryKind::Value {
+            members: picture::planned(typed.members),
+            display,
+        })
+    }
+
+    /// The unit of a number: as stated, as the channels have it, or a usual one.
+    fn display(
+        &mut self,
+        typed: &Typed,
+        stated: Option<&ast::UnitExpr>,
+        value: &Expr,
+    ) -> Option<DisplayUnit> {
+        if let Some(reference) = &typed.level {
+            if let Some(stated) = stated {
+                self.tell(
+                    Diagnostic::error(codes::DISPLAY, "a level is shown in dB")
+                        .at(stated.span, "another unit")
+                        .also(value.span, "this is a level")
+                        .with_help("leave `as` away"),
+                );
+                return None;
+            }
+            return Some(DisplayUnit {
+                symbol: format!("dB re {reference}"),
+                scale: 1.0,
+                offset: 0.0,
+            });
+        }
+        if let Some(stated) = stated {
+            let before = self.checker.diagnostics.len();
+            let ty = super::types::Type::Scalar(typed.quantity.clone());
+            self.checker.display(&self.scope, &ty, stated);
+            if self.checker.diagnostics.len() > before {
+                return None;
+            }
+            let unit = self.checker.program.unit(stated).ok()?;
+            return Some(DisplayUnit {
+                symbol: unit.symbol,
+                scale: unit.scale,
+                offset: unit.offset,
+            });
+        }
+        if let Some(display) = &typed.display {
+            return Some(display.clone());
+        }
+        Some(self.usual_display(&typed.quantity))
+    }
+
+    fn usual_display(&mut self, quantity: &Quantity) -> DisplayUnit {
+        let dimension = quantity.dim.base;
+        let usual = self.checker.usual_unit(quantity).and_then(|text| {
+            let mut none = Diagnostics::new();
+            let source = eng_grammar::SourceId(0);
+            let written = format!("1 as {text}");
+            let (_, unit) = eng_grammar::parse_placeholder(&written, source, 0, &mut none)?;
+            let unit = self.checker.program.unit(&unit?).ok()?;
+            (unit.dimension == dimension).then_some(DisplayUnit {
+                symbol: text,
+                scale: unit.scale,
+                offset: unit.offset,
+            })
+        });
+        match usual {
+            Some(usual) if !dimension.is_one() => usual,
+            _ => DisplayUnit::si(dimension),
+        }
+    }
+
+    fn require(
+        &mut self,
+        advise: bool,
+        condition: &'a Expr,
+        message: &'a ast::Name,
+    ) -> Option<plan::EntryKind> {
+        let word = if advise { "advise" } else { "require" };
+        let found = self.expression(condition)?;
+        self.shaped(
+            condition,
+            &found,
+            Shape::Truth,
+            &format!("what follows `{word}`"),
+        )?;
+        let mut told = Vec::new();
+        let mut of_message = Diagnostics::new();
+        let parts = parse_message(message, &mut of_message);
+        let failed = of_message.has_errors();
+        for diagnostic in of_message.iter() {
+            self.tell(diagnostic.clone());
+        }
+        for part in parts {
+            match part {
+                MessagePart::Text(text) => told.push(plan::MessagePart::Text(text)),
+                MessagePart::Value { value, unit, span } => {
+                    let name = match &value.kind {
+                        ast::ExprKind::Name(name) if self.names.contains_key(name.as_str()) => {
+                            name.clone()
+                        }
+                        _ => {
+                            self.tell(
+                                Diagnostic::error(
+                                    codes::MESSAGE_FORM,
+                                    "a message of a report shows its values by their names",
+                                )
+                                .at(span, "no name of this report")
+                                .with_help("give it a name with `let` or `value`"),
+                            );
+                            return None;
+                        }
+                    };
+                    let typed = self.named(&name, span)?;
+                    self.shaped(&value, &typed, Shape::Number, "a value in a message")?;
+                    let display = self.display(&typed, unit.as_ref(), &value)?;
+                    let shown: Vec<_> = typed.members.into_iter().map(|m| m.expression).collect();
+                    if shown.len() > 1 && shown.len() != found.members.len() {
+                        self.tell(
+                            Diagnostic::error(
+                                codes::REPORT_RUNS,
+                                format!("a message shows {} values at one place", shown.len()),
+                            )
+                            .at(span, "a list of another length than the condition")
+                            .with_help(format!("show one of them: `{name}[1]` by a `let`")),
+                        );
+                        return None;
+                    }
+                    told.push(plan::MessagePart::Value(shown, display));
+                }
+            }
+        }
+        (!failed).then_some(plan::EntryKind::Require {
+            members: found.members.into_iter().map(|m| m.expression).collect(),
+            message: told,
+            advise,
+        })
+    }
+
+    /// A `let` or value of the report.
+    fn named(&mut self, name: &str, span: Span) -> Option<Typed> {
+        let (known, state) = self
+            .names
+            .get_key_value(name)
+            .map(|(known, (place, state))| ((*known, *place), state.clone()))?;
+        match state {
+            Named::Done(typed) => typed,
+            Named::Busy => {
+                self.tell(
+                    Diagnostic::error(codes::VALUE_CIRCLE, "values are defined by each other")
+                        .at(span, "this leads back to where it came from")
+                        .with_help("order does not matter, but each value must follow from others"),
+                );
+                self.names.insert(known.0, (known.1, Named::Done(None)));
+                None
+            }
+            Named::Lazy(expr) => {
+                if !self.checker.deeper(span) {
+                    return None;
+                }
+                self.names.insert(known.0, (known.1, Named::Busy));
+                self.checker.depth += 1;
+                let mut typed = self.expression(expr);
+                self.checker.depth -= 1;
+                // a circle has told its mistake meanwhile
+                if let Some((_, Named::Done(None))) = self.names.get(name) {
+                    typed = None;
+                }
+                self.names
+                    .insert(known.0, (known.1, Named::Done(typed.clone())));
+                typed
+            }
+        }
+    }
+}
+
+impl<'p> Checker<'p> {
+    /// Counts the names that a report reads as used.
+    pub(super) fn names_of_report(&mut self, module: u32, report: &'p ast::Report) {
+        let mut names = Vec::new();
+        for item in &report.block.items {
+            match &item.kind {
+                ItemKind::Entry(entry) => super::declare::collect_names(&entry.value, &mut names),
+                ItemKind::Binding(ast::Binding {
+                    value: Some(value), ..
+                })
+                | ItemKind::Statement(Statement::Require {
+                    condition: value, ..
+                }) => super::declare::collect_names(value, &mut names),
+                _ => {}
+            }
+        }
+        for (name, _) in names {
+            if let Some(id) = self.find_top(module, &name) {
+                self.used.insert((id, String::new()));
+            }
+        }
+    }
+}
+
+/// As stated, or the name as words.
+fn title(stated: Option<&ast::Title>, name: &str) -> String {
+    match stated {
+        Some(title) => title.text.clone(),
+        None => {
+            let words = name.replace('_', " ");
+            let mut letters = words.chars();
+            let first = letters.next().into_iter().flat_map(char::to_uppercase);
+            first.chain(letters).collect()
+        }
+    }
+}
+
+fn location(span: Span) -> Location {
+    Location {
+        source: span.source.0,
+        start: span.start,
+        end: span.end,
+    }
+}

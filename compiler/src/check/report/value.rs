@@ -1,0 +1,574 @@
+//! Signals, numbers and conditions.
+
+use super::Reporter;
+use super::channel::root_name;
+use super::function;
+use crate::check::builtin;
+use crate::check::declare::collect_names;
+use crate::check::mismatch::Due;
+use crate::check::scope::BUILT_IN_NAMES;
+use crate::check::types::{Quantity, Type};
+use crate::codes;
+use crate::resolve::suggest::{listing, nearest};
+use eng_grammar::ast::{BinaryOp, Expr, ExprKind, IndexArgument, UnaryOp};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::DisplayUnit;
+use eng_system::report::{Expression, Function, Operator};
+
+/// What a member is of.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Label {
+    /// The analysis of its first channel; empty for a constant.
+    pub analysis: String,
+    /// `vertical[5]`.
+    pub channel: String,
+}
+
+/// One signal, number or condition.
+#[derive(Clone, Debug)]
+pub(super) struct Member {
+    pub label: Label,
+    pub expression: Expression,
+}
+
+/// What the members of a value are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shape {
+    Signal,
+    Number,
+    Truth,
+}
+
+impl Shape {
+    fn words(self) -> &'static str {
+        match self {
+            Shape::Signal => "a signal",
+            Shape::Number => "a number",
+            Shape::Truth => "a condition",
+        }
+    }
+}
+
+/// Members of one kind and dimension.
+#[derive(Clone, Debug)]
+pub(super) struct Typed {
+    pub members: Vec<Member>,
+    /// Whether it is a list, of however many.
+    pub list: bool,
+    pub shape: Shape,
+    pub quantity: Quantity,
+    /// How its channels are shown.
+    pub display: Option<DisplayUnit>,
+    /// The reference, for a level in decibels.
+    pub level: Option<String>,
+}
+
+impl Typed {
+    /// The same members, each put into something.
+    pub fn mapped(mut self, wrap: impl Fn(Expression) -> Expression) -> Typed {
+        for member in &mut self.members {
+            let inner = std::mem::replace(&mut member.expression, Expression::Number(0.0));
+            member.expression = wrap(inner);
+        }
+        self.level = None;
+        self
+    }
+}
+
+impl<'a> Reporter<'a, '_> {
+    /// What an expression is; `None` where a message was given.
+    pub(super) fn expression(&mut self, expr: &'a Expr) -> Option<Typed> {
+        if self.is_constant(expr) {
+            return self.known(expr);
+        }
+        match &expr.kind {
+            ExprKind::Paren { inner, unit: None } => self.expression(inner),
+            ExprKind::Paren {
+                inner,
+                unit: Some(unit),
+            } => {
+                self.tell(
+                    Diagnostic::error(
+                        codes::UNIT_TWICE,
+                        "what is made of results has its unit already",
+                    )
+                    .at(unit.span, "a second one")
+                    .also(inner.span, "of this")
+                    .with_help("to convert what is shown, use `as`"),
+                );
+                None
+            }
+            ExprKind::Name(name) if self.names.contains_key(name.as_str()) => {
+                self.named(name, expr.span)
+            }
+            ExprKind::Name(_) | ExprKind::Field { .. } | ExprKind::Index { .. } => self.place(expr),
+            ExprKind::Call { callee, arguments } => match &callee.kind {
+                ExprKind::Name(name) => self.call(expr.span, name, callee.span, arguments),
+                _ => {
+                    self.tell(
+                        Diagnostic::error(codes::NOT_CALLABLE, "this is no function")
+                            .at(callee.span, "cannot be called"),
+                    );
+                    None
+                }
+            },
+            ExprKind::List { items, unit: None } => self.list(expr.span, items),
+            ExprKind::Unary { op, operand } => {
+                let of = self.expression(operand)?;
+                match op {
+                    UnaryOp::Negate => {
+                        self.numeric(operand, &of)?;
+                        Some(of.mapped(|e| Expression::Map(Function::Negate, Box::new(e))))
+                    }
+                    UnaryOp::Not => {
+                        self.shaped(operand, &of, Shape::Truth, "the operand of `not`")?;
+                        Some(of.mapped(|e| Expression::Not(Box::new(e))))
+                    }
+                }
+            }
+            ExprKind::Binary {
+                op,
+                op_span,
+                left,
+                right,
+            } => self.binary(*op, *op_span, left, right),
+            ExprKind::Error => None,
+            _ => {
+                self.tell(
+                    Diagnostic::error(
+                        codes::REPORT_SHAPE,
+                        "a report computes with signals and numbers, by operators and functions",
+                    )
+                    .at(expr.span, "neither a signal nor a number of one"),
+                );
+                None
+            }
+        }
+    }
+
+    /// Whether an expression reads nothing of results, and so is one of the language outside of reports.
+    pub(super) fn is_constant(&self, expr: &Expr) -> bool {
+        let mut names = Vec::new();
+        collect_names(expr, &mut names);
+        names.iter().all(|(name, _)| {
+            !self.names.contains_key(name.as_str())
+                && self.models.named(name).is_empty()
+                && !function::is_of_signals(name)
+        })
+    }
+
+    /// A constant, or a list of constants.
+    fn known(&mut self, expr: &'a Expr) -> Option<Typed> {
+        self.all_known(expr)?;
+        let ty = self.checker.infer(&self.scope, expr);
+        if ty.is_error() {
+            return None;
+        }
+        let (quantity, list) = match (&ty, ty.quantity(), ty.components()) {
+            (_, Some(quantity), _) => (quantity, false),
+            (_, _, Some((quantity, _))) => (quantity, true),
+            _ => {
+                let found = self.checker.describe(&ty);
+                self.tell(
+                    Diagnostic::error(
+                        codes::REPORT_SHAPE,
+                        format!("a report computes with signals and numbers, not with {found}"),
+                    )
+                    .at(expr.span, format!("this is {found}")),
+                );
+                return None;
+            }
+        };
+        let numbers = self.constants.numbers(expr)?;
+        Some(Typed {
+            members: numbers
+                .into_iter()
+                .map(|value| Member {
+                    label: Label::default(),
+                    expression: Expression::Number(value),
+                })
+                .collect(),
+            list,
+            shape: Shape::Number,
+            quantity,
+            display: None,
+            level: None,
+        })
+    }
+
+    /// Says which name of an expression is of nothing that a report can read.
+    pub(super) fn all_known(&mut self, expr: &Expr) -> Option<()> {
+        let mut names = Vec::new();
+        collect_names(expr, &mut names);
+        let found = names.into_iter().find(|(name, _)| {
+            !BUILT_IN_NAMES.contains(&name.as_str())
+                && !builtin::NAMES.contains(&name.as_str())
+                && self.checker.find(&self.scope, name).is_none()
+        });
+        let Some((name, span)) = found else {
+            return Some(());
+        };
+        let mut message =
+            Diagnostic::error(codes::UNKNOWN_NAME, format!("there is no `{name}` here"))
+                .at(span, "not known");
+        let analyses = self.models.names();
+        let own: Vec<&str> = self.names.keys().copied().collect();
+        let module = self.checker.program.modules.get(self.scope.module as usize);
+        let top = module.into_iter().flat_map(|m| m.scope.keys());
+        let near = nearest(&name, analyses.iter().copied().chain(own))
+            .or_else(|| nearest(&name, top.map(String::as_str)));
+        message = match near {
+            Some(near) => message
+                .with_help(format!("did you mean `{near}`?"))
+                .with_fix(format!("write `{near}`"), span, near),
+            None => message.with_note(format!("the analyses are {}", listing(analyses, 12))),
+        };
+        self.tell(message);
+        None
+    }
+
+    /// A number that is known while checking.
+    pub(super) fn constant(
+        &mut self,
+        expr: &'a Expr,
+        wanted: &Quantity,
+        what: &str,
+    ) -> Option<f64> {
+        let (quantity, value) = self.constant_of(expr, what)?;
+        match quantity.fits(wanted) {
+            Ok(()) => Some(value),
+            Err(misfit) => {
+                self.checker
+                    .misfit(expr, misfit, &quantity, wanted, &Due::new(what));
+                None
+            }
+        }
+    }
+
+    /// A number that is known while checking, with what it is.
+    pub(super) fn constant_of(&mut self, expr: &'a Expr, what: &str) -> Option<(Quantity, f64)> {
+        if !self.is_constant(expr) {
+            self.tell(
+                Diagnostic::error(
+                    codes::REPORT_SHAPE,
+                    format!("{what} is a number that is known before the run"),
+                )
+                .at(expr.span, "made of results"),
+            );
+            return None;
+        }
+        let typed = self.known(expr)?;
+        match (typed.list, typed.members.first().map(|m| &m.expression)) {
+            (false, Some(Expression::Number(value))) => Some((typed.quantity, *value)),
+            _ => {
+                self.tell(
+                    Diagnostic::error(codes::REPORT_SHAPE, format!("{what} is one number"))
+                        .at(expr.span, "this is a list"),
+                );
+                None
+            }
+        }
+    }
+
+    /// Channels of an analysis, or an element of a list of this report.
+    fn place(&mut self, expr: &'a Expr) -> Option<Typed> {
+        if let ExprKind::Index { base, indices } = &expr.kind
+            && let ExprKind::Name(name) = &base.kind
+            && self.names.contains_key(name.as_str())
+        {
+            return self.element(name, base, indices, expr.span);
+        }
+        match root_name(expr) {
+            Some(root) if !self.models.named(root).is_empty() => self.channels(expr),
+            Some(root) if self.names.contains_key(root) => {
+                self.tell(
+                    Diagnostic::error(codes::NO_MEMBER, format!("`{root}` has no members"))
+                        .at(expr.span, "it is made of results, not a run itself"),
+                );
+                None
+            }
+            _ => {
+                // neither an analysis nor a value: the rest of the language says what it is
+                let ty = self.checker.infer(&self.scope, expr);
+                if !ty.is_error() {
+                    self.tell(
+                        Diagnostic::error(codes::REPORT_SHAPE, "this is not of an analysis")
+                            .at(expr.span, "no recorded channel"),
+                    );
+                }
+                None
+            }
+        }
+    }
+
+    fn element(
+        &mut self,
+        name: &'a str,
+        base: &'a Expr,
+        indices: &'a [IndexArgument],
+        span: Span,
+    ) -> Option<Typed> {
+        let whole = self.named(name, base.span)?;
+        if !whole.list {
+            self.tell(
+                Diagnostic::error(codes::INDEX, format!("`{name}` is no list"))
+                    .at(span, "indexed here"),
+            );
+            return None;
+        }
+        let [IndexArgument::At(at)] = indices else {
+            return Some(whole);
+        };
+        let (numbers, many) = self.index(at)?;
+        let mut members = Vec::new();
+        for number in numbers {
+            let member = usize::try_from(number)
+                .ok()
+                .and_then(|n| n.checked_sub(1))
+                .and_then(|n| whole.members.get(n));
+            let Some(member) = member else {
+                self.tell(
+                    Diagnostic::error(
+                        codes::INDEX_OUTSIDE,
+                        format!("there is no `{name}` with the index {number}"),
+                    )
+                    .at(span, "outside")
+                    .with_note(format!("it has {} elements", whole.members.len())),
+                );
+                return None;
+            };
+            members.push(member.clone());
+        }
+        Some(Typed {
+            members,
+            list: many,
+            ..whole
+        })
+    }
+
+    fn list(&mut self, span: Span, items: &'a [Expr]) -> Option<Typed> {
+        let mut whole: Option<Typed> = None;
+        for item in items {
+            let next = self.expression(item)?;
+            whole = Some(match whole {
+                None => Typed { list: true, ..next },
+                Some(mut whole) => {
+                    if whole.shape != next.shape {
+                        self.shaped(item, &next, whole.shape, "this element of a list")?;
+                    }
+                    let joined = self.checker.join(
+                        (&Type::Scalar(whole.quantity.clone()), span),
+                        (&Type::Scalar(next.quantity.clone()), item.span),
+                        "the elements of a list",
+                    );
+                    whole.quantity = joined.quantity()?;
+                    whole.members.extend(next.members);
+                    whole
+                }
+            });
+        }
+        whole
+    }
+
+    /// Not a condition.
+    fn numeric(&mut self, expr: &Expr, found: &Typed) -> Option<()> {
+        match found.shape {
+            Shape::Truth => self.shaped(expr, found, Shape::Number, "an operand"),
+            _ => Some(()),
+        }
+    }
+
+    /// Says where something of another shape stands than is due.
+    pub(super) fn shaped(
+        &mut self,
+        expr: &Expr,
+        found: &Typed,
+        due: Shape,
+        what: &str,
+    ) -> Option<()> {
+        if found.shape == due {
+            return Some(());
+        }
+        let mut message = Diagnostic::error(
+            codes::REPORT_SHAPE,
+            format!(
+                "{what} must be {}, not {}",
+                due.words(),
+                found.shape.words()
+            ),
+        )
+        .at(expr.span, format!("this is {}", found.shape.words()));
+        let text = self.checker.sources.text(expr.span);
+        message = match (found.shape, due) {
+            (Shape::Signal, Shape::Number) => message
+                .with_note("a signal is a number at each sample of a run")
+                .with_help(format!(
+                    "make a number of it: `maximum({text})`, `rms({text})`, `mean({text})`, …"
+                )),
+            (_, Shape::Signal) => message.with_note("a signal is a number at each sample of a run"),
+            (_, Shape::Truth) => message.with_help("compare it with something: `x < 5 %`"),
+            _ => message,
+        };
+        self.tell(message);
+        None
+    }
+
+    fn binary(
+        &mut self,
+        op: BinaryOp,
+        op_span: Span,
+        left: &'a Expr,
+        right: &'a Expr,
+    ) -> Option<Typed> {
+        let (a, b) = (self.expression(left), self.expression(right));
+        let (a, b) = (a?, b?);
+        let operator = operator(op);
+        if matches!(op, BinaryOp::And | BinaryOp::Or) {
+            self.shaped(left, &a, Shape::Truth, "a side of `and` and `or`")?;
+            self.shaped(right, &b, Shape::Truth, "a side of `and` and `or`")?;
+            return self.paired(operator, op_span, a, b, Shape::Truth, Quantity::one());
+        }
+        self.numeric(left, &a)?;
+        self.numeric(right, &b)?;
+        let ty = self.checker.operated(
+            op,
+            op_span,
+            (left, &Type::Scalar(a.quantity.clone())),
+            (right, &Type::Scalar(b.quantity.clone())),
+        );
+        let comparison = matches!(
+            op,
+            BinaryOp::Equal
+                | BinaryOp::NotEqual
+                | BinaryOp::Less
+                | BinaryOp::LessEqual
+                | BinaryOp::Greater
+                | BinaryOp::GreaterEqual
+        );
+        if comparison {
+            // the sides were compared above, and a misfit told
+            let Type::Bool = ty else { return None };
+            if a.quantity.fits(&b.quantity).is_err() {
+                return None;
+            }
+            self.shaped(left, &a, Shape::Number, "a side of a comparison")?;
+            self.shaped(right, &b, Shape::Number, "a side of a comparison")?;
+            return self.paired(operator, op_span, a, b, Shape::Truth, Quantity::one());
+        }
+        let quantity = ty.quantity()?;
+        let shape = if Shape::Signal == a.shape || Shape::Signal == b.shape {
+            Shape::Signal
+        } else {
+            Shape::Number
+        };
+        self.paired(operator, op_span, a, b, shape, quantity)
+    }
+
+    /// Member by member; a single one goes with every member of a list.
+    pub(super) fn paired(
+        &mut self,
+        operator: Operator,
+        span: Span,
+        a: Typed,
+        b: Typed,
+        shape: Shape,
+        quantity: Quantity,
+    ) -> Option<Typed> {
+        let count = match (a.list, b.list) {
+            (true, true) if a.members.len() != b.members.len() => {
+                self.tell(
+                    Diagnostic::error(
+                        codes::REPORT_RUNS,
+                        format!(
+                            "a list of {} is paired with a list of {}",
+                            a.members.len(),
+                            b.members.len()
+                        ),
+                    )
+                    .at(span, "element by element"),
+                );
+                return None;
+            }
+            (true, _) => a.members.len(),
+            (_, true) => b.members.len(),
+            _ => 1,
+        };
+        let of = |side: &Typed, at: usize| {
+            let at = if side.list { at } else { 0 };
+            side.members.get(at).cloned()
+        };
+        let mut members = Vec::with_capacity(count);
+        for at in 0..count {
+            let (x, y) = (of(&a, at)?, of(&b, at)?);
+            members.push(Member {
+                label: joined(&x.label, &y.label, operator),
+                expression: Expression::Binary(
+                    operator,
+                    Box::new(x.expression),
+                    Box::new(y.expression),
+                ),
+            });
+        }
+        // a sum and a multiple are shown as their parts are
+        let display = [&a, &b]
+            .into_iter()
+            .filter(|side| side.quantity.dim == quantity.dim)
+            .find_map(|side| side.display.clone());
+        Some(Typed {
+            members,
+            list: a.list || b.list,
+            shape,
+            quantity,
+            display,
+            level: None,
+        })
+    }
+}
+
+/// What an operator between two things is of.
+fn joined(a: &Label, b: &Label, operator: Operator) -> Label {
+    if b.analysis.is_empty() {
+        return a.clone();
+    }
+    if a.analysis.is_empty() {
+        return b.clone();
+    }
+    let sign = match operator {
+        Operator::Add => "+",
+        Operator::Subtract => "-",
+        Operator::Multiply => "*",
+        Operator::Divide => "/",
+        _ => ",",
+    };
+    let channel = match (a.channel == b.channel, a.analysis == b.analysis) {
+        (true, true) => a.channel.clone(),
+        (true, false) => format!("{} ({} {sign} {})", a.channel, a.analysis, b.analysis),
+        (false, true) => format!("{} {sign} {}", a.channel, b.channel),
+        (false, false) => format!(
+            "{}.{} {sign} {}.{}",
+            a.analysis, a.channel, b.analysis, b.channel
+        ),
+    };
+    Label {
+        analysis: a.analysis.clone(),
+        channel,
+    }
+}
+
+fn operator(op: BinaryOp) -> Operator {
+    match op {
+        BinaryOp::Or => Operator::Or,
+        BinaryOp::And => Operator::And,
+        BinaryOp::Equal => Operator::Equal,
+        BinaryOp::NotEqual => Operator::NotEqual,
+        BinaryOp::Less => Operator::Less,
+        BinaryOp::LessEqual => Operator::LessEqual,
+        BinaryOp::Greater => Operator::Greater,
+        BinaryOp::GreaterEqual => Operator::GreaterEqual,
+        BinaryOp::Add => Operator::Add,
+        BinaryOp::Subtract => Operator::Subtract,
+        BinaryOp::Multiply => Operator::Multiply,
+        BinaryOp::Divide => Operator::Divide,
+        BinaryOp::Power => Operator::Power,
+    }
+}

@@ -1,0 +1,47 @@
+//! Numbers that are known at the top of the root module.
+
+use super::value::{ScopeId, Value};
+use super::{Elaborator, Eval};
+use crate::program::Program;
+use eng_grammar::ast::Expr;
+use eng_grammar::{Diagnostics, SourceMap};
+use eng_system::host::Host;
+
+/// Evaluates expressions of constants, outside of every model.
+pub(crate) struct Constants<'a, 'd> {
+    elaborator: Elaborator<'a, 'd>,
+    scope: ScopeId,
+}
+
+impl<'a, 'd> Constants<'a, 'd> {
+    /// Of the root module; `None` for a program without modules.
+    pub fn new(
+        program: &'a Program,
+        sources: &'a mut SourceMap,
+        host: &'a dyn Host,
+        diagnostics: &'d mut Diagnostics,
+    ) -> Option<Self> {
+        let elaborator = Elaborator::new(program, sources, host, diagnostics);
+        let scope = *elaborator.module_scopes.get(program.root() as usize)?;
+        Some(Constants { elaborator, scope })
+    }
+
+    /// The number (SI) of an expression, or those of a list. Where there is none, a message was given.
+    pub fn numbers(&mut self, expr: &'a Expr) -> Option<Vec<f64>> {
+        self.known(expr).ok()
+    }
+
+    fn known(&mut self, expr: &'a Expr) -> Eval<Vec<f64>> {
+        let values = match self.elaborator.evaluate(expr, self.scope)? {
+            Value::List(values) => values,
+            value => vec![value],
+        };
+        values
+            .into_iter()
+            .map(|value| {
+                let scalar = self.elaborator.as_scalar(value, expr.span)?;
+                self.elaborator.structural(scalar, expr.span)
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,102 @@
+//! The reports of a text after its runs.
+
+use super::arguments::RunArguments;
+use super::run::{draw, explain_error, told_of};
+use super::{CheckOutcome, Console, Engine, RunOutcome, Stop};
+use crate::post::{self, EvaluatedReport, Outcome, Run, RunModel};
+use crate::results::{Results, file_stem};
+use std::path::Path;
+
+/// Tells what the reports say of what was run, and of results that are in the folder from before; writes their figures. Whether
+/// all that they require holds.
+pub(super) fn reports(
+    outcomes: &[RunOutcome],
+    arguments: &RunArguments,
+    checked: &CheckOutcome,
+    folder: &Path,
+    engine: &mut dyn Engine,
+    console: &mut Console<'_>,
+) -> Result<bool, Stop> {
+    let ran = |name: &str| outcomes.iter().any(|o| o.results.analysis() == name);
+    // a report of which nothing was run has nothing new to say
+    let reports: Vec<_> = engine
+        .reports()
+        .into_iter()
+        .filter(|report| {
+            let mut named = report.entries.iter().flat_map(|entry| entry.analyses());
+            named.any(ran)
+        })
+        .collect();
+    if reports.is_empty() {
+        return Ok(true);
+    }
+    let mut earlier: Vec<Results> = Vec::new();
+    for name in reports
+        .iter()
+        .flat_map(|r| &r.entries)
+        .flat_map(|e| e.analyses())
+    {
+        let path = folder.join(format!("{}.parquet", file_stem(name)));
+        let read = ran(name) || earlier.iter().any(|r| r.analysis() == name);
+        if !read && path.is_file() {
+            earlier.push(told_of(Results::read_parquet(&path), console)?);
+        }
+    }
+    let described = if earlier.is_empty() {
+        Vec::new()
+    } else {
+        match engine.describe(&earlier.iter().collect::<Vec<_>>()) {
+            Ok(described) => described,
+            Err(error) => return Err(explain_error(&error, &checked.sources, console)),
+        }
+    };
+    for (results, described) in earlier.iter().zip(&described) {
+        if results.metadata().get("source_hash") != Some(&described.source_hash) {
+            writeln!(
+                console.errors,
+                "warning: the results of {} are of another text of the model; run it again",
+                results.analysis()
+            )?;
+        }
+    }
+    let models: Vec<RunModel> = outcomes
+        .iter()
+        .map(RunModel::from)
+        .chain(described.iter().map(RunModel::from))
+        .collect();
+    let runs: Vec<Run<'_>> = outcomes
+        .iter()
+        .map(|outcome| &outcome.results)
+        .chain(&earlier)
+        .zip(&models)
+        .map(|(results, model)| Run::new(results, model))
+        .collect();
+    let mut holds = true;
+    for report in &reports {
+        let made = post::evaluate(report, &runs);
+        holds &= !made.fails();
+        if !arguments.quiet {
+            write!(console.output, "{}", post::text(&made))?;
+        } else if made.fails() {
+            write!(console.errors, "{}", post::text(&made))?;
+        }
+        if !arguments.no_plots {
+            draw(figures(&made), folder, arguments, console)?;
+        }
+    }
+    Ok(holds)
+}
+
+/// File names (without extension) and SVG texts.
+fn figures(report: &EvaluatedReport) -> Vec<(String, String)> {
+    report
+        .entries
+        .iter()
+        .filter_map(|entry| match &entry.outcome {
+            Ok(Outcome::Figure(figure)) => {
+                Some((format!("{}-{}", report.name, entry.name), figure.to_svg()))
+            }
+            _ => None,
+        })
+        .collect()
+}

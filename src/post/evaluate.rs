@@ -1,0 +1,491 @@
+//! Expressions over results.
+
+use super::sampling::{Sampled, sampled};
+use super::track::{Samples, Track};
+use super::{PostError, Run};
+use crate::report::shifted;
+use crate::results::{CYCLE_ANGLE, CYCLE_SPEED, TIME};
+use eng_report::signal::{
+    Axis, Band, Ends, Filter, Interpolation, Sampling, Signal, Slope, Window, component,
+    maximum_at, minimum, resample,
+};
+use eng_system::report::{self as plan, Expression, Function, Limit, Operator, Part, Reduction};
+use eng_system::system::Extent;
+use std::rc::Rc;
+
+/// A value while it is evaluated.
+enum Value {
+    Number(f64),
+    Signal(Track),
+    Truth(bool),
+}
+
+impl Value {
+    fn name(&self) -> &'static str {
+        match self {
+            Value::Number(_) => "number",
+            Value::Signal(_) => "signal",
+            Value::Truth(_) => "condition",
+        }
+    }
+}
+
+/// Evaluates over the results of runs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Evaluator<'r> {
+    runs: &'r [Run<'r>],
+}
+
+impl<'r> Evaluator<'r> {
+    pub fn new(runs: &'r [Run<'r>]) -> Evaluator<'r> {
+        Evaluator { runs }
+    }
+
+    /// The run of an analysis.
+    pub fn run(&self, analysis: &str) -> Result<Run<'r>, PostError> {
+        self.runs
+            .iter()
+            .find(|run| run.results.analysis() == analysis)
+            .copied()
+            .ok_or_else(|| PostError::NotRun(vec![analysis.to_owned()]))
+    }
+
+    /// A finite number.
+    pub fn number(&self, expression: &Expression) -> Result<f64, PostError> {
+        match self.value(expression)? {
+            Value::Number(value) => Ok(value),
+            other => Err(PostError::Shape {
+                due: "number",
+                found: other.name(),
+            }),
+        }
+    }
+
+    /// A condition.
+    pub fn truth(&self, expression: &Expression) -> Result<bool, PostError> {
+        match self.value(expression)? {
+            Value::Truth(value) => Ok(value),
+            other => Err(PostError::Shape {
+                due: "condition",
+                found: other.name(),
+            }),
+        }
+    }
+
+    /// A signal.
+    pub fn track(&self, expression: &Expression) -> Result<Track, PostError> {
+        match self.value(expression)? {
+            Value::Signal(track) => Ok(track),
+            other => Err(PostError::Shape {
+                due: "signal",
+                found: other.name(),
+            }),
+        }
+    }
+
+    /// The samples of a run.
+    pub fn samples(&self, analysis: &str) -> Result<Samples, PostError> {
+        let run = self.run(analysis)?;
+        let column = |path: &str| run.results.column(path).map(|c| c.values.clone());
+        Ok(Samples {
+            analysis: analysis.to_owned(),
+            time: column(TIME).ok_or_else(|| PostError::NoChannel {
+                analysis: analysis.to_owned(),
+                path: TIME.to_owned(),
+            })?,
+            angle: column(CYCLE_ANGLE),
+            speed: column(CYCLE_SPEED),
+        })
+    }
+
+    fn channel(&self, analysis: &str, path: &str) -> Result<Track, PostError> {
+        let run = self.run(analysis)?;
+        let column = run
+            .results
+            .column(path)
+            .ok_or_else(|| PostError::NoChannel {
+                analysis: analysis.to_owned(),
+                path: path.to_owned(),
+            })?;
+        Ok(Track {
+            samples: Rc::new(self.samples(analysis)?),
+            values: column.values.clone(),
+        })
+    }
+
+    fn value(&self, expression: &Expression) -> Result<Value, PostError> {
+        Ok(match expression {
+            Expression::Number(value) => Value::Number(*value),
+            Expression::Channel { analysis, path } => Value::Signal(self.channel(analysis, path)?),
+            Expression::Map(function, of) => match self.value(of)? {
+                Value::Number(x) => Value::Number(mapped(*function, x)),
+                Value::Signal(mut track) => {
+                    for value in &mut track.values {
+                        *value = mapped(*function, *value);
+                    }
+                    Value::Signal(track)
+                }
+                other => {
+                    return Err(PostError::Shape {
+                        due: "number",
+                        found: other.name(),
+                    });
+                }
+            },
+            Expression::Binary(operator, left, right) => {
+                let (left, right) = (self.value(left)?, self.value(right)?);
+                operated(*operator, left, right)?
+            }
+            Expression::Not(of) => Value::Truth(!self.truth(of)?),
+            Expression::Fold(operator, members) => {
+                let mut members = members.iter();
+                let mut whole = match members.next() {
+                    Some(first) => self.value(first)?,
+                    None => Value::Number(0.0),
+                };
+                for member in members {
+                    whole = operated(*operator, whole, self.value(member)?)?;
+                }
+                whole
+            }
+            Expression::Decibel(reference, of) => {
+                let level = |x: f64| 20.0 * libm::log10(x.abs() / reference);
+                match self.value(of)? {
+                    Value::Number(x) => Value::Number(level(x)),
+                    Value::Signal(mut track) => {
+                        track.values.iter_mut().for_each(|x| *x = level(*x));
+                        Value::Signal(track)
+                    }
+                    other => {
+                        return Err(PostError::Shape {
+                            due: "number",
+                            found: other.name(),
+                        });
+                    }
+                }
+            }
+            Expression::Last(part, of) => Value::Signal(self.last(*part, self.track(of)?)?),
+            Expression::Filter(filter, of) => Value::Signal(filtered(filter, self.track(of)?)?),
+            Expression::Resample(of, like) => {
+                Value::Signal(resampled(&self.track(of)?, &self.track(like)?)?)
+            }
+            Expression::Reduce(reduction, of) => {
+                Value::Number(reduced(*reduction, &self.track(of)?)?)
+            }
+            Expression::Amplitude(limit, window, of) => {
+                let track = self.track(of)?;
+                Value::Number(amplitude(*limit, *window, &track)?)
+            }
+        })
+    }
+
+    /// The last part of a signal.
+    pub fn last(&self, part: Part, track: Track) -> Result<Track, PostError> {
+        let short = |part: String| PostError::Short {
+            analysis: track.samples.analysis.clone(),
+            part,
+        };
+        let samples = &track.samples;
+        let period = self.run(&samples.analysis)?.model.cycle_period;
+        // first sample not before a place, where the samples reach so far back
+        let since = |values: &[f64], length: f64, slack: f64| {
+            let start = values.last()? - length;
+            if start < values.first()? - slack {
+                return None;
+            }
+            values.iter().position(|value| *value >= start - slack)
+        };
+        let angle = samples.angle.as_deref().unwrap_or_default();
+        let first = match part {
+            Part::Extent(Extent::Time(length)) => since(&samples.time, length, 1e-9 * length)
+                .ok_or_else(|| short(format!("{length} s")))?,
+            Part::Extent(Extent::Angle(length)) => since(angle, length, 1e-6)
+                .ok_or_else(|| short(format!("{:.6}°", length.to_degrees())))?,
+            Part::Cycles(count) => period
+                .and_then(|period| since(angle, period * f64::from(count), 1e-6))
+                .ok_or_else(|| short(format!("{count} cycles")))?,
+        };
+        let mut cut = samples.from(first);
+        if let Part::Cycles(_) = part {
+            cut.angle = cut.angle.map(|angle| shifted(angle, period));
+        }
+        Ok(Track {
+            samples: Rc::new(cut),
+            values: track.values.get(first..).unwrap_or_default().to_vec(),
+        })
+    }
+}
+
+/// How the samples of a signal lie.
+pub(super) fn sampled_track(track: &Track, preferred: Axis) -> Result<Sampled, PostError> {
+    let samples = &track.samples;
+    sampled(&samples.time, samples.angle.as_deref(), preferred)
+        .ok_or_else(|| PostError::Uneven(samples.analysis.clone()))
+}
+
+fn mapped(function: Function, x: f64) -> f64 {
+    match function {
+        Function::Abs => x.abs(),
+        Function::Sqrt => x.sqrt(),
+        Function::Sin => libm::sin(x),
+        Function::Cos => libm::cos(x),
+        Function::Tan => libm::tan(x),
+        Function::Exp => libm::exp(x),
+        Function::Log => libm::log(x),
+        Function::Negate => -x,
+    }
+}
+
+/// An operator between numbers; `None` for one that gives a truth value.
+fn computed(operator: Operator, a: f64, b: f64) -> Option<f64> {
+    Some(match operator {
+        Operator::Add => a + b,
+        Operator::Subtract => a - b,
+        Operator::Multiply => a * b,
+        Operator::Divide => a / b,
+        Operator::Power => libm::pow(a, b),
+        Operator::Minimum => a.min(b),
+        Operator::Maximum => a.max(b),
+        _ => return None,
+    })
+}
+
+fn compared(operator: Operator, a: f64, b: f64) -> Option<bool> {
+    Some(match operator {
+        Operator::Equal => a == b,
+        Operator::NotEqual => a != b,
+        Operator::Less => a < b,
+        Operator::LessEqual => a <= b,
+        Operator::Greater => a > b,
+        Operator::GreaterEqual => a >= b,
+        _ => return None,
+    })
+}
+
+fn operated(operator: Operator, left: Value, right: Value) -> Result<Value, PostError> {
+    let misfit = |found: &Value| PostError::Shape {
+        due: "number",
+        found: found.name(),
+    };
+    let each = |a: f64, b: f64| computed(operator, a, b).unwrap_or(f64::NAN);
+    Ok(match (left, right) {
+        (Value::Number(a), Value::Number(b)) => match computed(operator, a, b) {
+            Some(value) => Value::Number(value),
+            None => match compared(operator, a, b) {
+                // nothing compares with what is no number
+                Some(_) if a.is_nan() || b.is_nan() => {
+                    return Err(PostError::NotFinite("a side of the comparison".to_owned()));
+                }
+                Some(truth) => Value::Truth(truth),
+                None => return Err(misfit(&Value::Number(a))),
+            },
+        },
+        (Value::Truth(a), Value::Truth(b)) => match operator {
+            Operator::And => Value::Truth(a && b),
+            Operator::Or => Value::Truth(a || b),
+            _ => return Err(misfit(&Value::Truth(a))),
+        },
+        (Value::Signal(mut track), Value::Number(b)) => {
+            track.values.iter_mut().for_each(|a| *a = each(*a, b));
+            Value::Signal(track)
+        }
+        (Value::Number(a), Value::Signal(mut track)) => {
+            track.values.iter_mut().for_each(|b| *b = each(a, *b));
+            Value::Signal(track)
+        }
+        (Value::Signal(mut left), Value::Signal(right)) => {
+            if !Rc::ptr_eq(&left.samples, &right.samples)
+                && let Some(detail) = left.samples.differ(&right.samples)
+            {
+                return Err(PostError::Samples {
+                    first: left.samples.analysis.clone(),
+                    second: right.samples.analysis.clone(),
+                    detail,
+                });
+            }
+            for (a, b) in left.values.iter_mut().zip(&right.values) {
+                *a = each(*a, *b);
+            }
+            Value::Signal(left)
+        }
+        (other @ Value::Truth(_), _) | (_, other @ Value::Truth(_)) => return Err(misfit(&other)),
+    })
+}
+
+/// A limit as the samples count it (Hz or orders), by the mean speed where they lie on the other axis.
+fn counted(limit: Limit, sampled: &Sampled, track: &Track) -> Result<f64, PostError> {
+    let speed = || {
+        sampled
+            .speed
+            .map(f64::abs)
+            .filter(|speed| *speed > 0.0 && speed.is_finite())
+            .ok_or_else(|| PostError::NoSpeed(track.samples.analysis.clone()))
+    };
+    Ok(match (limit, sampled.sampling) {
+        (Limit::Frequency(hertz), Sampling::Time { .. }) => hertz,
+        (Limit::Order(order), Sampling::Angle { .. }) => order,
+        (Limit::Frequency(hertz), Sampling::Angle { .. }) => hertz / speed()?,
+        (Limit::Order(order), Sampling::Time { .. }) => order * speed()?,
+    })
+}
+
+fn axis_of(limit: Limit) -> Axis {
+    match limit {
+        Limit::Frequency(_) => Axis::Frequency,
+        Limit::Order(_) => Axis::Order,
+    }
+}
+
+/// A filter for a signal, and how the signal's samples lie.
+pub(super) fn filter_of(
+    filter: &plan::Filter,
+    track: &Track,
+) -> Result<Option<(Filter, Sampled)>, PostError> {
+    let Some(one) = filter.from.or(filter.to) else {
+        return Ok(None);
+    };
+    let sampled = sampled_track(track, axis_of(one))?;
+    let count = |limit: Option<Limit>| {
+        limit
+            .map(|limit| counted(limit, &sampled, track))
+            .transpose()
+    };
+    let band = match (count(filter.from)?, count(filter.to)?) {
+        (Some(from), Some(to)) => Band::Between { from, to },
+        (Some(from), None) => Band::High { from },
+        (None, Some(to)) => Band::Low { to },
+        (None, None) => return Ok(None),
+    };
+    let made = Filter {
+        band,
+        slope: match filter.butterworth {
+            Some(order) => Slope::Butterworth { order },
+            None => Slope::BrickWall,
+        },
+        ends: if filter.periodic {
+            Ends::Periodic
+        } else {
+            Ends::Reflected
+        },
+    };
+    Ok(Some((made, sampled)))
+}
+
+/// A periodic signal's last sample is its first again: it is left out, and put back.
+fn filtered(filter: &plan::Filter, mut track: Track) -> Result<Track, PostError> {
+    let Some((made, sampled)) = filter_of(filter, &track)? else {
+        return Ok(track);
+    };
+    let count = match made.ends {
+        Ends::Periodic => sampled.count,
+        Ends::Reflected => track.values.len(),
+    };
+    let signal = Signal {
+        values: track.values.get(..count).unwrap_or_default(),
+        sampling: sampled.sampling,
+    };
+    let mut values = made.apply(signal).map_err(|e| track.refused(e))?;
+    if made.ends == Ends::Periodic {
+        values.extend(values.first().copied());
+    }
+    track.values = values;
+    Ok(track)
+}
+
+/// The first signal at the samples of the second: over crank angle where both have one, else over time. The second must lie
+/// within the first.
+fn resampled(track: &Track, like: &Track) -> Result<Track, PostError> {
+    let (from, to) = match (&track.samples.angle, &like.samples.angle) {
+        (Some(from), Some(to)) => (from, to),
+        _ => (&track.samples.time, &like.samples.time),
+    };
+    let values =
+        resample(from, &track.values, to, Interpolation::Cubic).map_err(|e| track.refused(e))?;
+    Ok(Track {
+        samples: Rc::clone(&like.samples),
+        values,
+    })
+}
+
+/// Amplitude (0-peak) of a sinusoid; the last sample is left out, which of whole cycles is the first of the next.
+fn amplitude(limit: Limit, window: plan::Window, track: &Track) -> Result<f64, PostError> {
+    let sampled = sampled_track(track, axis_of(limit))?;
+    let place = counted(limit, &sampled, track)?;
+    let cycles = match sampled.sampling {
+        Sampling::Time { step } => place * step,
+        Sampling::Angle { step } => place * step / 360.0,
+    };
+    let values = track.values.get(..sampled.count).unwrap_or_default();
+    component(values, cycles, window_of(window))
+        .map(|found| found.amplitude)
+        .map_err(|e| track.refused(e))
+}
+
+pub(super) fn window_of(window: plan::Window) -> Window {
+    match window {
+        plan::Window::Rectangular => Window::Rectangular,
+        plan::Window::Hann => Window::Hann,
+        plan::Window::FlatTop => Window::FlatTop,
+        plan::Window::BlackmanHarris => Window::BlackmanHarris,
+    }
+}
+
+/// A number of a signal. Extremes are those of the samples, their places those of the parabola through the extreme sample and its
+/// neighbours. Mean and root mean square are over time by the trapezoidal rule: (∫y dt/T), √(∫y² dt/T); of a smooth signal over
+/// whole cycles, evenly sampled, its error vanishes faster than any power of the step.
+fn reduced(reduction: Reduction, track: &Track) -> Result<f64, PostError> {
+    let values = &track.values;
+    let analysis = || track.samples.analysis.clone();
+    if values.is_empty() {
+        return Err(PostError::Short {
+            analysis: analysis(),
+            part: "sample".to_owned(),
+        });
+    }
+    if let Some(at) = values.iter().position(|v| !v.is_finite()) {
+        return Err(PostError::NotFinite(format!(
+            "{}: sample {}",
+            analysis(),
+            at + 1
+        )));
+    }
+    let smallest = || values.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = || values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let over = |by_time: bool| match (&track.samples.angle, by_time) {
+        (Some(angle), false) => angle,
+        _ => &track.samples.time,
+    };
+    match reduction {
+        Reduction::Minimum => Ok(smallest()),
+        Reduction::Maximum => Ok(largest()),
+        Reduction::PeakToPeak => Ok(largest() - smallest()),
+        Reduction::Mean => Ok(mean(&track.samples.time, values)),
+        Reduction::RootMeanSquare => {
+            let squares: Vec<f64> = values.iter().map(|v| v * v).collect();
+            Ok(mean(&track.samples.time, &squares).sqrt())
+        }
+        Reduction::MinimumAt(by_time) => minimum(over(by_time), values)
+            .map(|found| found.position)
+            .map_err(|e| track.refused(e)),
+        Reduction::MaximumAt(by_time) => maximum_at(over(by_time), values)
+            .map(|found| found.position)
+            .map_err(|e| track.refused(e)),
+    }
+}
+
+/// Mean over time (s) by the trapezoidal rule; of one sample itself.
+fn mean(time: &[f64], values: &[f64]) -> f64 {
+    let pairs = || {
+        time.iter()
+            .zip(time.iter().skip(1))
+            .zip(values.iter().zip(values.iter().skip(1)))
+    };
+    let duration: f64 = pairs().map(|((from, to), _)| to - from).sum();
+    if duration <= 0.0 {
+        return values.first().copied().unwrap_or(f64::NAN);
+    }
+    let area: f64 = pairs()
+        .map(|((from, to), (a, b))| 0.5 * (a + b) * (to - from))
+        .sum();
+    area / duration
+}

@@ -1,0 +1,387 @@
+//! What the reports of a text make of results: numbers, conditions, figures.
+//!
+//! May contain: arithmetic over recorded channels. Must not contain: names that are looked up or units that are checked (the
+//! compiler's), how signals are treated and figures drawn (`eng_report`), files.
+//!
+//! ```
+//! let text = "
+//!     use std.joints.Revolute
+//!     model Pendulum {
+//!         gravity = [0, -9.81, 0] m/s^2
+//!         marker pivot = [0, 0, 0] mm
+//!         body bob { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker top = [0, 1, 0] m }
+//!         joint pin = Revolute(bob.top, pivot)
+//!         start pin.angle = 10 deg
+//!     }
+//!     analysis swing = transient(Pendulum(), duration: 1 s)
+//!     report swings { value widest = maximum(abs(swing.pin.angle)) as deg }";
+//! let program = eng::check(&eng::Sources::from_text("pendulum.eng", text), "pendulum.eng").into_program()?;
+//! let analysis = program.analysis("swing")?;
+//! let outcome = analysis.run(&mut |_| {}).map_err(|failed| failed.error)?;
+//! let model = eng::post::RunModel::of(&analysis)?;
+//! let runs = [eng::post::Run::new(&outcome.results, &model)];
+//! let report = eng::post::evaluate(&program.reports()[0], &runs);
+//! let widest = report.values("widest")?[0].value;
+//! assert!((widest.to_degrees() - 10.0).abs() < 1e-6);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod evaluate;
+mod picture;
+mod sampling;
+mod section;
+mod spectra;
+mod table;
+mod track;
+
+pub(crate) use sampling::{Sampled, on, sampled};
+pub(crate) use section::section;
+pub use table::text;
+
+use crate::cli::{JournalGeometry, RunOutcome};
+use crate::plot::Upright;
+use crate::report::Described;
+use crate::{Analysis, Error, Results};
+use eng_report::figure::Figure;
+use eng_report::signal::SignalError;
+use eng_system::DisplayUnit;
+use eng_system::report::{EntryKind, MessagePart, Report};
+use evaluate::Evaluator;
+
+/// An entry that the results do not give.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PostError {
+    /// Analyses without results.
+    #[error("no results of {}", .0.join(", "))]
+    NotRun(Vec<String>),
+    /// A channel that was not kept.
+    #[error("the results of {analysis} have no {path}; were other channels kept (--channels)?")]
+    NoChannel {
+        /// The analysis.
+        analysis: String,
+        /// The column.
+        path: String,
+    },
+    /// No entry of that name.
+    #[error("the report has no value {0}")]
+    NoValue(String),
+    /// Two runs with other samples.
+    #[error(
+        "{first} and {second} have other samples ({detail}); `resample(a, like: b)` gives one at the other's samples"
+    )]
+    Samples {
+        /// The analysis of the left side.
+        first: String,
+        /// The analysis of the right side.
+        second: String,
+        /// How they differ.
+        detail: String,
+    },
+    /// Samples without equal distances.
+    #[error("{0}: samples are even neither in time nor in crank angle")]
+    Uneven(String),
+    /// A shaft that stands, or is not known.
+    #[error("{0}: the cycle does not turn, so that there are no orders")]
+    NoSpeed(String),
+    /// A part that is longer than the run.
+    #[error("{analysis}: the results are shorter than the last {part}")]
+    Short {
+        /// The analysis.
+        analysis: String,
+        /// What was asked for.
+        part: String,
+    },
+    /// A journal that the model does not have any more.
+    #[error("{analysis} has no journal {path}")]
+    NoJournal {
+        /// The analysis.
+        analysis: String,
+        /// The journal.
+        path: String,
+    },
+    /// A signal that cannot be treated as asked.
+    #[error("{analysis}: {source}")]
+    Signal {
+        /// The analysis.
+        analysis: String,
+        /// Why.
+        source: SignalError,
+    },
+    /// A number that is none.
+    #[error("{0} is no finite number")]
+    NotFinite(String),
+    /// A tree that no checked text gives.
+    #[error("a {found} stands where a {due} is due")]
+    Shape {
+        /// What is due.
+        due: &'static str,
+        /// What was found.
+        found: &'static str,
+    },
+}
+
+/// What the reports need of the model behind results.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunModel {
+    /// Journals in the order of the text.
+    pub journals: Vec<JournalGeometry>,
+    /// The cycle's period (rad), if there is a cycle.
+    pub cycle_period: Option<f64>,
+    /// Which shell axis is drawn upwards.
+    pub upright: Upright,
+    /// Firing dead centres: number of the cylinder and angle (rad).
+    pub firing: Vec<(usize, f64)>,
+}
+
+impl RunModel {
+    /// Of an analysis with its parameters.
+    ///
+    /// # Errors
+    /// Parameters that the model refuses.
+    pub fn of(analysis: &Analysis) -> Result<RunModel, Error> {
+        let compiled = analysis.model().compiled();
+        let system = &compiled.system;
+        let bound = analysis.bound()?;
+        Ok(RunModel {
+            journals: crate::local::journals(system, &bound),
+            cycle_period: crate::analysis::cycle_period(compiled, &bound),
+            upright: crate::local::upright(system, &bound),
+            firing: Vec::new(),
+        })
+    }
+}
+
+impl From<&RunOutcome> for RunModel {
+    fn from(outcome: &RunOutcome) -> RunModel {
+        RunModel {
+            journals: outcome.journals.clone(),
+            cycle_period: outcome.cycle_period,
+            upright: outcome.upright,
+            firing: Vec::new(),
+        }
+    }
+}
+
+impl From<&Described> for RunModel {
+    fn from(described: &Described) -> RunModel {
+        RunModel {
+            journals: described.journals.clone(),
+            cycle_period: described.cycle_period,
+            upright: described.upright,
+            firing: described.firing.clone(),
+        }
+    }
+}
+
+/// The results of an analysis with the model behind them.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'r> {
+    results: &'r Results,
+    model: &'r RunModel,
+}
+
+impl<'r> Run<'r> {
+    /// From what a run made, or from what was read.
+    pub fn new(results: &'r Results, model: &'r RunModel) -> Run<'r> {
+        Run { results, model }
+    }
+}
+
+/// A number of a report.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Number {
+    /// What it is of, where a value has several: `vertical[5]`, `runup[3]`.
+    pub name: String,
+    /// SI.
+    pub value: f64,
+}
+
+/// What an entry has become.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// A picture.
+    Figure(Box<Figure>),
+    /// Numbers and how they are shown.
+    Value(Vec<Number>, DisplayUnit),
+    /// Whether a condition holds.
+    Condition {
+        /// It does.
+        holds: bool,
+        /// What is told where it does not, with the values.
+        message: String,
+        /// Told, but no failure.
+        advise: bool,
+    },
+}
+
+/// An entry of a report with the numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluated {
+    /// `peak`.
+    pub name: String,
+    /// `Largest force`.
+    pub title: String,
+    /// `///` lines before it.
+    pub text: String,
+    /// As written.
+    pub written: String,
+    /// What it has become, or why not.
+    pub outcome: Result<Outcome, PostError>,
+}
+
+impl Evaluated {
+    /// What a number of it is called: its title, and what it is of where there are several.
+    fn name_of(&self, number: &Number) -> String {
+        if number.name.is_empty() {
+            self.title.clone()
+        } else {
+            format!("{}, {}", self.title, number.name)
+        }
+    }
+}
+
+/// A report with the numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EvaluatedReport {
+    /// `bearings`.
+    pub name: String,
+    /// `Main bearings at 4000 rpm`.
+    pub title: String,
+    /// `///` lines before it.
+    pub text: String,
+    /// In the order of the text.
+    pub entries: Vec<Evaluated>,
+    /// Analyses whose runs ended early, with the reason: what is made of them is of a part.
+    pub partial: Vec<(String, String)>,
+}
+
+impl EvaluatedReport {
+    /// The numbers of a value.
+    ///
+    /// # Errors
+    /// No value of that name, or one that the results do not give.
+    pub fn values(&self, name: &str) -> Result<&[Number], PostError> {
+        let entry = self.entries.iter().find(|entry| entry.name == name);
+        match entry.map(|entry| &entry.outcome) {
+            Some(Ok(Outcome::Value(numbers, _))) => Ok(numbers),
+            Some(Err(error)) => Err(error.clone()),
+            _ => Err(PostError::NoValue(name.to_owned())),
+        }
+    }
+
+    /// Whether a `require` does not hold.
+    pub fn fails(&self) -> bool {
+        self.entries.iter().any(|entry| {
+            matches!(
+                entry.outcome,
+                Ok(Outcome::Condition {
+                    holds: false,
+                    advise: false,
+                    ..
+                })
+            )
+        })
+    }
+}
+
+/// Makes a report of results. What an entry lacks is told in its place; the others are made all the same.
+pub fn evaluate(report: &Report, runs: &[Run<'_>]) -> EvaluatedReport {
+    let mut named: Vec<&str> = Vec::new();
+    let entries = report
+        .entries
+        .iter()
+        .map(|entry| {
+            let analyses = entry.analyses();
+            for name in &analyses {
+                if !named.contains(name) {
+                    named.push(name);
+                }
+            }
+            let missing: Vec<String> = analyses
+                .iter()
+                .filter(|name| runs.iter().all(|run| run.results.analysis() != **name))
+                .map(ToString::to_string)
+                .collect();
+            let outcome = if missing.is_empty() {
+                outcome(&entry.kind, &entry.title, &Evaluator::new(runs))
+            } else {
+                Err(PostError::NotRun(missing))
+            };
+            Evaluated {
+                name: entry.name.clone(),
+                title: entry.title.clone(),
+                text: entry.text.clone(),
+                written: entry.written.clone(),
+                outcome,
+            }
+        })
+        .collect();
+    let partial = runs
+        .iter()
+        .filter(|run| named.contains(&run.results.analysis()))
+        .filter_map(|run| {
+            let state = run.results.metadata().get(crate::results::STATE)?;
+            let reason = state.strip_prefix("failed: ")?;
+            Some((run.results.analysis().to_owned(), reason.to_owned()))
+        })
+        .collect();
+    EvaluatedReport {
+        name: report.name.clone(),
+        title: report.title.clone(),
+        text: report.text.clone(),
+        entries,
+        partial,
+    }
+}
+
+fn outcome(kind: &EntryKind, title: &str, evaluator: &Evaluator<'_>) -> Result<Outcome, PostError> {
+    match kind {
+        EntryKind::Figure(figure) => {
+            let drawn = picture::figure(figure, title, evaluator)?;
+            Ok(Outcome::Figure(Box::new(drawn)))
+        }
+        EntryKind::Value { members, display } => {
+            let names = track::names(members);
+            let numbers = members
+                .iter()
+                .zip(names)
+                .map(|(member, name)| {
+                    let value = evaluator.number(&member.expression)?;
+                    Ok(Number { name, value })
+                })
+                .collect::<Result<Vec<_>, PostError>>()?;
+            Ok(Outcome::Value(numbers, display.clone()))
+        }
+        EntryKind::Require {
+            members,
+            message,
+            advise,
+        } => {
+            let mut failing = None;
+            for (place, member) in members.iter().enumerate() {
+                if !evaluator.truth(member)? {
+                    failing.get_or_insert(place);
+                }
+            }
+            let holds = failing.is_none();
+            // of a list the first that does not hold is told of
+            let place = failing.unwrap_or(0);
+            let mut told = String::new();
+            for part in message {
+                match part {
+                    MessagePart::Text(text) => told.push_str(text),
+                    MessagePart::Value(values, display) => {
+                        if let Some(value) = values.get(place).or(values.first()) {
+                            told.push_str(&display.text(evaluator.number(value)?));
+                        }
+                    }
+                }
+            }
+            Ok(Outcome::Condition {
+                holds,
+                message: told,
+                advise: *advise,
+            })
+        }
+    }
+}

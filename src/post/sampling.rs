@@ -1,0 +1,68 @@
+//! How samples lie, and what lines of a spectrum are counted by.
+
+use eng_report::signal::{Axis, Sampling, Spectrum};
+use std::f64::consts::TAU;
+
+/// Share of the mean distance by which samples of a spectrum may lie off their grid.
+const EVEN: f64 = 1e-4;
+
+/// How samples lie: how many are of one period, and the shaft's mean speed (1/s).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sampled {
+    /// Evenly in angle or in time.
+    pub sampling: Sampling,
+    /// All but the last: of whole cycles that one is the first of the next.
+    pub count: usize,
+    /// Turns a second, if there is a cycle.
+    pub speed: Option<f64>,
+}
+
+/// How samples lie: evenly in cycle angle (rad), else in time (s); the other way round where an axis of frequencies is
+/// `preferred`. `None` where they lie evenly in neither.
+pub(crate) fn sampled(time: &[f64], angle: Option<&[f64]>, preferred: Axis) -> Option<Sampled> {
+    let duration = time.last()? - time.first()?;
+    let turned = angle.and_then(|a| Some(a.last()? - a.first()?));
+    let speed = turned.map(|turned| turned / duration / TAU);
+    let count = time.len().checked_sub(1)?;
+    let by_angle = angle
+        .and_then(even_step)
+        .filter(|step| *step > 0.0)
+        .map(|step| Sampling::Angle {
+            step: step.to_degrees(),
+        });
+    let by_time = even_step(time).map(|step| Sampling::Time { step });
+    let sampling = match preferred {
+        Axis::Order => by_angle.or(by_time)?,
+        Axis::Frequency => by_time.or(by_angle)?,
+    };
+    Some(Sampled {
+        sampling,
+        count,
+        speed,
+    })
+}
+
+/// Distance of evenly spaced values.
+fn even_step(values: &[f64]) -> Option<f64> {
+    let (first, last) = (values.first()?, values.last()?);
+    let step = (last - first) / (values.len().checked_sub(1).filter(|n| *n > 2)? as f64);
+    let even = values
+        .iter()
+        .zip(values.iter().skip(1))
+        .all(|(before, after)| (after - before - step).abs() <= EVEN * step.abs());
+    (even && step != 0.0).then_some(step)
+}
+
+/// A spectrum on another axis, by the shaft's mean speed (1/s).
+pub(crate) fn on(axis: Axis, spectrum: &Spectrum, speed: Option<f64>) -> Option<Spectrum> {
+    let speed = speed.filter(|s| s.is_finite() && *s > 0.0);
+    match (spectrum.axis, axis) {
+        (Axis::Order, Axis::Frequency) => Some(Spectrum {
+            axis,
+            step: spectrum.step * speed?,
+            ..spectrum.clone()
+        }),
+        (Axis::Frequency, Axis::Order) => spectrum.clone().in_orders(60.0 * speed?).ok(),
+        _ => Some(spectrum.clone()),
+    }
+}

@@ -1,0 +1,159 @@
+//! Signals with their samples.
+
+use super::PostError;
+use eng_report::signal::SignalError;
+use eng_system::report::Member;
+use std::rc::Rc;
+
+/// Where the samples of a run lie.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Samples {
+    /// The analysis.
+    pub analysis: String,
+    /// Time (s).
+    pub time: Vec<f64>,
+    /// Cycle angle (rad), if there is a cycle.
+    pub angle: Option<Vec<f64>>,
+    /// Rate of the cycle angle (rad/s), if there is a cycle.
+    pub speed: Option<Vec<f64>>,
+}
+
+/// Share of the distance of samples by which those of two runs may lie apart.
+const ALIKE: f64 = 1e-4;
+
+impl Samples {
+    /// The samples from one on.
+    pub fn from(&self, first: usize) -> Samples {
+        let tail = |values: &Vec<f64>| values.get(first..).unwrap_or_default().to_vec();
+        Samples {
+            analysis: self.analysis.clone(),
+            time: tail(&self.time),
+            angle: self.angle.as_ref().map(tail),
+            speed: self.speed.as_ref().map(tail),
+        }
+    }
+
+    /// Whether two runs were sampled at the same crank angles, or at the same times; if not, how they differ.
+    pub fn differ(&self, other: &Samples) -> Option<String> {
+        if self.time.len() != other.time.len() {
+            return Some(format!(
+                "{} samples against {}",
+                self.time.len(),
+                other.time.len()
+            ));
+        }
+        let same = |a: &[f64], b: &[f64]| first_apart(a, b).is_none();
+        if let (Some(a), Some(b)) = (&self.angle, &other.angle)
+            && same(a, b)
+        {
+            return None;
+        }
+        let apart = first_apart(&self.time, &other.time)?;
+        let at = |values: &[f64]| values.get(apart).copied().unwrap_or(f64::NAN);
+        Some(format!(
+            "sample {} at {:.6} s against {:.6} s{}",
+            apart + 1,
+            at(&self.time),
+            at(&other.time),
+            if self.angle.is_some() {
+                ", and at other crank angles"
+            } else {
+                ""
+            }
+        ))
+    }
+}
+
+/// The first place where two rows are not the same but for rounding.
+fn first_apart(a: &[f64], b: &[f64]) -> Option<usize> {
+    let span = match (a.first(), a.last()) {
+        (Some(first), Some(last)) => (last - first).abs(),
+        _ => return None,
+    };
+    let slack = ALIKE * span / a.len().saturating_sub(1).max(1) as f64;
+    a.iter().zip(b).position(|(a, b)| (a - b).abs() > slack)
+}
+
+/// A signal.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Track {
+    pub samples: Rc<Samples>,
+    /// SI, one a sample.
+    pub values: Vec<f64>,
+}
+
+impl Track {
+    /// An error of a signal's treatment.
+    pub fn refused(&self, source: SignalError) -> PostError {
+        PostError::Signal {
+            analysis: self.samples.analysis.clone(),
+            source,
+        }
+    }
+}
+
+/// What tells members from each other: their channels, their analyses, or both; nothing for one alone.
+pub(super) fn names(members: &[Member]) -> Vec<String> {
+    if members.len() < 2 {
+        return members.iter().map(|_| String::new()).collect();
+    }
+    told_apart(
+        members
+            .iter()
+            .map(|m| (m.analysis.as_str(), m.channel.as_str())),
+    )
+}
+
+/// Names for analyses and channels, as short as tells them apart.
+pub(super) fn told_apart<'m>(
+    members: impl Iterator<Item = (&'m str, &'m str)> + Clone,
+) -> Vec<String> {
+    let first = members.clone().next();
+    let one_analysis = members.clone().all(|(a, _)| Some(a) == first.map(|f| f.0));
+    let one_channel = members.clone().all(|(_, c)| Some(c) == first.map(|f| f.1));
+    members
+        .map(|(analysis, channel)| match (one_analysis, one_channel) {
+            (true, _) => channel.to_owned(),
+            (false, true) => analysis.to_owned(),
+            (false, false) => format!("{analysis} {channel}"),
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(times: &[f64], angles: Option<&[f64]>) -> Samples {
+        Samples {
+            analysis: "a".to_owned(),
+            time: times.to_vec(),
+            angle: angles.map(<[f64]>::to_vec),
+            speed: None,
+        }
+    }
+
+    #[test]
+    fn runs_are_alike_at_equal_angles_or_equal_times() {
+        let a = samples(&[0.0, 1.0, 2.0], Some(&[0.0, 0.5, 1.0]));
+        let slower = samples(&[0.0, 1.1, 2.3], Some(&[0.0, 0.5, 1.0]));
+        assert_eq!(a.differ(&slower), None);
+        let turned = samples(&[0.0, 1.0, 2.0], Some(&[0.0, 0.6, 1.0]));
+        assert_eq!(a.differ(&turned), None);
+        let other = samples(&[0.0, 1.2, 2.0], Some(&[0.0, 0.6, 1.0]));
+        assert_eq!(
+            a.differ(&other).as_deref(),
+            Some("sample 2 at 1.000000 s against 1.200000 s, and at other crank angles")
+        );
+        let short = samples(&[0.0, 1.0], None);
+        assert_eq!(a.differ(&short).as_deref(), Some("3 samples against 2"));
+    }
+
+    #[test]
+    fn names_are_as_short_as_tells_apart() {
+        let pairs = |pairs: &[(&'static str, &'static str)]| told_apart(pairs.to_vec().into_iter());
+        assert_eq!(pairs(&[("a", "x[1]"), ("a", "x[2]")]), ["x[1]", "x[2]"]);
+        assert_eq!(pairs(&[("a", "x"), ("b", "x")]), ["a", "b"]);
+        assert_eq!(pairs(&[("a", "x"), ("b", "y")]), ["a x", "b y"]);
+    }
+}
