@@ -20,6 +20,7 @@ pub struct Analysis {
     plan: eng_system::system::Analysis,
     program: Program,
     overrides: Vec<Option<f64>>,
+    replaced: Vec<String>,
     recording: Recording,
 }
 
@@ -77,6 +78,7 @@ impl Analysis {
             plan,
             program,
             overrides,
+            replaced: Vec::new(),
             recording: Recording::default(),
         })
     }
@@ -111,10 +113,41 @@ impl Analysis {
         &self.plan.kind
     }
 
-    /// Sets a parameter, over what the analysis sets.
+    /// Sets a parameter, over what the analysis states; but not what its sweep varies.
     pub fn set(mut self, parameter: Parameter, value: Quantity) -> Result<Self, Error> {
-        self.overrides[parameter.index] = Some(self.model.checked(parameter, value)?);
+        let value = self.model.checked(parameter, value)?;
+        let system = &self.model.compiled().system;
+        let Some(info) = system.parameters.get(parameter.index) else {
+            return Err(Error::OtherModel);
+        };
+        let path = &info.origin.path;
+        if self.program.sweeps(self.name(), path) {
+            return Err(Error::Swept {
+                path: path.clone(),
+                analysis: self.name().to_owned(),
+            });
+        }
+        let stated = self.plan.set.iter().find(|(p, _)| p == path);
+        if let Some((_, stated)) = stated
+            && *stated != value
+        {
+            let text = |x: f64| info.display.text(x);
+            let told = format!(
+                "{path} = {}, not {} as the text states",
+                text(value),
+                text(*stated)
+            );
+            self.replaced.push(told);
+        }
+        if let Some(place) = self.overrides.get_mut(parameter.index) {
+            *place = Some(value);
+        }
         Ok(self)
+    }
+
+    /// Parameters that were set over what the text of the analysis states, in words.
+    pub fn replaced(&self) -> &[String] {
+        &self.replaced
     }
 
     /// States what is kept of the run, and where.
@@ -130,6 +163,16 @@ impl Analysis {
             .bind
             .bind(&self.overrides, &compiled.system.tables)
             .map_err(|e| run_error(&self.model, e.into()))
+    }
+
+    /// What `advise`s say of its parameters.
+    pub(crate) fn advice(&self) -> Result<Vec<eng_grammar::Diagnostic>, Error> {
+        let bound = self.bound()?;
+        Ok(bound
+            .advice
+            .iter()
+            .map(crate::failure::parameter_advice)
+            .collect())
     }
 
     /// Assembles the model as the analysis begins, and counts its freedoms.
@@ -200,7 +243,7 @@ impl Analysis {
             Ok((summary, periodic)) => (summary, periodic, None),
             Err(cause) => (None, None, Some(cause)),
         };
-        let failure = cause.as_ref().map(|cause| format!("failed: {cause}"));
+        let failure = cause.as_ref().map(ToString::to_string);
         let finished = recorder.table.finish(failure.as_deref());
         let cause = cause.map(|cause| run_error(&self.model, cause));
         match (finished, cause) {
@@ -264,7 +307,7 @@ impl Analysis {
             .times(Dimension::LENGTH)
             .over(Dimension::TIME)
             .over(Dimension::TIME);
-        for path in ENERGY {
+        for path in eng_system::columns::ENERGY {
             results.push(Column {
                 path: path.to_owned(),
                 dimension: energy,
@@ -411,17 +454,6 @@ fn given(kept: &KeptWarning) -> Warning {
         },
     }
 }
-
-/// Paths of the energy audit's columns.
-const ENERGY: [&str; 7] = [
-    "energy.kinetic",
-    "energy.gravity",
-    "energy.strain",
-    "energy.damping",
-    "energy.work_of_loads",
-    "energy.work_of_drives",
-    "energy.imbalance",
-];
 
 impl Observer for Recorder<'_> {
     fn started(&mut self, report: &StartReport) {

@@ -134,8 +134,9 @@ impl Simulation {
 
     /// A channel at the current state (SI).
     pub fn value(&mut self, channel: Channel) -> Result<f64, Error> {
+        let index = self.model.index_of(channel)?;
         self.inner
-            .value(channel.index)
+            .value(index)
             .map_err(|cause| run_error(&self.model, cause))
     }
 

@@ -2,6 +2,7 @@
 
 use eng_system::code::BindError;
 use eng_system::system::Origin;
+use eng_system::table::Outside;
 
 /// When something happened.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,6 +96,16 @@ fn list_groups(groups: &[RedundantGroup]) -> String {
         .join("; ")
 }
 
+fn undefined(origin: &Origin, outside: &Option<Box<Outside>>, moment: &Moment) -> String {
+    match outside {
+        Some(outside) => format!("{}: {outside} ({moment})", origin.path),
+        None => format!(
+            "{} is not finite at {moment}: something is divided by zero, or a root or logarithm taken of a number that has none",
+            origin.path
+        ),
+    }
+}
+
 /// Why an analysis stopped.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RuntimeError {
@@ -158,10 +169,12 @@ pub enum RuntimeError {
         moment: Moment,
     },
     /// An element returned something that is not a number.
-    #[error("{} is not finite at {moment}: a table read outside its range, or an undefined operation", origin.path)]
+    #[error("{}", undefined(origin, outside, moment))]
     NotFinite {
         /// The element.
         origin: Box<Origin>,
+        /// The table that it reads outside its points, if it is that.
+        outside: Option<Box<Outside>>,
         /// When.
         moment: Moment,
     },

@@ -9,7 +9,7 @@ use super::{
 use crate::Quantity;
 use crate::plot;
 use crate::render::{self, Colors};
-use crate::results::{Last, Recording, Selection, file_stem};
+use crate::results::{Last, Recording, Selection, failed_twin, stem_of, writable};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::num::NonZeroUsize;
@@ -35,6 +35,14 @@ pub(super) fn run(
         .unwrap_or_else(|| results_folder(&arguments.model));
     let recording = recording(arguments, &folder);
     let recording = told_of(recording, console)?;
+    // before anything is computed
+    for name in &analyses {
+        let stem = stem_of(name, false);
+        told_of(writable(&folder.join(format!("{stem}.parquet"))), console)?;
+        if arguments.csv {
+            told_of(writable(&folder.join(format!("{stem}.csv"))), console)?;
+        }
+    }
     let written = engine.record(&recording);
     let bars = MultiProgress::with_draw_target(if !arguments.quiet && console.live {
         ProgressDrawTarget::stderr()
@@ -83,7 +91,16 @@ pub(super) fn run(
     }
     let outcomes = told.outcomes;
     for family in sweep::families(&outcomes) {
-        let table = sweep::table(&family);
+        let mut table = sweep::table(&family);
+        let missing: Vec<&str> = told
+            .failures
+            .iter()
+            .filter(|name| name.split('[').next() == Some(table.analysis()))
+            .map(String::as_str)
+            .collect();
+        if !missing.is_empty() {
+            table.set_failure(&format!("no row of {}, which failed", missing.join(", ")));
+        }
         if !arguments.quiet {
             write!(console.output, "{}", sweep::text(&table))?;
         }
@@ -96,9 +113,12 @@ pub(super) fn run(
     }
     if !arguments.no_plots {
         let compared: Vec<&RunOutcome> = outcomes.iter().filter(|o| o.point.is_empty()).collect();
-        draw(figures::comparisons(&compared), &folder, arguments, console)?;
+        // without those that failed they are not what they are with them
+        let failed = !told.failures.is_empty();
+        let figures = figures::comparisons(&compared);
+        draw(figures, failed, &folder, arguments, console)?;
     }
-    if told.failed {
+    if !told.failures.is_empty() {
         return Err(Stop::Code(MODEL_WRONG));
     }
     Ok(())
@@ -139,7 +159,8 @@ struct Told {
     outcomes: Vec<RunOutcome>,
     /// Each message once, though analyses of one model fail alike.
     messages: Vec<Diagnostic>,
-    failed: bool,
+    /// Names of the analyses that failed.
+    failures: Vec<String>,
     stop: Option<Stop>,
 }
 
@@ -184,18 +205,27 @@ impl Told {
                 diagnostics,
                 partial,
             }) => {
-                self.failed = true;
                 self.show(&diagnostics, checked, console)?;
+                self.failures.push(analysis.to_owned());
                 match partial {
-                    Some(partial) => {
+                    Some(mut partial) => {
+                        if partial.results.failure().is_none() {
+                            let reason = diagnostics.iter().next().map(|d| d.title.clone());
+                            let reason = reason.unwrap_or_else(|| "the run failed".to_owned());
+                            partial.results.set_failure(&reason);
+                        }
                         self.show(&partial.diagnostics, checked, console)?;
                         writeln!(
                             console.errors,
-                            "{analysis} failed; the results up to the failure are kept"
+                            "{analysis} failed; the results up to the failure are kept as {}, those of an earlier run stay as they are",
+                            partial.results.stem()
                         )?;
                         report(&partial, self.written, arguments, folder, console)?;
                     }
-                    None => writeln!(console.errors, "{analysis} failed")?,
+                    None => writeln!(
+                        console.errors,
+                        "{analysis} failed before its first sample; results of an earlier run stay as they are"
+                    )?,
                 }
             }
             Err(error) => return Err(explain_error(&error, &checked.sources, console)),
@@ -311,7 +341,7 @@ fn report(
         }
     }
     let path = if written {
-        folder.join(format!("{}.parquet", file_stem(results.analysis())))
+        folder.join(format!("{}.parquet", results.stem()))
     } else {
         told_of(results.write_parquet(folder), console)?
     };
@@ -327,19 +357,27 @@ fn report(
     }
     // of a sweep the table over its points tells more
     if !arguments.no_plots && outcome.point.is_empty() {
-        draw(figures::of_analysis(outcome), folder, arguments, console)?;
+        let failed = results.failure().is_some();
+        draw(
+            figures::of_analysis(outcome),
+            failed,
+            folder,
+            arguments,
+            console,
+        )?;
     }
     Ok(())
 }
 
 fn draw(
     figures: Vec<(String, String)>,
+    failed: bool,
     folder: &Path,
     arguments: &RunArguments,
     console: &mut Console<'_>,
 ) -> Result<(), Stop> {
     for (name, svg) in figures {
-        let written = plot::write_svg_and_png(&svg, folder, &file_stem(&name));
+        let written = plot::write_svg_and_png(&svg, folder, &stem_of(&name, failed));
         for path in told_of(written, console)? {
             wrote(&path, arguments, console)?;
         }
@@ -348,6 +386,10 @@ fn draw(
 }
 
 fn wrote(path: &Path, arguments: &RunArguments, console: &mut Console<'_>) -> Result<(), Stop> {
+    // what a failed run left is out of date; where it can't be removed, it still says what it is
+    if let Some(twin) = failed_twin(path) {
+        let _ = std::fs::remove_file(twin);
+    }
     if !arguments.quiet {
         writeln!(console.output, "  wrote {}", path.display())?;
     }

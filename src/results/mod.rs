@@ -19,9 +19,10 @@ mod universal;
 
 pub use column::Column;
 pub use csv::CsvForm;
-pub use file::{file_stem, replace_file};
+pub use file::{file_stem, replace_file, writable};
 pub use listing::{Kind, Listed, listed};
 pub use recording::Recording;
+pub(crate) use recording::{failed_twin, stem_of};
 pub use resume_point::{KeptWarning, ResumePoint};
 pub use selection::{Last, Selection};
 pub(crate) use table::{Begun, Table};
@@ -29,12 +30,7 @@ pub(crate) use table::{Begun, Table};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Path of the column of time.
-pub const TIME: &str = "time";
-/// Path of the column of the unwrapped cycle angle.
-pub const CYCLE_ANGLE: &str = "cycle.angle";
-/// Path of the column of the cycle angle's rate.
-pub const CYCLE_SPEED: &str = "cycle.speed";
+pub use eng_system::columns::{CYCLE_ANGLE, CYCLE_SPEED, TIME};
 
 /// Results that cannot be built, written or read.
 #[derive(Debug, thiserror::Error)]

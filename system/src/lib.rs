@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod code;
+pub mod columns;
 pub mod dimension;
 pub mod flexible;
 pub mod host;

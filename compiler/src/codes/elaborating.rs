@@ -113,6 +113,26 @@ eng_grammar::codes! {
         "All its markers are on one rigid body, or all on the ground: they never move against each other, so its equations hold nothing.",
         "joint pin = Revolute(pivot, pivot)",
         "joint pin = Revolute(bob.top, pivot)";
+    EMPTY_LIST = "E0529", "a sum, minimum or maximum of an empty list",
+        "With the constants of this model the list has no element, which would tell the value and its dimension. Say what is meant then.",
+        "const gaps = 0\nlet slack = sum(1 mm for i in 1..gaps)",
+        "const gaps = 0\nlet slack = if gaps > 0 then sum(1 mm for i in 1..gaps) else 0 mm";
+    CYCLE_PERIOD = "E0530", "the period of the cycle is not positive",
+        "The cycle's angle is counted in periods: 360 deg for a two-stroke engine or a machine, 720 deg for a four-stroke engine.",
+        "cycle angle = rotation(crank.main, ground) { period = 0 deg }",
+        "cycle angle = rotation(crank.main, ground) { period = 720 deg }";
+    NOT_HANDED_ON = "E0531", "an analysis gives a model something that it cannot hand on",
+        "Arguments of a model in an analysis are numbers, texts, truth values, mode sets, classes, records, and lists of these. A function or a table is defined where it is used.",
+        "analysis soft = transient(Rig(law: soft_spring), duration: 1 s)",
+        "analysis soft = transient(Rig(stiffness: 2 N/mm), duration: 1 s)";
+    CHANNEL_TWICE = "E0532", "two columns of the results have one name",
+        "Every output is a column, named by its path. `time`, `cycle.angle`, `cycle.speed` and the `energy` audit are columns of every run. Rename the output, or the part that it is in.",
+        "output time = 2*pi/speed",
+        "output revolution_time = 2*pi/speed";
+    TOO_MANY_USES = "E0533", "functions and values are put in too often",
+        "A function is put in where it is called, and a value of the motion where it is used. Thirty functions that call each other twice would be put in a billion times. Give what is used twice a name with `let`.",
+        "fn a(x: 1) -> 1 = x*x\nfn b(x: 1) -> 1 = a(x)*a(x)\nfn c(x: 1) -> 1 = b(x)*b(x)",
+        "fn a(x: 1) -> 1 = x*x\nfn b(x: 1) -> 1 { let y = a(x); y*y }\nfn c(x: 1) -> 1 { let y = b(x); y*y }";
     INTERNAL = "E0599", "the compiler or the runtime contradicts itself",
         "No model should bring this about: an earlier check should have told what is wrong. Please report it with the model. Changing what stands at the place named may help until it is mended.",
         "", "";

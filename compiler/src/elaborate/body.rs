@@ -431,7 +431,14 @@ impl<'a> Elaborator<'a, '_> {
         );
     }
 
-    fn bind_check(&mut self, flag: Node, message: Vec<super::MessagePart>, path: &str, span: Span) {
+    /// A condition of parameters that the language itself asks for.
+    pub fn bind_check(
+        &mut self,
+        flag: Node,
+        message: Vec<super::MessagePart>,
+        path: &str,
+        span: Span,
+    ) {
         let holds = self.bench.flag_number(super::scalar::Flag {
             stage: Stage::Bind,
             node: flag,

@@ -507,7 +507,7 @@ impl<'a> Elaborator<'a, '_> {
 
     fn material_source(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<MaterialSource> {
         let record = match self.evaluate(value, scope)? {
-            Value::Record(record) => record,
+            Value::Record(_, record) => record,
             other => return Err(self.unfit(value.span, "a material", &other)),
         };
         let mut field = |name: &str| -> Eval<f64> {

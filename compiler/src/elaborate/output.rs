@@ -100,6 +100,10 @@ impl<'a> Elaborator<'a, '_> {
                 let zero = self.bench.constant(0.0, Dimension::ONE);
                 (vec![self.bench.select(flag, one, zero)], true)
             }
+            Value::Bool(known) => {
+                let number = if known { 1.0 } else { 0.0 };
+                (vec![self.bench.constant(number, Dimension::ONE)], true)
+            }
             other => (vec![self.as_scalar(other, span)?], true),
         };
         let first = draft.outputs.len() as u32;
@@ -488,6 +492,7 @@ impl<'a> Elaborator<'a, '_> {
                 }
             }
         }
+        self.asked(&mut draft);
         let origin = Origin {
             path,
             used_at: Some(location(span)),
