@@ -3,12 +3,13 @@
 use crate::model::{Model, Parameter};
 use crate::motion::Motion;
 use crate::results::{Begun, Column, KeptWarning, Recording, Results, ResultsError, Table};
-use crate::simulation::run_error;
+use crate::simulation::run_error_with;
 use crate::{Error, Program, Quantity, RuntimeError};
 use eng_runtime::{
     CycleReport, Moment, Observer, PeriodicSummary, RunSummary, Sample, StartReport, Warning,
     run_periodic, run_transient,
 };
+use eng_system::code::BindError;
 use eng_system::system::{AnalysisKind, Location, Origin, PointValue};
 use eng_system::{Dimension, DisplayUnit};
 use std::ops::ControlFlow;
@@ -20,6 +21,8 @@ pub struct Analysis {
     plan: eng_system::system::Analysis,
     program: Program,
     overrides: Vec<Option<f64>>,
+    /// Parameters that were set over the text's.
+    set_here: Vec<String>,
     replaced: Vec<String>,
     recording: Recording,
 }
@@ -78,6 +81,7 @@ impl Analysis {
             plan,
             program,
             overrides,
+            set_here: Vec::new(),
             replaced: Vec::new(),
             recording: Recording::default(),
         })
@@ -139,6 +143,7 @@ impl Analysis {
             );
             self.replaced.push(told);
         }
+        self.set_here.push(path.clone());
         if let Some(place) = self.overrides.get_mut(parameter.index) {
             *place = Some(value);
         }
@@ -162,7 +167,7 @@ impl Analysis {
         compiled
             .bind
             .bind(&self.overrides, &compiled.system.tables)
-            .map_err(|e| run_error(&self.model, e.into()))
+            .map_err(|e| self.error(e.into()))
     }
 
     /// What `advise`s say of its parameters.
@@ -175,13 +180,33 @@ impl Analysis {
             .collect())
     }
 
+    /// A failure with its places; who set a parameter that does not fit is told.
+    fn error(&self, cause: RuntimeError) -> Error {
+        let path = match &cause {
+            RuntimeError::Bind(BindError::Limits { path, .. }) => Some(path.clone()),
+            _ => None,
+        };
+        run_error_with(&self.model, cause, |message| {
+            let Some(path) = path else {
+                return message;
+            };
+            if self.set_here.contains(&path) {
+                message.with_note("it was set for this run: by --set, or by the program around")
+            } else if self.plan.set.iter().any(|(p, _)| *p == path) {
+                crate::failure::set_by(message, &self.plan.origin)
+            } else {
+                message
+            }
+        })
+    }
+
     /// Assembles the model as the analysis begins, and counts its freedoms.
     pub fn topology(&self) -> Result<eng_runtime::TopologyReport, Error> {
         let (compiled, overrides) = (self.model.compiled(), &self.overrides);
         // the start has conditions of its own: clearances, velocities that fit each other
         eng_runtime::Simulation::new(compiled, overrides, eng_runtime::Options::default())
             .and_then(|_| eng_runtime::topology(compiled, overrides))
-            .map_err(|cause| run_error(&self.model, cause))
+            .map_err(|cause| self.error(cause))
     }
 
     /// Runs. `progress` is called after every step.
@@ -245,7 +270,7 @@ impl Analysis {
         };
         let failure = cause.as_ref().map(ToString::to_string);
         let finished = recorder.table.finish(failure.as_deref());
-        let cause = cause.map(|cause| run_error(&self.model, cause));
+        let cause = cause.map(|cause| self.error(cause));
         match (finished, cause) {
             (Err(error), None) => Err(Failed {
                 error: Box::new(error.into()),

@@ -373,6 +373,14 @@ pub(crate) fn parameter_advice(advice: &eng_system::code::Advice) -> Diagnostic 
     condition(message, &advice.origin, "this should hold")
 }
 
+/// The analysis that set a parameter.
+pub(crate) fn set_by(message: Diagnostic, analysis: &Origin) -> Diagnostic {
+    match analysis.used_at {
+        Some(at) => message.also(span(at), "set by this analysis"),
+        None => message,
+    }
+}
+
 /// The user's line, if the condition is of a class, and the condition.
 fn condition(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
     match (origin.used_at, origin.defined_at) {

@@ -95,9 +95,17 @@ impl SimulationBuilder {
 
 /// A failure of the runtime with its places in the model's texts.
 pub(crate) fn run_error(model: &Model, cause: RuntimeError) -> Error {
+    run_error_with(model, cause, |message| message)
+}
+
+/// The same, with something added to the message.
+pub(crate) fn run_error_with(
+    model: &Model,
+    cause: RuntimeError,
+    added: impl FnOnce(Diagnostic) -> Diagnostic,
+) -> Error {
     let mut diagnostics = Diagnostics::new();
-    let message: Diagnostic = failure::diagnostic(&cause, &model.compiled().system);
-    diagnostics.push(message);
+    diagnostics.push(added(failure::diagnostic(&cause, &model.compiled().system)));
     Error::Run {
         report: Report::new(model.texts().clone(), diagnostics),
         cause,

@@ -43,11 +43,12 @@ impl std::fmt::Display for NamedRow {
 }
 
 impl NamedRow {
+    /// Products of unit axes are angles for small gaps.
     fn gap(&self) -> String {
         if self.is_length {
             format!("{:.6} mm", 1e3 * self.value.abs())
         } else {
-            format!("{:.6}", self.value.abs())
+            format!("{:.6} rad", self.value.abs())
         }
     }
 }

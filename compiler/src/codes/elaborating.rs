@@ -31,8 +31,8 @@ eng_grammar::codes! {
         "Accelerations follow from the forces. A function that is passed as an argument and takes `der` of a velocity can be used in outputs only, and a message cannot show one.",
         "fn rate(v: Velocity) -> Acceleration = der(v)\nforce drag = Drag(ball.origin, ground, law: rate)",
         "fn damp(v: Velocity) -> Acceleration = v/1 s\nforce drag = Drag(ball.origin, ground, law: damp)";
-    DIRECTION = "E0508", "a direction has the length zero",
-        "It points nowhere. Only the direction of `x:` and `z:` counts, not their length, but it must not be zero.",
+    DIRECTION = "E0508", "a direction has the length zero, or two are parallel",
+        "It points nowhere. Only the direction of `x:` and `z:` counts, not their length, but it must not be zero; where both are stated, x is made perpendicular to z, so that they must not be parallel.",
         "marker main = at(origin, z: [0, 0, 0])",
         "marker main = at(origin, z: [0, 0, 1])";
     GROUND_ALONE = "E0509", "`ground` has no partner marker",

@@ -372,7 +372,7 @@ impl<'a> Elaborator<'a, '_> {
                 };
                 let reported = self.report(match used_at.map(span_of) {
                     Some(place) => diagnostic
-                        .at(place, "asked for by its class")
+                        .at(place, "asked for by what is used here")
                         .also(condition.span, "this does not hold"),
                     None => diagnostic.at(condition.span, "this does not hold"),
                 });

@@ -374,6 +374,7 @@ impl<'a> Elaborator<'a, '_> {
         };
         let x = get("x").map(|x| self.direction(x, scope)).transpose()?;
         let z = get("z").map(|z| self.direction(z, scope)).transpose()?;
+        self.not_parallel(x, z, value.span, scope)?;
         let nodes = self.orientation(x, z);
         let mut axes = [0.0; 9];
         for (number, node) in axes.iter_mut().zip(nodes) {
