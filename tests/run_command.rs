@@ -98,7 +98,8 @@ fn a_failed_run_leaves_the_results_of_an_earlier_one() {
             .unwrap()
             .contains("table push is read beyond its last point")
     );
-    assert_eq!(failed.samples(), 26);
+    // the one at 25 ms is not reached
+    assert_eq!(failed.samples(), 25);
     let files = folder.files();
     assert!(
         files
@@ -197,7 +198,7 @@ fn a_value_outside_its_limits_is_told_with_its_places() {
         "{told}"
     );
     assert!(
-        told.contains("model.eng:4:") && told.contains("model.eng:16:"),
+        told.contains("model.eng:4:") && told.contains("set by this analysis"),
         "{told}"
     );
     let output = folder.eng(&[
@@ -221,7 +222,7 @@ fn what_is_in_the_way_of_results_is_told_before_the_run() {
     // an hour of computing
     let model = PUSHED.replace(
         "duration: 40 ms, sample: 1 ms",
-        "duration: 40 ms, sample: 1 ms, step: 1 ns",
+        "duration: 40 ms, sample: 1 ms, step: 1e-9 s",
     );
     let folder = Folder::new("way", &model);
     std::fs::write(folder.path("file"), "").unwrap();
@@ -274,7 +275,18 @@ analysis cold = assemble(Rotor(temperature: -100 degC))
 
 #[test]
 fn check_tells_what_is_advised_and_required_of_parameters() {
-    let folder = Folder::new("advice", &TURNED.replace("SPEED", "3000 rpm"));
+    let model: Vec<String> = TURNED
+        .replace("SPEED", "3000 rpm")
+        .lines()
+        .filter(|line| !line.starts_with("analysis short"))
+        .map(|line| {
+            line.replace(
+                "analysis run",
+                "analysis again = assemble(Rotor())\nanalysis run",
+            )
+        })
+        .collect();
+    let folder = Folder::new("advice", &model.join("\n"));
     let output = folder.eng(&["check", "model.eng"]);
     assert_eq!(output.status.code(), Some(1));
     let told = text(&output);
