@@ -48,7 +48,7 @@ eng_grammar::codes! {
         "joint Rod(a: Marker, b: Marker, length: Length) { constrain length == 100 mm }",
         "joint Rod(a: Marker, b: Marker, length: Length) { constrain norm(a.origin - b.origin) == length }";
     ELEMENT_TOO_LARGE = "E0512", "one element is too large",
-        "One element or output touches at most 64 markers, 64 states, 256 equations, 16 rotations, 1024 channels of others and 4096 numbers. Divide it into several.",
+        "One element or output touches at most 64 markers, 64 states, 256 equations, 16 rotations, 1024 channels of others and 4096 numbers, and takes at most 100 000 operations. Divide it into several.",
         "", "";
     REQUIRED = "E0513", "a `require` does not hold",
         "The class or model asks for a condition that the constants of this model do not fulfil. The text is its author's.",

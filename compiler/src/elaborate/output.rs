@@ -15,6 +15,9 @@ use eng_system::layout::InputLayout;
 use eng_system::system::{Channel, JournalInfo, Origin, OutputInfo, Role, StateInfo};
 use eng_system::{Dimension, DisplayUnit};
 
+/// Most operations of one element before its derivatives: compiling takes seconds then.
+const MOST_OPERATIONS: usize = 100_000;
+
 impl<'a> Elaborator<'a, '_> {
     pub fn class_outputs(
         &mut self,
@@ -273,6 +276,16 @@ impl<'a> Elaborator<'a, '_> {
                 )
                 .at(span, "this one")
                 .with_help("divide it into several elements or outputs"),
+            ));
+        }
+        if element.graph.nodes().len() > MOST_OPERATIONS {
+            return Err(self.report(
+                Diagnostic::error(
+                    codes::ELEMENT_TOO_LARGE,
+                    format!("one element takes more than {MOST_OPERATIONS} operations"),
+                )
+                .at(span, "this one")
+                .with_help("where functions call each other twice, give values that are used twice a name with `let`; or divide it into several elements or outputs"),
             ));
         }
         let (graph, map) = compact(&element.graph, &layout);
