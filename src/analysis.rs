@@ -3,12 +3,13 @@
 use crate::model::{Model, Parameter};
 use crate::motion::Motion;
 use crate::results::{Begun, Column, KeptWarning, Recording, Results, ResultsError, Table};
-use crate::simulation::run_error;
+use crate::simulation::run_error_with;
 use crate::{Error, Program, Quantity, RuntimeError};
 use eng_runtime::{
     CycleReport, LinearModes, Moment, Observer, PeriodicSummary, RunSummary, Sample, StartReport,
     Warning, run_linear, run_periodic, run_transient,
 };
+use eng_system::code::BindError;
 use eng_system::recorded::recorded;
 use eng_system::system::{AnalysisKind, Location, Origin, PointValue};
 use std::ops::ControlFlow;
@@ -20,6 +21,9 @@ pub struct Analysis {
     plan: eng_system::system::Analysis,
     program: Program,
     overrides: Vec<Option<f64>>,
+    /// Parameters that were set over the text's.
+    set_here: Vec<String>,
+    replaced: Vec<String>,
     recording: Recording,
 }
 
@@ -79,6 +83,8 @@ impl Analysis {
             plan,
             program,
             overrides,
+            set_here: Vec::new(),
+            replaced: Vec::new(),
             recording: Recording::default(),
         })
     }
@@ -113,10 +119,42 @@ impl Analysis {
         &self.plan.kind
     }
 
-    /// Sets a parameter, over what the analysis sets.
+    /// Sets a parameter, over what the analysis states; but not what its sweep varies.
     pub fn set(mut self, parameter: Parameter, value: Quantity) -> Result<Self, Error> {
-        self.overrides[parameter.index] = Some(self.model.checked(parameter, value)?);
+        let value = self.model.checked(parameter, value)?;
+        let system = &self.model.compiled().system;
+        let Some(info) = system.parameters.get(parameter.index) else {
+            return Err(Error::OtherModel);
+        };
+        let path = &info.origin.path;
+        if self.program.sweeps(self.name(), path) {
+            return Err(Error::Swept {
+                path: path.clone(),
+                analysis: self.name().to_owned(),
+            });
+        }
+        let stated = self.plan.set.iter().find(|(p, _)| p == path);
+        if let Some((_, stated)) = stated
+            && *stated != value
+        {
+            let text = |x: f64| info.display.text(x);
+            let told = format!(
+                "{path} = {}, not {} as the text states",
+                text(value),
+                text(*stated)
+            );
+            self.replaced.push(told);
+        }
+        self.set_here.push(path.clone());
+        if let Some(place) = self.overrides.get_mut(parameter.index) {
+            *place = Some(value);
+        }
         Ok(self)
+    }
+
+    /// Parameters that were set over what the text of the analysis states, in words.
+    pub fn replaced(&self) -> &[String] {
+        &self.replaced
     }
 
     /// States what is kept of the run, and where.
@@ -136,7 +174,37 @@ impl Analysis {
         compiled
             .bind
             .bind(&self.overrides, &compiled.system.tables)
-            .map_err(|e| run_error(&self.model, e.into()))
+            .map_err(|e| self.error(e.into()))
+    }
+
+    /// What `advise`s say of its parameters.
+    pub(crate) fn advice(&self) -> Result<Vec<eng_grammar::Diagnostic>, Error> {
+        let bound = self.bound()?;
+        Ok(bound
+            .advice
+            .iter()
+            .map(crate::failure::parameter_advice)
+            .collect())
+    }
+
+    /// A failure with its places; who set a parameter that does not fit is told.
+    fn error(&self, cause: RuntimeError) -> Error {
+        let path = match &cause {
+            RuntimeError::Bind(BindError::Limits { path, .. }) => Some(path.clone()),
+            _ => None,
+        };
+        run_error_with(&self.model, cause, |message| {
+            let Some(path) = path else {
+                return message;
+            };
+            if self.set_here.contains(&path) {
+                message.with_note("it was set for this run: by --set, or by the program around")
+            } else if self.plan.set.iter().any(|(p, _)| *p == path) {
+                crate::failure::set_by(message, &self.plan.origin)
+            } else {
+                message
+            }
+        })
     }
 
     /// Assembles the model as the analysis begins, and counts its freedoms.
@@ -145,7 +213,7 @@ impl Analysis {
         // the start has conditions of its own: clearances, velocities that fit each other
         eng_runtime::Simulation::new(compiled, overrides, eng_runtime::Options::default())
             .and_then(|_| eng_runtime::topology(compiled, overrides))
-            .map_err(|cause| run_error(&self.model, cause))
+            .map_err(|cause| self.error(cause))
     }
 
     /// Runs. `progress` is called after every step.
@@ -222,14 +290,14 @@ impl Analysis {
             Ok((summary, periodic)) => (summary, periodic, None),
             Err(cause) => (None, None, Some(cause)),
         };
-        let failure = cause.as_ref().map(|cause| format!("failed: {cause}"));
+        let failure = cause.as_ref().map(ToString::to_string);
         // a run that is killed between its results and its motion has all of the motion on disk
         let saved = recorder.motion.save();
         if cause.is_none() {
             saved.map_err(|error| failed(error.into()))?;
         }
         let finished = recorder.table.finish(failure.as_deref());
-        let cause = cause.map(|cause| run_error(&self.model, cause));
+        let cause = cause.map(|cause| self.error(cause));
         match (finished, cause) {
             (Err(error), None) => Err(Failed {
                 error: Box::new(error.into()),
@@ -275,7 +343,7 @@ impl Analysis {
         let mut results = Results::new(self.name(), self.model.name());
         if let AnalysisKind::Linear(_) = self.plan.kind {
             let bound = eng_runtime::model::Model::bind(self.model.compiled(), &self.overrides)
-                .map_err(|cause| run_error(&self.model, cause))?;
+                .map_err(|cause| self.error(cause))?;
             crate::modes::push_columns(&mut results, &bound)?;
         } else {
             self.push_samples(&mut results)?;

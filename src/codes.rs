@@ -33,9 +33,9 @@ eng_grammar::codes! {
         "body rod { mass = 0.6 kg; inertia = [0, 0, 0] g*m^2 }",
         "body rod { mass = 0.6 kg; inertia = [3.1, 0.12, 3] g*m^2 }";
     NOT_FINITE = "E0708", "an element gives something that is no number",
-        "A table is read outside its points, or something is divided by zero, or a root is taken of a negative number. The message names the element and the moment.",
-        "table push(t: Time) -> Force = points([0, 0.1] s, [0, 1] N)",
-        "table push(t: Time) -> Force = points([0, 0.1] s, [0, 1] N, extrapolation: hold)";
+        "Something is divided by zero, or a root or logarithm is taken of a number that has none. The message names the element and the moment.",
+        "apply force k/norm(a.origin - b.origin)*b.x on a against b",
+        "apply force k/norm(a.origin - b.origin, floor: 1 um)*b.x on a against b";
     NO_STEP = "E0709", "a step has no solution, however small",
         "The equations jump or are very stiff at this moment: a force with `if` that jumps, a mechanism at the end of its reach. Make the force continuous, or look at the outputs just before.",
         "", "";
@@ -48,6 +48,10 @@ eng_grammar::codes! {
     PROJECTION = "E0712", "a position does not come back to the constraints",
         "Between steps the positions are put back on the constraints. That fails where a step is too long for the motion, or where the mechanism locks or reaches its end.",
         "", "";
+    OUTSIDE_TABLE = "E0713", "a table is read outside its points",
+        "A table without `extrapolation` has no value there. The message names the table, where it is read and from where to where its points go. State more points, shorten the run, make the table `periodic`, or say what holds outside.",
+        "table push(t: Time) -> Force = points([0, 0.1] s, [0, 1] N)",
+        "table push(t: Time) -> Force = points([0, 0.1] s, [0, 1] N, extrapolation: hold)";
     CYCLE_STANDS = "E0714", "the cycle angle does not advance",
         "The duration is an angle, but the crank stands or swings. Give a time, or start the crank turning.",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 1 deg)",

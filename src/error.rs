@@ -44,6 +44,16 @@ pub enum Error {
     /// A handle of a parameter or channel that another model gave.
     #[error("the handle is of another model")]
     OtherModel,
+    /// A parameter that the analysis itself varies.
+    #[error(
+        "{path} is what {analysis} varies from point to point: it can't be set to one value; leave it, or run another analysis"
+    )]
+    Swept {
+        /// The parameter.
+        path: String,
+        /// The analysis.
+        analysis: String,
+    },
     /// A value of the wrong dimension.
     #[error("{path} is in {expected} ({unit}), the value is in {found}")]
     Dimension {

@@ -5,6 +5,7 @@ use eng_grammar::{Diagnostic, SourceId, Span};
 use eng_runtime::{PeriodicSummary, RuntimeError, StartReport};
 use eng_system::code::BindError;
 use eng_system::system::{Location, Origin, System};
+use eng_system::table::Outside;
 
 /// The message of a failure: the user's line first, the law's second.
 pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
@@ -36,8 +37,13 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             message.with_help("a driven part and its start velocity must agree; leave one of them out")
         }
         R::Redundant { groups } => redundant(groups),
+        R::NotFinite {
+            origin,
+            outside: Some(outside),
+            ..
+        } => outside_table(place(d(codes::OUTSIDE_TABLE), origin, "reads the table"), outside),
         R::NotFinite { origin, .. } => place(d(codes::NOT_FINITE), origin, "this element")
-            .with_help("give a table `extrapolation: hold` or `linear` if it may be read outside its points"),
+            .with_help("keep a divisor from zero, such as by `norm(v, floor: 1 um)`, and a root's argument from below"),
         R::Newton { origin, .. } => place(d(codes::NO_STEP), origin, "the largest residual is here")
             .with_help("a force that jumps, or a mechanism at the end of its reach, has no solution: look at the outputs just before"),
         R::StepTooSmall { origin, .. } => {
@@ -66,6 +72,15 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::NoCycle | R::Malformed { .. } | R::OutsideStep { .. } | R::Eigenvalues { .. } => d(codes::INTERNAL)
             .with_help("please report this together with the model"),
     }
+}
+
+/// Where a table stands whose points end, and what can be done.
+fn outside_table(message: Diagnostic, outside: &Outside) -> Diagnostic {
+    let message = match outside.at {
+        Some(at) => message.also(span(at), "its points are stated here"),
+        None => message,
+    };
+    message.with_help("state points further, or `periodic:`, or what holds outside: `extrapolation: hold` or `linear`")
 }
 
 /// One label and one note a joint, however many of its equations repeat others.
@@ -133,7 +148,18 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
             let message = Diagnostic::error(codes::PARAMETER_REQUIRED, error.to_string());
             condition(message, &origin, "this must hold")
         }
-        BindError::NotFinite { path } => {
+        BindError::NotFinite {
+            path,
+            outside: Some(outside),
+        } => {
+            let message = Diagnostic::error(codes::OUTSIDE_TABLE, format!("{path}: {outside}"));
+            let message = match place_of(path, system) {
+                Some(at) => message.at(span(at), "needs the table's value"),
+                None => message,
+            };
+            outside_table(message, outside)
+        }
+        BindError::NotFinite { path, .. } => {
             let message = Diagnostic::error(
                 codes::PARAMETER_NOT_FINITE,
                 format!("with these parameters a number of {path} is not finite"),
@@ -345,6 +371,14 @@ pub(crate) fn parameter_advice(advice: &eng_system::code::Advice) -> Diagnostic 
     let title = format!("{}: {}", advice.origin.path, advice.message);
     let message = Diagnostic::warning(codes::PARAMETER_ADVISED, title);
     condition(message, &advice.origin, "this should hold")
+}
+
+/// The analysis that set a parameter.
+pub(crate) fn set_by(message: Diagnostic, analysis: &Origin) -> Diagnostic {
+    match analysis.used_at {
+        Some(at) => message.also(span(at), "set by this analysis"),
+        None => message,
+    }
 }
 
 /// The user's line, if the condition is of a class, and the condition.

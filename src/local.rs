@@ -128,11 +128,20 @@ impl Engine for Local {
         let mut told = Vec::new();
         let names = program.analyses();
         for (name, analysis) in names.iter().zip(program.analyses_of(&names)) {
-            match analysis.map_err(engine_error)?.topology() {
-                Ok(report) => found.facts.push(format!(
-                    "{name}: assembles; {} velocities, {} constraint equations, {} freedoms",
-                    report.velocities, report.equations, report.freedom
-                )),
+            let analysis = analysis.map_err(engine_error)?;
+            match analysis.topology() {
+                Ok(report) => {
+                    for diagnostic in analysis.advice().map_err(engine_error)? {
+                        if !told.contains(&diagnostic) {
+                            told.push(diagnostic.clone());
+                            found.diagnostics.push(diagnostic);
+                        }
+                    }
+                    found.facts.push(format!(
+                        "{name}: assembles; {} velocities, {} constraint equations, {} freedoms",
+                        report.velocities, report.equations, report.freedom
+                    ));
+                }
                 Err(Error::Run { report, .. } | Error::Report(report)) => {
                     // analyses of one model fail alike: each mistake once
                     for diagnostic in report.diagnostics().iter() {
@@ -291,9 +300,10 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     let system = &analysis.model().compiled().system;
     let bound = analysis.bound()?;
     let mut diagnostics = Diagnostics::new();
-    for advice in &bound.advice {
-        diagnostics.push(crate::failure::parameter_advice(advice));
-    }
+    analysis
+        .advice()?
+        .into_iter()
+        .for_each(|d| diagnostics.push(d));
     for warning in &outcome.warnings {
         // a run repeats what its parameters are advised at its start
         let repeated = |advice: &eng_system::code::Advice| {
@@ -303,7 +313,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
             diagnostics.push(crate::failure::advice(warning));
         }
     }
-    let mut facts = Vec::new();
+    let mut facts = analysis.replaced().to_vec();
     if outcome.made_before {
         facts.push("was complete, and is not run again".to_owned());
     }

@@ -12,18 +12,24 @@ pub struct Model {
     compiled: Compiled,
     texts: Arc<SourceMap>,
     reductions: Arc<[crate::Reduction]>,
+    /// Equal for models whose handles mean the same.
+    handles: u64,
 }
 
 /// A number of a model that can be set without compiling again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parameter {
     pub(crate) index: usize,
+    /// Of the model that gave it.
+    model: u64,
 }
 
 /// A column of the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Channel {
-    pub(crate) index: usize,
+    index: usize,
+    /// Of the model that gave it.
+    model: u64,
 }
 
 /// What is known about a parameter.
@@ -59,6 +65,7 @@ impl Model {
         reductions: Vec<crate::Reduction>,
     ) -> Model {
         Model {
+            handles: fingerprint(&compiled.system),
             compiled,
             texts,
             reductions: reductions.into(),
@@ -87,7 +94,10 @@ impl Model {
     pub fn parameter(&self, path: &str) -> Result<Parameter, Error> {
         let all = &self.compiled.system.parameters;
         match all.iter().position(|p| p.origin.path == path) {
-            Some(index) => Ok(Parameter { index }),
+            Some(index) => Ok(Parameter {
+                index,
+                model: self.handles,
+            }),
             None => Err(Error::NoParameter {
                 path: path.to_owned(),
                 nearest: nearest(path, all.iter().map(|p| p.origin.path.as_str())),
@@ -99,7 +109,10 @@ impl Model {
     pub fn channel(&self, path: &str) -> Result<Channel, Error> {
         let all = &self.compiled.system.channels;
         match all.iter().position(|c| c.path == path) {
-            Some(index) => Ok(Channel { index }),
+            Some(index) => Ok(Channel {
+                index,
+                model: self.handles,
+            }),
             None => Err(Error::NoChannel {
                 path: path.to_owned(),
                 nearest: nearest(path, all.iter().map(|c| c.path.as_str())),
@@ -149,12 +162,18 @@ impl Model {
         let rows: usize = dynamic()
             .map(|e| system.classes[e.class as usize].rows.len())
             .sum();
+        let modes: usize = self
+            .compiled
+            .reduced
+            .iter()
+            .map(|b| b.invariants.modes)
+            .sum();
         let bytes: usize = self.compiled.code.iter().map(|c| c.code_bytes()).sum();
         format!(
             "{}: {} bodies with {} velocities, {} elements of {} classes, {rows} constraint equations, {} journals, {} parameters, {} channels; {} kB of machine code",
             system.name,
             system.bodies.len(),
-            6 * system.bodies.len(),
+            6 * system.bodies.len() + modes,
             dynamic().count(),
             system.classes.len(),
             system.journals.len(),
@@ -180,10 +199,22 @@ impl Model {
         SimulationBuilder::new(self.clone())
     }
 
-    /// One entry a parameter, `None` for its default; wrong dimensions are refused.
+    /// The index of a channel; one of another model is refused.
+    pub(crate) fn index_of(&self, channel: Channel) -> Result<usize, Error> {
+        if channel.model == self.handles {
+            Ok(channel.index)
+        } else {
+            Err(Error::OtherModel)
+        }
+    }
+
+    /// A parameter's value (SI); a wrong dimension and a parameter of another model are refused.
     pub(crate) fn checked(&self, parameter: Parameter, value: Quantity) -> Result<f64, Error> {
         let parameters = &self.compiled.system.parameters;
-        let p = parameters.get(parameter.index).ok_or(Error::OtherModel)?;
+        let p = parameters
+            .get(parameter.index)
+            .filter(|_| parameter.model == self.handles)
+            .ok_or(Error::OtherModel)?;
         if p.dimension != value.dimension() {
             return Err(Error::Dimension {
                 path: p.origin.path.clone(),
@@ -194,6 +225,25 @@ impl Model {
         }
         Ok(value.value())
     }
+}
+
+/// A hash of the name, and of path and dimension of every parameter and channel.
+fn fingerprint(system: &eng_system::system::System) -> u64 {
+    use sha2::Digest;
+    let mut hash = sha2::Sha256::new();
+    hash.update(system.name.as_bytes());
+    let parameters = system
+        .parameters
+        .iter()
+        .map(|p| (&p.origin.path, p.dimension));
+    let channels = system.channels.iter().map(|c| (&c.path, c.dimension));
+    for (path, dimension) in parameters.chain(channels) {
+        hash.update(format!("\0{path}\0{dimension}").as_bytes());
+    }
+    hash.finalize()
+        .iter()
+        .take(8)
+        .fold(0, |bits, byte| bits << 8 | u64::from(*byte))
 }
 
 /// The known path that is written most alike.

@@ -296,6 +296,29 @@ impl Program {
             .collect()
     }
 
+    /// Whether an analysis with an index gives a parameter other values at other points.
+    pub(crate) fn sweeps(&self, analysis: &str, path: &str) -> bool {
+        let base = |name: &str| name.split('[').next().map(str::to_owned);
+        let mut values = self
+            .inner
+            .plans
+            .iter()
+            .map(|plan| &plan.analysis)
+            .filter(|a| !a.point.is_empty() && base(&a.origin.path) == base(analysis))
+            .map(|a| {
+                let stated = a.set.iter().find(|(p, _)| p == path);
+                stated.map(|(_, value)| value.to_bits())
+            });
+        // of a sweep of one point nothing tells what it varies: what it states
+        match (values.next().flatten(), values.next()) {
+            (None, _) => false,
+            (Some(_), None) => true,
+            (Some(first), Some(second)) => {
+                second != Some(first) || values.any(|value| value != Some(first))
+            }
+        }
+    }
+
     fn plan(&self, name: &str) -> Result<&AnalysisPlan, crate::Error> {
         self.inner
             .plans

@@ -96,9 +96,17 @@ impl SimulationBuilder {
 
 /// A failure of the runtime with its places in the model's texts.
 pub(crate) fn run_error(model: &Model, cause: RuntimeError) -> Error {
+    run_error_with(model, cause, |message| message)
+}
+
+/// The same, with something added to the message.
+pub(crate) fn run_error_with(
+    model: &Model,
+    cause: RuntimeError,
+    added: impl FnOnce(Diagnostic) -> Diagnostic,
+) -> Error {
     let mut diagnostics = Diagnostics::new();
-    let message: Diagnostic = failure::diagnostic(&cause, &model.compiled().system);
-    diagnostics.push(message);
+    diagnostics.push(added(failure::diagnostic(&cause, &model.compiled().system)));
     Error::Run {
         report: Report::new(model.texts().clone(), diagnostics),
         cause,
@@ -135,8 +143,9 @@ impl Simulation {
 
     /// A channel at the current state (SI).
     pub fn value(&mut self, channel: Channel) -> Result<f64, Error> {
+        let index = self.model.index_of(channel)?;
         self.inner
-            .value(channel.index)
+            .value(index)
             .map_err(|cause| run_error(&self.model, cause))
     }
 

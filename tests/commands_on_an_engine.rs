@@ -311,7 +311,9 @@ fn a_failed_run_exits_with_1_and_keeps_what_there_is() {
         errors.contains("412.3 °CA") && errors.contains("are kept"),
         "{errors}"
     );
-    assert!(folder.join("fired.parquet").exists());
+    // under a name of its own, beside what an earlier run left
+    assert!(folder.join("fired.failed.parquet").exists());
+    assert!(!folder.join("fired.parquet").exists());
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -170,3 +170,13 @@ fn a_parameter_changes_the_load_on_a_compiled_flexible_model() {
     let (one, two) = (settled("500 N"), settled("1000 N"));
     assert!((two / one - 2.0).abs() < 1e-3, "{one} {two}");
 }
+
+/// The first line of `eng check` counts the rates of modes among the velocities.
+#[test]
+fn a_summary_counts_the_velocities_of_modes() {
+    let summary = program(FREE).model("Free").expect("a model").summary();
+    assert!(
+        summary.starts_with("Free: 1 bodies with 13 velocities,"),
+        "{summary}"
+    );
+}

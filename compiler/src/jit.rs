@@ -11,7 +11,7 @@ mod addresses;
 mod plan;
 
 use crate::generate::CodegenError;
-use crate::ir::interpret::look_up;
+use crate::ir::interpret::{Interpreter, look_up};
 use crate::ir::{ClassFunctions, Function, Node, Op};
 use addresses::Addresses;
 use cranelift::codegen::ir::{ConstantData, Endianness, FuncRef};
@@ -19,7 +19,7 @@ use cranelift::jit::{JITBuilder, JITModule};
 use cranelift::module::{FuncId, Linkage, Module, ModuleError};
 use cranelift::prelude::*;
 use eng_system::code::{ElementCode, Function as Which, Pair};
-use eng_system::table::Table;
+use eng_system::table::{Outside, Table};
 use plan::{Area, Constants, Place, Step, plan};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -44,6 +44,8 @@ pub struct JitClass {
     bytes: [usize; 7],
     /// What the code reads by its place there.
     constants: Vec<Pair>,
+    /// The functions that read tables once more, to tell which is read outside its points.
+    readers: [Option<Interpreter>; 7],
     /// Owns the memory that `entries` point into. Nothing but `drop` touches it; the mutex makes it `Sync`
     /// without a promise of our own.
     module: Mutex<Option<JITModule>>,
@@ -77,6 +79,9 @@ impl JitClass {
                 .iter()
                 .map(|bits| [f64::from_bits(*bits); 2])
                 .collect(),
+            readers: Which::ALL.map(|which| {
+                Some(Interpreter::new(functions.get(which))).filter(Interpreter::reads_tables)
+            }),
             module: Mutex::new(None),
         };
         if outcome.is_ok() {
@@ -162,6 +167,13 @@ impl ElementCode for JitClass {
             )
         };
         true
+    }
+
+    fn outside(&self, which: Which, inputs: &[Pair], tables: &[Table]) -> [Option<Outside>; 2] {
+        match &self.readers[which as usize] {
+            Some(reader) => reader.outside(inputs, tables),
+            None => [None, None],
+        }
     }
 
     fn function_bytes(&self, function: Which) -> usize {

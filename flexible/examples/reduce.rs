@@ -29,6 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     let markers: Vec<MarkerRequest> = (0..5)
         .map(|j| MarkerRequest {
+            axes: eng_flexible::markers::MESH_AXES,
             name: format!("main[{}]", j + 1),
             place: Place::Gathered {
                 nodes: Selection::Ring {

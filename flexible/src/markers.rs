@@ -69,7 +69,12 @@ pub struct MarkerRequest {
     pub name: String,
     /// Where it is.
     pub place: Place,
+    /// Rotation matrix marker → mesh, row-major: its freedoms count along the columns.
+    pub axes: [f64; 9],
 }
+
+/// Axes parallel to the mesh's.
+pub const MESH_AXES: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
 fn refuse(problem: String, advice: &str) -> FlexibleError {
     FlexibleError::Structure {

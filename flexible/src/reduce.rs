@@ -28,7 +28,7 @@ use interface::MarkerFreedoms;
 /// The rounding of a stiffness above which it is told: more than files of 13 digits leave.
 const FEW_DIGITS: f64 = 1e-12;
 
-/// Freedoms of a marker: bits 0…5 are x, y, z and the rotations about them, basic axes.
+/// Freedoms of a marker: bits 0…5 are x, y, z and the rotations about them, along the marker's axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Interface {
     /// Index of the marker.
@@ -129,11 +129,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         freedoms: &full.freedoms,
     };
     for support in &request.support {
-        marker_freedoms.freedoms(support)?;
-        held.push(Support {
-            node: places[support.marker],
-            components: support.components,
-        });
+        held.push(marker_freedoms.support(support)?);
     }
     let held_by_file = report.supported;
     report.supported |= !request.support.is_empty();

@@ -165,6 +165,7 @@ fn request(markers: Vec<MarkerRequest>, support: Vec<Interface>, terms: Vec<Term
 
 fn at_node(name: &str, mesh: &Mesh, node: u32) -> MarkerRequest {
     MarkerRequest {
+        axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
         place: Place::Node(mesh.nodes[node as usize].id),
     }
@@ -236,6 +237,7 @@ fn a_pressed_column_buckles_under_eulers_load() {
         mesh.sets.insert(name.into(), set);
     }
     let marker = |name: &str, tie| MarkerRequest {
+        axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
         place: Place::Gathered {
             nodes: Selection::Set(name.into()),

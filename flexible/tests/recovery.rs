@@ -101,6 +101,7 @@ const ALL: u8 = 0b11_1111;
 fn cantilever(kind: ElementKind) -> Reduced {
     let mesh = named_ends(bar(kind, [5, 2, 2], [0.25, 0.04, 0.05]), 0.25);
     let marker = |name: &str, tie| MarkerRequest {
+        axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
         place: Place::Gathered {
             nodes: Selection::Set(name.into()),
@@ -231,6 +232,7 @@ fn section_forces_of_beams_are_those_of_equilibrium() {
         add_beam(&mut mesh, section, axes, [i, i + 1]);
     }
     let marker = |name: &str, id| MarkerRequest {
+        axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
         place: Place::Node(id),
     };

@@ -23,6 +23,7 @@ impl Files for Data {
 fn request(rules: Rules, terms: Vec<Term>) -> Request {
     let markers = (0..5)
         .map(|j| MarkerRequest {
+            axes: eng_flexible::markers::MESH_AXES,
             name: format!("main[{}]", j + 1),
             place: Place::Gathered {
                 nodes: Selection::Ring {

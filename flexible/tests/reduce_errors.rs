@@ -132,6 +132,7 @@ fn meshes() {
     answers.note("a hinge", reduce(hinge(), &request()));
     let marker = Request {
         markers: vec![MarkerRequest {
+            axes: eng_flexible::markers::MESH_AXES,
             name: "end".into(),
             place: Place::Node(1),
         }],

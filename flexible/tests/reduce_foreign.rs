@@ -67,6 +67,7 @@ fn in_si(mut mesh: Mesh) -> Mesh {
 /// Its left end as an averaging spider, the right one as a rigid one, and a node between.
 fn request(terms: Vec<Term>) -> Request {
     let end = |name: &str, set: &str, tie: Spider| MarkerRequest {
+        axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
         place: Place::Gathered {
             nodes: Selection::Set(set.into()),
@@ -79,6 +80,7 @@ fn request(terms: Vec<Term>) -> Request {
             end("left", "ENDL", Spider::Averaging),
             end("right", "ENDR", Spider::Rigid),
             MarkerRequest {
+                axes: eng_flexible::markers::MESH_AXES,
                 name: "middle".into(),
                 place: Place::Node(64),
             },
@@ -511,6 +513,7 @@ fn a_body_of_nodes_alone() {
     ]);
     only.markers = [64, 10]
         .map(|id| MarkerRequest {
+            axes: eng_flexible::markers::MESH_AXES,
             name: format!("node {id}"),
             place: Place::Node(id),
         })

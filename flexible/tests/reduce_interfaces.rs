@@ -12,6 +12,7 @@ use fe_meshes::read;
 /// A bar held at one end by a rigid spider, with an averaging one around its middle and one at the other end.
 fn markers() -> Vec<MarkerRequest> {
     let gathered = |name: &str, nodes: Selection, tie: Spider| MarkerRequest {
+        axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
         place: Place::Gathered {
             nodes,
@@ -208,4 +209,100 @@ fn a_free_bar_by_averaging_spiders() {
         }
     }
     assert!(before < 5e-3, "{before:e}");
+}
+
+/// Marker → mesh: turned by 0.4 rad about x, then by 0.7 rad about the new z.
+fn skew() -> [f64; 9] {
+    let (sx, cx) = libm::sincos(0.4);
+    let (sz, cz) = libm::sincos(0.7);
+    [cz, -sz, 0.0, cx * sz, cx * cz, -sx, sx * sz, sx * cz, cx]
+}
+
+fn reduced_skew(support: Vec<Interface>, terms: Vec<Term>) -> Result<Reduced, String> {
+    let mut markers = markers();
+    for marker in &mut markers {
+        marker.axes = skew();
+    }
+    let request = Request {
+        markers,
+        support,
+        terms,
+        asked: vec![at(2, 0b11_1111)],
+        ..Request::default()
+    };
+    reduce(bar(), &request).map_err(|error| error.to_string())
+}
+
+/// 3 × 3 flexibility of the tip's place, axes of the mesh, row-major.
+fn of_tip(reduced: &Reduced) -> Vec<f64> {
+    let n = reduced.body.invariants.modes;
+    let tip = &reduced.body.markers[2].translation;
+    let row = |i: usize| &tip[i * n..(i + 1) * n];
+    (0..9)
+        .map(|place| {
+            row(place / 3)
+                .iter()
+                .zip(row(place % 3))
+                .zip(&reduced.body.frequencies)
+                .map(|((a, b), f)| a * b / (2.0 * std::f64::consts::PI * f).powi(2))
+                .sum()
+        })
+        .collect()
+}
+
+#[test]
+fn a_static_mode_is_along_the_axes_of_its_marker() {
+    let foot = || vec![at(0, FOOT)];
+    let exact = of_tip(&reduced(foot(), vec![Term::Static(vec![at(2, 0b11_1111)])]));
+    for own in 0..3u8 {
+        let terms = vec![Term::Static(vec![at(2, 1 << own)])];
+        let found = reduced_skew(foot(), terms).unwrap();
+        // one mode, not one for each axis of the mesh that it touches
+        assert_eq!(found.body.invariants.modes, 1);
+        let axes = skew();
+        let along = [0, 1, 2].map(|row| axes[3 * row + usize::from(own)]);
+        let answer = |flexibility: &[f64]| {
+            [0, 1, 2].map(|i| -> f64 { (0..3).map(|j| flexibility[3 * i + j] * along[j]).sum() })
+        };
+        let (reduced, full) = (answer(&of_tip(&found)), answer(&exact));
+        let size = full.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+        for (x, y) in reduced.iter().zip(&full) {
+            assert!((x - y).abs() < 1e-9 * size, "{own}: {x:e} for {y:e}");
+        }
+        // its load is served, those across are not
+        let unserved = |component: u8| !found.report.unserved(2, 1 << component).is_empty();
+        for component in 0..3 {
+            assert_eq!(unserved(component), component != own, "{own} {component}");
+        }
+    }
+}
+
+#[test]
+fn what_is_held_is_along_the_axes_of_its_marker() {
+    let normal = |components| {
+        vec![Term::Normal {
+            modes: Modes::Count(6),
+            fixed: vec![at(2, components)],
+        }]
+    };
+    let turned = reduced_skew(vec![at(0, FOOT)], normal(0b111)).unwrap();
+    let straight = reduced(vec![at(0, FOOT)], normal(0b111));
+    // all three directions are the same along whichever axes
+    let worst = apart(&turned.body.frequencies, &straight.body.frequencies);
+    assert!(worst < 1e-8, "{worst:e}");
+    let one = reduced_skew(vec![at(0, FOOT)], normal(0b010)).unwrap();
+    let n = one.body.invariants.modes;
+    let tip = &one.body.markers[2].translation;
+    let axes = skew();
+    let moved = |own: usize| {
+        (0..n)
+            .map(|mode| -> f64 { (0..3).map(|i| axes[3 * i + own] * tip[i * n + mode]).sum() })
+            .fold(0.0_f64, |w, x| w.max(x.abs()))
+    };
+    assert!(moved(1) < 1e-8 * moved(0).max(moved(2)));
+    let refused = reduced_skew(vec![at(0, 0b010)], normal(0b111)).unwrap_err();
+    assert!(
+        refused.contains("foot.y: a support along an axis"),
+        "{refused}"
+    );
 }

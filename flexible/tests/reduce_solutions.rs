@@ -54,6 +54,7 @@ fn done<T>(result: Result<T, FlexibleError>) -> T {
 
 fn gathered(name: &str, tie: Spider) -> MarkerRequest {
     MarkerRequest {
+        axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
         place: Place::Gathered {
             nodes: Selection::Set(name.into()),

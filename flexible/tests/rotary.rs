@@ -66,6 +66,7 @@ fn beam(offset: [f64; 3]) -> Mesh {
 fn reduced(offset: [f64; 3]) -> Reduced {
     let mesh = beam(offset);
     let marker = |name: &str, id| MarkerRequest {
+        axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
         place: Place::Node(id),
     };

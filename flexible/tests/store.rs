@@ -19,6 +19,7 @@ use fe_meshes::bar;
 
 fn request(spider: Spider) -> Request {
     let marker = |name: &str, tie| MarkerRequest {
+        axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
         place: Place::Gathered {
             nodes: Selection::Set(name.into()),

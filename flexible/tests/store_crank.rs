@@ -38,6 +38,7 @@ fn a_crankshaft_is_stored_read_and_recovered() {
         .unwrap();
     let markers: Vec<MarkerRequest> = (0..5)
         .map(|j| MarkerRequest {
+            axes: eng_flexible::markers::MESH_AXES,
             name: format!("main[{}]", j + 1),
             place: Place::Gathered {
                 nodes: Selection::Ring {

@@ -195,8 +195,21 @@ pub struct Function {
     pub result: Option<TypeExpr>,
     /// `let`s of the block form, empty in the `=` form.
     pub lets: Vec<Binding>,
+    /// What the block form asks of its arguments.
+    pub requirements: Vec<Requirement>,
     /// The value.
     pub value: Expr,
+}
+
+/// `require condition else "message"` in a function.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Requirement {
+    /// `advise`: a warning.
+    pub advise: bool,
+    /// What must hold.
+    pub condition: Expr,
+    /// What is said where it does not.
+    pub message: Name,
 }
 
 /// `table name(x: Type) -> Type = csv("file", columns: ["x [deg]", "y [bar]"], periodic: 720 deg, interpolation: monotone)`.

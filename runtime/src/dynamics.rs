@@ -13,7 +13,7 @@ use crate::error::{Moment, RuntimeError};
 use crate::flexible::Work;
 use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
-use eng_system::code::Function;
+use eng_system::code::{Function, Pair};
 
 /// Everything evaluated at one state, and room for it.
 #[derive(Clone, Debug)]
@@ -250,7 +250,15 @@ impl Dynamics {
                     let index = batch.pairs[pair][lane];
                     let element = &model.elements[index];
                     if out.iter().any(|o| !o[lane].is_finite()) {
-                        return Err(not_finite(model, index, self.time));
+                        let inputs = batch.inputs(pair);
+                        return Err(undefined(
+                            model,
+                            index,
+                            self.time,
+                            Function::Residual,
+                            inputs,
+                            lane,
+                        ));
                     }
                     for i in 0..rows {
                         self.constraints[element.row + i] = out[i][lane];
@@ -344,7 +352,15 @@ impl Dynamics {
                     let index = batch.pairs[pair][lane];
                     let element = &model.elements[index];
                     if out.iter().any(|o| !o[lane].is_finite()) {
-                        return Err(not_finite(model, index, self.time));
+                        let inputs = batch.inputs(pair);
+                        return Err(undefined(
+                            model,
+                            index,
+                            self.time,
+                            Function::Velocity,
+                            inputs,
+                            lane,
+                        ));
                     }
                     for i in 0..rows {
                         self.constraint_rates[element.row + i] = out[i][lane];
@@ -556,10 +572,34 @@ impl Dynamics {
     }
 }
 
+/// The error of an element that gives no number; tells of a table that its function reads outside its points with these inputs.
+pub fn undefined(
+    model: &Model,
+    element: usize,
+    time: f64,
+    function: Function,
+    inputs: &[Pair],
+    lane: usize,
+) -> RuntimeError {
+    let mut error = not_finite(model, element, time);
+    let compiled = &model.compiled;
+    let code = compiled
+        .system
+        .elements
+        .get(element)
+        .and_then(|e| compiled.code.get(e.class as usize));
+    if let (RuntimeError::NotFinite { outside, .. }, Some(code)) = (&mut error, code) {
+        let [first, second] = code.outside(function, inputs, &compiled.system.tables);
+        *outside = if lane == 0 { first } else { second }.map(Box::new);
+    }
+    error
+}
+
 /// The error for an element whose numbers are not finite.
 pub fn not_finite(model: &Model, element: usize, time: f64) -> RuntimeError {
     RuntimeError::NotFinite {
         origin: Box::new(model.compiled.system.elements[element].origin.clone()),
+        outside: None,
         moment: Moment {
             time,
             cycle_angle: None,

@@ -2,6 +2,7 @@
 
 use eng_system::code::BindError;
 use eng_system::system::Origin;
+use eng_system::table::Outside;
 
 /// When something happened.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,11 +43,12 @@ impl std::fmt::Display for NamedRow {
 }
 
 impl NamedRow {
+    /// Products of unit axes are angles for small gaps.
     fn gap(&self) -> String {
         if self.is_length {
             format!("{:.6} mm", 1e3 * self.value.abs())
         } else {
-            format!("{:.6}", self.value.abs())
+            format!("{:.6} rad", self.value.abs())
         }
     }
 }
@@ -93,6 +95,16 @@ fn list_groups(groups: &[RedundantGroup]) -> String {
         .map(ToString::to_string)
         .collect::<Vec<_>>()
         .join("; ")
+}
+
+fn undefined(origin: &Origin, outside: &Option<Box<Outside>>, moment: &Moment) -> String {
+    match outside {
+        Some(outside) => format!("{}: {outside} ({moment})", origin.path),
+        None => format!(
+            "{} is not finite at {moment}: something is divided by zero, or a root or logarithm taken of a number that has none",
+            origin.path
+        ),
+    }
 }
 
 /// Why an analysis stopped.
@@ -158,10 +170,12 @@ pub enum RuntimeError {
         moment: Moment,
     },
     /// An element returned something that is not a number.
-    #[error("{} is not finite at {moment}: a table read outside its range, or an undefined operation", origin.path)]
+    #[error("{}", undefined(origin, outside, moment))]
     NotFinite {
         /// The element.
         origin: Box<Origin>,
+        /// The table that it reads outside its points, if it is that.
+        outside: Option<Box<Outside>>,
         /// When.
         moment: Moment,
     },

@@ -1,6 +1,6 @@
 //! Outputs, conditions and unwrapped angles of elements at a state.
 
-use crate::dynamics::{Dynamics, not_finite};
+use crate::dynamics::{Dynamics, not_finite, undefined};
 use crate::elements::{self, Batch, Inputs, Scratch};
 use crate::error::RuntimeError;
 use crate::model::Model;
@@ -170,7 +170,15 @@ impl Outputs {
                         for (output, channel) in &self.channels[index] {
                             let value = self.scratch.outputs[*output][lane];
                             if !value.is_finite() {
-                                return Err(not_finite(model, index, state.time));
+                                let inputs = batch.inputs(pair);
+                                return Err(undefined(
+                                    model,
+                                    index,
+                                    state.time,
+                                    Function::Outputs,
+                                    inputs,
+                                    lane,
+                                ));
                             }
                             self.values[*channel] = value;
                         }

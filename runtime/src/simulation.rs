@@ -132,6 +132,8 @@ pub struct Simulation {
     work: Vec<f64>,
     size: StepSize,
     grid: FixedGrid,
+    /// The last failure at a table's end, until a step succeeds at once.
+    outside: Option<Box<RuntimeError>>,
     energy: Energy,
     /// Powers of loads, of constraints and lost in flexible bodies at the last accepted state and at the one before.
     powers: [f64; 3],
@@ -215,6 +217,7 @@ impl Simulation {
             work: vec![0.0; model.velocities],
             size: StepSize::default(),
             grid: FixedGrid::default(),
+            outside: None,
             energy: Energy::default(),
             powers: [0.0; 3],
             earlier_powers: [0.0; 3],

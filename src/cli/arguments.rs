@@ -22,8 +22,11 @@ pub(super) enum Command {
     /// Run the analyses of a model; write results, pictures and a table a journal
     ///
     /// Writes into the output folder, for each analysis: ANALYSIS.parquet (a column a channel, named by its path, in its
-    /// display unit, which stands in the column's metadata), pictures of the journals' forces and orbits and of the
-    /// model's own outputs as SVG and PNG, and on request ANALYSIS.csv.
+    /// display unit, which stands in the column's metadata), ANALYSIS.motion.parquet for animations, pictures of the journals'
+    /// forces and orbits and of the model's own outputs as SVG and PNG, and on request ANALYSIS.csv; for a sweep SWEEP.parquet, a
+    /// row a point. What there is of an analysis that fails goes to ANALYSIS.failed.parquet: results of an earlier run stay.
+    ///
+    /// Exit codes: 0 all was done; 1 the model is wrong or an analysis failed because of it; 2 wrong usage, or the system refused.
     Run(RunArguments),
     /// Check a model without running it
     ///
@@ -141,10 +144,11 @@ pub(super) struct RunArguments {
     /// Run this analysis only; may be given several times [default: all]
     #[arg(long, value_name = "NAME")]
     pub analysis: Vec<String>,
-    /// Set a parameter: `--set "speed=5000 rpm"`; may be given several times
+    /// Set a parameter: `--set "speed=5000 rpm"`; may be given several times. Holds in all analyses, over what they state
+    /// themselves; not what a sweep varies
     #[arg(long, value_name = "PATH=VALUE", value_parser = setting)]
     pub set: Vec<Setting>,
-    /// Write into this folder [default: results/MODEL]
+    /// Write into this folder [default: results/MODEL, without .eng, where the command is called]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Write CSV files, too: a row of paths, a row of units, then the numbers

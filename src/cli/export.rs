@@ -2,7 +2,7 @@
 
 use super::arguments::{ExportArguments, Target};
 use super::{Console, Stop, USAGE_OR_SYSTEM};
-use crate::results::{CsvForm, Results, ResultsError, Selection, file_stem};
+use crate::results::{CsvForm, Results, ResultsError, Selection};
 use std::path::PathBuf;
 
 /// Writes a result file in another format, beside it or where the user says.
@@ -31,7 +31,7 @@ fn write(arguments: &ExportArguments) -> Result<PathBuf, ResultsError> {
     let path = arguments.out.clone().unwrap_or_else(|| {
         arguments
             .file
-            .with_file_name(format!("{}.{ending}", file_stem(results.analysis())))
+            .with_file_name(format!("{}.{ending}", results.stem()))
     });
     match arguments.to {
         Target::Csv => results.write_csv_as(&path, form)?,

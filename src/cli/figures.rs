@@ -303,7 +303,8 @@ pub(crate) fn orbits(outcome: &RunOutcome) -> Option<Orbits> {
     }
     Some(Orbits {
         title: "Orbits of the pins in their shells".to_owned(),
-        subtitle: about(results),
+        // the table of journals is of the last cycle
+        subtitle: format!("{}; ε ≤: over the whole run", about(results)),
         period: outcome.cycle_period.map_or(360.0, f64::to_degrees),
         upright: outcome.upright,
         orbits,

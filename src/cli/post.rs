@@ -81,7 +81,8 @@ pub(super) fn reports(
             write!(console.errors, "{}", post::text(&made))?;
         }
         if !arguments.no_plots {
-            draw(figures(&made), folder, arguments, console)?;
+            let failed = outcomes.iter().any(|o| o.results.failure().is_some());
+            draw(figures(&made), failed, folder, arguments, console)?;
         }
     }
     Ok(holds)

@@ -3,8 +3,8 @@
 use super::arguments::ReportArguments;
 use super::run::{chosen, explain_error, results_folder, show, told_of};
 use super::{Console, Engine, MODEL_WRONG, Stop, USAGE_OR_SYSTEM};
-use crate::modes::are_modes;
 use crate::Quantity;
+use crate::modes::are_modes;
 use crate::motion::SUFFIX;
 use crate::plot::write_svg_and_png;
 use crate::report::{At, Entry, Request, make, write_series};

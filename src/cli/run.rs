@@ -10,7 +10,7 @@ use crate::Quantity;
 use crate::modes::are_modes;
 use crate::plot;
 use crate::render::{self, Colors};
-use crate::results::{Last, Recording, Selection, file_stem};
+use crate::results::{Last, Recording, Selection, failed_twin, stem_of, writable};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::num::NonZeroUsize;
@@ -36,6 +36,14 @@ pub(super) fn run(
         .unwrap_or_else(|| results_folder(&arguments.model));
     let recording = recording(arguments, &folder);
     let recording = told_of(recording, console)?;
+    // before anything is computed
+    for name in &analyses {
+        let stem = stem_of(name, false);
+        told_of(writable(&folder.join(format!("{stem}.parquet"))), console)?;
+        if arguments.csv {
+            told_of(writable(&folder.join(format!("{stem}.csv"))), console)?;
+        }
+    }
     let written = engine.record(&recording);
     let bars = MultiProgress::with_draw_target(if !arguments.quiet && console.live {
         ProgressDrawTarget::stderr()
@@ -85,7 +93,7 @@ pub(super) fn run(
     let outcomes = told.outcomes;
     for family in sweep::families(&outcomes) {
         let of_modes = family.iter().all(|o| are_modes(&o.results));
-        let (table, text) = if of_modes {
+        let (mut table, text) = if of_modes {
             let name = sweep::name(&family);
             (
                 modes::campbell(name, &family),
@@ -96,6 +104,15 @@ pub(super) fn run(
             let text = sweep::text(&table);
             (table, text)
         };
+        let missing: Vec<&str> = told
+            .failures
+            .iter()
+            .filter(|name| name.split('[').next() == Some(table.analysis()))
+            .map(String::as_str)
+            .collect();
+        if !missing.is_empty() {
+            table.set_failure(&format!("no row of {}, which failed", missing.join(", ")));
+        }
         if !arguments.quiet {
             write!(console.output, "{text}")?;
         }
@@ -111,10 +128,13 @@ pub(super) fn run(
             .iter()
             .filter(|o| o.point.is_empty() && !are_modes(&o.results))
             .collect();
-        draw(figures::comparisons(&compared), &folder, arguments, console)?;
+        // without those that failed they are not what they are with them
+        let failed = !told.failures.is_empty();
+        let figures = figures::comparisons(&compared);
+        draw(figures, failed, &folder, arguments, console)?;
     }
     let holds = post::reports(&outcomes, arguments, &checked, &folder, engine, console)?;
-    if told.failed || !holds {
+    if !told.failures.is_empty() || !holds {
         return Err(Stop::Code(MODEL_WRONG));
     }
     Ok(())
@@ -155,7 +175,8 @@ struct Told {
     outcomes: Vec<RunOutcome>,
     /// Each message once, though analyses of one model fail alike.
     messages: Vec<Diagnostic>,
-    failed: bool,
+    /// Names of the analyses that failed.
+    failures: Vec<String>,
     stop: Option<Stop>,
 }
 
@@ -200,18 +221,27 @@ impl Told {
                 diagnostics,
                 partial,
             }) => {
-                self.failed = true;
                 self.show(&diagnostics, checked, console)?;
+                self.failures.push(analysis.to_owned());
                 match partial {
-                    Some(partial) => {
+                    Some(mut partial) => {
+                        if partial.results.failure().is_none() {
+                            let reason = diagnostics.iter().next().map(|d| d.title.clone());
+                            let reason = reason.unwrap_or_else(|| "the run failed".to_owned());
+                            partial.results.set_failure(&reason);
+                        }
                         self.show(&partial.diagnostics, checked, console)?;
                         writeln!(
                             console.errors,
-                            "{analysis} failed; the results up to the failure are kept"
+                            "{analysis} failed; the results up to the failure are kept as {}, those of an earlier run stay as they are",
+                            partial.results.stem()
                         )?;
                         report(&partial, self.written, arguments, folder, console)?;
                     }
-                    None => writeln!(console.errors, "{analysis} failed")?,
+                    None => writeln!(
+                        console.errors,
+                        "{analysis} failed before its first sample; results of an earlier run stay as they are"
+                    )?,
                 }
             }
             Err(error) => return Err(explain_error(&error, &checked.sources, console)),
@@ -330,14 +360,14 @@ fn report(
         }
     }
     let path = if written {
-        folder.join(format!("{}.parquet", file_stem(results.analysis())))
+        folder.join(format!("{}.parquet", results.stem()))
     } else {
         told_of(results.write_parquet(folder), console)?
     };
     wrote(&path, arguments, console)?;
     if let Some(motion) = &outcome.motion {
         let path = if written {
-            folder.join(format!("{}.parquet", file_stem(motion.analysis())))
+            folder.join(format!("{}.parquet", motion.stem()))
         } else {
             told_of(motion.write_parquet(folder), console)?
         };
@@ -350,19 +380,27 @@ fn report(
     }
     // of a sweep the table over its points tells more
     if !arguments.no_plots && outcome.point.is_empty() && !are_modes(results) {
-        draw(figures::of_analysis(outcome), folder, arguments, console)?;
+        let failed = results.failure().is_some();
+        draw(
+            figures::of_analysis(outcome),
+            failed,
+            folder,
+            arguments,
+            console,
+        )?;
     }
     Ok(())
 }
 
 pub(super) fn draw(
     figures: Vec<(String, String)>,
+    failed: bool,
     folder: &Path,
     arguments: &RunArguments,
     console: &mut Console<'_>,
 ) -> Result<(), Stop> {
     for (name, svg) in figures {
-        let written = plot::write_svg_and_png(&svg, folder, &file_stem(&name));
+        let written = plot::write_svg_and_png(&svg, folder, &stem_of(&name, failed));
         for path in told_of(written, console)? {
             wrote(&path, arguments, console)?;
         }
@@ -371,6 +409,10 @@ pub(super) fn draw(
 }
 
 fn wrote(path: &Path, arguments: &RunArguments, console: &mut Console<'_>) -> Result<(), Stop> {
+    // what a failed run left is out of date; where it can't be removed, it still says what it is
+    if let Some(twin) = failed_twin(path) {
+        let _ = std::fs::remove_file(twin);
+    }
     if !arguments.quiet {
         writeln!(console.output, "  wrote {}", path.display())?;
     }

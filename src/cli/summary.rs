@@ -77,13 +77,17 @@ impl JournalSummary {
     }
 }
 
-/// Index of the first sample of the last whole cycle, if there is one.
+/// Index of the first sample of the last whole cycle, if there is one. The angle may fall: a shaft turns either way.
 pub(crate) fn last_cycle(angle: Option<&[f64]>, period: Option<f64>) -> Option<usize> {
     let (angle, period) = (angle?, period?);
     let (first, last) = (angle.first()?, angle.last()?);
-    let start = last - period;
-    if period > 0.0 && start >= first - 1e-6 {
-        angle.iter().position(|angle| *angle >= start - 1e-6)
+    let turned = (last - first).abs();
+    if period > 0.0 && turned >= period - 1e-6 {
+        // what is swung back over belongs to the last cycle, too
+        let before = angle
+            .iter()
+            .rposition(|angle| (last - angle).abs() > period + 1e-6);
+        Some(before.map_or(0, |index| index + 1))
     } else {
         None
     }

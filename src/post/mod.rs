@@ -130,7 +130,7 @@ pub struct RunModel {
     /// Which shell axis is drawn upwards.
     pub upright: Upright,
     /// Firing dead centres: number of the cylinder and angle (rad).
-    pub firing: Vec<(usize, f64)>,
+    pub firing: Vec<(Option<usize>, f64)>,
 }
 
 impl RunModel {

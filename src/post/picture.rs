@@ -5,6 +5,7 @@ use super::spectra::{map_of, orders_along, orders_of, spectrum_of};
 use super::track::{Track, told_apart};
 use super::{PostError, Run};
 use crate::cli::figures::common_frame;
+use crate::report::firing_marks;
 use eng_report::figure::{
     Abscissa, Campbell, Curve, Figure, FixedTo, History, Mark, Orbit, Orbits, Ordinate, Panel,
     Polar, PolarCurve, Scale, SweepFigure, Waterfall, spectra,
@@ -184,13 +185,7 @@ impl Drawer<'_> {
         let Some(period) = first.cycle_period.filter(|_| same) else {
             return Ok(Vec::new());
         };
-        Ok(first
-            .firing
-            .iter()
-            .map(|(cylinder, angle)| {
-                Mark::firing_tdc(*cylinder, angle.to_degrees(), period.to_degrees())
-            })
-            .collect())
+        Ok(firing_marks(&first.firing, period))
     }
 
     fn history(&self, panels: &[Vec<Member>], by_time: bool) -> Result<Figure, PostError> {

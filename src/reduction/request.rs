@@ -12,9 +12,6 @@ use eng_grammar::Diagnostic;
 use eng_system::flexible as text;
 
 /// The request of a source; matrices and shapes of other codes are read.
-///
-/// Freedoms count along a marker's axes there and along the mesh's here: a set that is not the mesh's is widened to all
-/// directions that it touches.
 pub(super) fn request(
     source: &text::FlexibleSource,
     files: &dyn Files,
@@ -26,7 +23,7 @@ pub(super) fn request(
     let units = super::units_of(source)?;
     let mut terms = Vec::with_capacity(source.modes.len());
     for part in &source.modes {
-        terms.push(term(part, source, files, units)?);
+        terms.push(term(part, files, units)?);
     }
     let matrices = match (&source.stiffness, &source.mass) {
         (Some(stiffness), Some(mass)) => Some(matrices(stiffness, mass, files, units)?),
@@ -164,24 +161,21 @@ pub(super) fn marker(source: &text::MarkerSource) -> MarkerRequest {
     MarkerRequest {
         name: source.name.clone(),
         place,
+        axes: source.axes,
     }
 }
 
 fn term(
     term: &text::ModeTerm,
-    source: &text::FlexibleSource,
     files: &dyn Files,
     units: MeshUnits,
 ) -> Result<Term, Box<Diagnostic>> {
     let at = |interfaces: &[text::Interface]| -> Vec<Interface> {
         interfaces
             .iter()
-            .filter_map(|i| {
-                let marker = source.markers.get(i.marker as usize)?;
-                Some(Interface {
-                    marker: i.marker as usize,
-                    components: along_mesh(i.freedoms, &marker.axes),
-                })
+            .map(|i| Interface {
+                marker: i.marker as usize,
+                components: i.freedoms,
             })
             .filter(|i| i.components != 0)
             .collect()
@@ -219,36 +213,4 @@ fn term(
 /// Angular frequency of a frequency in Hz.
 fn angular(frequency: f64) -> f64 {
     2.0 * std::f64::consts::PI * frequency
-}
-
-/// Freedoms along a marker's axes as those of the mesh that they have a part in. `axes` is marker → mesh, row-major.
-fn along_mesh(freedoms: text::Freedoms, axes: &[f64; 9]) -> u8 {
-    let mut components = 0;
-    for (kind, shift) in [(freedoms & 0b111, 0), (freedoms >> 3, 3)] {
-        for row in 0..3 {
-            let touched = (0..3)
-                .any(|column| kind & (1 << column) != 0 && axes[3 * row + column].abs() > 1e-9);
-            if touched {
-                components |= 1 << (row + shift);
-            }
-        }
-    }
-    components
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn freedoms_turn_with_the_marker() {
-        let identity = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
-        assert_eq!(along_mesh(0b01_0011, &identity), 0b01_0011);
-        // z along the mesh's x, x along its y
-        let turned = [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-        assert_eq!(along_mesh(0b10_0100, &turned), 0b00_1001);
-        let s = std::f64::consts::FRAC_1_SQRT_2;
-        let skew = [s, -s, 0.0, s, s, 0.0, 0.0, 0.0, 1.0];
-        assert_eq!(along_mesh(0b00_0001, &skew), 0b00_0011);
-    }
 }

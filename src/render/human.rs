@@ -1,12 +1,13 @@
 //! Messages with the lines they speak of.
 
+use super::excerpt::{Excerpt, Excerpts};
 use super::{count, inside};
 use codespan_reporting::diagnostic as codespan;
-use codespan_reporting::files::SimpleFiles;
 use codespan_reporting::term::termcolor::Buffer;
 use codespan_reporting::term::{self, Config};
 use eng_grammar::{Diagnostic, Diagnostics, Fix, Severity, SourceId, SourceMap};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Whether escape sequences for colours are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,15 +20,12 @@ pub enum Colors {
 
 /// All messages, then a line that counts them; empty without messages.
 pub fn human(diagnostics: &Diagnostics, sources: &SourceMap, colors: Colors) -> String {
-    let mut files = SimpleFiles::new();
-    let mut ids = BTreeMap::new();
-    for (id, source) in sources.iter() {
-        ids.insert(id, files.add(source.name.as_str(), source.text.as_str()));
-    }
     let config = Config::default();
     let mut text = String::new();
     for diagnostic in diagnostics.iter() {
-        let message = translate(diagnostic, sources, &ids);
+        let files = excerpts(diagnostic, sources);
+        let message = translate(diagnostic, sources, &files);
+        let files = Excerpts(files.into_iter().map(|(_, excerpt)| excerpt).collect());
         let mut buffer = match colors {
             Colors::Ansi => Buffer::ansi(),
             Colors::None => Buffer::no_color(),
@@ -60,10 +58,27 @@ fn summary(diagnostics: &Diagnostics) -> String {
     )
 }
 
+/// The texts that a message shows.
+fn excerpts<'s>(diagnostic: &Diagnostic, sources: &'s SourceMap) -> Vec<(SourceId, Excerpt<'s>)> {
+    let mut places: BTreeMap<SourceId, Vec<Range<usize>>> = BTreeMap::new();
+    for label in &diagnostic.labels {
+        if let Some(range) = inside(sources, label.span) {
+            places.entry(label.span.source).or_default().push(range);
+        }
+    }
+    places
+        .into_iter()
+        .filter_map(|(id, places)| {
+            let source = sources.get(id)?;
+            Some((id, Excerpt::new(&source.name, &source.text, &places)))
+        })
+        .collect()
+}
+
 fn translate(
     diagnostic: &Diagnostic,
     sources: &SourceMap,
-    ids: &BTreeMap<SourceId, usize>,
+    files: &[(SourceId, Excerpt<'_>)],
 ) -> codespan::Diagnostic<usize> {
     let severity = match diagnostic.severity {
         Severity::Error => codespan::Severity::Error,
@@ -73,14 +88,17 @@ fn translate(
     let mut labels = Vec::new();
     let mut notes = Vec::new();
     for label in &diagnostic.labels {
-        match (ids.get(&label.span.source), inside(sources, label.span)) {
-            (Some(file), Some(range)) => {
+        let file = files.iter().position(|(id, _)| *id == label.span.source);
+        let excerpt = file.and_then(|file| files.get(file));
+        match (file, excerpt, inside(sources, label.span)) {
+            (Some(file), Some((_, excerpt)), Some(range)) => {
+                let range = excerpt.place(range.start)..excerpt.place(range.end);
                 let style = if label.primary {
                     codespan::LabelStyle::Primary
                 } else {
                     codespan::LabelStyle::Secondary
                 };
-                labels.push(codespan::Label::new(style, *file, range).with_message(&label.message));
+                labels.push(codespan::Label::new(style, file, range).with_message(&label.message));
             }
             _ => notes.push(bullet("note", &label.message)),
         }
@@ -95,14 +113,28 @@ fn translate(
     );
     codespan::Diagnostic::new(severity)
         .with_code(diagnostic.code)
-        .with_message(&diagnostic.title)
+        .with_message(shortened(&diagnostic.title))
         .with_labels(labels)
         .with_notes(notes)
 }
 
 /// Lines after the first align under the text.
 fn bullet(kind: &str, text: &str) -> String {
-    format!("{kind}: {}", text.replace('\n', "\n      "))
+    format!("{kind}: {}", shortened(text).replace('\n', "\n      "))
+}
+
+/// Characters of a title or note that are shown.
+const LONGEST: usize = 1000;
+
+/// A text of a message, whose middle is left out where it repeats a very long text.
+fn shortened(text: &str) -> String {
+    let count = text.chars().count();
+    if count <= LONGEST {
+        return text.to_owned();
+    }
+    let begin: String = text.chars().take(LONGEST / 2).collect();
+    let end: String = text.chars().skip(count - LONGEST / 2).collect();
+    format!("{begin}…{end}")
 }
 
 fn fix_text(fix: &Fix, sources: &SourceMap) -> String {

@@ -2,6 +2,7 @@
 //!
 //! May contain: the form of messages. Must not contain: their making, nor printing.
 
+mod excerpt;
 mod human;
 mod json;
 

@@ -18,25 +18,24 @@ pub(super) fn acceleration() -> Dimension {
         .over(Dimension::TIME)
 }
 
+/// Marks of firing dead centres in a cycle (rad).
+pub(crate) fn firing_marks(firing: &[(Option<usize>, f64)], period: f64) -> Vec<Mark> {
+    let period = period.to_degrees();
+    let mark = |(cylinder, angle): &(Option<usize>, f64)| match cylinder {
+        Some(cylinder) => Mark::firing_tdc(*cylinder, angle.to_degrees(), period),
+        None => Mark {
+            at: angle.to_degrees(),
+            label: "TDC".to_owned(),
+            period: Some(period),
+        },
+    };
+    firing.iter().map(mark).collect()
+}
+
 /// A history from 0 on with the firing dead centres.
 pub(super) fn marked(mut history: History, entry: &Entry) -> History {
     if let Some(period) = entry.described.cycle_period {
-        history.marks = entry
-            .described
-            .firing
-            .iter()
-            .map(|(cylinder, angle)| {
-                let (angle, period) = (angle.to_degrees(), period.to_degrees());
-                match cylinder {
-                    Some(cylinder) => Mark::firing_tdc(*cylinder, angle, period),
-                    None => Mark {
-                        at: angle,
-                        label: "TDC".to_owned(),
-                        period: Some(period),
-                    },
-                }
-            })
-            .collect();
+        history.marks = firing_marks(&entry.described.firing, period);
     }
     history
 }

@@ -18,6 +18,7 @@ mod surface;
 mod sweeps;
 mod tables;
 
+pub(crate) use analyses::firing_marks;
 pub use describe::{BodyPicture, Described, InputValue, JournalAxes, MarkerAxes, Matter, Spot};
 pub use page::{Drawn, Made, Request, make};
 pub(crate) use scene::shifted;

@@ -1,6 +1,6 @@
 //! Separated values (RFC 4180): a row of paths, a row of units, then the numbers in these units.
 
-use super::{Results, ResultsError, file_stem, replace_file};
+use super::{Results, ResultsError, replace_file};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -70,11 +70,9 @@ impl CsvForm {
 }
 
 impl Results {
-    /// Writes `ANALYSIS.csv` into a folder and returns its path. pandas reads it with `header=[0, 1]`.
+    /// Writes `ANALYSIS.csv` (of a failed run `ANALYSIS.failed.csv`) into a folder and returns its path. pandas reads it with `header=[0, 1]`.
     pub fn write_csv(&self, folder: impl AsRef<Path>) -> Result<PathBuf, ResultsError> {
-        let path = folder
-            .as_ref()
-            .join(format!("{}.csv", file_stem(self.analysis())));
+        let path = folder.as_ref().join(format!("{}.csv", self.stem()));
         self.write_csv_as(&path, CsvForm::default())?;
         Ok(path)
     }

@@ -26,6 +26,25 @@ pub fn replace_file<E: From<io::Error>>(
     written
 }
 
+/// Finds out whether a file can be written, without touching what it holds; creates its folder.
+pub fn writable(path: &Path) -> Result<(), super::ResultsError> {
+    let refused = |source| super::ResultsError::File {
+        path: path.to_owned(),
+        source,
+    };
+    if path.is_dir() {
+        return Err(refused(io::ErrorKind::IsADirectory.into()));
+    }
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    std::fs::create_dir_all(folder).map_err(refused)?;
+    let (file, temporary) = create_beside(folder, path).map_err(refused)?;
+    drop(file);
+    std::fs::remove_file(temporary).map_err(refused)
+}
+
 fn create_beside(folder: &Path, path: &Path) -> io::Result<(File, PathBuf)> {
     let name = path
         .file_name()

@@ -1,7 +1,6 @@
 //! What result files hold, told in short.
 
 use super::recording::{is_partial, is_result};
-use super::table::STATE;
 use super::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
 use std::path::{Path, PathBuf};
 
@@ -34,11 +33,8 @@ impl Listed {
         let kind = if is_partial(path) {
             Kind::Unfinished
         } else {
-            match results.metadata().get(STATE) {
-                Some(state) => match state.strip_prefix("failed: ") {
-                    Some(reason) => Kind::Failed(reason.to_owned()),
-                    None => Kind::Complete,
-                },
+            match results.failure() {
+                Some(reason) => Kind::Failed(reason.to_owned()),
                 None => Kind::Complete,
             }
         };

@@ -2,7 +2,7 @@
 //!
 //! A column a channel, 64-bit floats in the DISPLAY unit; metadata as told at [`schema`].
 
-use super::{Column, Results, ResultsError, file_stem, replace_file, schema};
+use super::{Column, Results, ResultsError, replace_file, schema};
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::Schema;
 use parquet::arrow::ArrowWriter;
@@ -118,11 +118,10 @@ impl<'a> ParquetRows<'a> {
 }
 
 impl Results {
-    /// Writes `ANALYSIS.parquet` into a folder and returns its path. The file appears whole or not at all.
+    /// Writes `ANALYSIS.parquet` (of a failed run `ANALYSIS.failed.parquet`) into a folder and returns its path. The file appears
+    /// whole or not at all.
     pub fn write_parquet(&self, folder: impl AsRef<Path>) -> Result<PathBuf, ResultsError> {
-        let path = folder
-            .as_ref()
-            .join(format!("{}.parquet", file_stem(self.analysis())));
+        let path = folder.as_ref().join(format!("{}.parquet", self.stem()));
         match replace_file(&path, |file: &mut File| self.write_parquet_to(file)) {
             Ok(()) => Ok(path),
             Err(error) => Err(error.at(path)),

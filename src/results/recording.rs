@@ -1,6 +1,7 @@
 //! Where the samples of a run go, and which of them stay.
 
-use super::{Last, Selection, file_stem};
+use super::table::{FAILED_BECAUSE, STATE};
+use super::{Last, Results, Selection, file_stem};
 use std::path::{Path, PathBuf};
 
 /// What is kept of an analysis, and where. Without a folder: in memory.
@@ -19,6 +20,8 @@ pub struct Recording {
 const PARTIAL: &str = ".partial.arrows";
 const CHECKPOINT: &str = ".checkpoint";
 const FINAL: &str = ".parquet";
+/// What the names of files of a run that failed get, so that they replace no good ones.
+const FAILED: &str = ".failed";
 
 /// The files of one analysis.
 #[derive(Clone, Debug)]
@@ -29,6 +32,8 @@ pub(super) struct Files {
     pub checkpoint: PathBuf,
     /// The results.
     pub parquet: PathBuf,
+    /// What there is of a run that failed.
+    pub failed: PathBuf,
 }
 
 impl Files {
@@ -39,8 +44,43 @@ impl Files {
             partial: file(PARTIAL),
             checkpoint: file(CHECKPOINT),
             parquet: file(FINAL),
+            failed: file(&format!("{FAILED}{FINAL}")),
         }
     }
+}
+
+/// Begin of the names of the files of an analysis, or of a picture of it.
+pub(crate) fn stem_of(name: &str, failed: bool) -> String {
+    let stem = file_stem(name);
+    if failed {
+        format!("{stem}{FAILED}")
+    } else {
+        stem
+    }
+}
+
+impl Results {
+    /// Begin of the names of its files: the analysis, and `.failed` where the run failed.
+    pub fn stem(&self) -> String {
+        stem_of(self.analysis(), self.failure().is_some())
+    }
+
+    /// Why the run failed, if it did; what is there then is what was computed before.
+    pub fn failure(&self) -> Option<&str> {
+        self.metadata().get(STATE)?.strip_prefix(FAILED_BECAUSE)
+    }
+
+    /// States that the run failed.
+    pub fn set_failure(&mut self, reason: &str) {
+        self.set_metadata(STATE, format!("{FAILED_BECAUSE}{reason}"));
+    }
+}
+
+/// The file of a failed run that a good one stands for: `fired.failed.svg` of `fired.svg`.
+pub(crate) fn failed_twin(path: &Path) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str()?;
+    let (stem, ending) = name.rsplit_once('.')?;
+    Some(path.with_file_name(format!("{stem}{FAILED}.{ending}")))
 }
 
 /// Whether a file is the stream of a run that has not ended, by its name.

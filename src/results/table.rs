@@ -22,6 +22,8 @@ const SHARE: u32 = 20;
 const IDENTITY: &str = "identity";
 /// Key of the metadata that tells how a run ended: [`COMPLETE`], or why it failed.
 pub(crate) const STATE: &str = "state";
+/// How the state of a failed run begins.
+pub(super) const FAILED_BECAUSE: &str = "failed: ";
 const COMPLETE: &str = "complete";
 
 /// The rows of a run: kept in memory, or sent to disk in batches.
@@ -216,10 +218,14 @@ impl Table {
         Ok(())
     }
 
-    /// Ends the recording: the results, which are on disk where there is a folder. `failure` tells why the run ended early.
+    /// Ends the recording: the results, which are on disk where there is a folder. `failure` tells why the run ended early: then
+    /// they have a file of their own, and what an earlier run left stays as it is.
     pub fn finish(mut self, failure: Option<&str>) -> Result<Results, ResultsError> {
         self.flush()?;
-        self.header.set_metadata(STATE, failure.unwrap_or(COMPLETE));
+        match failure {
+            Some(reason) => self.header.set_failure(reason),
+            None => self.header.set_metadata(STATE, COMPLETE),
+        }
         match self.disk.take() {
             None => self.in_memory(),
             Some(disk) => {
@@ -227,7 +233,15 @@ impl Table {
                     partial,
                     checkpoint,
                     parquet,
+                    failed,
                 } = &disk.files;
+                if failure.is_some() && self.given == 0 {
+                    remove(checkpoint)?;
+                    remove(partial)?;
+                    remove(failed)?;
+                    return self.in_memory();
+                }
+                let parquet = if failure.is_some() { failed } else { parquet };
                 let first = first_kept(partial, self.last)?;
                 let written = replace_file(parquet, |file| {
                     let mut rows = ParquetRows::new(file, &self.header)?;
@@ -238,6 +252,9 @@ impl Table {
                 // a checkpoint without samples would be refused, samples without a checkpoint are run again
                 remove(checkpoint)?;
                 remove(partial)?;
+                if failure.is_none() {
+                    remove(failed)?;
+                }
                 Ok(results)
             }
         }

@@ -16,7 +16,7 @@
 //! G is the derivative of Φ along the pose directions: δx inertial, and δπ in the marker's axes with
 //! δR = R δπ~. The twist (ẋ, ω in marker axes) is the rate of these. `∂W/∂λ = −Gᵀ`.
 
-use crate::table::Table;
+use crate::table::{Outside, Table};
 
 /// Which function of a class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -61,6 +61,16 @@ pub trait ElementCode: Send + Sync + std::fmt::Debug {
         outputs: &mut [Pair],
         tables: &[Table],
     ) -> bool;
+
+    /// The first table that a function reads outside its points with these inputs, for each of the two instances.
+    fn outside(
+        &self,
+        _function: Function,
+        _inputs: &[Pair],
+        _tables: &[Table],
+    ) -> [Option<Outside>; 2] {
+        [None, None]
+    }
 
     /// Bytes of machine code of a function, its constants included; 0 where interpreted.
     fn function_bytes(&self, function: Function) -> usize;
@@ -114,25 +124,31 @@ pub enum BindError {
         defined_at: Option<crate::system::Location>,
     },
     /// A value is not finite.
-    #[error("{path} is not a finite number")]
+    #[error("{path} is not a finite number{}", read(outside))]
     NotFinite {
         /// Path of the slot or parameter.
         path: String,
+        /// A table that is read outside its points.
+        outside: Option<Box<Outside>>,
     },
     /// A parameter leaves its limits.
-    #[error("{path} = {value} {unit} is outside ({low}, {high}) {unit}")]
+    #[error("{path} = {value} is outside its limits: it lies between {low} and {high}")]
     Limits {
         /// Path of the parameter.
         path: String,
-        /// Shown value.
-        value: f64,
-        /// Shown unit.
-        unit: String,
-        /// Shown lower limit.
-        low: f64,
-        /// Shown upper limit.
-        high: f64,
+        /// The value with its unit.
+        value: String,
+        /// Lower limit.
+        low: String,
+        /// Upper limit.
+        high: String,
     },
+}
+
+fn read(outside: &Option<Box<Outside>>) -> String {
+    outside
+        .as_ref()
+        .map_or_else(String::new, |outside| format!(": {outside}"))
 }
 
 /// A compiled model: system, code of its classes (same indices), bind graph.

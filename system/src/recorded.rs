@@ -73,3 +73,11 @@ pub fn recorded(system: &System) -> Vec<Recorded> {
     columns.extend(ENERGY.map(|path| Recorded::scalar(path, energy, "J", 1.0)));
     columns
 }
+
+/// Paths of all columns that no channel gives, of a model with or without a cycle.
+pub fn of_every_run(cycle: bool) -> impl Iterator<Item = &'static str> {
+    let counted = [CYCLE_ANGLE, CYCLE_SPEED]
+        .into_iter()
+        .filter(move |_| cycle);
+    std::iter::once(TIME).chain(counted).chain(ENERGY)
+}

@@ -1,5 +1,8 @@
 //! Interpolated tables of one argument.
 
+use crate::dimension::DisplayUnit;
+use crate::system::Location;
+
 /// How values between the points are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Interpolation {
@@ -31,6 +34,55 @@ pub struct Table {
     coefficients: Vec<[f64; 4]>,
     period: Option<f64>,
     extrapolation: Option<Extrapolation>,
+    /// Place in the texts and unit of the argument, for messages.
+    written: Option<(Location, DisplayUnit)>,
+}
+
+/// A table that is read outside its points and states no extrapolation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outside {
+    /// Table.
+    pub name: String,
+    /// Where it is read (in its argument's unit).
+    pub argument: f64,
+    /// Its first and last point.
+    pub domain: (f64, f64),
+    /// How arguments are shown; SI where it is not known.
+    pub unit: Option<DisplayUnit>,
+    /// Place in the texts.
+    pub at: Option<Location>,
+}
+
+impl std::fmt::Display for Outside {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (first, last) = self.domain;
+        let shown = |x: f64| match &self.unit {
+            Some(unit) => unit.text(x),
+            None => format!("{x}"),
+        };
+        let (side, end) = if self.argument < first {
+            ("before its first point", first)
+        } else {
+            ("beyond its last point", last)
+        };
+        write!(f, "table {} is read {side}: ", self.name)?;
+        let (at, end_text) = (shown(self.argument), shown(end));
+        if at == end_text {
+            // four digits do not tell them apart
+            let scale = self.unit.as_ref().map_or(1.0, |unit| unit.scale);
+            let symbol = self.unit.as_ref().map_or("", |unit| unit.symbol.as_str());
+            let past = (self.argument - end).abs() / scale;
+            write!(f, "{past:.1e} {symbol} past {end_text}")?;
+        } else {
+            write!(f, "at {at}")?;
+        }
+        write!(
+            f,
+            "; its points go from {} to {}",
+            shown(first),
+            shown(last)
+        )
+    }
 }
 
 /// A table that cannot be built.
@@ -217,6 +269,29 @@ impl Table {
             coefficients,
             period,
             extrapolation,
+            written: None,
+        })
+    }
+
+    /// With its place in the texts and the unit of its argument.
+    pub fn written(mut self, at: Location, argument: DisplayUnit) -> Table {
+        self.written = Some((at, argument));
+        self
+    }
+
+    /// What is wrong where an argument has no value.
+    pub fn outside(&self, argument: f64) -> Option<Outside> {
+        let (first, last) = self.domain();
+        let without_value = self.period.is_none()
+            && self.extrapolation.is_none()
+            && argument.is_finite()
+            && (argument < first || argument > last);
+        without_value.then(|| Outside {
+            name: self.name.clone(),
+            argument,
+            domain: (first, last),
+            unit: self.written.as_ref().map(|(_, unit)| unit.clone()),
+            at: self.written.as_ref().map(|(at, _)| *at),
         })
     }
 

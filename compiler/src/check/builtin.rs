@@ -155,10 +155,18 @@ impl<'p> Checker<'p> {
             ("sum", [x]) => self.total(x),
             ("length" | "distinct", [(expr, ty)]) => match ty {
                 Type::List { .. } | Type::Range(_) if name == "length" => Type::Int,
-                Type::List { .. } => Type::Bool,
+                Type::List { element, .. } | Type::Range(element)
+                    if element.quantity().is_some() =>
+                {
+                    Type::Bool
+                }
                 other => {
                     let other = other.clone();
-                    self.not_a(expr, &other, &format!("the argument of `{name}`"), "a list")
+                    let wanted = match name {
+                        "length" => "a list",
+                        _ => "a list of numbers",
+                    };
+                    self.not_a(expr, &other, &format!("the argument of `{name}`"), wanted)
                 }
             },
             _ => Type::Error,

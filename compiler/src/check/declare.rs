@@ -367,6 +367,7 @@ impl<'p> Checker<'p> {
         };
         self.binding_needs(outer, binding, &found);
         let ty = self.output_axes(&scope, outer, binding, found);
+        let ty = self.shown(binding, ty);
         if let Some(display) = &binding.display {
             self.display(&scope, &ty, display);
         }
@@ -380,6 +381,55 @@ impl<'p> Checker<'p> {
             return Type::Error;
         }
         self.arrayed(&binding.index, ty)
+    }
+
+    /// What an output shows becomes columns of numbers.
+    fn shown(&mut self, binding: &Binding, ty: Type) -> Type {
+        if binding.kind != BindingKind::Output || ty.is_error() {
+            return ty;
+        }
+        let numbers = match &ty {
+            Type::List { element, .. } | Type::Range(element) => element.quantity().is_some(),
+            Type::Vector { .. } | Type::Bool => true,
+            other => other.quantity().is_some(),
+        };
+        if numbers {
+            return ty;
+        }
+        let name = &binding.name.text;
+        let found = self.describe(&ty);
+        let place = binding
+            .value
+            .as_ref()
+            .map(|v| v.span)
+            .or(binding.ty.as_ref().map(|t| t.span))
+            .unwrap_or(binding.name.span);
+        let text = self.sources.text(place).to_owned();
+        let message = Diagnostic::error(
+            codes::WRONG_TYPE,
+            format!("the output `{name}` is a number, a vector, a list of numbers or a comparison, not {found}"),
+        )
+        .at(place, format!("this is {found}"));
+        let message = match &ty {
+            Type::Marker => message.with_help(format!(
+                "show where it is, or how it turns: `output {name} = {text}.origin in ground as mm`"
+            )),
+            Type::Body(_) => message.with_help(format!(
+                "show where its origin is: `output {name} = {text}.origin.origin in ground as mm`"
+            )),
+            Type::Function(_) => message.with_help(format!("call it: `{text}(…)`")),
+            Type::Instance(_) | Type::InstanceOf(_) => {
+                message.with_help(format!("show a value of it: `{text}.…`"))
+            }
+            Type::Cycle => message.with_help("show its angle: `cycle.angle`"),
+            Type::List { element, .. } if matches!(**element, Type::Vector { .. }) => message
+                .with_help(format!(
+                    "one output each: `output {name}[i in 1..2] = … in ground`"
+                )),
+            _ => message,
+        };
+        self.report(message);
+        Type::Error
     }
 
     /// What a binding must have to mean something.

@@ -101,6 +101,16 @@ impl<'p> Checker<'p> {
             let ty = self.binding(&scope, binding);
             scope.locals.push((binding.name.text.clone(), ty));
         }
+        for requirement in &function.requirements {
+            let word = if requirement.advise {
+                "advise"
+            } else {
+                "require"
+            };
+            let what = format!("what follows `{word}`");
+            self.condition(&scope, &requirement.condition, &what);
+            self.message(&scope, &requirement.message);
+        }
         let result = match declared {
             Some(declared) => {
                 let mut due = Due::new(format!("the value of `{}`", function.name.text));

@@ -10,7 +10,7 @@ use crate::program::DefinitionId;
 use crate::resolve::suggest::nearest;
 use eng_grammar::ast::{
     Binding, BindingKind, Block, Declaration, Form, Function, ItemKind, Kind, Name, Parameter,
-    Table,
+    Statement, Table,
 };
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
@@ -155,9 +155,41 @@ impl<'p> Checker<'p> {
         for (name, first) in twice {
             self.defined_twice(&name.text, name.span, first);
         }
+        self.reactions_are_taken(id, &members);
         let table = Rc::new(ClassTable { members });
         self.tables.insert(id, table.clone());
         table
+    }
+
+    /// What constrains has its reactions as outputs; nothing else in it is called so.
+    fn reactions_are_taken(&mut self, id: DefinitionId, members: &BTreeMap<&'p str, Member<'p>>) {
+        let Some(declaration) = self.declaration(id) else {
+            return;
+        };
+        let constrains = block_of(declaration)
+            .into_iter()
+            .flat_map(|block| &block.items)
+            .any(|item| matches!(item.kind, ItemKind::Statement(Statement::Constrain(_))));
+        if !constrains || !matches!(declaration.kind, Kind::Joint | Kind::Drive) {
+            return;
+        }
+        for name in ["force", "torque"] {
+            let Some(own) = members.get(name).and_then(Member::span) else {
+                continue;
+            };
+            let word = super::describe::with_article(super::describe::kind_word(declaration.kind));
+            self.report(
+                Diagnostic::error(
+                    codes::DEFINED_TWICE,
+                    format!("`{name}` of {word} is the reaction of its constraints"),
+                )
+                .at(own, "another one")
+                .with_note(
+                    "every joint and drive that constrains has the outputs `force` and `torque`: the wrench on its first marker, in the second's axes",
+                )
+                .with_help(format!("give this a name of its own, such as `own_{name}`")),
+            );
+        }
     }
 
     pub(super) fn defined_twice(&mut self, name: &str, again: Span, first: Span) {

@@ -31,8 +31,8 @@ eng_grammar::codes! {
         "Accelerations follow from the forces. A function that is passed as an argument and takes `der` of a velocity can be used in outputs only, and a message cannot show one.",
         "fn rate(v: Velocity) -> Acceleration = der(v)\nforce drag = Drag(ball.origin, ground, law: rate)",
         "fn damp(v: Velocity) -> Acceleration = v/1 s\nforce drag = Drag(ball.origin, ground, law: damp)";
-    DIRECTION = "E0508", "a direction has the length zero",
-        "It points nowhere. Only the direction of `x:` and `z:` counts, not their length, but it must not be zero.",
+    DIRECTION = "E0508", "a direction has the length zero, or two are parallel",
+        "It points nowhere. Only the direction of `x:` and `z:` counts, not their length, but it must not be zero; where both are stated, x is made perpendicular to z, so that they must not be parallel.",
         "marker main = at(origin, z: [0, 0, 0])",
         "marker main = at(origin, z: [0, 0, 1])";
     GROUND_ALONE = "E0509", "`ground` has no partner marker",
@@ -48,7 +48,7 @@ eng_grammar::codes! {
         "joint Rod(a: Marker, b: Marker, length: Length) { constrain length == 100 mm }",
         "joint Rod(a: Marker, b: Marker, length: Length) { constrain norm(a.origin - b.origin) == length }";
     ELEMENT_TOO_LARGE = "E0512", "one element is too large",
-        "One element or output touches at most 64 markers, 64 states, 256 equations, 16 rotations, 1024 channels of others and 4096 numbers. Divide it into several.",
+        "One element or output touches at most 64 markers, 64 states, 256 equations, 16 rotations, 1024 channels of others and 4096 numbers, and takes at most 100 000 operations. Divide it into several.",
         "", "";
     REQUIRED = "E0513", "a `require` does not hold",
         "The class or model asks for a condition that the constants of this model do not fulfil. The text is its author's.",
@@ -113,6 +113,26 @@ eng_grammar::codes! {
         "All its markers are on one rigid body, or all on the ground: they never move against each other, so its equations hold nothing.",
         "joint pin = Revolute(pivot, pivot)",
         "joint pin = Revolute(bob.top, pivot)";
+    EMPTY_LIST = "E0529", "a sum, minimum or maximum of an empty list",
+        "With the constants of this model the list has no element, which would tell the value and its dimension. Say what is meant then.",
+        "const gaps = 0\nlet slack = sum(1 mm for i in 1..gaps)",
+        "const gaps = 0\nlet slack = if gaps > 0 then sum(1 mm for i in 1..gaps) else 0 mm";
+    CYCLE_PERIOD = "E0530", "the period of the cycle is not positive",
+        "The cycle's angle is counted in periods: 360 deg for a two-stroke engine or a machine, 720 deg for a four-stroke engine.",
+        "cycle angle = rotation(crank.main, ground) { period = 0 deg }",
+        "cycle angle = rotation(crank.main, ground) { period = 720 deg }";
+    NOT_HANDED_ON = "E0531", "an analysis gives a model something that it cannot hand on",
+        "Arguments of a model in an analysis are numbers, texts, truth values, mode sets, classes, records, and lists of these. A function or a table is defined where it is used.",
+        "analysis soft = transient(Rig(law: soft_spring), duration: 1 s)",
+        "analysis soft = transient(Rig(stiffness: 2 N/mm), duration: 1 s)";
+    CHANNEL_TWICE = "E0532", "two columns of the results have one name",
+        "Every output is a column, named by its path. `time`, `cycle.angle`, `cycle.speed` and the `energy` audit are columns of every run. Rename the output, or the part that it is in.",
+        "output time = 2*pi/speed",
+        "output revolution_time = 2*pi/speed";
+    TOO_MANY_USES = "E0533", "functions and values are put in too often",
+        "A function is put in where it is called, and a value of the motion where it is used. Thirty functions that call each other twice would be put in a billion times. Give what is used twice a name with `let`.",
+        "fn a(x: 1) -> 1 = x*x\nfn b(x: 1) -> 1 = a(x)*a(x)\nfn c(x: 1) -> 1 = b(x)*b(x)",
+        "fn a(x: 1) -> 1 = x*x\nfn b(x: 1) -> 1 { let y = a(x); y*y }\nfn c(x: 1) -> 1 { let y = b(x); y*y }";
     INTERNAL = "E0599", "the compiler or the runtime contradicts itself",
         "No model should bring this about: an earlier check should have told what is wrong. Please report it with the model. Changing what stands at the place named may help until it is mended.",
         "", "";

@@ -501,7 +501,44 @@ impl<'a> Elaborator<'a, '_> {
                     .map(|v| self.structural_of(v, span))
                     .collect::<Eval<Vec<_>>>()?,
             ),
-            other => return Err(self.unfit(span, "a structural value", &other)),
+            Value::Definition(id) => Structural::Class(id),
+            Value::Record(id, scope) => {
+                let mut fields = Vec::new();
+                for name in self.fields_of(id) {
+                    let value = self.entry(scope, &name, span)?;
+                    fields.push((name, self.structural_of(value, span)?));
+                }
+                Structural::Record(id, fields)
+            }
+            other => {
+                let found = other.kind();
+                return Err(self.report(
+                    Diagnostic::error(
+                        codes::NOT_HANDED_ON,
+                        format!("an analysis cannot give {found} to a model"),
+                    )
+                    .at(span, format!("this is {found}"))
+                    .with_help("numbers, texts, truth values, mode sets, classes, records, and lists of these can be given; define it in the model or beside it"),
+                ));
+            }
         })
+    }
+
+    /// Names of what is given when a record is made.
+    fn fields_of(&self, id: DefinitionId) -> Vec<String> {
+        let items = match self.program.item(id).map(|i| &i.kind) {
+            Some(ItemKind::Declaration(ast::Declaration {
+                form: Form::Plain { block },
+                ..
+            })) => block.items.as_slice(),
+            _ => &[],
+        };
+        items
+            .iter()
+            .filter_map(|i| match &i.kind {
+                ItemKind::Binding(b) if b.value.is_none() => Some(b.name.text.clone()),
+                _ => None,
+            })
+            .collect()
     }
 }

@@ -9,7 +9,7 @@ use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::code::{Advice, BindCode, BindError, Bound, Pair};
 use eng_system::system::{Location, Origin, Parameter};
-use eng_system::table::Table;
+use eng_system::table::{Outside, Table};
 use eng_system::{Dimension, DisplayUnit};
 
 /// The node that a parameter takes its value from when it is not set.
@@ -58,6 +58,15 @@ pub struct BindProgram {
     pub checks: Vec<Check>,
 }
 
+impl BindProgram {
+    /// The first table that is read outside its points, with the values of all nodes.
+    fn outside(&self, values: &[Pair], tables: &[Table]) -> Option<Box<Outside>> {
+        let nodes = self.function.graph.nodes();
+        let [outside, _] = crate::ir::interpret::outside(nodes, values, tables);
+        outside.map(Box::new)
+    }
+}
+
 impl BindCode for BindProgram {
     fn bind(&self, overrides: &[Option<f64>], tables: &[Table]) -> Result<Bound, BindError> {
         let nodes = self.function.graph.nodes();
@@ -89,6 +98,7 @@ impl BindCode for BindProgram {
             if !value.is_finite() {
                 return Err(BindError::NotFinite {
                     path: parameter.origin.path.clone(),
+                    outside: self.outside(&values, tables),
                 });
             }
             let (low, high) = parameter.limits;
@@ -96,10 +106,9 @@ impl BindCode for BindProgram {
                 let d = &parameter.display;
                 return Err(BindError::Limits {
                     path: parameter.origin.path.clone(),
-                    value: d.from_si(value),
-                    unit: d.symbol.clone(),
-                    low: d.from_si(low),
-                    high: d.from_si(high),
+                    value: d.text(value),
+                    low: d.text(low),
+                    high: d.text(high),
                 });
             }
             parameters.push(value);
@@ -143,6 +152,7 @@ impl BindCode for BindProgram {
                     .get(i)
                     .unwrap_or(&self.function.name)
                     .clone(),
+                outside: self.outside(&values, tables),
             });
         }
         Ok(Bound {
@@ -322,6 +332,7 @@ impl<'a> Elaborator<'a, '_> {
         if let Truth::Known(true) = truth {
             return Ok(None);
         }
+        let truth = self.where_it_counts(truth);
         let message = self.message(message, scope)?;
         match truth {
             Truth::Later(flag) if flag.stage == Stage::Motion => Ok(Some((flag, message))),
@@ -361,13 +372,25 @@ impl<'a> Elaborator<'a, '_> {
                 };
                 let reported = self.report(match used_at.map(span_of) {
                     Some(place) => diagnostic
-                        .at(place, "asked for by its class")
+                        .at(place, "asked for by what is used here")
                         .also(condition.span, "this does not hold"),
                     None => diagnostic.at(condition.span, "this does not hold"),
                 });
                 if advise { Ok(None) } else { Err(reported) }
             }
         }
+    }
+
+    /// A condition, or true where one of the `if`s around takes its other side.
+    fn where_it_counts(&mut self, truth: Truth) -> Truth {
+        let guards = self.guards.clone();
+        guards.into_iter().fold(truth, |truth, (guard, _)| {
+            let elsewhere = self.bench.not(guard);
+            Truth::Later(match truth {
+                Truth::Later(flag) => self.bench.logic(elsewhere, flag, Op::Or),
+                Truth::Known(_) => elsewhere,
+            })
+        })
     }
 
     /// A message with the numbers that are known while compiling; the other expressions stand as they are written.

@@ -160,6 +160,7 @@ impl<'a> Elaborator<'a, '_> {
                     }
                 }
                 let zero = self.zero();
+                self.not_parallel(x, z, value.span, scope)?;
                 let orientation = self.orientation(x, z);
                 Ok((place.unwrap_or([zero; 3]), orientation))
             }
@@ -189,6 +190,40 @@ impl<'a> Elaborator<'a, '_> {
             ));
         }
         Ok(self.normalise(&v))
+    }
+
+    /// Refuses two stated directions along one line: x is made perpendicular to z.
+    pub fn not_parallel(
+        &mut self,
+        x: Option<[Scalar; 3]>,
+        z: Option<[Scalar; 3]>,
+        span: Span,
+        scope: ScopeId,
+    ) -> Eval<()> {
+        let (Some(x), Some(z)) = (x, z) else {
+            return Ok(());
+        };
+        let across = self.bench.cross(&x, &z);
+        let square = self.bench.dot(&across, &across);
+        // the sine of a hundredth of a degree, squared
+        const LEAST: f64 = 3e-8;
+        if let Some(known) = self.bench.known(square) {
+            if known > LEAST {
+                return Ok(());
+            }
+            return Err(self.report(
+                Diagnostic::error(codes::DIRECTION, "the directions x and z are parallel")
+                    .at(span, "no axes have both")
+                    .with_help("state one of them, or two that are across each other"),
+            ));
+        }
+        let path = self.scope(scope).path.clone();
+        let graph = &mut self.bench.bind.graph;
+        let least = graph.constant(LEAST);
+        let flag = graph.less(least, square.node);
+        let text = "the directions x and z of a marker must not be parallel".to_owned();
+        self.bind_check(flag, vec![super::MessagePart::Text(text)], &path, span);
+        Ok(())
     }
 
     fn normalise(&mut self, v: &[Scalar; 3]) -> [Scalar; 3] {
@@ -431,7 +466,14 @@ impl<'a> Elaborator<'a, '_> {
         );
     }
 
-    fn bind_check(&mut self, flag: Node, message: Vec<super::MessagePart>, path: &str, span: Span) {
+    /// A condition of parameters that the language itself asks for.
+    pub fn bind_check(
+        &mut self,
+        flag: Node,
+        message: Vec<super::MessagePart>,
+        path: &str,
+        span: Span,
+    ) {
         let holds = self.bench.flag_number(super::scalar::Flag {
             stage: Stage::Bind,
             node: flag,

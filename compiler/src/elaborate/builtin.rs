@@ -187,7 +187,7 @@ impl<'a> Elaborator<'a, '_> {
                 };
                 let mut rest = list.into_iter();
                 let Some(mut best) = rest.next() else {
-                    return Err(self.arguments(span));
+                    return Err(self.nothing(name, span));
                 };
                 for x in rest {
                     best = self.bench.binary(best, x, best.dimension, op);
@@ -198,7 +198,7 @@ impl<'a> Elaborator<'a, '_> {
                 let list = self.numbers_of(values)?;
                 let mut rest = list.into_iter();
                 let Some(mut sum) = rest.next() else {
-                    return Err(self.arguments(span));
+                    return Err(self.nothing(name, span));
                 };
                 for x in rest {
                     sum = self.bench.add(sum, x);
@@ -226,6 +226,17 @@ impl<'a> Elaborator<'a, '_> {
             },
             _ => Err(self.internal(span, &format!("`{name}` is no value"))),
         }
+    }
+
+    /// `sum`, `min` or `max` of an empty list: no element tells of which dimension it would be.
+    fn nothing(&mut self, name: &str, span: Span) -> super::Reported {
+        self.report(
+            Diagnostic::error(codes::EMPTY_LIST, format!("`{name}` of an empty list"))
+                .at(span, "nothing tells its value and dimension")
+                .with_help(format!(
+                    "say what it is then: `if length(list) > 0 then {name}(list) else 0 mm`, with the unit that is meant"
+                )),
+        )
     }
 
     fn arguments(&mut self, span: Span) -> super::Reported {

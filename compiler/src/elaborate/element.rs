@@ -172,6 +172,7 @@ impl<'a> Elaborator<'a, '_> {
         self.in_output = false;
         self.rates = None;
         outputs?;
+        self.asked(&mut draft);
         let journal = if class.declaration.kind == Kind::Journal {
             self.journal_info(own)
         } else {
@@ -496,6 +497,23 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Conditions of the functions that the element has called.
+    pub fn asked(&mut self, draft: &mut Draft) {
+        let asked = self
+            .bench
+            .element
+            .as_mut()
+            .map(|element| std::mem::take(&mut element.asked));
+        for asked in asked.into_iter().flatten() {
+            let kind = if asked.advise {
+                ConditionKind::Advise
+            } else {
+                ConditionKind::Require
+            };
+            self.condition(asked.flag, kind, asked.message, asked.span, draft);
+        }
     }
 
     fn condition(

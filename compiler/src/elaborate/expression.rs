@@ -1,10 +1,11 @@
 //! Evaluation of expressions.
 
+use super::binding::Part;
 use super::scalar::{Flag, Scalar, Stage};
 use super::value::{ScopeId, TableValue, Value};
 use super::{Elaborator, Entry, Eval, Lazy};
 use crate::codes;
-use crate::ir::{Graph, Op};
+use crate::ir::{Graph, Node, Op};
 use eng_grammar::ast::{self, BinaryOp, Expr, ExprKind, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
@@ -108,8 +109,9 @@ impl<'a> Elaborator<'a, '_> {
                 Truth::Known(true) => self.evaluate(then, scope),
                 Truth::Known(false) => self.evaluate(otherwise, scope),
                 Truth::Later(flag) => {
-                    let a = self.evaluate(then, scope)?;
-                    let b = self.evaluate(otherwise, scope)?;
+                    let a = self.guarded(flag, |e| e.evaluate(then, scope))?;
+                    let not = self.bench.not(flag);
+                    let b = self.guarded(not, |e| e.evaluate(otherwise, scope))?;
                     self.select(flag, a, b, then.span, otherwise.span)
                 }
             },
@@ -782,7 +784,75 @@ impl<'a> Elaborator<'a, '_> {
                 Entry::Lazy(Lazy::Binding(binding)),
             );
         }
-        self.deeper(span, |e| e.evaluate(&function.value, inner))
+        self.deeper(span, |e| {
+            for requirement in &function.requirements {
+                e.require_in_function(requirement, inner, span)?;
+            }
+            e.evaluate(&function.value, inner)
+        })
+    }
+
+    /// Evaluates what counts only where a flag is true.
+    fn guarded<T>(&mut self, flag: Flag, f: impl FnOnce(&mut Self) -> Eval<T>) -> Eval<T> {
+        self.guards.push((flag, self.scopes.len()));
+        let result = f(self);
+        self.guards.pop();
+        result
+    }
+
+    /// A `require` or `advise` of a function for one call: of parameters alone it is checked when they are set, else its element
+    /// watches it.
+    fn require_in_function(
+        &mut self,
+        requirement: &'a ast::Requirement,
+        scope: ScopeId,
+        call: Span,
+    ) -> Eval<()> {
+        let path = self.bench.bind.owner.clone();
+        let found = self.requirement(
+            requirement.advise,
+            &requirement.condition,
+            &requirement.message,
+            scope,
+            &path,
+            Some(super::location(call)),
+        )?;
+        let Some((flag, message)) = found else {
+            return Ok(());
+        };
+        let values = message.parts.iter().filter_map(|part| match part {
+            Part::Value { value, .. } => Some((value.stage, value.node)),
+            Part::Text(_) => None,
+        });
+        let seen: Vec<Node> = std::iter::once((flag.stage, flag.node))
+            .chain(values)
+            .filter(|(stage, _)| *stage == Stage::Motion)
+            .map(|(_, node)| node)
+            .collect();
+        if let Some(element) = self.bench.element.as_mut() {
+            if crate::ir::differentiate::known_in_outputs_only(
+                &element.graph,
+                &seen,
+                &super::scalar::PROVISIONAL,
+            ) {
+                return Err(self.report(
+                    Diagnostic::error(
+                        codes::LATE_ACCELERATION,
+                        "a function that asks for a condition is given what is known in outputs only",
+                    )
+                    .at(call, "an acceleration, a reaction or an output of another element stands in its condition")
+                    .also(requirement.condition.span, "its condition is watched at every step")
+                    .with_help("call it in the class that knows the value, or a function without `require`"),
+                ));
+            }
+            element.asked.push(super::scalar::Asked {
+                advise: requirement.advise,
+                flag,
+                message,
+                span: requirement.condition.span,
+            });
+        }
+        Ok(())
     }
 
     /// The bind node of a number of parameters alone.

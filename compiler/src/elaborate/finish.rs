@@ -3,10 +3,11 @@
 use super::scalar::Workbench;
 use super::value::{ScopeId, Value};
 use super::{BindProgram, Elaborator, Entry, Eval, Reported};
+use crate::codes;
 use crate::ir::{ClassBody, ClassFunctions, Function};
 use crate::program::{DefinitionId, Program};
 use eng_grammar::ast::{Form, ItemKind, Kind};
-use eng_grammar::{Diagnostics, SourceMap};
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use eng_system::Dimension;
 use eng_system::flexible::FlexibleSource;
 use eng_system::host::Host;
@@ -43,6 +44,10 @@ pub enum Structural {
     List(Vec<Structural>),
     /// Modes of a flexible body.
     ModeSet(Vec<super::ModePart>),
+    /// A class.
+    Class(DefinitionId),
+    /// A record with its fields.
+    Record(DefinitionId, Vec<(String, Structural)>),
 }
 
 /// Elaborates a model. `None` where an error was reported.
@@ -82,6 +87,8 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             module_scopes: Vec::new(),
             depth: 0,
             instances: 0,
+            uses: 0,
+            guards: Vec::new(),
             bodies: Vec::new(),
             body_scopes: Vec::new(),
             flexible: Vec::new(),
@@ -121,6 +128,22 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             Structural::List(items) => {
                 Value::List(items.iter().map(|v| self.structural_value(v)).collect())
             }
+            Structural::Class(id) => Value::Definition(*id),
+            Structural::Record(id, fields) => {
+                let module = self.module_scopes.get(id.module as usize).copied();
+                let own = self.new_scope(module, id.module, String::new());
+                if let Some(ItemKind::Declaration(declaration)) =
+                    self.program.item(*id).map(|i| &i.kind)
+                    && let Form::Plain { block } = &declaration.form
+                {
+                    self.register(&block.items, own);
+                }
+                for (name, value) in fields {
+                    let value = self.structural_value(value);
+                    self.define(own, name, Entry::Value(value));
+                }
+                Value::Record(*id, own)
+            }
         }
     }
 
@@ -148,11 +171,43 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         let cycle = self.lower_cycle();
         self.bench.element = None;
         let cycle = cycle?;
+        self.columns_have_names_of_their_own(cycle.is_some())?;
         // what failed would seem to tie nothing
         if !self.diagnostics.has_errors() {
             self.connections(span);
         }
         self.flatten(name, cycle)
+    }
+
+    /// Each channel is a column of the results, beside those of every run.
+    fn columns_have_names_of_their_own(&mut self, cycle: bool) -> Eval<()> {
+        let mut known: BTreeMap<&str, Option<u32>> = eng_system::recorded::of_every_run(cycle)
+            .map(|name| (name, None))
+            .collect();
+        let mut twice = None;
+        for channel in &self.channels {
+            if let Some(first) = known.insert(&channel.path, Some(channel.element)) {
+                twice = Some((channel.path.clone(), channel.element, first));
+                break;
+            }
+        }
+        let Some((path, second, first)) = twice else {
+            return Ok(());
+        };
+        let place = |element: u32| self.elements.get(element as usize).map(|e| e.span);
+        let (second, first) = (place(second), first.and_then(place));
+        let mut message = Diagnostic::error(
+            codes::CHANNEL_TWICE,
+            format!("two columns of the results are called {path}"),
+        );
+        if let Some(span) = second {
+            message = message.at(span, "one of this");
+        }
+        message = match first {
+            Some(span) => message.also(span, "one of this"),
+            None => message.with_note("it is a column of every run"),
+        };
+        Err(self.report(message.with_help("give the output, or what it belongs to, another name")))
     }
 
     fn block_with(

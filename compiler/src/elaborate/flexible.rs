@@ -374,6 +374,7 @@ impl<'a> Elaborator<'a, '_> {
         };
         let x = get("x").map(|x| self.direction(x, scope)).transpose()?;
         let z = get("z").map(|z| self.direction(z, scope)).transpose()?;
+        self.not_parallel(x, z, value.span, scope)?;
         let nodes = self.orientation(x, z);
         let mut axes = [0.0; 9];
         for (number, node) in axes.iter_mut().zip(nodes) {
@@ -507,7 +508,7 @@ impl<'a> Elaborator<'a, '_> {
 
     fn material_source(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<MaterialSource> {
         let record = match self.evaluate(value, scope)? {
-            Value::Record(record) => record,
+            Value::Record(_, record) => record,
             other => return Err(self.unfit(value.span, "a material", &other)),
         };
         let mut field = |name: &str| -> Eval<f64> {

@@ -8,6 +8,7 @@ mod binding;
 mod body;
 mod builtin;
 mod constants;
+mod csv;
 mod element;
 mod expression;
 mod finish;
@@ -46,6 +47,9 @@ pub(crate) type Eval<T> = Result<T, Reported>;
 const MOST_INSTANCES: usize = 20_000;
 /// Deepest nesting of calls, lets and parts.
 const DEEPEST: u32 = 100;
+/// Most calls and named values that are evaluated for one model: functions are put in where they are called, so that thirty that call
+/// each other twice would be put in a billion times.
+const MOST_USES: usize = 500_000;
 
 /// What a name in a scope means.
 #[derive(Clone, Debug)]
@@ -160,6 +164,11 @@ pub(crate) struct Elaborator<'a, 'd> {
     pub module_scopes: Vec<ScopeId>,
     pub depth: u32,
     pub instances: usize,
+    /// Calls and named values that were evaluated.
+    pub uses: usize,
+    /// What must be true where the text that is evaluated counts: conditions of the `if`s around, as far as they are not known,
+    /// with the number of scopes at that moment: what an older scope names counts elsewhere, too.
+    pub guards: Vec<(scalar::Flag, usize)>,
 
     pub bodies: Vec<eng_system::system::Body>,
     pub body_scopes: Vec<ScopeId>,
@@ -275,6 +284,21 @@ impl<'a> Elaborator<'a, '_> {
                 )
                 .at(span, "the limit is reached here")
                 .with_help("does a function or a component use itself?"),
+            ));
+        }
+        self.uses += 1;
+        // what is above has told
+        if self.uses > MOST_USES + 1 {
+            return Err(Reported);
+        }
+        if self.uses > MOST_USES {
+            return Err(self.report(
+                Diagnostic::error(
+                    codes::TOO_MANY_USES,
+                    format!("functions and values of this model are put in more than {MOST_USES} times"),
+                )
+                .at(span, "the limit is reached here")
+                .with_help("where a function calls another one twice, give its value a name with `let` and use that twice"),
             ));
         }
         self.depth += 1;

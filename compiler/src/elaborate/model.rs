@@ -183,6 +183,26 @@ impl<'a> Elaborator<'a, '_> {
             .and_then(|v| self.as_scalar(v, attribute.value.span))
             .and_then(|s| self.bind_node(s, attribute.value.span));
         if let Ok(period) = node {
+            let span = attribute.value.span;
+            match self.bench.bind.graph.as_constant(period) {
+                Some(known) if known > 0.0 && known.is_finite() => {}
+                Some(_) => {
+                    self.report(
+                        Diagnostic::error(codes::CYCLE_PERIOD, "the period of the cycle must be positive")
+                            .at(span, "this is not")
+                            .with_help("720 deg for a four-stroke engine, 360 deg for a two-stroke engine or a machine"),
+                    );
+                    return;
+                }
+                None => {
+                    let graph = &mut self.bench.bind.graph;
+                    let zero = graph.constant(0.0);
+                    let positive = graph.less(zero, period);
+                    let text = "the period must be positive".to_owned();
+                    let message = vec![super::MessagePart::Text(text)];
+                    self.bind_check(positive, message, "cycle", span);
+                }
+            }
             self.cycle = Some(CycleDraft {
                 declaration,
                 scope,
@@ -304,7 +324,7 @@ impl<'a> Elaborator<'a, '_> {
         if let Some(missing) = fields.iter().find(|f| !given.contains(&f.name.text)) {
             return Err(self.internal(span, &format!("field `{}` is missing", missing.name.text)));
         }
-        Ok(Value::Record(own))
+        Ok(Value::Record(id, own))
     }
 
     /// Lowers starts and outputs.
@@ -514,6 +534,7 @@ impl<'a> Elaborator<'a, '_> {
             e.bench.element = Some(ElementBuilder::default());
             e.in_output = true;
             let path = format!("{base}{}", index_text(position));
+            e.bench.bind.owner.clone_from(&path);
             let declared = binding.ty.as_ref().map(|t| e.dimension(t));
             let value = e.evaluate(expr, inner)?;
             let frame = match &binding.frame {

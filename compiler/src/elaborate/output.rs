@@ -15,6 +15,9 @@ use eng_system::layout::InputLayout;
 use eng_system::system::{Channel, JournalInfo, Origin, OutputInfo, Role, StateInfo};
 use eng_system::{Dimension, DisplayUnit};
 
+/// Most operations of one element before its derivatives: compiling takes seconds then.
+const MOST_OPERATIONS: usize = 100_000;
+
 impl<'a> Elaborator<'a, '_> {
     pub fn class_outputs(
         &mut self,
@@ -99,6 +102,10 @@ impl<'a> Elaborator<'a, '_> {
                 let one = self.bench.constant(1.0, Dimension::ONE);
                 let zero = self.bench.constant(0.0, Dimension::ONE);
                 (vec![self.bench.select(flag, one, zero)], true)
+            }
+            Value::Bool(known) => {
+                let number = if known { 1.0 } else { 0.0 };
+                (vec![self.bench.constant(number, Dimension::ONE)], true)
             }
             other => (vec![self.as_scalar(other, span)?], true),
         };
@@ -269,6 +276,16 @@ impl<'a> Elaborator<'a, '_> {
                 )
                 .at(span, "this one")
                 .with_help("divide it into several elements or outputs"),
+            ));
+        }
+        if element.graph.nodes().len() > MOST_OPERATIONS {
+            return Err(self.report(
+                Diagnostic::error(
+                    codes::ELEMENT_TOO_LARGE,
+                    format!("one element takes more than {MOST_OPERATIONS} operations"),
+                )
+                .at(span, "this one")
+                .with_help("where functions call each other twice, give values that are used twice a name with `let`; or divide it into several elements or outputs"),
             ));
         }
         let (graph, map) = compact(&element.graph, &layout);
@@ -488,6 +505,7 @@ impl<'a> Elaborator<'a, '_> {
                 }
             }
         }
+        self.asked(&mut draft);
         let origin = Origin {
             path,
             used_at: Some(location(span)),

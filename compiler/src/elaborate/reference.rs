@@ -87,7 +87,11 @@ impl<'a> Elaborator<'a, '_> {
             )),
             Some(Entry::Lazy(lazy)) => {
                 self.define(scope, name, Entry::Busy);
+                let guards = self.guards.clone();
+                self.guards
+                    .retain(|(_, scopes)| *scopes <= scope.0 as usize);
                 let result = self.deeper(span, |e| e.force(&lazy, scope));
+                self.guards = guards;
                 let entry = match &result {
                     Ok(value) if self.scope(scope).lasting && value.moves() => Entry::Lazy(lazy),
                     Ok(value) => Entry::Value(value.clone()),
@@ -210,7 +214,9 @@ impl<'a> Elaborator<'a, '_> {
                 let scope = self.body_scopes[b as usize];
                 self.entry(scope, &name.text, name.span)
             }
-            Value::Part(scope) | Value::Record(scope) => self.entry(scope, &name.text, name.span),
+            Value::Part(scope) | Value::Record(_, scope) => {
+                self.entry(scope, &name.text, name.span)
+            }
             Value::Element(e) => self.element_field(e, name),
             Value::List(items) => {
                 if let Some(i) = ["x", "y", "z"].iter().position(|n| *n == name.text)

@@ -103,6 +103,18 @@ pub(crate) struct ElementBuilder {
     pub rows: Vec<RowDraft>,
     /// Loads by local marker.
     pub loads: Vec<[Node; 6]>,
+    /// Conditions of functions that were called.
+    pub asked: Vec<Asked>,
+}
+
+/// A condition of a function that is called with values of the motion.
+#[derive(Debug)]
+pub(crate) struct Asked {
+    pub advise: bool,
+    pub flag: Flag,
+    pub message: super::binding::Message,
+    /// Place of the condition.
+    pub span: eng_grammar::Span,
 }
 
 #[derive(Debug)]

@@ -37,7 +37,8 @@ pub(crate) enum Value<'a> {
     Body(u32),
     /// Index into the elaborator's elements.
     Element(u32),
-    Record(ScopeId),
+    /// Its definition and its names.
+    Record(DefinitionId, ScopeId),
     Part(ScopeId),
     Closure(Closure<'a>),
     Builtin(&'static str),
@@ -83,7 +84,7 @@ impl Value<'_> {
             Value::Ground => "the ground",
             Value::Body(_) => "a body",
             Value::Element(_) => "an element",
-            Value::Record(_) => "a record",
+            Value::Record(..) => "a record",
             Value::Part(_) => "a part",
             Value::Closure(_) | Value::Builtin(_) => "a function",
             Value::Table(_) => "a table",

@@ -450,6 +450,14 @@ pub fn uses_acceleration(graph: &Graph, nodes: &[Node], layout: &InputLayout) ->
         .any(|i| Place::of(layout, i) == Place::Acceleration)
 }
 
+/// Whether nodes depend on what only outputs know: accelerations, rates of states, multipliers, channels of other elements.
+pub fn known_in_outputs_only(graph: &Graph, nodes: &[Node], layout: &InputLayout) -> bool {
+    let multipliers = layout.multiplier(0)..layout.multiplier(layout.rows);
+    inputs_of(graph, nodes)
+        .into_iter()
+        .any(|i| multipliers.contains(&i) || i >= layout.len())
+}
+
 /// What an input of a layout is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {

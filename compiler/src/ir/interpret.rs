@@ -5,7 +5,7 @@
 use super::class::ClassFunctions;
 use super::graph::{Function, Node, Op};
 use eng_system::code::{ElementCode, Function as Which, Pair};
-use eng_system::table::Table;
+use eng_system::table::{Outside, Table};
 use std::sync::{Mutex, PoisonError};
 
 /// A function made ready for evaluation.
@@ -68,6 +68,19 @@ impl Interpreter {
             *output = scratch[node.0 as usize];
         }
         true
+    }
+
+    /// Whether it reads tables.
+    pub fn reads_tables(&self) -> bool {
+        self.operations.iter().any(|op| matches!(op, Op::Table(..)))
+    }
+
+    /// The first table that is read outside its points, for each instance.
+    pub fn outside(&self, inputs: &[Pair], tables: &[Table]) -> [Option<Outside>; 2] {
+        let mut values = Vec::with_capacity(self.operations.len());
+        let mut outputs = vec![[0.0; 2]; self.outputs.len()];
+        self.evaluate(inputs, &mut outputs, tables, &mut values);
+        outside(&self.operations, &values, tables)
     }
 }
 
@@ -135,6 +148,24 @@ pub(crate) fn look_up(tables: &[Table], handle: f64, argument: f64, order: u8) -
         .map_or(f64::NAN, |table| table.evaluate(argument, order))
 }
 
+/// The first table that is read outside its points, for each instance; `values` are those of the operations.
+pub(crate) fn outside(
+    operations: &[Op],
+    values: &[Pair],
+    tables: &[Table],
+) -> [Option<Outside>; 2] {
+    [0, 1].map(|lane| {
+        operations.iter().find_map(|op| {
+            let Op::Table(handle, argument, _) = *op else {
+                return None;
+            };
+            let of = |node: Node| values.get(node.0 as usize).map(|pair| pair[lane]);
+            let handle = of(handle).filter(|h| *h >= 0.0 && *h < tables.len() as f64)?;
+            tables.get(handle as usize)?.outside(of(argument)?)
+        })
+    })
+}
+
 /// A class that is interpreted.
 #[derive(Debug)]
 pub struct InterpretedClass {
@@ -177,6 +208,10 @@ impl ElementCode for InterpretedClass {
             .evaluate(inputs, outputs, tables, &mut scratch);
         pool().push(scratch);
         done
+    }
+
+    fn outside(&self, which: Which, inputs: &[Pair], tables: &[Table]) -> [Option<Outside>; 2] {
+        self.of(which).outside(inputs, tables)
     }
 
     fn function_bytes(&self, _: eng_system::code::Function) -> usize {

@@ -3,6 +3,7 @@
 use super::{Interface, Request};
 use crate::error::FlexibleError;
 use crate::fe::{FreedomMap, Reduction};
+use crate::mesh::Support;
 use crate::modes::Load;
 
 /// Names of a marker's freedoms.
@@ -22,9 +23,47 @@ pub(super) struct MarkerFreedom {
     /// `main[2].y`.
     pub label: String,
     pub marker: usize,
+    /// Along or about an axis of the marker.
     pub component: u8,
-    /// The full freedom.
-    pub freedom: usize,
+    /// What it is of the full freedoms, which are along the mesh's axes: freedom, component, factor.
+    pub parts: Vec<(usize, u8, f64)>,
+}
+
+/// Factors below this are rounding of the axes.
+const ALONG: f64 = 1e-12;
+
+/// The direction cosines of a marker's axis in the mesh, without rounding where the axis is one of the mesh's.
+fn cosines(axes: &[f64; 9], axis: u8) -> [f64; 3] {
+    [0, 1, 2].map(|row| {
+        let x = axes
+            .get(3 * row + usize::from(axis))
+            .copied()
+            .unwrap_or(0.0);
+        if x.abs() < ALONG {
+            0.0
+        } else if 1.0 - x.abs() < ALONG {
+            x.signum()
+        } else {
+            x
+        }
+    })
+}
+
+impl MarkerFreedom {
+    /// Its row over the free freedoms: freedom and factor, each freedom once.
+    fn entries(&self, reduction: &Reduction) -> Vec<(u32, f64)> {
+        let mut entries: Vec<(u32, f64)> = Vec::new();
+        for (freedom, _, factor) in &self.parts {
+            let (rows, factors) = reduction.row(*freedom);
+            for (row, x) in rows.iter().zip(factors) {
+                match entries.iter_mut().find(|(known, _)| known == row) {
+                    Some((_, sum)) => *sum += factor * x,
+                    None => entries.push((*row, factor * x)),
+                }
+            }
+        }
+        entries
+    }
 }
 
 impl MarkerFreedoms<'_> {
@@ -42,30 +81,64 @@ impl MarkerFreedoms<'_> {
         let mut found = Vec::new();
         for component in (0..6u8).filter(|c| interface.components & (1 << c) != 0) {
             let label = format!("{}.{}", marker.name, COMPONENTS[usize::from(component)]);
-            match self.freedoms.freedom(*node, component) {
-                Some(freedom) => found.push(MarkerFreedom {
-                    label,
-                    marker: interface.marker,
-                    component,
-                    freedom,
-                }),
-                None if self.freedoms.of(*node).is_empty() => {
-                    return Err(FlexibleError::Structure {
-                        problem: format!("{label}: no element or matrix row moves this node"),
-                        advice: "take a node of the structure".into(),
-                    });
+            let first = component / 3 * 3;
+            let mut parts = Vec::new();
+            for (own, factor) in (first..).zip(cosines(&marker.axes, component % 3)) {
+                if factor == 0.0 {
+                    continue;
                 }
-                None => {
+                match self.freedoms.freedom(*node, own) {
+                    Some(freedom) => parts.push((freedom, own, factor)),
+                    None if self.freedoms.of(*node).is_empty() => {
+                        return Err(FlexibleError::Structure {
+                            problem: format!("{label}: no element or matrix row moves this node"),
+                            advice: "take a node of the structure".into(),
+                        });
+                    }
+                    None => {
+                        return Err(FlexibleError::Structure {
+                            problem: format!("{label}: the node of a solid does not turn"),
+                            advice:
+                                "gather nodes by a ring or a set, tied by a spider: its centre turns"
+                                    .into(),
+                        });
+                    }
+                }
+            }
+            found.push(MarkerFreedom {
+                label,
+                marker: interface.marker,
+                component,
+                parts,
+            });
+        }
+        Ok(found)
+    }
+
+    /// What a support holds of its node, along the mesh's axes.
+    pub fn support(&self, support: &Interface) -> Result<Support, FlexibleError> {
+        let mut components = 0;
+        for freedom in self.freedoms(support)? {
+            let whole = 0b111 << (freedom.component / 3 * 3);
+            match freedom.parts.as_slice() {
+                [(_, own, _)] => components |= 1 << own,
+                // all three directions, along whichever axes
+                _ if support.components & whole == whole => components |= whole,
+                _ => {
                     return Err(FlexibleError::Structure {
-                        problem: format!("{label}: the node of a solid does not turn"),
-                        advice:
-                            "gather nodes by a ring or a set, tied by a spider: its centre turns"
-                                .into(),
+                        problem: format!(
+                            "{}: a support along an axis that is not the mesh's",
+                            freedom.label
+                        ),
+                        advice: "hold all three directions, or turn the marker".into(),
                     });
                 }
             }
         }
-        Ok(found)
+        Ok(Support {
+            node: self.places.get(support.marker).copied().unwrap_or_default(),
+            components,
+        })
     }
 
     /// The freedoms of interfaces with their rows; labels begin with `kind`.
@@ -81,12 +154,9 @@ impl MarkerFreedoms<'_> {
         }
         let loads = freedoms
             .iter()
-            .map(|freedom| {
-                let (rows, factors) = reduction.row(freedom.freedom);
-                Load {
-                    label: format!("{kind}{}", freedom.label),
-                    entries: rows.iter().copied().zip(factors.iter().copied()).collect(),
-                }
+            .map(|freedom| Load {
+                label: format!("{kind}{}", freedom.label),
+                entries: freedom.entries(reduction),
             })
             .collect();
         Ok((freedoms, loads))

@@ -108,7 +108,7 @@ pub struct Unserved {
     pub label: String,
     /// Index of the marker.
     pub marker: usize,
-    /// Component 0…5 in basic axes.
+    /// Component 0…5 along the marker's axes.
     pub component: u8,
     /// The part of the load's static strain energy that the set does not span.
     pub missing: f64,

@@ -3,8 +3,8 @@
 use super::{Builder, MAX_DEPTH};
 use crate::ast::{
     Attribute, Binding, BindingKind, Block, Declaration, DimensionItem, Entry, EntryKind, Expr,
-    ExprKind, Form, Function, Item, ItemKind, Kind, Name, Parameter, Report, Statement, Table,
-    Title, UnitItem, Use, UseNames,
+    ExprKind, Form, Function, Item, ItemKind, Kind, Name, Parameter, Report, Requirement,
+    Statement, Table, Title, UnitItem, Use, UseNames,
 };
 use crate::codes;
 use crate::diagnose;
@@ -342,6 +342,7 @@ impl<'t> Builder<'t, '_> {
             parameters: Vec::new(),
             result: None,
             lets: Vec::new(),
+            requirements: Vec::new(),
             value: Expr {
                 span,
                 kind: ExprKind::Error,
@@ -381,6 +382,20 @@ impl<'t> Builder<'t, '_> {
                             let binding = self.binding(binding, depth + 1);
                             function.lets.push(binding);
                         }
+                    }
+                }
+                Rule::lint => {
+                    if let Some(Statement::Require {
+                        advise,
+                        condition,
+                        message,
+                    }) = self.statement(part, depth + 1)
+                    {
+                        function.requirements.push(Requirement {
+                            advise,
+                            condition,
+                            message,
+                        });
                     }
                 }
                 Rule::expression => function.value = self.expression(part, depth + 1),

@@ -171,7 +171,11 @@ fn item_text(kind: &ItemKind) -> String {
                 .iter()
                 .map(|name| name.text.as_str())
                 .collect();
-            let lets: Vec<_> = item.lets.iter().map(binding).collect();
+            let mut lets: Vec<_> = item.lets.iter().map(binding).collect();
+            lets.extend(item.requirements.iter().map(|r| {
+                let word = if r.advise { "advise" } else { "require" };
+                format!("({word} {} {:?})", expr(&r.condition), r.message.text)
+            }));
             format!(
                 "(fn {}<{}> {}{} {{{}}} {})",
                 item.name.text,

@@ -3,6 +3,7 @@
 use super::rows::{Along, Rows, smallest_solution};
 use super::{at, choose_turns, is_closed, violated_branches};
 use crate::body::BodyModel;
+use crate::dynamics::undefined;
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{exponential, normalized, product};
@@ -224,6 +225,14 @@ pub fn close_all(
             });
         }
         return Ok(());
+    }
+    // a row that is no number: of a table that does not reach the start, or of something undefined there
+    if let Some((_, i)) = open.iter().find(|(size, _)| !size.is_finite()) {
+        let (element, _) = rows.owners[*i];
+        let inputs = super::rows::inputs(model, element, &at(state));
+        let function = eng_system::code::Function::Residual;
+        let time = state.time;
+        return Err(undefined(model, element, time, function, &inputs, 0));
     }
     open.truncate(6);
     Err(RuntimeError::OpenLoop {

@@ -165,9 +165,13 @@ impl Integrator {
         if !solved {
             self.drop_factors();
             let error = match cause {
-                Some(RuntimeError::NotFinite { origin, .. }) => {
-                    RuntimeError::NotFinite { origin, moment }
-                }
+                Some(RuntimeError::NotFinite {
+                    origin, outside, ..
+                }) => RuntimeError::NotFinite {
+                    origin,
+                    outside,
+                    moment,
+                },
                 _ => self.stalled(model, h, moment),
             };
             return Ok(Trial::Failed(Box::new(error)));
@@ -176,9 +180,12 @@ impl Integrator {
             // v', v̇' and a' of the last increment.
             match self.evaluate(model, dynamics, h) {
                 Ok(()) => {}
-                Err(RuntimeError::NotFinite { origin, .. }) => {
+                Err(RuntimeError::NotFinite {
+                    origin, outside, ..
+                }) => {
                     return Ok(Trial::Failed(Box::new(RuntimeError::NotFinite {
                         origin,
+                        outside,
                         moment,
                     })));
                 }

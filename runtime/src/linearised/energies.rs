@@ -12,7 +12,7 @@
 
 use super::equations::Equations;
 use crate::body::BodyKind;
-use crate::chain::{self, Motion, Placed, REACH};
+use crate::chain::{self, CURVED_REACH, Motion, Placed};
 use crate::dense::dot;
 use crate::dynamics::Dynamics;
 use crate::elements;
@@ -204,16 +204,20 @@ impl Ledger {
             let frame = self.dynamics.frame(model, b);
             let placed = Placed::new(&frame, of_model);
             let reach = placed.reach();
-            let mut block = [0.0; 6 * REACH];
-            chain::twist_by_pose(
-                &frame.rotation,
-                &placed,
-                &Motion::new(of_model, &self.velocity[range]),
-                &mut block[..6 * reach],
-            );
-            let seen = Motion::new(of_model, x).numbers();
-            for (t, row) in twist.iter_mut().zip(block.chunks_exact(reach)) {
-                *t += dot(row, &seen[..reach]);
+            let velocity = &self.velocity[range];
+            let mut block = [0.0; 6 * CURVED_REACH];
+            let block = &mut block[..6 * reach];
+            let motion = Motion::new(&frame, of_model, velocity);
+            chain::twist_by_pose(&frame.rotation, &placed, &motion, block);
+            let mut shape = Vec::new();
+            if let Some(of_marker) = &of_model.shape {
+                shape.resize(of_marker.length(), 0.0);
+                of_marker.fill_rows(frame.amplitudes, &velocity[6..], &mut shape);
+            }
+            let mut rows = vec![0.0; 6 * body.width()];
+            chain::expand(&shape, block, reach, body.width(), &mut rows);
+            for (t, row) in twist.iter_mut().zip(rows.chunks_exact(body.width())) {
+                *t += dot(row, x);
             }
             for i in 0..6 {
                 moves[6 * k + i] = along[i];

@@ -333,6 +333,10 @@ impl Simulation {
                 h = 0.5 * rest;
             }
             if begin + h == begin || h < 1e-14 {
+                // a table that ends here is the cause, not the motion
+                if let Some(outside) = self.outside.take() {
+                    return Err(self.at_moment(*outside));
+                }
                 return Err(RuntimeError::StepTooSmall {
                     moment: self.moment(),
                     step: h,
@@ -341,6 +345,9 @@ impl Simulation {
             }
             match self.trial(h, Some(factor))? {
                 Trial::Solved { error } if error <= 1.0 => {
+                    if failures == 0 {
+                        self.outside = None;
+                    }
                     self.size.accepted(h, error);
                     return Ok((h, if last { end } else { begin + h }));
                 }
@@ -351,6 +358,15 @@ impl Simulation {
                 Trial::Failed(error) => {
                     self.integrator.statistics.failed += 1;
                     failures += 1;
+                    if matches!(
+                        *error,
+                        RuntimeError::NotFinite {
+                            outside: Some(_),
+                            ..
+                        }
+                    ) {
+                        self.outside = Some(error.clone());
+                    }
                     if failures > 12 {
                         return Err(self.at_moment(*error));
                     }

@@ -24,6 +24,7 @@ use crate::model::Model;
 use crate::outputs::Outputs;
 use crate::state::{State, move_pose};
 use eng_system::system::{Origin, Role};
+use eng_system::table::Outside;
 use nalgebra::{DMatrix, DVector};
 
 /// A freedom whose stiffness is below this share of its inertia times the square of the engine's pace is held by nothing.
@@ -53,9 +54,11 @@ pub enum Stop {
 impl From<RuntimeError> for Stop {
     fn from(error: RuntimeError) -> Stop {
         match error {
-            RuntimeError::NotFinite { origin, .. } => Stop::Obstacle(Obstacle {
+            RuntimeError::NotFinite {
+                origin, outside, ..
+            } => Stop::Obstacle(Obstacle {
                 origin: *origin,
-                message: "its force is no number here".to_owned(),
+                message: no_number(&outside),
                 carried: 0.0,
             }),
             other => Stop::Error(other),
@@ -689,6 +692,14 @@ fn locked(model: &Model, error: NoMotion) -> Stop {
             carried: 0.0,
         }),
         NoMotion::Error(error) => error.into(),
+    }
+}
+
+/// Why an element's force is no number.
+fn no_number(outside: &Option<Box<Outside>>) -> String {
+    match outside {
+        Some(outside) => outside.to_string(),
+        None => "its force is no number here".to_owned(),
     }
 }
 

@@ -367,7 +367,7 @@ fn a_wall_that_nothing_passes_ends_the_run_with_a_name() {
         StepControl::Fixed(1e-3),
     );
     let error = run_transient(&thrown(1.0), &[], &t, &mut Record::default(), None).unwrap_err();
-    let RuntimeError::NotFinite { origin, moment } = &error else {
+    let RuntimeError::NotFinite { origin, moment, .. } = &error else {
         panic!("{error}");
     };
     assert_eq!(origin.path, "barrier");

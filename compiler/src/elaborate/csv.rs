@@ -1,0 +1,240 @@
+//! Points of a table from a CSV file.
+
+use super::table::Points;
+use super::{Elaborator, Eval};
+use crate::codes;
+use eng_grammar::ast::{self, ExprKind};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::{Dimension, DisplayUnit};
+
+impl<'a> Elaborator<'a, '_> {
+    /// The points in two columns of a file.
+    pub fn read_csv(
+        &mut self,
+        file: &'a ast::Expr,
+        columns: &'a ast::Expr,
+        module: u32,
+        due: &[(Dimension, String); 2],
+    ) -> Eval<Points> {
+        let ExprKind::Text(name) = &file.kind else {
+            return Err(self.not_a_source(file.span));
+        };
+        let names: Vec<(String, Span)> = match &columns.kind {
+            ExprKind::List { items, .. } => items
+                .iter()
+                .filter_map(|i| match &i.kind {
+                    ExprKind::Text(t) => Some((t.clone(), i.span)),
+                    _ => None,
+                })
+                .collect(),
+            _ => Vec::new(),
+        };
+        let [x_name, y_name] = names.as_slice() else {
+            return Err(self.internal(columns.span, "`columns` is no list of two texts"));
+        };
+        // a module in a folder reads beside itself
+        let module_path = &self.program.modules[module as usize].path;
+        let path = match module_path.rsplit_once('.') {
+            Some((folder, _)) if !module_path.starts_with("std.") => {
+                format!("{}/{name}", folder.replace('.', "/"))
+            }
+            _ => name.clone(),
+        };
+        let text = match self.host.read_text(&path) {
+            Ok(text) => text,
+            Err(error) => {
+                return Err(self.report(
+                    Diagnostic::error(codes::FILE, format!("the file {path} cannot be read"))
+                        .at(file.span, error.to_string())
+                        .with_help("data files lie in the folder of the model, or below it"),
+                ));
+            }
+        };
+        let text = text.trim_start_matches('\u{feff}');
+        let mut lines = text
+            .lines()
+            .enumerate()
+            .filter(|(_, l)| !l.trim().is_empty() && !l.trim_start().starts_with('#'));
+        let Some((_, header)) = lines.next() else {
+            return Err(self.report(
+                Diagnostic::error(codes::FILE_CONTENT, format!("{path} is empty"))
+                    .at(file.span, "a file begins with the names of its columns"),
+            ));
+        };
+        let separator = if header.contains(';') {
+            ';'
+        } else if header.contains('\t') {
+            '\t'
+        } else {
+            ','
+        };
+        let cells = |line: &str| -> Vec<String> {
+            line.split(separator)
+                .map(|c| c.trim().trim_matches('"').trim().to_owned())
+                .collect()
+        };
+        let header = cells(header);
+        let mut index = [0; 2];
+        let mut units: Vec<DisplayUnit> = Vec::with_capacity(2);
+        for (k, (wanted, span)) in [x_name, y_name].into_iter().enumerate() {
+            index[k] = match header.iter().position(|h| h == wanted) {
+                Some(i) => i,
+                None => {
+                    return Err(self.report(
+                        Diagnostic::error(
+                            codes::FILE_CONTENT,
+                            format!("{path} has no column {wanted:?}"),
+                        )
+                        .at(*span, "not in its first row")
+                        .with_note(format!("its first row is: {}", header.join(" | "))),
+                    ));
+                }
+            };
+            units.push(self.column_unit(wanted, *span, &due[k])?);
+        }
+        let [x_unit, y_unit] = units.as_slice() else {
+            return Err(self.internal(columns.span, "columns without units"));
+        };
+        let mut columns: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
+        let mut numbers = Vec::new();
+        for (number, line) in lines {
+            let number = number + 1;
+            let row = cells(line);
+            numbers.push(number);
+            // what lies beyond the header, but empty cells of a separator at the end
+            if row.iter().skip(header.len()).any(|cell| !cell.is_empty()) {
+                let told = Diagnostic::error(
+                    codes::FILE_CONTENT,
+                    format!(
+                        "{path}:{number} has {} cells, but the first row names {}",
+                        row.len(),
+                        header.len()
+                    ),
+                )
+                .at(file.span, format!("the line is {:?}", shortened(line)));
+                return Err(self.report(if separator == ',' {
+                    told.with_help(
+                        "with commas between the cells numbers have a decimal point; with decimal commas, separate the cells by `;` or tabs",
+                    )
+                } else {
+                    told.with_help("name each column in the first row")
+                }));
+            }
+            let wanted = [(x_name, x_unit, index[0]), (y_name, y_unit, index[1])];
+            for ((name, unit, place), column) in wanted.into_iter().zip(&mut columns) {
+                let cell = row.get(place).map_or("", String::as_str);
+                // a decimal comma is read where the comma does not separate cells
+                let plain = if separator == ',' {
+                    cell.to_owned()
+                } else {
+                    cell.replace(',', ".")
+                };
+                match plain.parse::<f64>() {
+                    Ok(v) if v.is_finite() => column.push(unit.to_si(v)),
+                    _ => {
+                        return Err(self.report(
+                            Diagnostic::error(
+                                codes::FILE_CONTENT,
+                                format!("{path}:{number} does not hold a number"),
+                            )
+                            .at(
+                                file.span,
+                                if cell.is_empty() {
+                                    format!("nothing stands in its column {:?}", name.0)
+                                } else {
+                                    format!("its column {:?} holds {cell:?}", name.0)
+                                },
+                            ),
+                        ));
+                    }
+                }
+            }
+        }
+        let (x_unit, y_unit) = (x_unit.clone(), y_unit.clone());
+        let [x, y] = columns;
+        Ok(Points {
+            x,
+            y,
+            units: (x_unit, y_unit),
+            file: Some((path, numbers)),
+        })
+    }
+
+    /// The unit of `theta [deg]`.
+    fn column_unit(
+        &mut self,
+        header: &str,
+        span: Span,
+        (expected, type_text): &(Dimension, String),
+    ) -> Eval<DisplayUnit> {
+        let unit = header
+            .split_once('[')
+            .and_then(|(_, rest)| rest.split_once(']'))
+            .map_or("1", |(unit, _)| unit.trim());
+        if unit == "1" || unit.is_empty() {
+            if !expected.without_angle().is_one() {
+                return Err(self.report(
+                    Diagnostic::error(
+                        codes::COLUMN_UNIT,
+                        format!("the column states no unit, but {type_text} has one"),
+                    )
+                    .at(span, "no unit in brackets")
+                    .with_help("name the unit in the first row of the file and here: `p [bar]`"),
+                ));
+            }
+            return Ok(DisplayUnit::si(Dimension::ONE));
+        }
+        let mut scratch = eng_grammar::Diagnostics::new();
+        let source = self
+            .sources
+            .add(format!("unit of {header}"), format!("1 {unit}"));
+        let parsed = eng_grammar::parse_expression(&format!("1 {unit}"), source, 0, &mut scratch);
+        let Some(ast::Expr {
+            kind:
+                ExprKind::Number {
+                    unit: Some(unit_expr),
+                    ..
+                },
+            ..
+        }) = parsed
+        else {
+            return Err(self.report(
+                Diagnostic::error(codes::COLUMN_UNIT, format!("{unit:?} is not a unit"))
+                    .at(span, "between the brackets of this column's name"),
+            ));
+        };
+        let unit = match self.program.unit(&unit_expr) {
+            Ok(u) => u,
+            Err((_, name)) => {
+                return Err(self.report(
+                    Diagnostic::error(codes::COLUMN_UNIT, format!("there is no unit `{name}`"))
+                        .at(span, "between the brackets of this column's name"),
+                ));
+            }
+        };
+        if unit.dimension.without_angle() != expected.without_angle() {
+            return Err(self.report(
+                Diagnostic::error(
+                    codes::COLUMN_UNIT,
+                    format!("a column in {} does not give {type_text}", unit.symbol),
+                )
+                .at(span, "the unit of this column does not fit"),
+            ));
+        }
+        Ok(DisplayUnit {
+            symbol: unit.symbol,
+            scale: unit.scale,
+            offset: unit.offset,
+        })
+    }
+}
+
+/// A line of a file as a message shows it.
+fn shortened(line: &str) -> String {
+    const SHOWN: usize = 40;
+    let line = line.trim();
+    match line.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &line[..end]),
+        None => line.to_owned(),
+    }
+}

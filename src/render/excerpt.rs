@@ -1,0 +1,219 @@
+//! Texts as messages show them: very long lines are cut around what the message speaks of.
+
+use codespan_reporting::files::{Error, Files};
+use std::ops::Range;
+
+/// Characters of a line that is shown whole.
+const WHOLE: usize = 240;
+/// Characters that are kept before and after the ends of a label.
+const AROUND: usize = 60;
+/// Stands for what is cut.
+const CUT: &str = "…";
+
+/// A text with its long lines cut; places are told as in the whole text.
+#[derive(Debug)]
+pub(super) struct Excerpt<'a> {
+    name: &'a str,
+    whole: &'a str,
+    shown: String,
+    /// What is kept, in order: first byte in the whole text, bytes, first byte in what is shown.
+    kept: Vec<(usize, usize, usize)>,
+    /// Begins of the lines of what is shown.
+    lines: Vec<usize>,
+}
+
+impl<'a> Excerpt<'a> {
+    /// The text, cut around the places (bytes) that are shown of it.
+    pub fn new(name: &'a str, whole: &'a str, places: &[Range<usize>]) -> Excerpt<'a> {
+        let mut excerpt = Excerpt {
+            name,
+            whole,
+            shown: String::with_capacity(whole.len()),
+            kept: Vec::new(),
+            lines: vec![0],
+        };
+        let mut start = 0;
+        for line in whole.split_inclusive('\n') {
+            let end = start + line.len();
+            if line.chars().nth(WHOLE).is_none() {
+                excerpt.keep(start..end);
+            } else {
+                excerpt.cut(start..end, places);
+            }
+            if line.ends_with('\n') {
+                excerpt.lines.push(excerpt.shown.len());
+            }
+            start = end;
+        }
+        excerpt
+    }
+
+    /// Keeps of a line its begin and what is around the ends of the places in it.
+    fn cut(&mut self, line: Range<usize>, places: &[Range<usize>]) {
+        let mut parts = vec![line.start..self.far(line.start, true, line.end)];
+        for end in places.iter().flat_map(|place| [place.start, place.end]) {
+            if line.contains(&end) {
+                parts.push(self.far(end, false, line.start)..self.far(end, true, line.end));
+            }
+        }
+        parts.sort_by_key(|part| part.start);
+        let mut done = line.start;
+        for part in parts {
+            if part.start > done {
+                self.shown.push_str(CUT);
+            }
+            self.keep(part.start.max(done)..part.end.max(done));
+            done = done.max(part.end);
+        }
+        if done < line.end {
+            self.shown.push_str(CUT);
+            if self.whole.as_bytes().get(line.end - 1) == Some(&b'\n') {
+                self.keep(line.end - 1..line.end);
+            }
+        }
+    }
+
+    /// The place some characters on or back from another, not beyond a limit.
+    fn far(&self, from: usize, on: bool, limit: usize) -> usize {
+        if on {
+            let rest = self.whole.get(from..limit).unwrap_or_default();
+            rest.char_indices()
+                .nth(AROUND)
+                .map_or(limit, |(at, _)| from + at)
+        } else {
+            let before = self.whole.get(limit..from).unwrap_or_default();
+            before
+                .char_indices()
+                .rev()
+                .nth(AROUND - 1)
+                .map_or(limit, |(at, _)| limit + at)
+        }
+    }
+
+    fn keep(&mut self, part: Range<usize>) {
+        let Some(text) = self.whole.get(part.clone()).filter(|text| !text.is_empty()) else {
+            return;
+        };
+        let at = self.shown.len();
+        self.shown.push_str(text);
+        // neighbours are one piece
+        match self.kept.last_mut() {
+            Some((first, length, begin))
+                if *first + *length == part.start && *begin + *length == at =>
+            {
+                *length += text.len();
+            }
+            _ => self.kept.push((part.start, text.len(), at)),
+        }
+    }
+
+    /// A place of the whole text in what is shown; one that is cut is where the text was.
+    pub fn place(&self, whole: usize) -> usize {
+        let after = self.kept.partition_point(|(first, ..)| *first <= whole);
+        match after.checked_sub(1).and_then(|i| self.kept.get(i)) {
+            Some((first, length, at)) => at + (whole - first).min(*length),
+            None => 0,
+        }
+    }
+
+    /// A place of what is shown in the whole text.
+    fn original(&self, shown: usize) -> usize {
+        let after = self.kept.partition_point(|(_, _, at)| *at <= shown);
+        match after.checked_sub(1).and_then(|i| self.kept.get(i)) {
+            Some((first, length, at)) => first + (shown - at).min(*length),
+            None => 0,
+        }
+    }
+}
+
+/// The texts of one message.
+#[derive(Debug, Default)]
+pub(super) struct Excerpts<'a>(pub Vec<Excerpt<'a>>);
+
+impl<'a> Files<'a> for Excerpts<'_> {
+    type FileId = usize;
+    type Name = &'a str;
+    type Source = &'a str;
+
+    fn name(&'a self, id: usize) -> Result<&'a str, Error> {
+        self.0.get(id).map(|e| e.name).ok_or(Error::FileMissing)
+    }
+
+    fn source(&'a self, id: usize) -> Result<&'a str, Error> {
+        self.0
+            .get(id)
+            .map(|e| e.shown.as_str())
+            .ok_or(Error::FileMissing)
+    }
+
+    fn line_index(&'a self, id: usize, byte: usize) -> Result<usize, Error> {
+        let excerpt = self.0.get(id).ok_or(Error::FileMissing)?;
+        Ok(excerpt
+            .lines
+            .partition_point(|start| *start <= byte)
+            .saturating_sub(1))
+    }
+
+    fn line_range(&'a self, id: usize, line: usize) -> Result<Range<usize>, Error> {
+        let excerpt = self.0.get(id).ok_or(Error::FileMissing)?;
+        let missing = Error::LineTooLarge {
+            given: line,
+            max: excerpt.lines.len().saturating_sub(1),
+        };
+        let start = *excerpt.lines.get(line).ok_or(missing)?;
+        let end = excerpt.lines.get(line + 1);
+        Ok(start..end.copied().unwrap_or(excerpt.shown.len()))
+    }
+
+    fn column_number(&'a self, id: usize, _line: usize, byte: usize) -> Result<usize, Error> {
+        let excerpt = self.0.get(id).ok_or(Error::FileMissing)?;
+        let before = excerpt
+            .whole
+            .get(..excerpt.original(byte))
+            .unwrap_or_default();
+        let line = before.rsplit('\n').next().unwrap_or_default();
+        Ok(line.chars().count() + 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_lines_stay_and_long_ones_are_cut_around_places() {
+        let long = format!("let a = {}HERE{}\n", "x + ".repeat(500), " + y".repeat(500));
+        let text = format!("first\n{long}last\n");
+        let at = text.find("HERE").unwrap();
+        let excerpts = Excerpts(vec![Excerpt::new("a.eng", &text, &[at..at + 4])]);
+        let shown = excerpts.source(0).unwrap();
+        assert!(shown.starts_with("first\nlet a = x + "), "{shown}");
+        assert!(shown.ends_with("…\nlast\n"), "{shown}");
+        assert!(shown.chars().count() < 400, "{}", shown.len());
+        let place = excerpts.0[0].place(at);
+        assert_eq!(&shown[place..place + 4], "HERE");
+        let line = excerpts.line_index(0, place).unwrap();
+        assert_eq!(line, 1);
+        let range = excerpts.line_range(0, line).unwrap();
+        assert!(shown[range].contains("HERE"));
+        // told as in the whole text
+        let column = text[..at].rsplit('\n').next().unwrap().chars().count() + 1;
+        assert_eq!(excerpts.column_number(0, line, place).unwrap(), column);
+        assert_eq!(
+            excerpts.line_index(0, shown.find("last").unwrap()).unwrap(),
+            2
+        );
+    }
+
+    #[test]
+    fn letters_of_several_bytes_are_not_cut_apart() {
+        let text = "µ".repeat(1000);
+        for at in [0, 2, 500, 1998, 2000] {
+            let excerpt = Excerpt::new("a.eng", &text, &[at..at]);
+            assert!(excerpt.shown.chars().all(|c| c == 'µ' || c == '…'));
+            let place = excerpt.place(at);
+            assert!(excerpt.shown.is_char_boundary(place));
+            assert_eq!(excerpt.original(place), at);
+        }
+    }
+}

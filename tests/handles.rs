@@ -1,0 +1,46 @@
+//! Handles of parameters and channels are of the model that gave them.
+
+use eng::{Error, Model, Sources};
+
+fn model(text: &str, name: &str) -> Model {
+    eng::check(&Sources::from_text("a.eng", text), "a.eng")
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}"))
+        .model(name)
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+const FALL: &str = "
+model Fall { gravity = [0, -9.81, 0] m/s^2; param load: Mass = 1 kg
+    body bob { mass = load; inertia = [1, 1, 1] g*m^2 }
+    output height = dot(bob.origin.origin, ground.y) as mm }
+model Other { gravity = [0, -9.81, 0] m/s^2; param mass_of_bob: Mass = 1 kg
+    body bob { mass = mass_of_bob; inertia = [1, 1, 1] g*m^2 }
+    output height = dot(bob.origin.velocity, ground.y) as m/s }";
+
+#[test]
+fn a_handle_of_another_model_is_refused() {
+    let (fall, other) = (model(FALL, "Fall"), model(FALL, "Other"));
+    let load = fall.parameter("load").expect("a parameter");
+    let height = fall.channel("height").expect("a channel");
+    let refused = other
+        .simulation()
+        .set(load, "2 kg".parse().expect("a mass"));
+    assert!(matches!(refused, Err(Error::OtherModel)));
+    let mut simulation = other.simulation().start().expect("a start");
+    let refused = simulation.value(height);
+    assert!(matches!(refused, Err(Error::OtherModel)), "{refused:?}");
+}
+
+#[test]
+fn a_handle_serves_the_same_model_compiled_again() {
+    let (first, again) = (model(FALL, "Fall"), model(FALL, "Fall"));
+    let load = first.parameter("load").expect("a parameter");
+    let height = first.channel("height").expect("a channel");
+    let mut simulation = again
+        .simulation()
+        .set(load, "2 kg".parse().expect("a mass"))
+        .and_then(eng::SimulationBuilder::start)
+        .expect("a start");
+    assert_eq!(simulation.value(height).expect("a value"), 0.0);
+}
