@@ -12,7 +12,7 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::simulation::{Energy, Warning};
 use crate::start::StartReport;
-use crate::transient::{Observer, RunSummary, Sample, run_transient};
+use crate::transient::{Observer, RunSummary, Sample, run_by_cycles};
 use eng_system::code::Compiled;
 use eng_system::system::{Extent, Periodic, Transient};
 use repetition::{Comparison, Decay, Growth};
@@ -117,7 +117,7 @@ pub fn run_periodic(
         rho_infinity: periodic.rho_infinity,
         start: periodic.start,
     };
-    let run = run_transient(compiled, overrides, &transient, &mut cycles, None);
+    let run = run_by_cycles(compiled, overrides, &transient, &mut cycles, period);
     cycles.give();
     let run = run?;
     Ok(PeriodicSummary {

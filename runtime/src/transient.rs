@@ -111,6 +111,73 @@ pub fn run_transient(
     observer: &mut dyn Observer,
     resume: Option<&[u8]>,
 ) -> Result<RunSummary, RuntimeError> {
+    run(compiled, overrides, transient, observer, resume, None)
+}
+
+/// A transient whose steps begin anew with each cycle of a period (rad): where the motion repeats, the steps and their errors
+/// repeat with it.
+pub(crate) fn run_by_cycles(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    transient: &Transient,
+    observer: &mut dyn Observer,
+    period: f64,
+) -> Result<RunSummary, RuntimeError> {
+    run(compiled, overrides, transient, observer, None, Some(period))
+}
+
+/// Where steps begin anew.
+struct Renewal {
+    start: f64,
+    /// With the sense in which the machine turns.
+    period: f64,
+    cycles: u64,
+    /// First step of a cycle (s), settled at the end of the first.
+    first_step: Option<f64>,
+}
+
+impl Renewal {
+    /// Part of a step within which the end of a cycle is met: steps meet it to second order, and a sliver of a step would blow
+    /// rounding up.
+    const MET: f64 = 0.05;
+
+    /// When the cycle ends (s), if that is near.
+    fn end(&self, simulation: &Simulation) -> f64 {
+        let (Some(angle), Some(rate)) = (simulation.cycle_angle(), simulation.cycle_rate()) else {
+            return f64::INFINITY;
+        };
+        let target = self.start + (self.cycles + 1) as f64 * self.period;
+        let rest = (target - angle) / rate;
+        if rest > 0.0 && rest < 4.0 * simulation.next_step() {
+            simulation.time() + rest
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// After a step: begins anew at the end of a cycle.
+    fn after(&mut self, simulation: &mut Simulation, step: f64) {
+        let (Some(angle), Some(rate)) = (simulation.cycle_angle(), simulation.cycle_rate()) else {
+            return;
+        };
+        let target = self.start + (self.cycles + 1) as f64 * self.period;
+        if (target - angle) * self.period.signum() > Self::MET * step * rate.abs() {
+            return;
+        }
+        self.cycles += 1;
+        let next = simulation.next_step();
+        simulation.renew_steps(*self.first_step.get_or_insert(0.5 * next));
+    }
+}
+
+fn run(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    transient: &Transient,
+    observer: &mut dyn Observer,
+    resume: Option<&[u8]>,
+    period: Option<f64>,
+) -> Result<RunSummary, RuntimeError> {
     let options = Options {
         step: transient.step,
         rho_infinity: transient.rho_infinity,
@@ -178,6 +245,12 @@ pub fn run_transient(
         }
     }
 
+    let mut renewal = period.map(|period| Renewal {
+        start,
+        period: sense * period,
+        cycles: 0,
+        first_step: None,
+    });
     let mut farthest = f64::NEG_INFINITY;
     let mut standing = 0;
     loop {
@@ -186,7 +259,13 @@ pub fn run_transient(
             Extent::Angle(_) => f64::INFINITY,
         };
         if simulation.time() < limit {
-            simulation.step_within(limit)?;
+            let end = renewal
+                .as_ref()
+                .map_or(limit, |renewal| renewal.end(&simulation).min(limit));
+            let step = simulation.step_within(end)?.step;
+            if let Some(renewal) = &mut renewal {
+                renewal.after(&mut simulation, step);
+            }
         }
         run.give_warnings(&mut simulation);
         // The end, if it lies in this step.

@@ -215,6 +215,20 @@ impl Simulation {
         self.powers[2] = lost;
     }
 
+    /// The step that the control would take next (s).
+    pub(crate) fn next_step(&self) -> f64 {
+        match self.options.step {
+            StepControl::Fixed(h) => h,
+            StepControl::Tolerance(_) => self.size.step,
+        }
+    }
+
+    /// Goes on with a step (s) under error control, whatever the steps before were.
+    pub(crate) fn renew_steps(&mut self, step: f64) {
+        self.size = StepSize::new(step);
+        self.integrator.drop_factors();
+    }
+
     /// One step.
     pub fn step(&mut self) -> Result<StepReport, RuntimeError> {
         self.step_within(f64::INFINITY)

@@ -294,10 +294,14 @@ impl<'a> Balance<'a> {
     }
 
     /// Scaled residual: balance, constraints, holds.
-    fn residual(&mut self, place: &Place) -> Result<DVector<f64>, RuntimeError> {
+    fn residual(&mut self, place: &Place) -> Result<DVector<f64>, Stop> {
         let model = self.model;
         let (n, m) = (model.velocities, model.rows);
         let state = &place.state;
+        self.velocity = self
+            .motion
+            .velocity(model, state)
+            .map_err(|e| locked(model, e))?;
         self.dynamics
             .place(model, state.time, &state.pose, &self.velocity);
         self.dynamics
@@ -324,24 +328,31 @@ impl<'a> Balance<'a> {
         Ok(out)
     }
 
-    /// The scaled matrix at the place of the last residual.
-    fn matrix(&mut self, state: &State) -> Result<DMatrix<f64>, RuntimeError> {
+    /// The matrix of the step's equations at the place of the last residual, with a weight of the velocities.
+    fn fill(&mut self, velocity_weight: f64) -> Result<(), RuntimeError> {
         let model = self.model;
-        let (n, m, s) = (model.velocities, model.rows, model.states);
-        let zeros = vec![0.0; n];
         self.plan.fill(
             model,
             &mut self.dynamics,
             &self.velocity,
             &self.acceleration,
-            &zeros,
+            &vec![0.0; model.velocities],
             Weights {
                 acceleration: 0.0,
-                velocity: 0.0,
+                velocity: velocity_weight,
             },
             1.0,
             &mut self.values,
-        )?;
+        )
+    }
+
+    /// The scaled matrix at the place of the last residual; velocities follow the place ([`SteadyMotion::slopes`]).
+    fn matrix(&mut self, state: &State) -> Result<DMatrix<f64>, Stop> {
+        let model = self.model;
+        let (n, m, s) = (model.velocities, model.rows, model.states);
+        self.fill(1.0)?;
+        let moving = self.values.clone();
+        self.fill(0.0)?;
         let (_, rows) = self.held(state)?;
         let size = n + m + rows.nrows();
         let mut out = DMatrix::zeros(size, size);
@@ -357,6 +368,7 @@ impl<'a> Balance<'a> {
             }
         };
         let pattern = &self.plan.pattern;
+        let mut damping = DMatrix::zeros(n, n);
         for column in 0..pattern.size {
             let Some(c) = index(column) else { continue };
             for k in pattern.columns[column]..pattern.columns[column + 1] {
@@ -364,12 +376,25 @@ impl<'a> Balance<'a> {
                     continue;
                 };
                 let value = self.values[k];
+                if r < n && c < n {
+                    damping[(r, c)] = (moving[k] - value) * scales[r] * scales[c] / self.unit;
+                }
                 out[(r, c)] = match (r < n, c < n) {
                     (true, true) => value * scales[r] * scales[c] / self.unit,
                     (true, false) => value * scales[r] / row_scales[c - n],
                     (false, true) => value * scales[c] / row_scales[r - n],
                     (false, false) => 0.0,
                 };
+            }
+        }
+        let slopes = self
+            .motion
+            .slopes(model, state, &self.velocity)
+            .map_err(|e| locked(model, e))?;
+        let follows = damping * slopes;
+        for i in 0..n {
+            for j in 0..n {
+                out[(i, j)] += follows[(i, j)];
             }
         }
         for i in 0..rows.nrows() {
@@ -490,10 +515,10 @@ impl<'a> Balance<'a> {
         for _ in 0..ITERATIONS {
             let mut residual = match self.residual(place) {
                 Ok(residual) => residual,
-                Err(RuntimeError::NotFinite { origin, .. }) => {
-                    return Ok(Some((*origin, "its force is no number here".to_owned())));
+                Err(Stop::Obstacle(obstacle)) => {
+                    return Ok(Some((obstacle.origin, obstacle.message)));
                 }
-                Err(error) => return Err(error.into()),
+                Err(error) => return Err(error),
             };
             for i in 0..n {
                 residual[i] -= offset[i];

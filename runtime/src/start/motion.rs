@@ -4,8 +4,8 @@
 //! (least squares where a kind contradicts itself):
 //!
 //! 1. velocities stated by `start` that are not zero;
-//! 2. modal rates: zero;
-//! 3. the rate of each eccentricity, seen from its shell: zero;
+//! 2. the rate of each eccentricity, seen from its shell: zero;
+//! 3. modal rates: zero;
 //! 4. velocities that `start` states to be zero;
 //! 5. velocities stated by `guess`;
 //! 6. relative rates of what damps, then of what springs (the rows of its forces' derivatives): zero;
@@ -35,6 +35,8 @@ use nalgebra::{DMatrix, DVector};
 const EMPTY: f64 = 1e-12;
 /// Share of an element's stiffest direction below which it does not count as held.
 const SOFT: f64 = 1e-6;
+/// Scaled increment of a place over which rates are compared.
+const DIFFERENCE: f64 = 1e-5;
 /// Part of the time in which the motion goes about its own size, between two velocities whose difference is an acceleration.
 const APART: f64 = 5e-4;
 
@@ -121,8 +123,8 @@ impl SteadyMotion {
         let all = (0..guessed.len()).collect();
         let wishes = vec![
             Wish::Stated(stated.clone(), moving),
-            Wish::Bending,
             Wish::Films,
+            Wish::Bending,
             Wish::Stated(stated, still),
             Wish::Stated(guessed, all),
             Wish::Loads(loads(true)),
@@ -314,7 +316,62 @@ impl SteadyMotion {
 
     /// Velocities at a place.
     pub fn velocity(&self, model: &Model, state: &State) -> Result<Vec<f64>, NoMotion> {
+        let (matrix, rhs, _) = self.equations(model, state)?;
+        let y = matrix.lu().solve(&rhs).ok_or(NoMotion::Singular)?;
+        if y.iter().any(|x| !x.is_finite()) {
+            return Err(NoMotion::Singular);
+        }
+        Ok(y.iter().zip(&self.scales).map(|(y, s)| y * s).collect())
+    }
+
+    /// How the velocities answer a move of the place (scaled velocities by scaled increments), as far as the films ask: a pin that is
+    /// carried from the axis it turns about would circle in its shell.
+    pub fn slopes(
+        &self,
+        model: &Model,
+        state: &State,
+        velocity: &[f64],
+    ) -> Result<DMatrix<f64>, NoMotion> {
         let n = model.velocities;
+        let (matrix, _, films) = self.equations(model, state)?;
+        let Some((first, level)) = films else {
+            return Ok(DMatrix::zeros(n, n));
+        };
+        let mut rates = DMatrix::zeros(2 * model.compiled.system.journals.len(), n);
+        let mut pose = state.pose.clone();
+        let mut increment = vec![0.0; n];
+        for j in 0..n {
+            let step = DIFFERENCE * self.scales[j];
+            increment[j] = step;
+            for sign in [1.0, -1.0] {
+                move_pose(model, &state.pose, &increment, sign, &mut pose);
+                for (i, rate) in rates_of_eccentricities(model, &pose, velocity)
+                    .iter()
+                    .enumerate()
+                {
+                    rates[(i, j)] += sign * rate / (2.0 * DIFFERENCE);
+                }
+            }
+            increment[j] = 0.0;
+        }
+        for (i, factor) in level.factors.iter().enumerate() {
+            rates.row_mut(i).scale_mut(-factor);
+        }
+        let mut rhs = DMatrix::zeros(n, n);
+        rhs.rows_mut(first, level.pick.nrows())
+            .copy_from(&(&level.pick * rates));
+        matrix.lu().solve(&rhs).ok_or(NoMotion::Singular)
+    }
+
+    /// The equations of the velocities: matrix and right side, and the first row of the films' level.
+    #[allow(clippy::type_complexity)]
+    fn equations(
+        &self,
+        model: &Model,
+        state: &State,
+    ) -> Result<(DMatrix<f64>, DVector<f64>, Option<(usize, &Level)>), NoMotion> {
+        let n = model.velocities;
+        let mut films = None;
         let mut matrix = DMatrix::zeros(n, n);
         let mut rhs = DVector::zeros(n);
         let (values, gradients) = self.constraint_rows(model, state)?;
@@ -327,26 +384,25 @@ impl SteadyMotion {
                 }
                 next += 1;
             }
+            next
         };
         let (values, gradients) = weighed(values, gradients, &self.factors);
-        take(&gradients, &values);
+        let mut first = take(&gradients, &values);
         for level in &self.levels {
             if level.pick.nrows() == 0 {
                 continue;
             }
             let (values, rows) = self.wished(model, state, &level.wish)?;
             let (values, rows) = weighed(values, rows, &level.factors);
-            take(&(&level.pick * rows), &(&level.pick * values));
+            if matches!(level.wish, Wish::Films) {
+                films = Some((first, level));
+            }
+            first = take(&(&level.pick * rows), &(&level.pick * values));
         }
-        take(&self.rest, &DVector::zeros(self.rest.nrows()));
-        if next != n {
+        if take(&self.rest, &DVector::zeros(self.rest.nrows())) != n {
             return Err(NoMotion::Singular);
         }
-        let y = matrix.lu().solve(&rhs).ok_or(NoMotion::Singular)?;
-        if y.iter().any(|x| !x.is_finite()) {
-            return Err(NoMotion::Singular);
-        }
-        Ok(y.iter().zip(&self.scales).map(|(y, s)| y * s).collect())
+        Ok((matrix, rhs, films))
     }
 
     /// Velocities at a place, and their rates along the motion: one-sided differences of fourth order.
@@ -442,6 +498,24 @@ pub fn pin_and_shell(model: &Model, journal: usize) -> Option<(usize, usize)> {
         *markers.get(info.pin as usize)?,
         *markers.get(info.shell as usize)?,
     ))
+}
+
+/// Rates of the eccentricities of all journals, seen from their shells: x and y of each (m/s).
+fn rates_of_eccentricities(model: &Model, pose: &[f64], velocity: &[f64]) -> Vec<f64> {
+    let mut rates = Vec::new();
+    for journal in 0..model.compiled.system.journals.len() {
+        let Some((pin, shell)) = pin_and_shell(model, journal) else {
+            rates.extend([0.0; 2]);
+            continue;
+        };
+        let seen = rows::marker(model, shell, pose, velocity);
+        let place = rows::marker(model, pin, pose, velocity);
+        let back = seen.rotation.transpose();
+        let arm = back * (place.position - seen.position);
+        let rate = back * (place.velocity - seen.velocity) - seen.angular_velocity.cross(&arm);
+        rates.extend([rate.x, rate.y]);
+    }
+    rates
 }
 
 /// Rates of the eccentricities of all journals, seen from their shells, by velocities: two rows (x, y) a journal.

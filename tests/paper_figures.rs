@@ -1,0 +1,169 @@
+//! What the paper's figures show, as numbers of the example's own runs; the figures themselves: docs/paper.md.
+
+use eng::{Outcome, Program, Results, Sources, StartReport};
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// The example, and what its figures are compared with.
+const ANALYSES: &str = "
+analysis steady = periodic(Engine())
+analysis quasi_static = transient(Engine(), duration: 90 deg, sample: 0.5 deg)
+analysis assembled = transient(Engine(), duration: 90 deg, sample: 0.5 deg, start: assembled)
+analysis fired_start = transient(Engine(combustion: 1), duration: 1 deg, sample: 0.5 deg)
+";
+
+fn program() -> &'static Program {
+    static PROGRAM: OnceLock<Program> = OnceLock::new();
+    PROGRAM.get_or_init(|| {
+        let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/paper");
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("paper_figures");
+        std::fs::create_dir_all(folder.join("mesh")).expect("a folder");
+        for file in ["pressure.csv", "mesh/crank.bdf.gz", "mesh/block.inp.gz"] {
+            std::fs::copy(example.join(file), folder.join(file)).expect("a file of the example");
+        }
+        let text = std::fs::read_to_string(example.join("paper.eng")).expect("the example");
+        std::fs::write(folder.join("paper.eng"), format!("{text}\n{ANALYSES}")).expect("a text");
+        let cache = folder.join("reductions");
+        let sources = Sources::folder(folder)
+            .expect("the folder")
+            .with_cache(cache);
+        let program = eng::check(&sources, "paper.eng")
+            .into_program()
+            .unwrap_or_else(|report| panic!("{report}"));
+        // reduces both bodies before several tests ask for them
+        program.model("Engine").expect("the engine");
+        program
+    })
+}
+
+fn run(analysis: &str) -> Outcome {
+    program()
+        .analysis(analysis)
+        .unwrap_or_else(|error| panic!("{error}"))
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error))
+}
+
+/// The repeating cycle of the unfired engine, both ends among its samples.
+fn steady() -> &'static Outcome {
+    static STEADY: OnceLock<Outcome> = OnceLock::new();
+    STEADY.get_or_init(|| run("steady"))
+}
+
+fn column<'r>(results: &'r Results, path: &str) -> &'r [f64] {
+    &results
+        .column(path)
+        .unwrap_or_else(|| panic!("no column {path}"))
+        .values
+}
+
+/// The last cycle of 0.5 degrees a sample, its end left out.
+fn last_cycle<'r>(results: &'r Results, path: &str) -> &'r [f64] {
+    let values = column(results, path);
+    &values[values.len() - 1441..values.len() - 1]
+}
+
+fn rms(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let count = values.clone().count() as f64;
+    (values.map(|x| x * x).sum::<f64>() / count).sqrt()
+}
+
+/// rms of the difference of two channels.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    rms(a.iter().zip(b).map(|(a, b)| a - b))
+}
+
+fn peak(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, x| most.max(x.abs()))
+}
+
+/// The flexible engine begins in balance, and its journals as they go on in the repeating cycle; begun as assembled it rings.
+#[test]
+fn the_start_does_not_ring() {
+    let off = |outcome: &Outcome| {
+        let mut worst = 0.0_f64;
+        for journal in 1..=5 {
+            for axis in ["x", "y"] {
+                let path = format!("main[{journal}].force.{axis}");
+                let here = column(&outcome.results, &path);
+                let cycle = column(&steady().results, &path);
+                assert_eq!((here.len(), cycle.len()), (181, 1441));
+                let swing = cycle.iter().fold(f64::NEG_INFINITY, |m, x| m.max(*x))
+                    - cycle.iter().fold(f64::INFINITY, |m, x| m.min(*x));
+                for (a, b) in here.iter().zip(cycle) {
+                    worst = worst.max((a - b).abs() / swing);
+                }
+            }
+        }
+        worst
+    };
+    for analysis in ["quasi_static", "fired_start"] {
+        let outcome = run(analysis);
+        let Some(StartReport::QuasiStatic(found)) = &outcome.start else {
+            panic!("{analysis}: {:?}", outcome.start);
+        };
+        assert_eq!(found.journals.len(), 5);
+        if analysis == "quasi_static" {
+            let (begun, assembled) = (off(&outcome), off(&run("assembled")));
+            println!("first quarter turn, of the swing: {begun:.3}, as assembled {assembled:.3}");
+            assert!(
+                begun < 0.3 && assembled > 2.0 * begun,
+                "{begun} {assembled}"
+            );
+        }
+    }
+}
+
+/// Figure 4: the flywheel loads journal 5 in another way than journal 1; a crank without flywheel loads both alike.
+#[test]
+fn figure_4_journal_5_differs_from_1_by_the_flywheel() {
+    let without = run("no_flywheel");
+    let apart = |results: &Results| {
+        let (first, fifth) = (
+            last_cycle(results, "vertical[1]"),
+            last_cycle(results, "vertical[5]"),
+        );
+        distance(first, fifth) / peak(first)
+    };
+    let (with, without) = (apart(&steady().results), apart(&without.results));
+    println!("journal 5 against 1, of the peak: {with:.4}, without flywheel {without:.4}");
+    assert!(with > 0.2, "{with}");
+    assert!(without < 0.05, "{without}");
+}
+
+/// Figures 5 and 6: the second and then the fourth order lead the acceleration of the block at journal 5, the first and second the force.
+#[test]
+fn figures_5_and_6_orders_at_journal_5() {
+    let strongest = |path: &str| {
+        let values = last_cycle(&steady().results, path);
+        let mut harmonics = eng_report::signal::harmonics(values, 720.0, 40)
+            .unwrap_or_else(|error| panic!("{error}"));
+        harmonics.retain(|h| h.order > 0.0);
+        harmonics.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
+        for h in &harmonics[..6] {
+            println!("{path}: order {} {:.4}", h.order, h.amplitude);
+        }
+        [harmonics[0].order, harmonics[1].order]
+    };
+    assert_eq!(strongest("shell_acceleration[5]"), [2.0, 4.0]);
+    assert_eq!(strongest("vertical[5]"), [1.0, 2.0]);
+}
+
+/// Figure 9: static modes alone (A) come near static and normal modes (C); normal modes alone (B) do not.
+#[test]
+fn figure_9_static_modes_carry_the_journals() {
+    let [a, b, c] = [1, 2, 3].map(|k| run(&format!("figure9[{k}]")).results);
+    for journal in 1..=5 {
+        for path in [
+            format!("vertical[{journal}]"),
+            format!("shell_acceleration[{journal}]"),
+        ] {
+            let [a, b, c] = [&a, &b, &c].map(|results| last_cycle(results, &path));
+            let size = rms(c.iter().copied());
+            let (static_modes, normal_modes) = (distance(a, c) / size, distance(b, c) / size);
+            println!("{path}: A-C {static_modes:.4}, B-C {normal_modes:.4} of C");
+            assert!(normal_modes > 1.15 * static_modes, "{path}");
+        }
+    }
+}
