@@ -417,7 +417,7 @@ fn compare(found: &[Place], wanted: &[Place], get: impl Fn(&Place) -> f64) -> (f
 }
 
 /// Some turns from rest against the published equations with the element's own mass along the rod, without and with the stiffening by
-/// the rod's force, which changes the bending by a third.
+/// the rod's force, which changes the bending by a tenth.
 #[test]
 fn an_elastic_rod_moves_as_the_published_equations_say() {
     let m = Mechanism::new(&reference());
@@ -431,13 +431,13 @@ fn an_elastic_rod_moves_as_the_published_equations_say() {
     });
     let (apart, size) = compare(&wanted[0], &wanted[1], |p| p.q[0]);
     println!("stiffening changes the bending by {:.2}", apart / size);
-    assert!(apart > 0.2 * size, "{apart} {size}");
+    assert!(apart > 0.1 * size, "{apart} {size}");
     for (stiffened, wanted) in [false, true].into_iter().zip(&wanted) {
         let found = run(&m, stiffened);
         for (name, share, get) in [
             ("angle", 1e-5, (|p| p.angle) as fn(&Place) -> f64),
             ("slider", 1e-5, |p| p.slider),
-            ("q1", 0.02, |p| p.q[0]),
+            ("q1", 0.01, |p| p.q[0]),
             ("q2", 0.05, |p| p.q[1]),
             ("q4", 0.05, |p| p.q[3]),
         ] {
