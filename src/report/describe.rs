@@ -174,7 +174,7 @@ fn stated(texts: &SourceMap, place: Option<Location>) -> (String, bool) {
         Some((texts.get(source)?.name.clone(), line))
     });
     match found {
-        Some((name, line)) => (format!("{name}:{line}"), name.starts_with("std")),
+        Some((name, line)) => (format!("{name}:{line}"), name.starts_with("std/")),
         None => (String::new(), false),
     }
 }

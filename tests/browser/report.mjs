@@ -1,6 +1,6 @@
 // Goes through a whole report in a headless Chromium and prints what it found as JSON: wakes, zooms and reads every figure, moves every
 // animation and shows it in all its colours. Usage: node report.mjs CHROMIUM PAGE
-import { sleep, withPage } from "../../report/tests/report/chromium.mjs";
+import { pointOf, sleep, withPage } from "../../report/tests/report/chromium.mjs";
 
 const [browser, page] = process.argv.slice(2);
 await withPage(browser, page, 540000, async ({ evaluate, mouse, errors, requests }) => {
@@ -49,20 +49,7 @@ await withPage(browser, page, 540000, async ({ evaluate, mouse, errors, requests
     await key("0");
     if ((await evaluate(grid)) !== before) found.not_reset.push(index + 1);
     // a point of a curve near the middle of what is seen, or of a map
-    const place = await evaluate(`(() => {
-      const middle = innerHeight / 2;
-      let best = null;
-      for (const line of ${figure}.querySelectorAll('path.curve[data-name]')) {
-        const matrix = line.getScreenCTM();
-        for (let k = 1; k < 40; k++) {
-          const p = line.getPointAtLength((line.getTotalLength() * k) / 40).matrixTransform(matrix);
-          if (!best || Math.abs(p.y - middle) < Math.abs(best[1] - middle)) best = [p.x, p.y];
-        }
-      }
-      if (best) return best;
-      const box = ${figure}.querySelector('.panel').getBoundingClientRect();
-      return [box.left + box.width / 2, box.top + box.height / 2];
-    })()`);
+    const place = await evaluate(pointOf(figure));
     await mouse("mouseMoved", place);
     await sleep(40);
     const text = await evaluate(`${figure}.querySelector('.readout').innerText`);

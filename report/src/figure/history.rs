@@ -1,8 +1,11 @@
 //! Curves against crank angle, time, frequency, order or speed, one panel or several above each other.
 
+use super::abscissa::Abscissa;
 use super::axes::{Area, Scale, Scaled};
+
 use super::font::text_width;
-use super::palette::{self, Color};
+use super::legend::{curve_stroke, draw_legend, legend_rows};
+use super::palette::Color;
 use super::plane::significant;
 use super::svg::{Anchor, CurveTag, Stroke, Svg, Target, TextStyle, coordinate};
 use super::{decimate, ticks};
@@ -14,46 +17,6 @@ const NUMBER: f64 = 15.0;
 const SMALL: f64 = 13.0;
 /// Room right of the panels, wide enough for half of the last number.
 const RIGHT: f64 = 36.0;
-
-/// What stands on the horizontal axis.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Abscissa {
-    /// Crank angle (°).
-    CrankAngle,
-    /// Time (s).
-    Time,
-    /// Frequency (Hz).
-    Frequency,
-    /// Order of the shaft: cycles a revolution.
-    Order,
-    /// The same with the frequency (Hz) above the panels: order times the shaft's mean speed.
-    OrderAt {
-        /// Mean speed (revolutions a second).
-        speed: f64,
-    },
-    /// Speed of the shaft (1/min).
-    Speed,
-    /// Any other quantity, such as the variable of a sweep.
-    Other {
-        /// What it is.
-        name: String,
-        /// Its unit; empty for none.
-        unit: String,
-    },
-}
-
-impl Abscissa {
-    fn name_and_unit(&self) -> (&str, &str) {
-        match self {
-            Abscissa::CrankAngle => ("Crank angle", "°CA"),
-            Abscissa::Time => ("Time", "s"),
-            Abscissa::Frequency => ("Frequency", "Hz"),
-            Abscissa::Order | Abscissa::OrderAt { .. } => ("Order", "cycles a revolution"),
-            Abscissa::Speed => ("Speed", "1/min"),
-            Abscissa::Other { name, unit } => (name, unit),
-        }
-    }
-}
 
 /// A place on the horizontal axis with a name, such as a firing dead centre: a thin line down the panels.
 #[derive(Clone, Debug, PartialEq)]
@@ -403,61 +366,6 @@ fn draw_curves(
         }
     }
     svg.end_clip();
-}
-
-fn curve_stroke(index: usize) -> Stroke {
-    Stroke {
-        color: Color::Series(index),
-        width: 2.0,
-        dash: palette::dash(index),
-    }
-}
-
-const SAMPLE: f64 = 38.0;
-
-/// Names broken into rows: for each its index and offset.
-fn legend_rows<'a>(names: &[&'a str], width: f64) -> Vec<Vec<(usize, f64, &'a str)>> {
-    let mut rows: Vec<Vec<(usize, f64, &str)>> = Vec::new();
-    let mut offset = f64::INFINITY;
-    for (index, name) in names.iter().enumerate() {
-        let size = SAMPLE + 8.0 + text_width(name, NUMBER, false);
-        if offset + size > width {
-            rows.push(Vec::new());
-            offset = 0.0;
-        }
-        if let Some(row) = rows.last_mut() {
-            row.push((index, offset, name));
-        }
-        offset += size + 28.0;
-    }
-    rows
-}
-
-fn draw_legend(svg: &mut Svg<'_>, rows: &[Vec<(usize, f64, &str)>], left: f64) {
-    for (row, entries) in rows.iter().enumerate() {
-        let y = 98.0 + 26.0 * row as f64;
-        for (index, offset, name) in entries {
-            let x = left + offset;
-            svg.begin_group(
-                "legend-item",
-                &[
-                    ("data-name", (*name).to_owned()),
-                    ("role", "button".to_owned()),
-                    ("tabindex", "0".to_owned()),
-                    ("aria-pressed", "true".to_owned()),
-                    ("aria-label", format!("Curve {name}")),
-                ],
-            );
-            svg.line((x, y), (x + SAMPLE, y), curve_stroke(*index));
-            svg.text(
-                x + SAMPLE + 8.0,
-                y + NUMBER * 0.36,
-                name,
-                TextStyle::new(NUMBER, Anchor::Start),
-            );
-            svg.end_group();
-        }
-    }
 }
 
 #[cfg(test)]

@@ -4,10 +4,12 @@
 //! The text of a picture depends on the data alone. Both kinds come from the same drawing; in a page it has the page's colours,
 //! and on its groups what the script needs to zoom, to read values out and to hide curves. Without the script it is a picture.
 
+mod abscissa;
 mod axes;
 mod decimate;
 mod font;
 mod history;
+mod legend;
 mod orbit;
 pub(crate) mod palette;
 mod plane;
@@ -17,9 +19,10 @@ pub(crate) mod svg;
 mod sweep;
 mod ticks;
 
+pub use abscissa::Abscissa;
 pub use axes::Scale;
 pub use font::FAMILY as FONT_FAMILY;
-pub use history::{Abscissa, Curve, History, Mark, Ordinate, Panel, journal_letter};
+pub use history::{Curve, History, Mark, Ordinate, Panel, journal_letter};
 pub use orbit::{Orbit, Orbits};
 pub use plane::Upright;
 pub use polar::{FixedTo, Polar, PolarCurve};

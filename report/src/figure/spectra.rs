@@ -1,7 +1,8 @@
 //! Spectra as curves.
 
+use super::abscissa::Abscissa;
 use super::axes::Scale;
-use super::history::{Abscissa, Curve, History, Ordinate, Panel};
+use super::history::{Curve, History, Ordinate, Panel};
 use crate::signal::{Axis, Spectrum};
 
 /// A figure of spectra of one axis and resolution, its window, resolution and overlap under the title. `limit` ends the axis

@@ -250,7 +250,9 @@ mod tests {
         };
         let text = table.to_html();
         assert!(text.contains("<caption>a&lt;b</caption>"));
-        assert!(text.contains("<code>&lt;i&gt;</code>") && text.contains("<td>–</td>"));
+        assert!(
+            text.contains("<code>&lt;i&gt;</code>") && text.contains("<td class=\"number\">–</td>")
+        );
         assert!(text.contains("y <span class=\"unit\">(N)</span>"));
     }
 }

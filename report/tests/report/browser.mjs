@@ -3,7 +3,7 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
-import { sleep, withPage } from "./chromium.mjs";
+import { pointOf, sleep, withPage } from "./chromium.mjs";
 
 const [browser, page, folder] = process.argv.slice(2);
 const found = {};
@@ -56,14 +56,8 @@ await withPage(browser, page, 300000, async ({ call, evaluate, size, mouse, erro
     await sleep(100);
     found["readout_" + name] = await readout(figure);
   }
-  const onOrbit = await (async () => {
-    await at("figure-3", 0.5, 0.5);
-    return evaluate(`(() => {
-      const line = document.querySelector('#figure-3 path.curve');
-      const p = line.getPointAtLength(line.getTotalLength() / 50).matrixTransform(line.getScreenCTM());
-      return [p.x, p.y];
-    })()`);
-  })();
+  await at("figure-3", 0.5, 0.5);
+  const onOrbit = await evaluate(pointOf("document.querySelector('#figure-3')"));
   await mouse("mouseMoved", onOrbit);
   await sleep(100);
   found.readout_orbit = await readout("figure-3");

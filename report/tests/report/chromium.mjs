@@ -7,6 +7,23 @@ import { pathToFileURL } from "node:url";
 
 export const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 
+// An expression: the point of a figure's curves that is nearest to the middle of the window, in its pixels; without curves the middle
+// of its first panel. `figure` is an expression, too.
+export const pointOf = (figure) => `(() => {
+  const middle = innerHeight / 2;
+  let best = null;
+  for (const line of ${figure}.querySelectorAll('path.curve[data-name]')) {
+    const matrix = line.getScreenCTM();
+    for (let k = 1; k < 40; k++) {
+      const p = line.getPointAtLength((line.getTotalLength() * k) / 40).matrixTransform(matrix);
+      if (!best || Math.abs(p.y - middle) < Math.abs(best[1] - middle)) best = [p.x, p.y];
+    }
+  }
+  if (best) return best;
+  const box = ${figure}.querySelector('.panel').getBoundingClientRect();
+  return [box.left + box.width / 2, box.top + box.height / 2];
+})()`;
+
 // Starts the browser, opens a page, calls `act` with its tools and ends the browser. After `limit` ms it gives up.
 export async function withPage(browser, page, limit, act) {
   const profile = mkdtempSync(join(tmpdir(), "eng-browser-"));
