@@ -477,7 +477,7 @@ report bounds { require maximum(timed.wave[2]) < limit else \"too much\" }
     // the other run finds the first one's file
     let second = run("turned");
     assert!(
-        second.contains("  Largest <wave>, wave[2]  7.5 kN\n"),
+        second.contains("  Largest <wave>, wave[2]   7.5 kN\n"),
         "{second}"
     );
     let told = |line: &str| line.split_whitespace().eq(["Turn", "2000", "N"]);
