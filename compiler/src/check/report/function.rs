@@ -463,11 +463,13 @@ impl<'a> Reporter<'a, '_> {
         let [low, high] = limits;
         match (low, high, to) {
             (Some(Limit::Frequency(low)), Some(Limit::Frequency(high)), Some(expr))
-            | (Some(Limit::Order(low)), Some(Limit::Order(high)), Some(expr)) => {
-                if low >= high {
-                    self.refuse(expr, "the upper limit", "above the lower one")?;
-                }
+            | (Some(Limit::Order(low)), Some(Limit::Order(high)), Some(expr))
+                if low >= high =>
+            {
+                self.refuse(expr, "the upper limit", "above the lower one")?;
             }
+            (Some(Limit::Frequency(_)), Some(Limit::Frequency(_)), _)
+            | (Some(Limit::Order(_)), Some(Limit::Order(_)), _) => {}
             (Some(_), Some(_), Some(expr)) => {
                 self.tell(
                     Diagnostic::error(
@@ -508,7 +510,7 @@ impl<'a> Reporter<'a, '_> {
             return Some(None);
         };
         let value = self.constant(expr, &Quantity::one(), "`cycles`")?;
-        if value < 1.0 || value > 1e6 || value.fract() != 0.0 {
+        if !(1.0..=1e6).contains(&value) || value.fract() != 0.0 {
             self.refuse(expr, "`cycles`", "a whole number from 1 on")?;
         }
         Some(Some(value as u32))
