@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn names_are_as_short_as_tells_apart() {
-        let pairs = |pairs: &[(&'static str, &'static str)]| told_apart(pairs.to_vec().into_iter());
+        let pairs = |pairs: &[(&'static str, &'static str)]| told_apart(pairs.iter().copied());
         assert_eq!(pairs(&[("a", "x[1]"), ("a", "x[2]")]), ["x[1]", "x[2]"]);
         let paths = [("a", "m[1].force.x"), ("a", "m[2].force.x")];
         assert_eq!(pairs(&paths), ["m[1]", "m[2]"]);
