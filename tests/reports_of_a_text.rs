@@ -371,6 +371,7 @@ fn what_cannot_be_made_is_said_in_its_place() {
             value differing = rms(timed.ripple - turned.ripple)
             value long = rms(last_cycle(turned.ripple, cycles: 3))
             value short = rms(last(timed.ripple, 1 s))
+            value ratio = fine/(fine - fine)
             require fine < limit else \"{fine as kN} is too much\"
             require fine < 2 kN else \"the wave has {fine as kN}\"
             let peaks = maximum(timed.wave[1..2])
@@ -394,6 +395,7 @@ fn what_cannot_be_made_is_said_in_its_place() {
         error("short"),
         "timed: the results are shorter than the last 1 s"
     );
+    assert_eq!(error("ratio"), "Ratio is no finite number");
     assert!(matches!(
         report.values("nothing"),
         Err(PostError::NoValue(_))
@@ -477,7 +479,7 @@ report bounds { require maximum(timed.wave[2]) < limit else \"too much\" }
     // the other run finds the first one's file
     let second = run("turned");
     assert!(
-        second.contains("  Largest <wave>, wave[2]  7.5 kN\n"),
+        second.contains("  Largest <wave>, wave[2]   7.5 kN\n"),
         "{second}"
     );
     let told = |line: &str| line.split_whitespace().eq(["Turn", "2000", "N"]);

@@ -230,6 +230,24 @@ analysis sweep[s in 1 rpm .. 2 rpm by 1 rpm] = transient(Engine(speed: s))
 }
 
 #[test]
+fn reports() {
+    let text = r#"
+/// Of a paper.
+report bearings "Main \"bearings\"" {
+    /// A caption.
+    figure force "Vertical" = history(run.vertical[1..5], over: time) as kN
+    value peak = maximum(run.vertical[*])
+    let late = peak
+    require peak < 5 kN else "{peak as kN}"
+}
+report empty {}
+"#;
+    let (file, diagnostics) = parsed(text);
+    assert!(diagnostics.is_empty(), "{}", messages(text));
+    insta::assert_snapshot!(tree(&file.items));
+}
+
+#[test]
 fn spans_cover_the_text_and_nothing_behind_it() {
     let text = "let a = b + 54 mm   // comment\n\nlet c = f(x)[1]\n";
     let (file, _) = parsed(text);

@@ -347,6 +347,10 @@ fn outcome(kind: &EntryKind, title: &str, evaluator: &Evaluator<'_>) -> Result<O
                 .zip(names)
                 .map(|(member, name)| {
                     let value = evaluator.number(&member.expression)?;
+                    if !value.is_finite() {
+                        let of = if name.is_empty() { title } else { &name };
+                        return Err(PostError::NotFinite(of.to_owned()));
+                    }
                     Ok(Number { name, value })
                 })
                 .collect::<Result<Vec<_>, PostError>>()?;

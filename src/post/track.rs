@@ -111,7 +111,13 @@ pub(super) fn told_apart<'m>(
     let first = members.clone().next();
     let one_analysis = members.clone().all(|(a, _)| Some(a) == first.map(|f| f.0));
     let one_channel = members.clone().all(|(_, c)| Some(c) == first.map(|f| f.1));
+    // `main[1]` of `main[1].force` where all end alike
+    let tail = |channel: &'m str| channel.rsplit_once(']').map(|(_, tail)| tail);
+    let ending = first.and_then(|(_, channel)| tail(channel));
+    let ends_alike = ending.is_some() && members.clone().all(|(_, c)| tail(c) == ending);
+    let cut = ending.filter(|_| ends_alike && !one_channel).unwrap_or("");
     members
+        .map(|(a, c)| (a, c.strip_suffix(cut).unwrap_or(c)))
         .map(|(analysis, channel)| match (one_analysis, one_channel) {
             (true, _) => channel.to_owned(),
             (false, true) => analysis.to_owned(),
@@ -151,8 +157,12 @@ mod tests {
 
     #[test]
     fn names_are_as_short_as_tells_apart() {
-        let pairs = |pairs: &[(&'static str, &'static str)]| told_apart(pairs.to_vec().into_iter());
+        let pairs = |pairs: &[(&'static str, &'static str)]| told_apart(pairs.iter().copied());
         assert_eq!(pairs(&[("a", "x[1]"), ("a", "x[2]")]), ["x[1]", "x[2]"]);
+        let paths = [("a", "m[1].force.x"), ("a", "m[2].force.x")];
+        assert_eq!(pairs(&paths), ["m[1]", "m[2]"]);
+        let others = [("a", "m[1].force.x"), ("a", "m[1].force.y")];
+        assert_eq!(pairs(&others), ["m[1].force.x", "m[1].force.y"]);
         assert_eq!(pairs(&[("a", "x"), ("b", "x")]), ["a", "b"]);
         assert_eq!(pairs(&[("a", "x"), ("b", "y")]), ["a x", "b y"]);
     }

@@ -468,8 +468,9 @@ impl<'a> Reporter<'a, '_> {
             {
                 self.refuse(expr, "the upper limit", "above the lower one")?;
             }
-            (Some(Limit::Frequency(_)), Some(Limit::Order(_)), Some(expr))
-            | (Some(Limit::Order(_)), Some(Limit::Frequency(_)), Some(expr)) => {
+            (Some(Limit::Frequency(_)), Some(Limit::Frequency(_)), _)
+            | (Some(Limit::Order(_)), Some(Limit::Order(_)), _) => {}
+            (Some(_), Some(_), Some(expr)) => {
                 self.tell(
                     Diagnostic::error(
                         codes::OPERANDS,
