@@ -44,11 +44,11 @@ impl std::fmt::Display for NamedRow {
 
 impl NamedRow {
     /// Products of unit axes are angles for small gaps.
-    fn gap(&self) -> String {
+    fn gap(&self, per: &str) -> String {
         if self.is_length {
-            format!("{:.6} mm", 1e3 * self.value.abs())
+            format!("{:.6} mm{per}", 1e3 * self.value.abs())
         } else {
-            format!("{:.6} rad", self.value.abs())
+            format!("{:.6} rad{per}", self.value.abs())
         }
     }
 }
@@ -76,11 +76,12 @@ impl std::fmt::Display for RedundantGroup {
 /// Most equations that a message names.
 const MOST_GAPS: usize = 3;
 
-fn gaps(rows: &[NamedRow]) -> String {
+/// `per`: what the units are divided by, `/s` for velocities.
+fn gaps(rows: &[NamedRow], per: &str) -> String {
     let mut text = rows
         .iter()
         .take(MOST_GAPS)
-        .map(|r| format!("{} at {r}", r.gap()))
+        .map(|r| format!("{} at {r}", r.gap(per)))
         .collect::<Vec<_>>()
         .join("; ");
     if rows.len() > MOST_GAPS {
@@ -134,7 +135,7 @@ pub enum RuntimeError {
         message: String,
     },
     /// Positions cannot satisfy every constraint.
-    #[error("the assembly stays open by {}", gaps(rows))]
+    #[error("the assembly stays open by {}", gaps(rows, ""))]
     OpenLoop {
         /// The rows that stay open, the widest first.
         rows: Vec<NamedRow>,
@@ -150,7 +151,7 @@ pub enum RuntimeError {
         value: f64,
     },
     /// Start velocities contradict the constraints or each other.
-    #[error("the start velocities contradict each other: {}", gaps(rows))]
+    #[error("the start velocities contradict each other: {}", gaps(rows, "/s"))]
     StartVelocity {
         /// The rows that stay unsatisfied, the worst first.
         rows: Vec<NamedRow>,
@@ -220,7 +221,7 @@ pub enum RuntimeError {
     /// An output position or velocity does not come back to the constraints.
     #[error(
         "the output at {moment} cannot be projected on the constraints: {}",
-        gaps(std::slice::from_ref(row.as_ref()))
+        gaps(std::slice::from_ref(row.as_ref()), "")
     )]
     Projection {
         /// When.

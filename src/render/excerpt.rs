@@ -52,7 +52,8 @@ impl<'a> Excerpt<'a> {
     fn cut(&mut self, line: Range<usize>, places: &[Range<usize>]) {
         let mut parts = vec![line.start..self.far(line.start, true, line.end)];
         for end in places.iter().flat_map(|place| [place.start, place.end]) {
-            if line.contains(&end) {
+            let last = end == line.end && end == self.whole.len();
+            if line.contains(&end) || last {
                 parts.push(self.far(end, false, line.start)..self.far(end, true, line.end));
             }
         }

@@ -49,7 +49,7 @@ const MOST_INSTANCES: usize = 20_000;
 const DEEPEST: u32 = 100;
 /// Most calls and named values that are evaluated for one model: functions are put in where they are called, so that thirty that call
 /// each other twice would be put in a billion times.
-const MOST_USES: usize = 500_000;
+const MOST_USES: usize = 1_000_000;
 
 /// What a name in a scope means.
 #[derive(Clone, Debug)]
