@@ -73,7 +73,7 @@ pub enum Error {
     #[error("{report}")]
     Run {
         /// The cause.
-        cause: eng_runtime::RuntimeError,
+        cause: Box<eng_runtime::RuntimeError>,
         /// The cause with its places in the text.
         report: Report,
     },

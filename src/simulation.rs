@@ -109,7 +109,7 @@ pub(crate) fn run_error_with(
     diagnostics.push(added(failure::diagnostic(&cause, &model.compiled().system)));
     Error::Run {
         report: Report::new(model.texts().clone(), diagnostics),
-        cause,
+        cause: Box::new(cause),
     }
 }
 

@@ -304,7 +304,7 @@ fn five_revolutes_are_named() {
     let eng::Error::Run { cause, report } = &error else {
         panic!("{error}");
     };
-    let RuntimeError::Redundant { groups } = cause else {
+    let RuntimeError::Redundant { groups } = cause.as_ref() else {
         panic!("{cause}");
     };
     assert_eq!(groups.len(), 20);

@@ -50,7 +50,8 @@ impl<'a> Excerpt<'a> {
 
     /// Keeps of a line its begin and what is around the ends of the places in it.
     fn cut(&mut self, line: Range<usize>, places: &[Range<usize>]) {
-        let mut parts = vec![line.start..self.far(line.start, true, line.end)];
+        let begin = line.start..self.far(line.start, true, line.end);
+        let mut parts = vec![begin];
         for end in places.iter().flat_map(|place| [place.start, place.end]) {
             let last = end == line.end && end == self.whole.len();
             if line.contains(&end) || last {
@@ -186,7 +187,8 @@ mod tests {
         let long = format!("let a = {}HERE{}\n", "x + ".repeat(500), " + y".repeat(500));
         let text = format!("first\n{long}last\n");
         let at = text.find("HERE").unwrap();
-        let excerpts = Excerpts(vec![Excerpt::new("a.eng", &text, &[at..at + 4])]);
+        let place = at..at + 4;
+        let excerpts = Excerpts(vec![Excerpt::new("a.eng", &text, &[place])]);
         let shown = excerpts.source(0).unwrap();
         assert!(shown.starts_with("first\nlet a = x + "), "{shown}");
         assert!(shown.ends_with("…\nlast\n"), "{shown}");
@@ -210,7 +212,8 @@ mod tests {
     fn letters_of_several_bytes_are_not_cut_apart() {
         let text = "µ".repeat(1000);
         for at in [0, 2, 500, 1998, 2000] {
-            let excerpt = Excerpt::new("a.eng", &text, &[at..at]);
+            let place = at..at;
+            let excerpt = Excerpt::new("a.eng", &text, &[place]);
             assert!(excerpt.shown.chars().all(|c| c == 'µ' || c == '…'));
             let place = excerpt.place(at);
             assert!(excerpt.shown.is_char_boundary(place));
