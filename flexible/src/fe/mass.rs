@@ -3,6 +3,7 @@
 use super::freedoms::FreedomMap;
 use crate::error::FlexibleError;
 use crate::mesh::Mesh;
+use crate::solve::product::TOGETHER;
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 
 /// The mass matrix over full freedoms, M = M_s ⊗ I₃ + M_g: solids, shells and plain point masses are the same in all
@@ -168,31 +169,58 @@ impl SymmetricOperator for Mass {
         if size == 0 {
             return;
         }
-        for (x, y) in x
-            .chunks_exact(size)
-            .zip(y.chunks_exact_mut(size))
-            .take(columns)
-        {
-            for node in 0..self.solid.size() {
-                let first = self.freedoms.of(node as u32);
-                if first.is_empty() {
-                    continue;
+        let length = size * columns;
+        let (Some(x), Some(y)) = (x.get(..length), y.get_mut(..length)) else {
+            return;
+        };
+        let mut packed = vec![[0.0; TOGETHER]; size];
+        let mut product = packed.clone();
+        let chunk = size * TOGETHER;
+        for (x, y) in x.chunks(chunk).zip(y.chunks_mut(chunk)) {
+            for (lane, (x, y)) in x.chunks_exact(size).zip(y.chunks_exact(size)).enumerate() {
+                for (row, (x, y)) in x.iter().zip(y).enumerate() {
+                    packed[row][lane] = *x;
+                    product[row][lane] = *y;
                 }
-                let first = first.start;
-                let own = [x[first], x[first + 1], x[first + 2]];
-                let mut sum = [0.0; 3];
-                let (others, masses) = self.solid.column(node);
-                for (&other, &mass) in others.iter().zip(masses) {
-                    let second = self.freedoms.of(other).start;
-                    for axis in 0..3 {
-                        sum[axis] += mass * x[second + axis];
-                        if second != first {
-                            y[second + axis] += mass * own[axis];
+            }
+            self.add_solid(&packed, &mut product);
+            for (lane, y) in y.chunks_exact_mut(size).enumerate() {
+                for (y, product) in y.iter_mut().zip(&product) {
+                    *y = product[lane];
+                }
+            }
+        }
+    }
+}
+
+impl Mass {
+    /// Adds what the solids' mass gives for several vectors.
+    fn add_solid(&self, x: &[[f64; TOGETHER]], y: &mut [[f64; TOGETHER]]) {
+        for node in 0..self.solid.size() {
+            let first = self.freedoms.of(node as u32);
+            if first.is_empty() {
+                continue;
+            }
+            let first = first.start;
+            let own = [x[first], x[first + 1], x[first + 2]];
+            let mut sum = [[0.0; TOGETHER]; 3];
+            let (others, masses) = self.solid.column(node);
+            for (&other, &mass) in others.iter().zip(masses) {
+                let second = self.freedoms.of(other).start;
+                for axis in 0..3 {
+                    for lane in 0..TOGETHER {
+                        sum[axis][lane] += mass * x[second + axis][lane];
+                    }
+                    if second != first {
+                        for lane in 0..TOGETHER {
+                            y[second + axis][lane] += mass * own[axis][lane];
                         }
                     }
                 }
-                for axis in 0..3 {
-                    y[first + axis] += sum[axis];
+            }
+            for (y, sum) in y[first..].iter_mut().zip(sum) {
+                for (y, sum) in y.iter_mut().zip(sum) {
+                    *y += sum;
                 }
             }
         }

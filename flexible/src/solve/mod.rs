@@ -17,7 +17,7 @@ mod graph;
 mod lanczos;
 pub mod ordering;
 pub mod pencil;
-mod product;
+pub(crate) mod product;
 mod random;
 pub(crate) mod restrained;
 mod search;

@@ -3,7 +3,7 @@
 use crate::sparse::SymmetricMatrix;
 
 /// Vectors taken together: their entries of one row fill a cache line.
-const TOGETHER: usize = 8;
+pub(crate) const TOGETHER: usize = 8;
 
 /// `y = A x` for vectors stored one after the other; reads the matrix once for eight vectors. `x` and `y` have the same length,
 /// a multiple of the matrix's size.
