@@ -50,7 +50,8 @@ impl<'a> Excerpt<'a> {
 
     /// Keeps of a line its begin and what is around the ends of the places in it.
     fn cut(&mut self, line: Range<usize>, places: &[Range<usize>]) {
-        let mut parts = vec![line.start..self.far(line.start, true, line.end)];
+        let begin = line.start..self.far(line.start, true, line.end);
+        let mut parts: Vec<Range<usize>> = std::iter::once(begin).collect();
         for end in places.iter().flat_map(|place| [place.start, place.end]) {
             let last = end == line.end && end == self.whole.len();
             if line.contains(&end) || last {
