@@ -9,7 +9,7 @@
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, assemble};
 use eng_flexible::invariants::{Full, invariants};
-use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider, place};
+use eng_flexible::markers::{MESH_AXES, MarkerRequest, Place, Selection, Spider, place};
 use eng_flexible::mesh::{Element, ElementKind, Material, Mesh, Node, Property, Section};
 use eng_flexible::modes::normal::normal_modes;
 use eng_flexible::modes::statics::attachment_modes;
@@ -57,6 +57,7 @@ impl Case {
                 tie: Spider::Averaging,
                 center: None,
             },
+            axes: MESH_AXES,
         };
         if name == "crank" {
             let deck = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/crank_m.bdf.gz");

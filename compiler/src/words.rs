@@ -308,7 +308,7 @@ pub(crate) const WORDS: &[Word] = &[
             named("mass", Takes::PerTime),
             named("stiffness", Takes::Time),
         ],
-        example: "rayleigh(mass: 12 1/s, stiffness: 2e-6 s)",
+        example: "rayleigh(mass: 12 s^-1, stiffness: 2e-6 s)",
     },
 ];
 

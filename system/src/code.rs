@@ -137,11 +137,11 @@ pub enum BindError {
         /// Path of the parameter.
         path: String,
         /// The value with its unit.
-        value: String,
+        value: Box<str>,
         /// Lower limit.
-        low: String,
+        low: Box<str>,
         /// Upper limit.
-        high: String,
+        high: Box<str>,
     },
 }
 

@@ -106,9 +106,9 @@ impl BindCode for BindProgram {
                 let d = &parameter.display;
                 return Err(BindError::Limits {
                     path: parameter.origin.path.clone(),
-                    value: d.text(value),
-                    low: d.text(low),
-                    high: d.text(high),
+                    value: d.text(value).into(),
+                    low: d.text(low).into(),
+                    high: d.text(high).into(),
                 });
             }
             parameters.push(value);
