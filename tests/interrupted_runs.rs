@@ -143,13 +143,13 @@ fn begins_as(left: &Results, expected: &Results) {
 
 #[test]
 fn killed_ten_times_it_ends_with_the_same_bytes() {
-    let place = Place::new("killed", "8 s");
+    let place = Place::new("killed", "80 s");
     let whole = Instant::now();
     ok(&place.run("whole", &[]));
     let whole = whole.elapsed();
     assert_eq!(place.files("whole"), ["swing.parquet"]);
     let expected = Results::read_parquet(place.path("whole/swing.parquet")).unwrap();
-    assert_eq!(expected.samples(), 8001);
+    assert_eq!(expected.samples(), 80_001);
     let bytes = |out: &str| {
         ["swing.parquet", "swing.motion.parquet"]
             .map(|name| std::fs::read(place.path(out).join(name)).unwrap())

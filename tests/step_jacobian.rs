@@ -95,7 +95,8 @@ impl Case {
     /// and Approximation Practice, ch. 3). Rounding appears as a level at which the coefficients stop falling: σ, the root mean
     /// square of their last half. Those above 4σ make the slope `Σ (−1)^j (2j + 1) a_j/reach`. Its error is taken as if all N coefficients
     /// were off by 4σ in the worst way, `4σ N²/reach`: so it holds, too, where a kink makes them fall slowly. Where they have not
-    /// come down to the level by half of N, there is no slope.
+    /// come down to the level by half of N, there is no slope. Where all differences are lost in rounding, σ is not zero but that of a number
+    /// of the row's size.
     fn chebyshev(&mut self, column: usize, reach: f64) -> Vec<Slope> {
         const POINTS: usize = 64;
         let n = self.at.len();
@@ -111,9 +112,14 @@ impl Case {
         }
         coefficients
             .iter()
-            .map(|a| {
+            .zip(&self.norms)
+            .map(|(a, norm)| {
                 let rest = &a[POINTS / 2..];
-                let level = (rest.iter().map(|x| x * x).sum::<f64>() / rest.len() as f64).sqrt();
+                let mut level =
+                    (rest.iter().map(|x| x * x).sum::<f64>() / rest.len() as f64).sqrt();
+                if level == 0.0 {
+                    level = f64::EPSILON / 16.0 * norm;
+                }
                 let above = a[..POINTS / 2].iter().rposition(|x| x.abs() > 4.0 * level);
                 let count = above.map_or(1, |j| j + 1);
                 if count > POINTS / 2 - 4 {

@@ -188,7 +188,10 @@ fn parameters_bind_by_path() {
         .bind
         .bind(&overrides, &made.system.tables)
         .expect_err("outside its limits");
-    assert_eq!(error.to_string(), "step = 2000 mm is outside (1, 1000) mm");
+    assert_eq!(
+        error.to_string(),
+        "step = 2000 mm is outside its limits: it lies between 1 mm and 1000 mm"
+    );
     overrides[index("step")] = None;
     overrides[index("spring.free")] = Some(-0.02);
     let error = made

@@ -94,6 +94,10 @@ export async function withPage(browser, page, limit, act) {
     child.kill("SIGTERM");
     await Promise.race([ended, sleep(3000)]);
     child.kill("SIGKILL");
-    rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+    try {
+      rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 200 });
+    } catch {
+      // a child of the browser still writes; the system clears its folder of temporary files
+    }
   }
 }
