@@ -11,6 +11,9 @@ use eng_system::reduced::ReducedBody;
 use eng_system::system::{Body, BodyInertia, BodyRef, ElementClass, Role, Slot};
 use std::sync::Arc;
 
+/// Share of the largest radius of gyration below which the distances of markers are no measure of a model.
+const POINTLIKE: f64 = 1e-2;
+
 /// A marker with its numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerModel {
@@ -91,7 +94,8 @@ pub struct Model {
     pub wrenches: usize,
     /// Constraint gradient numbers.
     pub gradients: usize,
-    /// Length of the model (m): scales positions against angles.
+    /// Length of the model (m): scales positions against angles. The largest distance of a marker from its body's origin or centre of mass;
+    /// the largest radius of gyration where that is a hundred times more.
     pub length: f64,
     /// Largest mass (kg): scales forces.
     pub mass: f64,
@@ -325,10 +329,14 @@ impl Model {
                     .max(m.position.norm());
             }
         }
-        if length == 0.0 {
-            for body in &bodies {
-                length = length.max(libm::sqrt(body.inertia().amax() / body.mass()));
-            }
+        // Bodies that are all markers at nearly one place have their size from their inertia.
+        let gyration = bodies
+            .iter()
+            .map(|body| libm::sqrt(body.inertia().amax() / body.mass()))
+            .filter(|radius| radius.is_finite())
+            .fold(0.0, f64::max);
+        if length < POINTLIKE * gyration {
+            length = gyration;
         }
         if length == 0.0 {
             length = 1.0;
