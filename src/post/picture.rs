@@ -10,6 +10,7 @@ use eng_report::figure::{
     Abscissa, Campbell, Curve, Figure, FixedTo, History, Mark, Orbit, Orbits, Ordinate, Panel,
     Polar, PolarCurve, Scale, SweepFigure, Waterfall, spectra,
 };
+use eng_report::readable_unit;
 use eng_report::signal::{Level, OrderTrack};
 use eng_system::DisplayUnit;
 use eng_system::report::{self as plan, Expression, Member, Part, Picture, Vector};
@@ -165,7 +166,7 @@ impl Drawer<'_> {
     fn ordinate(&self, members: &[&Member]) -> Ordinate {
         Ordinate {
             quantity: capital(&self.figure.quantity),
-            unit: self.display().symbol.clone(),
+            unit: readable_unit(&self.display().symbol),
             frame: self.frame(members),
         }
     }
@@ -290,12 +291,11 @@ impl Drawer<'_> {
         ordinate.quantity.push_str(", 0-peak");
         if let Some(reference) = settings.reference {
             let display = self.display();
-            let level = Level::new(reference / display.scale, display.symbol.as_str()).map_err(
-                |source| PostError::Signal {
+            let level = Level::new(reference / display.scale, readable_unit(&display.symbol))
+                .map_err(|source| PostError::Signal {
                     analysis: self.title.to_owned(),
                     source,
-                },
-            )?;
+                })?;
             ordinate.unit = level.label();
         }
         Ok(ordinate)
@@ -495,7 +495,7 @@ impl Drawer<'_> {
             title: self.title.to_owned(),
             subtitle: format!("{}, not filtered", self.about(&analyses)?),
             quantity: capital(&self.figure.quantity),
-            unit: display.symbol.clone(),
+            unit: readable_unit(&display.symbol),
             fixed_to,
             period,
             upright,

@@ -2,6 +2,7 @@
 
 use super::{EvaluatedReport, Outcome};
 use eng_report::page::{Cell, Column, Section, Table};
+use eng_report::readable_unit;
 
 /// Figures with what is written before them, a table of the values, conditions that do not hold.
 pub(crate) fn section(report: &EvaluatedReport) -> Section {
@@ -28,14 +29,14 @@ pub(crate) fn section(report: &EvaluatedReport) -> Section {
             Ok(Outcome::Value(numbers, display)) => {
                 for number in numbers {
                     let unit = if display.symbol == "1" {
-                        ""
+                        String::new()
                     } else {
-                        display.symbol.as_str()
+                        readable_unit(&display.symbol)
                     };
                     rows.push(vec![
                         Cell::Text(entry.name_of(number)),
                         Cell::number(display.from_si(number.value)),
-                        Cell::Text(unit.to_owned()),
+                        Cell::Text(unit),
                         Cell::Code(entry.written.clone()),
                     ]);
                 }

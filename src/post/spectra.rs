@@ -4,6 +4,7 @@ use super::PostError;
 use super::evaluate::{Evaluator, sampled_track, window_of};
 use super::sampling::{Sampled, on};
 use super::track::Track;
+use eng_report::readable_unit;
 use eng_report::signal::{
     Amplitude, Averaging, Axis, Level, OrderTrack, Run, RunUp, Sampling, Signal, Spectrum,
     SpectrumOptions, SweepMap, order_track, order_track_of_run_up, spectrum, sweep_map,
@@ -77,7 +78,7 @@ pub(super) fn spectrum_of(
     let mut found = on(wanted, &found, speed)
         .ok_or_else(|| PostError::NoSpeed(track.samples.analysis.clone()))?;
     if let Some(reference) = settings.reference {
-        let level = Level::new(reference / display.scale, display.symbol.as_str())
+        let level = Level::new(reference / display.scale, readable_unit(&display.symbol))
             .map_err(|e| track.refused(e))?;
         found.amplitudes.iter_mut().for_each(|a| *a = level.of(*a));
     }
