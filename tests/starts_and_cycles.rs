@@ -349,3 +349,27 @@ fn an_angle_starts_as_it_is_stated() {
     }
     near(&started(""), [0.0, 0.0, 0.0, 90.0], "nothing");
 }
+
+/// Points are named by whole numbers where all values are such and differ, else by their place in the list.
+#[test]
+fn points_of_a_sweep_have_names_of_their_own() {
+    let names = |values: &str| -> Vec<String> {
+        let text = format!(
+            "model Fall {{
+                param share: 1 = 1
+                gravity = [0, 0, -9.81] m/s^2
+                body ball {{ mass = 1 kg  inertia = [1, 1, 1] g*m^2 }}
+            }}
+            analysis a[x in {values}] = transient(Fall(share: x), duration: 1 ms)"
+        );
+        program(Sources::from_text("fall.eng", text), "fall.eng")
+            .analyses()
+            .into_iter()
+            .map(str::to_owned)
+            .collect()
+    };
+    assert_eq!(names("[3, 3.125, 3.25]"), ["a[1]", "a[2]", "a[3]"]);
+    assert_eq!(names("[4, 7]"), ["a[4]", "a[7]"]);
+    assert_eq!(names("[4, 4]"), ["a[1]", "a[2]"]);
+    assert_eq!(names("2..4"), ["a[2]", "a[3]", "a[4]"]);
+}

@@ -259,14 +259,23 @@ impl<'a> Elaborator<'a, '_> {
             Value::List(values) => values,
             other => return Err(self.unfit(first.range.span, "a range or a list", &other)),
         };
+        // instances are named by their values where these are whole numbers and differ, else by position
+        let mut named = Vec::with_capacity(values.len());
+        for value in &values {
+            match value {
+                Value::Int(n) if *n >= 0 => named.push(*n as usize),
+                _ => break,
+            }
+        }
+        let distinct: std::collections::BTreeSet<usize> = named.iter().copied().collect();
+        let by_value = distinct.len() == values.len();
         for (i, value) in values.into_iter().enumerate() {
             self.count_instance(first.name.span)?;
             let module = self.scope(scope).module;
             let path = self.scope(scope).path.clone();
             let inner = self.new_scope(Some(scope), module, path);
-            // instances are named by their value where it is a whole number, else by position
-            let shown = match &value {
-                Value::Int(n) if *n >= 0 => *n as usize,
+            let shown = match named.get(i) {
+                Some(number) if by_value => *number,
                 _ => i + 1,
             };
             self.define(inner, &first.name.text, Entry::Value(value));
