@@ -358,7 +358,10 @@ fn points_of_a_sweep_have_names_of_their_own() {
             "model Fall {{
                 param share: 1 = 1
                 gravity = [0, 0, -9.81] m/s^2
-                body ball {{ mass = 1 kg  inertia = [1, 1, 1] g*m^2 }}
+                body ball {{
+                    mass = 1 kg
+                    inertia = [1, 1, 1] g*m^2
+                }}
             }}
             analysis a[x in {values}] = transient(Fall(share: x), duration: 1 ms)"
         );
