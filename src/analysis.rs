@@ -354,7 +354,11 @@ impl Analysis {
         for point in self.point() {
             results.set_metadata(
                 format!("point.{}", point.name),
-                point.display.text(point.value),
+                format!(
+                    "{} {}",
+                    point.display.from_si(point.value),
+                    point.display.symbol
+                ),
             );
         }
         let bound = self.bound()?;

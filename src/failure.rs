@@ -309,7 +309,7 @@ pub(crate) fn periodic(
                         "its change does not shrink: the factor is {:.3} a cycle",
                         slowest.factor
                     ))
-                    .with_help("look for whirl, a resonance or a speed that creeps; or accept more: `change: 1 %`")
+                    .with_help("look for whirl, a resonance or a speed that creeps; if it is small it is the steps' own error, and `tolerance: 0.1` makes less of it; or accept more: `change: 1 %`")
             });
         }
     }

@@ -609,3 +609,29 @@ fn the_examples_and_the_reference_report() {
     );
     assert!((orbits.period - 2.0 * TAU.to_degrees()).abs() < 1e-9);
 }
+
+/// A line has no part of the mean, whatever the window; what cannot be decided does not pass.
+#[test]
+fn amplitudes_leave_the_mean_out_and_undecided_conditions_fail() {
+    let ran = Ran::new(
+        "report q {
+            value low = amplitude(turned.ripple + 100 kN, 0.25)
+            value line = amplitude(turned.ripple + 100 kN, 4)
+            require log(-1*mean(turned.ripple + 100 kN)/(1 N)) < 1 else \"no number\"
+        }",
+        &["turned"],
+    );
+    let report = ran.report();
+    let number = |name: &str| report.values(name).expect("a value")[0].value;
+    assert!(number("low") < 1.0, "{}", number("low"));
+    assert!((number("line") - 2e3).abs() < 1e-2, "{}", number("line"));
+    assert!(report.entries.iter().any(|entry| entry.undecided));
+    assert!(report.fails());
+    // of analyses that were not run nothing is asked
+    let ran = Ran::new(
+        "report q { require rms(coarse.ripple) < 1 N else \"large\" }",
+        &["turned"],
+    );
+    let report = ran.report();
+    assert!(!report.fails() && report.entries.iter().all(|entry| !entry.undecided));
+}

@@ -376,3 +376,44 @@ fn points_of_a_sweep_have_names_of_their_own() {
     assert_eq!(names("[4, 4]"), ["a[1]", "a[2]"]);
     assert_eq!(names("2..4"), ["a[2]", "a[3]", "a[4]"]);
 }
+
+/// Loads that are rounding are not asked to repeat; a model without bodies starts as it is.
+#[test]
+fn nothing_moves_and_rounding_is_no_change() {
+    let program = program(
+        Sources::from_text(
+            "disc.eng",
+            "use std.drives.ConstantSpeed
+            model Disc {
+                gravity = [0, 0, 0] m/s^2
+                body disc {
+                    mass = 1 kg
+                    inertia = [2, 2, 2] g*m^2
+                    marker axle = origin
+                }
+                drive turn = ConstantSpeed(disc.axle, ground, speed: 1000 rpm)
+                cycle angle = rotation(disc.axle, ground) { period = 360 deg }
+            }
+            model Nothing {
+                output x: 1 = 2
+            }
+            analysis steady = periodic(Disc())
+            analysis nothing = transient(Nothing(), duration: 1 s, start: quasi_static)
+            analysis no_modes = linear(Nothing())",
+        ),
+        "disc.eng",
+    );
+    let steady = run(&program, "steady");
+    let torque = steady.results.column("turn.torque.z").expect("a channel");
+    // of m (m/s)² at the size of the disc, 44.7 mm: 22 N m
+    assert!(swing(&torque.values) < 1e-9);
+    let periodic = steady.periodic.expect("a periodic analysis");
+    assert!(periodic.repeats && periodic.cycles <= 3, "{periodic:?}");
+    let nothing = run(&program, "nothing");
+    assert_eq!(nothing.start, Some(StartReport::Assembled));
+    assert_eq!(
+        nothing.results.column("x").expect("a channel").values[0],
+        2.0
+    );
+    assert_eq!(run(&program, "no_modes").results.samples(), 0);
+}

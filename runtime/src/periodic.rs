@@ -98,7 +98,11 @@ pub fn run_periodic(
         samples: samples as usize,
         channels,
         limit: *periodic,
-        comparison: Comparison::new(system, TOLERANCES * model.tolerance),
+        comparison: Comparison::new(
+            system,
+            TOLERANCES * model.tolerance,
+            [model.mass, model.length, 0.0],
+        ),
         now: Record::default(),
         last: Record::default(),
         orbits: VecDeque::new(),
@@ -223,6 +227,9 @@ impl Observer for Cycles<'_> {
 impl Cycles<'_> {
     fn compare(&mut self) {
         let now = &self.now.values[self.channels..];
+        if let Some(pace) = self.now.heads.first().and_then(|head| head.2) {
+            self.comparison.goes_at(pace.abs());
+        }
         let verdict = self.comparison.next(now);
         self.slowest = verdict.slowest;
         self.growing = verdict.growing;

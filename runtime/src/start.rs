@@ -180,7 +180,8 @@ pub fn begin(model: &Model, state: &mut State, start: Start) -> Result<StartRepo
         Start::QuasiStatic => true,
         Start::Automatic => is_turning_engine(model, state)?,
     };
-    if !wanted {
+    // without bodies nothing moves
+    if !wanted || model.velocities == 0 {
         return Ok(StartReport::Assembled);
     }
     let mut trial = state.clone();

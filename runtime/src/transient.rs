@@ -166,7 +166,7 @@ impl Renewal {
         }
         self.cycles += 1;
         let next = simulation.next_step();
-        simulation.renew_steps(*self.first_step.get_or_insert(0.5 * next));
+        simulation.renew_steps(*self.first_step.get_or_insert(next));
     }
 }
 

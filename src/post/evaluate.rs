@@ -407,7 +407,8 @@ fn resampled(track: &Track, like: &Track) -> Result<Track, PostError> {
     })
 }
 
-/// Amplitude (0-peak) of a sinusoid; the last sample is left out, which of whole cycles is the first of the next.
+/// Amplitude (0-peak) of a sinusoid, the mean removed as in a spectrum; the last sample is left out, which of whole cycles is the first
+/// of the next.
 fn amplitude(limit: Limit, window: plan::Window, track: &Track) -> Result<f64, PostError> {
     let sampled = sampled_track(track, axis_of(limit))?;
     let place = counted(limit, &sampled, track)?;
@@ -416,7 +417,9 @@ fn amplitude(limit: Limit, window: plan::Window, track: &Track) -> Result<f64, P
         Sampling::Angle { step } => place * step / 360.0,
     };
     let values = track.values.get(..sampled.count).unwrap_or_default();
-    component(values, cycles, window_of(window))
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let values: Vec<f64> = values.iter().map(|x| x - mean).collect();
+    component(&values, cycles, window_of(window))
         .map(|found| found.amplitude)
         .map_err(|e| track.refused(e))
 }

@@ -227,6 +227,8 @@ pub struct Evaluated {
     pub written: String,
     /// What it has become, or why not.
     pub outcome: Result<Outcome, PostError>,
+    /// Whether it is a `require` that the results of its analyses do not decide.
+    pub undecided: bool,
 }
 
 impl Evaluated {
@@ -269,17 +271,18 @@ impl EvaluatedReport {
         }
     }
 
-    /// Whether a `require` does not hold.
+    /// Whether a `require` does not hold, or cannot be decided although its analyses were run.
     pub fn fails(&self) -> bool {
         self.entries.iter().any(|entry| {
-            matches!(
+            let broken = matches!(
                 entry.outcome,
                 Ok(Outcome::Condition {
                     holds: false,
                     advise: false,
                     ..
                 })
-            )
+            );
+            broken || entry.undecided
         })
     }
 }
@@ -307,7 +310,10 @@ pub fn evaluate(report: &Report, runs: &[Run<'_>]) -> EvaluatedReport {
             } else {
                 Err(PostError::NotRun(missing))
             };
+            let required = matches!(entry.kind, EntryKind::Require { advise: false, .. });
+            let made = !matches!(outcome, Err(PostError::NotRun(_)));
             Evaluated {
+                undecided: required && made && outcome.is_err(),
                 name: entry.name.clone(),
                 title: entry.title.clone(),
                 text: entry.text.clone(),

@@ -4,12 +4,30 @@ use std::fs::{File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
+/// Where a path leads: a link to the file that it stands for.
+///
+/// # Errors
+/// What is there is no file: a device, a pipe.
+fn regular(path: &Path) -> io::Result<PathBuf> {
+    match std::fs::metadata(path) {
+        Ok(found) if found.is_file() => std::fs::canonicalize(path),
+        Ok(found) if found.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Ok(_) => Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "what is there is no file that could be replaced",
+        )),
+        // a link that leads nowhere is replaced
+        Err(_) => Ok(path.to_owned()),
+    }
+}
+
 /// Writes a file under a temporary name beside it, then renames it: `path` is never half-written, and keeps its old
-/// content when writing fails. Creates the folder.
+/// content when writing fails. Creates the folder; a link is followed.
 pub fn replace_file<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut File) -> Result<(), E>,
 ) -> Result<(), E> {
+    let path = &regular(path)?;
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -32,9 +50,7 @@ pub fn writable(path: &Path) -> Result<(), super::ResultsError> {
         path: path.to_owned(),
         source,
     };
-    if path.is_dir() {
-        return Err(refused(io::ErrorKind::IsADirectory.into()));
-    }
+    let path = &regular(path).map_err(refused)?;
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

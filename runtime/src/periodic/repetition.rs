@@ -1,6 +1,6 @@
 //! How a cycle differs from the one before, and how fast the differences shrink.
 
-use eng_system::dimension::Dimension;
+use eng_system::dimension::{BASES, Dimension};
 use eng_system::system::System;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
@@ -10,6 +10,8 @@ use std::f64::consts::PI;
 const LEAST_SWING: f64 = 1e-2;
 /// Least swing of an angle (rad).
 const LEAST_ANGLE: f64 = 1e-4;
+/// Share of the loads that a model's mass, size and pace make below which all is rounding.
+const ROUNDING: f64 = 1e-9;
 /// Factor up to which differences that turn count as sustained, not as growing.
 const SUSTAINED: f64 = 1.02;
 /// Share of a growth by which it may differ within a cycle and from the last cycle's.
@@ -71,27 +73,37 @@ pub struct Comparison {
     dimensions: Vec<Dimension>,
     /// Least swing of a length (m): a stroke says nothing of a film.
     length: f64,
+    /// Mass (kg) and size (m) of the model, and how fast its cycle goes (rad/s): what makes its loads.
+    scale: [f64; 3],
     before: Vec<f64>,
     /// Differences of the last cycles, the newest first.
     differences: VecDeque<Vec<f64>>,
 }
 
 impl Comparison {
-    /// For the channels of a system; `length` is the least swing of a length (m), such as a bearing's clearance.
-    pub fn new(system: &System, length: f64) -> Comparison {
-        Comparison::of(
-            system.channels.iter().map(|c| c.dimension).collect(),
-            length,
-        )
+    /// For the channels of a system; `length` is the least swing of a length (m), such as a bearing's clearance; `scale` mass (kg),
+    /// size (m) and pace (rad/s) of the model.
+    pub fn new(system: &System, length: f64, scale: [f64; 3]) -> Comparison {
+        let dimensions = system.channels.iter().map(|c| c.dimension).collect();
+        Comparison {
+            scale,
+            ..Comparison::of(dimensions, length)
+        }
     }
 
     fn of(dimensions: Vec<Dimension>, length: f64) -> Comparison {
         Comparison {
             dimensions,
             length,
+            scale: [0.0; 3],
             before: Vec::new(),
             differences: VecDeque::new(),
         }
+    }
+
+    /// How fast the cycle goes (rad/s).
+    pub fn goes_at(&mut self, pace: f64) {
+        self.scale[2] = pace;
     }
 
     /// Takes the next cycle: samples one after the other.
@@ -186,7 +198,9 @@ impl Comparison {
                 } else {
                     alike
                         .flat_map(|i| values.iter().skip(i).step_by(count))
-                        .fold(0.0_f64, |w, x| w.max(LEAST_SWING * x.abs()))
+                        .fold(self.rounding(dimension), |w, x| {
+                            w.max(LEAST_SWING * x.abs())
+                        })
                 }
             })
             .collect();
@@ -194,6 +208,25 @@ impl Comparison {
             *swing = swing.max(floor).max(f64::MIN_POSITIVE);
         }
         swings
+    }
+
+    /// Of a mechanical dimension the value below which all is rounding in a model of this mass, size and pace.
+    fn rounding(&self, dimension: Dimension) -> f64 {
+        let [mass, size, pace] = self.scale;
+        let of_bases = (0..BASES).fold(ROUNDING, |value, base| {
+            let unit = match Dimension::base(base) {
+                Dimension::LENGTH => size,
+                Dimension::MASS => mass,
+                Dimension::TIME => 1.0 / pace,
+                Dimension::ANGLE => 1.0,
+                _ => f64::NAN,
+            };
+            match dimension.exponent(base) {
+                (0, _) => value,
+                (up, down) => value * libm::pow(unit, f64::from(up) / f64::from(down)),
+            }
+        });
+        if of_bases.is_finite() { of_bases } else { 0.0 }
     }
 
     /// The growth a cycle of a channel whose difference is the same all over the cycle, and was the cycle before.
