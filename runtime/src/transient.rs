@@ -127,29 +127,44 @@ pub(crate) fn run_by_cycles(
 }
 
 /// Where steps begin anew.
+///
+/// A change of the step excites what the steps do not resolve. So the last steps of a cycle are made equal, a few per cent shorter than
+/// the control would have them, and a cycle begins with the step that the first cycles came to there.
 struct Renewal {
     start: f64,
     /// With the sense in which the machine turns.
     period: f64,
     cycles: u64,
-    /// First step of a cycle (s), settled at the end of the first.
-    first_step: Option<f64>,
+    /// Equal steps that are left up to the end of the cycle.
+    left: Option<f64>,
+    /// First step of a cycle (s).
+    first_step: f64,
 }
 
 impl Renewal {
     /// Part of a step within which the end of a cycle is met: steps meet it to second order, and a sliver of a step would blow
     /// rounding up.
     const MET: f64 = 0.05;
+    /// So many steps before the end they are made equal.
+    const EQUAL: f64 = 32.0;
+    /// Cycles that settle the first step.
+    const SETTLING: u64 = 3;
 
-    /// When the cycle ends (s), if that is near.
-    fn end(&self, simulation: &Simulation) -> f64 {
+    /// When the next step ends at the latest (s).
+    fn end(&mut self, simulation: &Simulation) -> f64 {
         let (Some(angle), Some(rate)) = (simulation.cycle_angle(), simulation.cycle_rate()) else {
             return f64::INFINITY;
         };
         let target = self.start + (self.cycles + 1) as f64 * self.period;
         let rest = (target - angle) / rate;
-        if rest > 0.0 && rest < 4.0 * simulation.next_step() {
-            simulation.time() + rest
+        let steps = libm::ceil(rest / simulation.next_step() - Self::MET);
+        if rest > 0.0 && steps <= Self::EQUAL {
+            let left = self
+                .left
+                .map_or(steps, |left| steps.max(left - 1.0))
+                .max(1.0);
+            self.left = Some(left);
+            simulation.time() + rest / left
         } else {
             f64::INFINITY
         }
@@ -165,8 +180,11 @@ impl Renewal {
             return;
         }
         self.cycles += 1;
-        let next = simulation.next_step();
-        simulation.renew_steps(*self.first_step.get_or_insert(next));
+        self.left = None;
+        if self.cycles <= Self::SETTLING {
+            self.first_step = step;
+        }
+        simulation.renew_steps(self.first_step);
     }
 }
 
@@ -249,7 +267,8 @@ fn run(
         start,
         period: sense * period,
         cycles: 0,
-        first_step: None,
+        left: None,
+        first_step: 0.0,
     });
     let mut farthest = f64::NEG_INFINITY;
     let mut standing = 0;
@@ -260,7 +279,7 @@ fn run(
         };
         if simulation.time() < limit {
             let end = renewal
-                .as_ref()
+                .as_mut()
                 .map_or(limit, |renewal| renewal.end(&simulation).min(limit));
             let step = simulation.step_within(end)?.step;
             if let Some(renewal) = &mut renewal {
