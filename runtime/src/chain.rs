@@ -297,7 +297,7 @@ pub fn force_by_pose(rotation: &M3, placed: &Placed, wrench: &[f64], out: &mut [
     }
 }
 
-/// [`acceleration_bias`] of a marker on a body with the velocities `v` of that body.
+/// `acceleration_bias` of a marker on a body with the velocities `v` of that body.
 pub fn bias(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> [f64; 6] {
     let swing = match &marker.shape {
         Some(shape) => shape.swing(&v[6..6 + shape.modes()]),

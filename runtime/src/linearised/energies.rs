@@ -49,7 +49,7 @@ impl std::fmt::Display for Part {
     }
 }
 
-/// Shares of one mode, in the order of [`Ledger::parts`] and [`Ledger::stores`].
+/// Shares of one mode, in the order of `Ledger::parts` and `Ledger::stores`.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Shares {
     /// Kinetic energy of each part.

@@ -1,7 +1,7 @@
 //! Eigenvalues and modes of the coupled system, linearised about a state of its motion.
 //!
 //! **Perturbed motion.** Along a motion of `M v̇ − Q(q, v, z, t) + Gᵀλ = 0`, `ż = f`, `Φ(q, t) = 0`, small moves u (rotations in ground
-//! axes, see [`axes`]) obey
+//! axes, see `axes`) obey
 //!
 //! ```text
 //! M ü + D u̇ + K u + Gᵀδλ + F δz = 0        G u = 0        δż = f_q u + f_v u̇ + f_z δz
