@@ -1,5 +1,7 @@
 //! A transient from start to end, with samples on a grid of time or cycle angle.
 
+mod renewal;
+
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::Statistics;
 use crate::periodic::CycleReport;
@@ -7,6 +9,7 @@ use crate::simulation::{Energy, Options, Simulation, Warning};
 use crate::start::StartReport;
 use eng_system::code::Compiled;
 use eng_system::system::{Extent, Transient};
+use renewal::Renewal;
 use std::ops::ControlFlow;
 
 /// One sample.
@@ -126,68 +129,6 @@ pub(crate) fn run_by_cycles(
     run(compiled, overrides, transient, observer, None, Some(period))
 }
 
-/// Where steps begin anew.
-///
-/// A change of the step excites what the steps do not resolve. So the last steps of a cycle are made equal, a few per cent shorter than
-/// the control would have them, and a cycle begins with the step that the first cycles came to there.
-struct Renewal {
-    start: f64,
-    /// With the sense in which the machine turns.
-    period: f64,
-    cycles: u64,
-    /// Equal steps that are left up to the end of the cycle.
-    left: Option<f64>,
-    /// First step of a cycle (s).
-    first_step: f64,
-}
-
-impl Renewal {
-    /// Part of a step within which the end of a cycle is met: steps meet it to second order, and a sliver of a step would blow
-    /// rounding up.
-    const MET: f64 = 0.05;
-    /// So many steps before the end they are made equal.
-    const EQUAL: f64 = 32.0;
-    /// Cycles that settle the first step.
-    const SETTLING: u64 = 3;
-
-    /// When the next step ends at the latest (s).
-    fn end(&mut self, simulation: &Simulation) -> f64 {
-        let (Some(angle), Some(rate)) = (simulation.cycle_angle(), simulation.cycle_rate()) else {
-            return f64::INFINITY;
-        };
-        let target = self.start + (self.cycles + 1) as f64 * self.period;
-        let rest = (target - angle) / rate;
-        let steps = libm::ceil(rest / simulation.next_step() - Self::MET);
-        if rest > 0.0 && steps <= Self::EQUAL {
-            let left = self
-                .left
-                .map_or(steps, |left| steps.max(left - 1.0))
-                .max(1.0);
-            self.left = Some(left);
-            simulation.time() + rest / left
-        } else {
-            f64::INFINITY
-        }
-    }
-
-    /// After a step: begins anew at the end of a cycle.
-    fn after(&mut self, simulation: &mut Simulation, step: f64) {
-        let (Some(angle), Some(rate)) = (simulation.cycle_angle(), simulation.cycle_rate()) else {
-            return;
-        };
-        let target = self.start + (self.cycles + 1) as f64 * self.period;
-        if (target - angle) * self.period.signum() > Self::MET * step * rate.abs() {
-            return;
-        }
-        self.cycles += 1;
-        self.left = None;
-        if self.cycles <= Self::SETTLING {
-            self.first_step = step;
-        }
-        simulation.renew_steps(self.first_step);
-    }
-}
-
 fn run(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -263,13 +204,7 @@ fn run(
         }
     }
 
-    let mut renewal = period.map(|period| Renewal {
-        start,
-        period: sense * period,
-        cycles: 0,
-        left: None,
-        first_step: 0.0,
-    });
+    let mut renewal = period.map(|period| Renewal::new(start, sense * period));
     let mut farthest = f64::NEG_INFINITY;
     let mut standing = 0;
     loop {

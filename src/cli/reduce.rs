@@ -1,30 +1,15 @@
 //! `eng reduce`.
 
 use super::arguments::ReduceArguments;
-use super::{Console, Engine, MODEL_WRONG, Stop, run::explain_error};
-use crate::render::{self, Colors};
+use super::run::{checked, explain_error};
+use super::{Console, Engine, Stop};
 
 pub(super) fn reduce(
     arguments: &ReduceArguments,
     engine: &mut dyn Engine,
     console: &mut Console<'_>,
 ) -> Result<(), Stop> {
-    let checked = match engine.check(&arguments.model) {
-        Ok(outcome) => outcome,
-        Err(error) => return Err(explain_error(&error, &Default::default(), console)),
-    };
-    if !checked.diagnostics.is_empty() {
-        let colors = if console.colored_errors {
-            Colors::Ansi
-        } else {
-            Colors::None
-        };
-        let text = render::human(&checked.diagnostics, &checked.sources, colors);
-        write!(console.errors, "{text}")?;
-    }
-    if checked.diagnostics.has_errors() {
-        return Err(Stop::Code(MODEL_WRONG));
-    }
+    let checked = checked(&arguments.model, engine, console)?;
     match engine.reduce() {
         Ok(texts) if texts.is_empty() => {
             writeln!(

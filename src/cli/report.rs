@@ -1,8 +1,8 @@
 //! `eng report`.
 
 use super::arguments::ReportArguments;
-use super::run::{chosen, explain_error, results_folder, show, told_of};
-use super::{Console, Engine, MODEL_WRONG, Stop, USAGE_OR_SYSTEM};
+use super::run::{checked, chosen, explain_error, results_folder, told_of};
+use super::{Console, Engine, Stop, USAGE_OR_SYSTEM};
 use crate::Quantity;
 use crate::modes::are_modes;
 use crate::motion::SUFFIX;
@@ -10,7 +10,6 @@ use crate::plot::write_svg_and_png;
 use crate::report::{At, Entry, Request, make, write_series};
 use crate::results::{Results, ResultsError, file_stem, replace_file};
 use eng_flexible::store::{content_hash, hexadecimal};
-use eng_grammar::SourceMap;
 use eng_system::Dimension;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -20,14 +19,7 @@ pub(super) fn report(
     engine: &mut dyn Engine,
     console: &mut Console<'_>,
 ) -> Result<(), Stop> {
-    let checked = match engine.check(&arguments.model) {
-        Ok(checked) => checked,
-        Err(error) => return Err(explain_error(&error, &SourceMap::new(), console)),
-    };
-    show(&checked.diagnostics, &checked.sources, console)?;
-    if checked.diagnostics.has_errors() {
-        return Err(Stop::Code(MODEL_WRONG));
-    }
+    let checked = checked(&arguments.model, engine, console)?;
     let moments = match moments(&arguments.stress_at) {
         Ok(moments) => moments,
         Err(message) => {

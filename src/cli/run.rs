@@ -16,19 +16,29 @@ use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+/// A model that can be gone on with; what the check says is shown.
+pub(super) fn checked(
+    model: &Path,
+    engine: &mut dyn Engine,
+    console: &mut Console<'_>,
+) -> Result<CheckOutcome, Stop> {
+    let checked = match engine.check(model) {
+        Ok(checked) => checked,
+        Err(error) => return Err(explain_error(&error, &SourceMap::new(), console)),
+    };
+    show(&checked.diagnostics, &checked.sources, console)?;
+    match checked.diagnostics.has_errors() {
+        true => Err(Stop::Code(MODEL_WRONG)),
+        false => Ok(checked),
+    }
+}
+
 pub(super) fn run(
     arguments: &RunArguments,
     engine: &mut dyn Engine,
     console: &mut Console<'_>,
 ) -> Result<(), Stop> {
-    let checked = match engine.check(&arguments.model) {
-        Ok(checked) => checked,
-        Err(error) => return Err(explain_error(&error, &SourceMap::new(), console)),
-    };
-    show(&checked.diagnostics, &checked.sources, console)?;
-    if checked.diagnostics.has_errors() {
-        return Err(Stop::Code(MODEL_WRONG));
-    }
+    let checked = checked(&arguments.model, engine, console)?;
     let analyses = chosen(&arguments.model, &arguments.analysis, &checked, console)?;
     let folder = arguments
         .out

@@ -7,6 +7,7 @@ use crate::cli::figures::about;
 use crate::motion::{BodyMotion, moments};
 use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
 use eng_report::figure::{FixedTo, Polar, PolarCurve, journal_letter};
+use eng_runtime::rotation::{M3, matrix};
 
 /// Newtons a unit of the diagrams.
 const KILO: f64 = 1e3;
@@ -122,27 +123,11 @@ fn orientations(
     Ok(own
         .orientations
         .iter()
-        .map(|q| product(&matrix(*q), &marker.orientation))
+        .map(|q| {
+            let turned = matrix(q) * M3::from_row_slice(&marker.orientation);
+            std::array::from_fn(|i| turned[(i / 3, i % 3)])
+        })
         .collect())
-}
-
-/// The rotation of a unit quaternion w, x, y, z.
-fn matrix([w, x, y, z]: [f64; 4]) -> [f64; 9] {
-    [
-        1.0 - 2.0 * (y * y + z * z),
-        2.0 * (x * y - w * z),
-        2.0 * (x * z + w * y),
-        2.0 * (x * y + w * z),
-        1.0 - 2.0 * (x * x + z * z),
-        2.0 * (y * z - w * x),
-        2.0 * (x * z - w * y),
-        2.0 * (y * z + w * x),
-        1.0 - 2.0 * (x * x + y * y),
-    ]
-}
-
-fn product(a: &[f64; 9], b: &[f64; 9]) -> [f64; 9] {
-    std::array::from_fn(|i| (0..3).map(|k| a[3 * (i / 3) + k] * b[3 * k + i % 3]).sum())
 }
 
 #[cfg(test)]

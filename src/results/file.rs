@@ -137,4 +137,20 @@ mod tests {
         assert_eq!(file_stem("a/b:c"), "a_b_c");
         assert_eq!(file_stem(".."), "analysis");
     }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_devices_refused() {
+        let folder = std::env::temp_dir().join(format!("eng-links-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (file, link) = (folder.join("file"), folder.join("link"));
+        std::fs::write(&file, "old").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        let put = |path: &Path| replace_file(path, |out| io::Write::write_all(out, b"new"));
+        put(&link).unwrap();
+        assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(std::fs::read(&file).unwrap(), b"new");
+        assert!(regular(Path::new("/dev/null")).is_err());
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -16,6 +16,7 @@ mod flexible;
 mod model;
 mod output;
 mod reference;
+mod repeat;
 mod scalar;
 mod table;
 mod topology;

@@ -42,7 +42,15 @@ await withPage(browser, page, 300000, async ({ call, evaluate, size, mouse, erro
     await mouse("mousePressed", place, { button: "left", buttons: 1, clickCount });
     await mouse("mouseReleased", place, { button: "left", clickCount });
   };
-  const readout = (figure) => evaluate(`document.querySelector('#${figure} .readout').innerText`);
+  // the page answers when it comes to it: an empty readout is asked for again
+  const readout = async (figure) => {
+    let text = "";
+    for (let i = 0; i < 50 && text === ""; i++) {
+      await sleep(100);
+      text = await evaluate(`document.querySelector('#${figure} .readout').innerText`);
+    }
+    return text;
+  };
   const step = () => evaluate(`(() => {
     const t = [...document.querySelectorAll('#figure-1 .grid.numbered text[text-anchor=middle]')].map((t) => Number(t.textContent));
     return t[1] - t[0];
@@ -53,13 +61,11 @@ await withPage(browser, page, 300000, async ({ call, evaluate, size, mouse, erro
     ["history", "figure-1", 0.3, 0.5], ["map", "figure-7", 0.5, 0.5], ["waterfall", "figure-6", 0.1, 0.8],
   ]) {
     await mouse("mouseMoved", await at(figure, x, y));
-    await sleep(100);
     found["readout_" + name] = await readout(figure);
   }
   await at("figure-3", 0.5, 0.5);
   const onOrbit = await evaluate(pointOf("document.querySelector('#figure-3')"));
   await mouse("mouseMoved", onOrbit);
-  await sleep(100);
   found.readout_orbit = await readout("figure-3");
   await shot("orbit-readout.png");
 

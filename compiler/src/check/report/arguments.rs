@@ -39,10 +39,8 @@ impl Form {
         options: &'static [&'static str],
     ) -> Form {
         Form {
-            name,
-            required,
             many: true,
-            options,
+            ..Form::new(name, required, options)
         }
     }
 }

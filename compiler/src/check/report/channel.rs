@@ -1,7 +1,7 @@
 //! Channels by name: `unfired.main[1..5].force.x`, `runup[*].vertical[5]`.
 
 use super::Reporter;
-use super::value::{Label, Member, Shape, Typed};
+use super::value::{Label, Member, Typed};
 use crate::check::types::Quantity;
 use crate::codes;
 use crate::elaborate::{AnalysisPlan, Structural, elaborate};
@@ -459,15 +459,7 @@ impl<'a> Reporter<'a, '_> {
                 },
             });
         }
-        let first = first?;
-        Some(Typed {
-            members,
-            list: places.list,
-            shape: Shape::Signal,
-            quantity: Quantity::hard(first.dimension),
-            display: Some(first.display),
-            level: None,
-        })
+        Some(Typed::signals(members, places.list, &first?))
     }
 }
 

@@ -374,15 +374,7 @@ impl<'a> Reporter<'a, '_> {
                 expression: Expression::Map(Function::Sqrt, Box::new(sum)),
             });
         }
-        let first = first?;
-        Some(Typed {
-            members,
-            list: places.list,
-            shape: Shape::Signal,
-            quantity: Quantity::hard(first.dimension),
-            display: Some(first.display),
-            level: None,
-        })
+        Some(Typed::signals(members, places.list, &first?))
     }
 
     /// A number of a signal.

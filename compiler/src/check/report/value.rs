@@ -13,6 +13,7 @@ use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{BinaryOp, Expr, ExprKind, IndexArgument, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::DisplayUnit;
+use eng_system::recorded::Recorded;
 use eng_system::report::{Expression, Function, Operator};
 
 /// What a member is of.
@@ -64,6 +65,18 @@ pub(super) struct Typed {
 }
 
 impl Typed {
+    /// Signals of a dimension, shown as one of their channels is.
+    pub fn signals(members: Vec<Member>, list: bool, like: &Recorded) -> Typed {
+        Typed {
+            members,
+            list,
+            shape: Shape::Signal,
+            quantity: Quantity::hard(like.dimension),
+            display: Some(like.display.clone()),
+            level: None,
+        }
+    }
+
     /// The same members, each put into something.
     pub fn mapped(mut self, wrap: impl Fn(Expression) -> Expression) -> Typed {
         for member in &mut self.members {
