@@ -117,7 +117,9 @@ fn the_car_axis_moves_as_published() {
 #[test]
 fn torsional_frequencies_of_a_six_cylinder_engine() {
     let reference = reference(include_str!("reference/torsion_six_cylinder.json"));
-    let due = reference["natural_frequencies_Hz"].as_array().expect("a list");
+    let due = reference["natural_frequencies_Hz"]
+        .as_array()
+        .expect("a list");
     let program = program(include_str!("benchmarks/torsion.eng"));
     let outcome = program
         .analysis("modes")
