@@ -5,6 +5,7 @@
 pub mod check;
 pub mod codes;
 pub mod elaborate;
+mod functions;
 pub mod generate;
 pub mod ir;
 #[cfg(feature = "jit")]

@@ -9,35 +9,6 @@ use eng_grammar::ast::{Argument, Expr, ExprKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
-/// Names of the built-in functions.
-pub(super) const NAMES: [&str; 25] = [
-    "dot",
-    "cross",
-    "norm",
-    "local",
-    "vector",
-    "perpendicular",
-    "rotation",
-    "der",
-    "abs",
-    "sqrt",
-    "exp",
-    "log",
-    "sin",
-    "cos",
-    "tan",
-    "asin",
-    "acos",
-    "atan",
-    "tanh",
-    "atan2",
-    "min",
-    "max",
-    "sum",
-    "length",
-    "distinct",
-];
-
 /// Names of the parameters, for messages; empty where any number of arguments is taken.
 fn parameters(name: &str) -> &'static [&'static str] {
     match name {

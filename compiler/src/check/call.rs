@@ -57,7 +57,7 @@ impl<'p> Checker<'p> {
     ) -> Type {
         if let ExprKind::Name(name) = &callee.kind {
             let found = self.find(scope, name).is_some();
-            let built_in = super::builtin::NAMES.contains(&name.as_str());
+            let built_in = crate::functions::NAMES.contains(&name.as_str());
             // A value named `length` does not hide the function.
             if built_in
                 && (!found

@@ -425,7 +425,7 @@ impl<'p> Checker<'p> {
         };
         let ty = match &callee.kind {
             ExprKind::Name(name)
-                if super::builtin::NAMES.contains(&name.as_str())
+                if crate::functions::NAMES.contains(&name.as_str())
                     && self.find(&scope, name).is_none() =>
             {
                 self.report(

@@ -537,7 +537,7 @@ impl<'p> Levels<'_, 'p> {
             .iter()
             .fold(FREE, |level, (_, value)| level.with(value.level()));
         if let ExprKind::Name(name) = &callee.kind
-            && super::builtin::NAMES.contains(&name.as_str())
+            && crate::functions::NAMES.contains(&name.as_str())
         {
             let own = matches!(
                 self.name(place, name, callee.span),

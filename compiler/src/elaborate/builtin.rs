@@ -4,47 +4,15 @@ use super::scalar::{Scalar, Stage};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval};
 use crate::codes;
+use crate::functions;
 use crate::ir::{Graph, Node, Op};
 use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
-/// Names of the built-in functions.
-pub(crate) const NAMES: [&str; 29] = [
-    "dot",
-    "cross",
-    "norm",
-    "local",
-    "vector",
-    "perpendicular",
-    "rotation",
-    "der",
-    "abs",
-    "sqrt",
-    "exp",
-    "log",
-    "sin",
-    "cos",
-    "tan",
-    "asin",
-    "acos",
-    "atan",
-    "tanh",
-    "atan2",
-    "min",
-    "max",
-    "sum",
-    "length",
-    "distinct",
-    "at",
-    "transient",
-    "assemble",
-    "axis",
-];
-
 /// The built-in function of a name.
 pub(crate) fn find(name: &str) -> Option<&'static str> {
-    NAMES.iter().copied().find(|n| *n == name)
+    functions::NAMES.iter().copied().find(|n| *n == name)
 }
 
 /// Constructor of an operation on one number.

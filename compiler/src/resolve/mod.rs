@@ -2,6 +2,7 @@
 //!
 //! May contain: names of modules, items, dimensions and units. Must not contain: types of values.
 
+mod definitions;
 mod modules;
 mod scopes;
 pub(crate) use scopes::defined_name;

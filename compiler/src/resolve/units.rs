@@ -1,5 +1,6 @@
 //! The tables of dimensions and units, in the order of their definitions.
 
+use super::definitions::{Definitions, Looked};
 use super::suggest::nearest;
 use crate::codes;
 use crate::program::{NamedDimension, Program, Unit, unit_text};
@@ -23,23 +24,8 @@ const BASES: [&[&str]; eng_system::dimension::BASES] = [
     &["Angle"],
 ];
 
-/// Most definitions inside each other.
-const DEEPEST: u32 = 100;
-
-/// What became of a definition.
-#[derive(Clone)]
-enum Entry<T> {
-    /// Being evaluated: met again, it is a circle.
-    Open,
-    /// Its message was given.
-    Bad,
-    Done(T),
-}
-
 struct Dimensions<'a> {
-    items: BTreeMap<String, DimensionItem>,
-    done: BTreeMap<String, Entry<NamedDimension>>,
-    depth: u32,
+    definitions: Definitions<DimensionItem, NamedDimension>,
     diagnostics: &'a mut Diagnostics,
 }
 
@@ -61,21 +47,14 @@ pub(super) fn dimensions(program: &mut Program, diagnostics: &mut Diagnostics) {
             }
         }
     }
-    let names: Vec<String> = items.keys().cloned().collect();
     let mut table = Dimensions {
-        items,
-        done: BTreeMap::new(),
-        depth: 0,
+        definitions: Definitions::new(items),
         diagnostics,
     };
-    for name in &names {
-        table.named(name);
+    for name in table.definitions.names() {
+        table.named(&name);
     }
-    for (name, entry) in table.done {
-        if let Entry::Done(dimension) = entry {
-            program.dimensions.insert(name, dimension);
-        }
-    }
+    program.dimensions.extend(table.definitions.known());
 }
 
 fn twice(what: &str, first: &Name, again: &Name, diagnostics: &mut Diagnostics) {
@@ -92,43 +71,12 @@ fn twice(what: &str, first: &Name, again: &Name, diagnostics: &mut Diagnostics) 
 
 impl Dimensions<'_> {
     fn named(&mut self, name: &str) -> Option<NamedDimension> {
-        match self.done.get(name) {
-            Some(Entry::Done(dimension)) => return Some(dimension.clone()),
-            Some(Entry::Bad) => return None,
-            Some(Entry::Open) => {
-                if let Some(item) = self.items.get(name) {
-                    self.diagnostics.push(
-                        Diagnostic::error(
-                            codes::UNIT_CIRCLE,
-                            format!("the dimension `{name}` is defined by itself"),
-                        )
-                        .at(item.name.span, "its definition comes back to it"),
-                    );
-                }
-                self.done.insert(name.to_owned(), Entry::Bad);
-                return None;
-            }
-            None => {}
-        }
-        let item = self.items.get(name)?.clone();
-        if self.depth > DEEPEST {
-            self.diagnostics.push(
-                Diagnostic::error(codes::BAD_UNIT, "the definitions are nested too deeply")
-                    .at(item.name.span, "here it is too deep"),
-            );
-            return None;
-        }
-        self.depth += 1;
-        self.done.insert(name.to_owned(), Entry::Open);
-        let result = self.evaluate(&item);
-        self.depth -= 1;
-        let open = matches!(self.done.get(name), Some(Entry::Open));
-        let entry = match &result {
-            Some(dimension) if open => Entry::Done(dimension.clone()),
-            _ => Entry::Bad,
+        let item = match self.definitions.begin(name, self.diagnostics) {
+            Looked::Known(known) => return known,
+            Looked::New(item) => item,
         };
-        self.done.insert(name.to_owned(), entry);
-        result
+        let result = self.evaluate(&item);
+        self.definitions.end(name, result)
     }
 
     fn evaluate(&mut self, item: &DimensionItem) -> Option<NamedDimension> {
@@ -184,10 +132,10 @@ impl Dimensions<'_> {
         match &expr.kind {
             TypeExprKind::One => Some(Dimension::ONE),
             TypeExprKind::Name(name) => {
-                if self.items.contains_key(&name.text) {
+                if self.definitions.contains(&name.text) {
                     return self.named(&name.text).map(|named| named.dimension);
                 }
-                let near = nearest(&name.text, self.items.keys().map(String::as_str));
+                let near = self.definitions.nearest(&name.text);
                 let mut message = Diagnostic::error(
                     codes::UNKNOWN_TYPE,
                     format!("there is no dimension `{}`", name.text),
@@ -238,9 +186,7 @@ struct Size {
 }
 
 struct Units<'a> {
-    items: BTreeMap<String, UnitItem>,
-    done: BTreeMap<String, Entry<Unit>>,
-    depth: u32,
+    definitions: Definitions<UnitItem, Unit>,
     dimensions: &'a BTreeMap<String, NamedDimension>,
     diagnostics: &'a mut Diagnostics,
 }
@@ -258,64 +204,26 @@ pub(super) fn units(program: &mut Program, diagnostics: &mut Diagnostics) {
             }
         }
     }
-    let names: Vec<String> = items.keys().cloned().collect();
     let mut table = Units {
-        items,
-        done: BTreeMap::new(),
-        depth: 0,
+        definitions: Definitions::new(items),
         dimensions: &program.dimensions,
         diagnostics,
     };
-    for name in &names {
-        table.named(name);
+    for name in table.definitions.names() {
+        table.named(&name);
     }
-    let done = table.done;
-    for (name, entry) in done {
-        if let Entry::Done(unit) = entry {
-            program.units.insert(name, unit);
-        }
-    }
+    let known = table.definitions.known();
+    program.units.extend(known);
 }
 
 impl Units<'_> {
     fn named(&mut self, name: &str) -> Option<Unit> {
-        match self.done.get(name) {
-            Some(Entry::Done(unit)) => return Some(unit.clone()),
-            Some(Entry::Bad) => return None,
-            Some(Entry::Open) => {
-                if let Some(item) = self.items.get(name) {
-                    self.diagnostics.push(
-                        Diagnostic::error(
-                            codes::UNIT_CIRCLE,
-                            format!("the unit `{name}` is defined by itself"),
-                        )
-                        .at(item.name.span, "its definition comes back to it"),
-                    );
-                }
-                self.done.insert(name.to_owned(), Entry::Bad);
-                return None;
-            }
-            None => {}
-        }
-        let item = self.items.get(name)?.clone();
-        if self.depth > DEEPEST {
-            self.diagnostics.push(
-                Diagnostic::error(codes::BAD_UNIT, "the definitions are nested too deeply")
-                    .at(item.name.span, "here it is too deep"),
-            );
-            return None;
-        }
-        self.depth += 1;
-        self.done.insert(name.to_owned(), Entry::Open);
-        let result = self.evaluate(&item);
-        self.depth -= 1;
-        let open = matches!(self.done.get(name), Some(Entry::Open));
-        let entry = match &result {
-            Some(unit) if open => Entry::Done(unit.clone()),
-            _ => Entry::Bad,
+        let item = match self.definitions.begin(name, self.diagnostics) {
+            Looked::Known(known) => return known,
+            Looked::New(item) => item,
         };
-        self.done.insert(name.to_owned(), entry);
-        result
+        let result = self.evaluate(&item);
+        self.definitions.end(name, result)
     }
 
     /// The declared dimension and, where it is one of points, its name.
@@ -471,8 +379,8 @@ impl Units<'_> {
             dimension: Dimension::ONE,
         };
         for factor in &expr.factors {
-            if !self.items.contains_key(&factor.name.text) {
-                let near = nearest(&factor.name.text, self.items.keys().map(String::as_str));
+            if !self.definitions.contains(&factor.name.text) {
+                let near = self.definitions.nearest(&factor.name.text);
                 let mut message = Diagnostic::error(
                     codes::UNKNOWN_UNIT,
                     format!("there is no unit `{}`", factor.name.text),

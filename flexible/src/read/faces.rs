@@ -4,7 +4,7 @@ use super::vector::{cross, minus, norm};
 use crate::mesh::{ABSENT, ElementKind};
 
 /// The corners of each edge, in the order of the mid-side nodes.
-pub(super) fn edges(kind: ElementKind) -> &'static [[usize; 2]] {
+pub(crate) fn edges(kind: ElementKind) -> &'static [[usize; 2]] {
     use ElementKind::*;
     match kind {
         Beam2 => &[[0, 1]],

@@ -3,7 +3,6 @@
 use super::Reporter;
 use super::channel::root_name;
 use super::function;
-use crate::check::builtin;
 use crate::check::declare::collect_names;
 use crate::check::mismatch::Due;
 use crate::check::scope::BUILT_IN_NAMES;
@@ -215,7 +214,7 @@ impl<'a> Reporter<'a, '_> {
         collect_names(expr, &mut names);
         let found = names.into_iter().find(|(name, _)| {
             !BUILT_IN_NAMES.contains(&name.as_str())
-                && !builtin::NAMES.contains(&name.as_str())
+                && !crate::functions::NAMES.contains(&name.as_str())
                 && self.checker.find(&self.scope, name).is_none()
         });
         let Some((name, span)) = found else {

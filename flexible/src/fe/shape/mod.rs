@@ -9,6 +9,7 @@ mod simplex;
 mod wedge;
 
 use crate::mesh::ElementKind;
+use crate::read::faces;
 
 /// The most nodes an element has.
 pub const MOST_NODES: usize = 20;
@@ -74,61 +75,12 @@ impl Shape {
     }
 }
 
-const TRIANGLE: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
-const QUADRILATERAL: [[usize; 2]; 4] = [[0, 1], [1, 2], [2, 3], [3, 0]];
-const TETRAHEDRON: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
-const PYRAMID: [[usize; 2]; 8] = [
-    [0, 1],
-    [1, 2],
-    [2, 3],
-    [3, 0],
-    [0, 4],
-    [1, 4],
-    [2, 4],
-    [3, 4],
-];
-const WEDGE: [[usize; 2]; 9] = [
-    [0, 1],
-    [1, 2],
-    [2, 0],
-    [3, 4],
-    [4, 5],
-    [5, 3],
-    [0, 3],
-    [1, 4],
-    [2, 5],
-];
-const HEXAHEDRON: [[usize; 2]; 12] = [
-    [0, 1],
-    [1, 2],
-    [2, 3],
-    [3, 0],
-    [4, 5],
-    [5, 6],
-    [6, 7],
-    [7, 4],
-    [0, 4],
-    [1, 5],
-    [2, 6],
-    [3, 7],
-];
-
 /// The corners of each mid-side node of a quadratic element, in the order of its mid-side nodes; none for a linear one.
 pub fn edges(kind: ElementKind) -> &'static [[usize; 2]] {
-    match kind {
-        ElementKind::Tetrahedron10 => &TETRAHEDRON,
-        ElementKind::Hexahedron20 => &HEXAHEDRON,
-        ElementKind::Wedge15 => &WEDGE,
-        ElementKind::Pyramid13 => &PYRAMID,
-        ElementKind::Triangle6 => &TRIANGLE,
-        ElementKind::Quadrilateral8 => &QUADRILATERAL,
-        ElementKind::Tetrahedron4
-        | ElementKind::Hexahedron8
-        | ElementKind::Wedge6
-        | ElementKind::Pyramid5
-        | ElementKind::Triangle3
-        | ElementKind::Quadrilateral4
-        | ElementKind::Beam2 => &[],
+    if linear(kind) == kind {
+        &[]
+    } else {
+        faces::edges(kind)
     }
 }
 

@@ -1,0 +1,30 @@
+//! The functions that the language itself has: the checker and elaboration read the same list.
+
+/// Their names.
+pub(crate) const NAMES: [&str; 25] = [
+    "dot",
+    "cross",
+    "norm",
+    "local",
+    "vector",
+    "perpendicular",
+    "rotation",
+    "der",
+    "abs",
+    "sqrt",
+    "exp",
+    "log",
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "tanh",
+    "atan2",
+    "min",
+    "max",
+    "sum",
+    "length",
+    "distinct",
+];
