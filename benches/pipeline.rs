@@ -1,10 +1,15 @@
-//! Times of every stage on the four-cylinder example: text to callable code, residual, Jacobian, factorisation, step, whole run.
+//! Times of every stage on the four-cylinder examples, the rigid one and the paper's flexible one: text to callable code, residual,
+//! Jacobian, factorisation, step, whole run.
 //!
-//! `cargo bench --bench pipeline`. Each figure is the minimum and the median of several runs in this process.
+//! `cargo bench --bench pipeline`. Each figure is the minimum and the median of several runs in this process. Beside a run stands its
+//! real-time factor: the time that it takes over the time that passes in the model.
 
 use eng::Sources;
 use eng_runtime::linear::{BlockLu, LinearSolver, PatternBuilder};
+use std::path::Path;
 use std::time::{Duration, Instant};
+
+type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
 /// Minimum and median of the time of `work` over some runs.
 fn time(runs: usize, mut work: impl FnMut()) -> (Duration, Duration) {
@@ -27,42 +32,54 @@ fn show(name: &str, repeat: u32, (least, median): (Duration, Duration)) {
     );
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/inline4");
-    let sources = Sources::folder(folder)?;
+/// Fixed step of the figures a step (s).
+const STEP: f64 = 1e-5;
+
+fn main() -> Outcome<()> {
     println!("{:<46} {:>12} {:>12}", "µs a time", "minimum", "median");
+    measure("inline4", "Inline4", &["unfired", "fired"])?;
+    measure("paper", "Engine", &["unfired", "fired"])
+}
+
+/// All figures of an example.
+fn measure(example: &str, model: &str, analyses: &[&str]) -> Outcome<()> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("examples")
+        .join(example);
+    let sources = Sources::folder(&folder)?;
+    let file = format!("{example}.eng");
+    println!("{example}");
 
     show(
         "check: text to checked program",
         1,
         time(7, || {
-            std::hint::black_box(eng::check(&sources, "inline4.eng"));
+            std::hint::black_box(eng::check(&sources, &file));
         }),
     );
-    let program = eng::check(&sources, "inline4.eng").into_program()?;
+    let program = eng::check(&sources, &file).into_program()?;
     show(
         "compile: checked program to machine code",
         1,
         time(7, || {
-            let _ = std::hint::black_box(program.model("Inline4"));
+            let _ = std::hint::black_box(program.model(model));
         }),
     );
-    let model = program.model("Inline4")?;
+    let model = program.model(model)?;
     for (class, bytes) in model.code_bytes() {
         if bytes > 4000 {
             println!("  {class}: {bytes} bytes of code");
         }
     }
 
-    let step = 1e-5;
     show(
         "start: bind, assemble, first accelerations",
         1,
         time(5, || {
-            let _ = std::hint::black_box(model.simulation().fixed_step(step).start());
+            let _ = std::hint::black_box(model.simulation().fixed_step(STEP).start());
         }),
     );
-    let mut simulation = model.simulation().fixed_step(step).start()?;
+    let mut simulation = model.simulation().fixed_step(STEP).start()?;
     for _ in 0..1000 {
         simulation.step()?;
     }
@@ -70,13 +87,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let size = runtime.unknowns();
     let mut unknowns = vec![0.0; size];
     let mut residual = vec![0.0; size];
-    runtime.predicted(step, &mut unknowns)?;
+    runtime.predicted(STEP, &mut unknowns)?;
     show(
         "residual",
         200,
         time(21, || {
             for _ in 0..200 {
-                let _ = runtime.residual(step, &unknowns, &mut residual);
+                let _ = runtime.residual(STEP, &unknowns, &mut residual);
             }
         }),
     );
@@ -85,11 +102,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         200,
         time(21, || {
             for _ in 0..200 {
-                let _ = runtime.jacobian(step, &unknowns);
+                let _ = runtime.jacobian(STEP, &unknowns);
             }
         }),
     );
-    let matrix = runtime.jacobian(step, &unknowns)?;
+    let matrix = runtime.jacobian(STEP, &unknowns)?;
     let mut pattern = PatternBuilder::new(matrix.size);
     for column in 0..matrix.size {
         for k in matrix.columns[column]..matrix.columns[column + 1] {
@@ -127,21 +144,30 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }),
     );
 
-    for name in ["unfired", "fired"] {
+    let steps = (0.06 / STEP) as u32;
+    let fixed = time(3, || {
+        if let Ok(mut simulation) = model.simulation().fixed_step(STEP).start() {
+            for _ in 0..steps {
+                let _ = simulation.step();
+            }
+        }
+    });
+    show("60 ms in steps of 10 µs, with the start", 1, fixed);
+    println!("  real-time factor {:.1}", fixed.1.as_secs_f64() / 0.06);
+
+    for name in analyses {
         let analysis = program.analysis(name)?;
-        let mut steps = 0;
+        let mut run = (0, 0.0);
         let whole = time(3, || {
             if let Ok(outcome) = analysis.run(&mut |_| {})
                 && let Some(summary) = outcome.summary
             {
-                steps = summary.statistics.steps;
+                run = (summary.statistics.steps, summary.time);
             }
         });
-        show(
-            &format!("whole run `{name}`, {steps} steps, 2881 samples"),
-            1,
-            whole,
-        );
+        let (steps, passed) = run;
+        show(&format!("whole run `{name}`, {steps} steps"), 1, whole);
+        println!("  real-time factor {:.1}", whole.1.as_secs_f64() / passed);
     }
     Ok(())
 }
