@@ -38,7 +38,7 @@ impl Stream {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(at(folder))?;
         }
-        let mut stream = Stream::on(path, locked(path)?, header)?;
+        let mut stream = Stream::on(path, locked(path, true)?, header)?;
         // a run that is killed between these two leaves an empty file: they follow each other closely
         stream.file.set_len(0).map_err(at(path))?;
         stream.hand_over()?;
@@ -47,7 +47,18 @@ impl Stream {
 
     /// Goes on after a number of rows, at which a batch ends; cuts what follows. The header on disk stays as it is.
     pub fn resume(path: &Path, rows: u64) -> Result<(Stream, Results), ResultsError> {
-        let mut file = locked(path)?;
+        // what is refused leaves no file where there was none
+        let mut file = locked(path, false).map_err(|error| match error {
+            ResultsError::File { path, source } if source.kind() == io::ErrorKind::NotFound => {
+                ResultsError::Foreign {
+                    path,
+                    message:
+                        "the samples before the checkpoint are not here; run again without --resume"
+                            .to_owned(),
+                }
+            }
+            other => other,
+        })?;
         let (mut found, mut end) = (0, None);
         let portions = Portions::open(path)?;
         let header = portions.header();
@@ -125,11 +136,12 @@ impl Stream {
     }
 }
 
-fn locked(path: &Path) -> Result<File, ResultsError> {
+/// Opens a stream for one writer alone; makes it where that is meant.
+fn locked(path: &Path, make: bool) -> Result<File, ResultsError> {
     let file = OpenOptions::new()
         .read(true)
         .write(true)
-        .create(true)
+        .create(make)
         .truncate(false)
         .open(path)
         .map_err(at(path))?;
@@ -194,9 +206,9 @@ impl Portions {
             position: Rc::clone(&position),
         };
         let reader =
-            StreamReader::try_new(counting, None).map_err(|error| ResultsError::Foreign {
+            StreamReader::try_new(counting, None).map_err(|_| ResultsError::Foreign {
                 path: path.to_owned(),
-                message: format!("no samples were written, or the file is damaged ({error})"),
+                message: "the file is empty or damaged: its run was killed before its first samples, or it was cut; run the analysis again".to_owned(),
             })?;
         let schema = reader.schema();
         let entries: BTreeMap<String, String> = schema
