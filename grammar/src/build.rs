@@ -14,8 +14,8 @@ use crate::tokens::{Token, last_end, tokens};
 use pest::iterators::{Pair, Pairs};
 
 /// How deep a tree may get. Every later stage walks trees by recursion, so this bounds the stack of all of them.
-/// Three levels a bracket, for [`MAX_NESTING`] of them, and some operators.
-pub(crate) const MAX_DEPTH: usize = 320;
+/// An operator, a bracket, a call or a field is one level.
+pub(crate) const MAX_DEPTH: usize = 256;
 
 /// How deep brackets may nest in a text.
 pub(crate) const MAX_NESTING: usize = 100;
@@ -162,7 +162,7 @@ impl<'t, 'd> Builder<'t, 'd> {
             Diagnostic::error(codes::NESTED, "this is nested too deep")
                 .at(
                     span,
-                    format!("more than {MAX_DEPTH} levels: three a bracket, one an operator"),
+                    format!("more than {MAX_DEPTH} levels: each bracket and each operator is one"),
                 )
                 .with_help("name parts of it with `let`"),
         );

@@ -81,7 +81,7 @@ fn usual_depths_are_read() {
         format!("let a = {}1{}", "(".repeat(100), ")".repeat(100)),
         format!("let a = {}1{}", "[".repeat(100), "]".repeat(100)),
         format!("let a = {}1{}", "f(".repeat(100), ")".repeat(100)),
-        format!("let a = {}1{}", "(2 - ".repeat(75), ")".repeat(75)),
+        format!("let a = {}1{}", "f(2 - ".repeat(80), ")".repeat(80)),
         format!("let a = 1{}", " + 1".repeat(249)),
         format!("let a = {}3", "if a then 1 else ".repeat(100)),
         format!("let a = [{}1]", "1, ".repeat(10_000)),
