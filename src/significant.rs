@@ -2,27 +2,34 @@
 
 /// A number with so many significant digits; with an exponent where that is shorter than zeros.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
-    let magnitude = value.abs();
-    if magnitude == 0.0 {
+    if value == 0.0 {
         return "0".to_owned();
     }
-    if !magnitude.is_finite() {
+    if !value.is_finite() {
         return format!("{value}");
     }
-    let digits = digits.max(1);
-    if !(1e-4..1e9).contains(&magnitude) {
-        return format!("{value:.*e}", digits - 1);
+    let decimals = digits.max(1) - 1;
+    let scientific = format!("{value:.decimals$e}");
+    // of the rounded number: 99.9999 becomes 100.0
+    let exponent = scientific
+        .split_once('e')
+        .and_then(|(_, exponent)| exponent.parse::<i64>().ok());
+    match exponent {
+        Some(exponent @ -4..=8) => {
+            let decimals = usize::try_from(decimals as i64 - exponent).unwrap_or(0);
+            format!("{value:.decimals$}")
+        }
+        _ => scientific,
     }
-    let before = libm::floor(libm::log10(magnitude)) as i32 + 1; // from -3 to 9
-    let decimals = usize::try_from(digits as i32 - before).unwrap_or(0);
-    format!("{value:.decimals$}")
 }
 
-/// [`significant`] with six digits, without zeros at the end.
-pub(crate) fn short(value: f64) -> String {
-    let text = significant(value, 6);
-    if text.contains('.') && !text.contains('e') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+/// [`significant`] without zeros at the end.
+pub(crate) fn short(value: f64, digits: usize) -> String {
+    let text = significant(value, digits);
+    let (digits, exponent) = text.split_at(text.find('e').unwrap_or(text.len()));
+    if digits.contains('.') {
+        let digits = digits.trim_end_matches('0').trim_end_matches('.');
+        format!("{digits}{exponent}")
     } else {
         text
     }
@@ -48,18 +55,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn six_digits() {
+    fn zeros_at_the_end_are_left_out() {
         for (value, text) in [
             (0.0, "0"),
             (-0.0, "0"),
             (720.0, "720"),
             (0.0123456789, "0.0123457"),
             (-1234567.8, "-1234568"),
-            (1e-7, "1.00000e-7"),
+            (1e-7, "1e-7"),
+            (-7.85e-9, "-7.85e-9"),
             (f64::NAN, "NaN"),
             (f64::NEG_INFINITY, "-inf"),
         ] {
-            assert_eq!(short(value), text);
+            assert_eq!(short(value, 6), text);
+        }
+        for (value, text) in [
+            (1000.0, "1000"),
+            (99.5, "99.5"),
+            (1234.56, "1234.6"),
+            (0.012345678, "0.012346"),
+            (1.5e9, "1.5e9"),
+        ] {
+            assert_eq!(short(value, 5), text);
         }
     }
 
@@ -71,6 +88,8 @@ mod tests {
             (0.00012345678, "0.00012346"),
             (-3.2e-9, "-3.2000e-9"),
             (4e12, "4.0000e12"),
+            (99.999999999, "100.00"),
+            (-0.00099999999, "-0.0010000"),
         ] {
             assert_eq!(significant(value, 5), text);
         }

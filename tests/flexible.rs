@@ -90,7 +90,13 @@ fn op4(name: &str, matrix: &eng_flexible::sparse::SymmetricMatrix) -> String {
             text.push('\n');
         }
     }
-    text += &format!("{:8}{:8}{:8}\n{:>23}\n", size + 1, 1, 1, "1.0000000000000000E+00");
+    text += &format!(
+        "{:8}{:8}{:8}\n{:>23}\n",
+        size + 1,
+        1,
+        1,
+        "1.0000000000000000E+00"
+    );
     text
 }
 
@@ -115,7 +121,10 @@ fn matrices_that_do_not_name_their_rows_are_taken_by_ascending_nodes() {
         );
         let sources = Sources::from_texts([
             ("bar.eng".to_owned(), text),
-            ("bar.bdf".to_owned(), include_str!("mesh/bar.bdf").to_owned()),
+            (
+                "bar.bdf".to_owned(),
+                include_str!("mesh/bar.bdf").to_owned(),
+            ),
             ("k.op4".to_owned(), op4("KGG", &full.stiffness)),
             ("m.op4".to_owned(), op4("MGG", &mass)),
         ]);
@@ -131,8 +140,13 @@ fn matrices_that_do_not_name_their_rows_are_taken_by_ascending_nodes() {
         assert!((a / b - 1.0).abs() < 1e-8, "{a} {b}");
     }
     // without the order the message says how to state it, with a wrong one what would fit
-    for (arguments, says) in [("", "`per_node: 3` or `6`"), (", per_node: 6", "`per_node: 3` would fit")] {
-        let refused = check(arguments).expect_err("rows without a name").to_string();
+    for (arguments, says) in [
+        ("", "`per_node: 3` or `6`"),
+        (", per_node: 6", "`per_node: 3` would fit"),
+    ] {
+        let refused = check(arguments)
+            .expect_err("rows without a name")
+            .to_string();
         assert!(refused.contains(says), "{refused}");
     }
 }

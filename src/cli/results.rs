@@ -65,11 +65,11 @@ fn show(found: &Listed, console: &mut Console<'_>) -> Result<(), Stop> {
     let mut span = format!("{} samples", results.samples());
     let [time, angle] = found.spans();
     if let Some((from, to)) = time {
-        span.push_str(&format!(", {} to {} s", short(from), short(to)));
+        span.push_str(&format!(", {} to {} s", short(from, 6), short(to, 6)));
     }
     if let Some((from, to)) = angle {
         let (from, to) = (from.to_degrees(), to.to_degrees());
-        span.push_str(&format!(", {} to {} °CA", short(from), short(to)));
+        span.push_str(&format!(", {} to {} °CA", short(from, 6), short(to, 6)));
     }
     writeln!(output, "  {span}")?;
     for (key, value) in results.metadata() {
@@ -84,7 +84,7 @@ fn show(found: &Listed, console: &mut Console<'_>) -> Result<(), Stop> {
     }
     let mut table = Table::new(&[&["channel", "unit", "smallest", "largest", "frame"]]);
     for column in results.columns() {
-        let shown = |si: f64| short(column.display.from_si(si));
+        let shown = |si: f64| short(column.display.from_si(si), 6);
         let (low, high) = match column.range() {
             Some((low, high)) => (shown(low), shown(high)),
             None => ("–".to_owned(), "–".to_owned()),

@@ -172,7 +172,7 @@ const MASSES: &Units = &[
     (0.0, "mg", 1e-6),
 ];
 const INERTIAS: &Units = &[
-    (1e-3, "kg m²", 1.0),
+    (0.1, "kg m²", 1.0),
     (1e-7, "kg mm²", 1e-6),
     (0.0, "g mm²", 1e-9),
 ];

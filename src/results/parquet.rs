@@ -338,4 +338,36 @@ mod tests {
         ));
         std::fs::remove_dir_all(&folder).unwrap();
     }
+
+    /// A byte that has changed anywhere, or an end that is missing, is refused or gives as many numbers as before.
+    #[test]
+    fn damaged_files_are_refused_or_read() {
+        let folder = folder("damaged");
+        let mut results = Results::new("a", "M");
+        let times: Vec<f64> = (0..40).map(|i| f64::from(i) * 0.1).collect();
+        results.push(Column::time(times.clone())).unwrap();
+        results.push(Column::cycle_angle(times)).unwrap();
+        let path = results.write_parquet(&folder).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        let other = folder.join("other.parquet");
+        let mut refused = 0;
+        for index in 0..whole.len() {
+            for bits in [0x01, 0x80, 0xff] {
+                let mut bytes = whole.clone();
+                bytes[index] ^= bits;
+                std::fs::write(&other, bytes).unwrap();
+                match Results::read_parquet(&other) {
+                    Ok(read) => assert!(read.samples() <= 40, "{index}"),
+                    Err(error) => {
+                        assert!(error.to_string().contains("other.parquet"), "{error}");
+                        refused += 1;
+                    }
+                }
+            }
+            std::fs::write(&other, &whole[..index]).unwrap();
+            assert!(Results::read_parquet(&other).is_err(), "{index}");
+        }
+        assert!(refused > whole.len() / 2, "{refused} of {}", whole.len());
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -8,7 +8,8 @@ use eng_flexible::{FileProblem, Files, FlexibleError};
 
 /// The format that the end of a file's name stands for.
 pub fn format_of(file: &str) -> MatrixFormat {
-    let plain = file.strip_suffix(".gz").unwrap_or(file);
+    let file = file.to_ascii_lowercase();
+    let plain = file.strip_suffix(".gz").unwrap_or(&file);
     match plain.rsplit_once('.').map_or("", |(_, ending)| ending) {
         "op4" => MatrixFormat::Op4,
         "op2" => MatrixFormat::Op2,
