@@ -354,11 +354,7 @@ impl Analysis {
         for point in self.point() {
             results.set_metadata(
                 format!("point.{}", point.name),
-                format!(
-                    "{} {}",
-                    point.display.from_si(point.value),
-                    point.display.symbol
-                ),
+                point.display.exact_text(point.value),
             );
         }
         let bound = self.bound()?;
@@ -366,7 +362,7 @@ impl Analysis {
             let d = &parameter.display;
             results.set_metadata(
                 format!("parameter.{}", parameter.origin.path),
-                format!("{} {}", d.from_si(*value), d.symbol),
+                d.exact_text(*value),
             );
         }
         Ok(results)

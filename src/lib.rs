@@ -45,6 +45,7 @@ mod program;
 mod quantity;
 mod reduction;
 pub mod report;
+mod significant;
 mod simulation;
 mod sources;
 

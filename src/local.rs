@@ -8,6 +8,7 @@ use crate::cli::{
 use crate::plot::Upright;
 use crate::report::Described;
 use crate::results::Recording;
+use crate::significant::significant;
 use crate::{Analysis, Error, Program, Quantity, Results, Sources};
 use eng_grammar::Diagnostics;
 use eng_system::code::Bound;
@@ -339,8 +340,8 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         ));
         let e = &summary.energy;
         facts.push(format!(
-            "energy: {:.6} J kinetic, {:.3e} J out of balance",
-            e.kinetic,
+            "energy: {} J kinetic, {:.3e} J out of balance",
+            significant(e.kinetic, 6),
             e.imbalance()
         ));
     }

@@ -66,6 +66,91 @@ fn a_free_bar_has_the_mass_and_frequencies_of_a_beam() {
     );
 }
 
+/// A symmetric matrix as a text OP4, one column after the other from its first row.
+fn op4(name: &str, matrix: &eng_flexible::sparse::SymmetricMatrix) -> String {
+    let size = matrix.size();
+    let mut dense = vec![0.0; size * size];
+    for column in 0..size {
+        let (rows, values) = matrix.column(column);
+        for (row, value) in rows.iter().zip(values) {
+            dense[column * size + *row as usize] = *value;
+            dense[*row as usize * size + column] = *value;
+        }
+    }
+    let mut text = format!("{size:8}{size:8}{:8}{:8}{name:8}1P,3E23.16\n", 6, 2);
+    for (column, values) in dense.chunks(size).enumerate() {
+        text += &format!("{:8}{:8}{size:8}\n", column + 1, 1);
+        for line in values.chunks(3) {
+            for value in line {
+                let number = format!("{value:.16e}");
+                let (digits, exponent) = number.split_once('e').expect("an exponent");
+                let exponent: i32 = exponent.parse().expect("a number");
+                text += &format!("{:>23}", format!("{digits}E{exponent:+03}"));
+            }
+            text.push('\n');
+        }
+    }
+    text += &format!(
+        "{:8}{:8}{:8}\n{:>23}\n",
+        size + 1,
+        1,
+        1,
+        "1.0000000000000000E+00"
+    );
+    text
+}
+
+/// Matrices of an OP4, which does not name its rows: by ascending node number they are the bar's own.
+#[test]
+fn matrices_that_do_not_name_their_rows_are_taken_by_ascending_nodes() {
+    use eng_flexible::fe::{Rules, assemble};
+    struct Deck;
+    impl eng_flexible::Files for Deck {
+        fn open(&self, _: &str) -> std::io::Result<Box<dyn std::io::Read>> {
+            Ok(Box::new(include_bytes!("mesh/bar.bdf").as_slice()))
+        }
+    }
+    let mesh = eng_flexible::read_mesh(&Deck, "bar.bdf", eng_flexible::MeshFormat::Nastran)
+        .expect("a mesh");
+    let full = assemble(&mesh, &Rules::default()).expect("matrices in the deck's units");
+    let mass = full.mass.assembled().expect("a mass");
+    let check = |arguments: &str| {
+        let text = FREE.replace(
+            "modes = normal(7)",
+            &format!("stiffness = op4(\"k.op4\", matrix: \"KGG\"{arguments}); mass = op4(\"m.op4\", matrix: \"MGG\"); modes = normal(7)"),
+        );
+        let sources = Sources::from_texts([
+            ("bar.eng".to_owned(), text),
+            (
+                "bar.bdf".to_owned(),
+                include_str!("mesh/bar.bdf").to_owned(),
+            ),
+            ("k.op4".to_owned(), op4("KGG", &full.stiffness)),
+            ("m.op4".to_owned(), op4("MGG", &mass)),
+        ]);
+        eng::check(&sources, "bar.eng")
+            .into_program()
+            .unwrap_or_else(|report| panic!("{report}"))
+            .model("Free")
+    };
+    let own = program(FREE).model("Free").expect("a model");
+    let read = check(", per_node: 3").expect("a model of the read matrices");
+    let pairs = own.reductions()[0].frequencies().iter();
+    for (a, b) in pairs.zip(read.reductions()[0].frequencies()) {
+        assert!((a / b - 1.0).abs() < 1e-8, "{a} {b}");
+    }
+    // without the order the message says how to state it, with a wrong one what would fit
+    for (arguments, says) in [
+        ("", "`per_node: 3` or `6`"),
+        (", per_node: 6", "`per_node: 3` would fit"),
+    ] {
+        let refused = check(arguments)
+            .expect_err("rows without a name")
+            .to_string();
+        assert!(refused.contains(says), "{refused}");
+    }
+}
+
 /// Energy of a free bar that spins fast, rings and hardly damps: what the step loses falls with its square.
 #[test]
 fn a_free_bar_keeps_its_energy() {

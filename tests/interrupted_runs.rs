@@ -293,6 +293,21 @@ fn damaged_and_foreign_leftovers_are_told_of() {
         "a refusal changes nothing"
     );
 
+    // samples or motion that are gone: a refusal makes no empty file in their place
+    for gone in [
+        "out/swing.motion.partial.arrows",
+        "out/swing.partial.arrows",
+    ] {
+        let (gone, aside) = (place.path(gone), place.path("aside"));
+        std::fs::rename(&gone, &aside).unwrap();
+        let output = place.run("out", &["--resume"]);
+        assert_eq!(output.status.code(), Some(2));
+        let errors = text(&output.stderr);
+        assert!(errors.contains("are not here; run again"), "{errors}");
+        assert!(!gone.exists(), "{}", gone.display());
+        std::fs::rename(&aside, &gone).unwrap();
+    }
+
     std::fs::write(&partial, b"no stream at all").unwrap();
     let output = eng(&["results"], &place.path("out"));
     assert_eq!(output.status.code(), Some(2));
@@ -301,6 +316,45 @@ fn damaged_and_foreign_leftovers_are_told_of() {
         "{}",
         text(&output.stderr)
     );
+}
+
+#[test]
+fn complete_results_of_another_run_are_not_replaced_by_resuming() {
+    let place = Place::new("complete", "50 ms");
+    ok(&place.run("out", &[]));
+    let path = place.path("out/swing.parquet");
+    let whole = std::fs::read(&path).unwrap();
+    let files = place.files("out");
+    let refused = |more: &[&str], says: &str| {
+        let output = place.run("out", &[&["--resume"], more].concat());
+        assert_eq!(output.status.code(), Some(2), "{more:?}");
+        let errors = text(&output.stderr);
+        assert!(errors.contains("swing.parquet"), "{errors}");
+        assert!(errors.contains(says), "{errors}");
+        assert!(errors.contains("without --resume"), "{errors}");
+        assert!(std::fs::read(&path).unwrap() == whole, "{more:?}");
+        assert_eq!(place.files("out"), files, "{more:?}");
+    };
+    refused(&["--set", "load=1kg"], "load was 1.2 kg and is 1 kg");
+    refused(&["--channels", "height"], "other channels are kept");
+    refused(&["--last", "10 ms"], "the part that is kept is another");
+    ok(&place.run("out", &["--resume"]));
+    assert!(std::fs::read(&path).unwrap() == whole);
+    let model = place.path("swing.eng");
+    let wanted = std::fs::read_to_string(&model).unwrap();
+    std::fs::write(&model, wanted.replace("130 deg", "131 deg")).unwrap();
+    refused(&[], "the text has changed since");
+    // a file that can't be read is no reason to lose it
+    std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+    let output = place.run("out", &["--resume"]);
+    assert_eq!(output.status.code(), Some(2));
+    let errors = text(&output.stderr);
+    assert!(
+        errors.contains("the end of the file is missing"),
+        "{errors}"
+    );
+    ok(&place.run("out", &[]));
+    assert!(std::fs::read(&path).unwrap() != whole);
 }
 
 #[test]

@@ -2,6 +2,10 @@
 //!
 //! May contain: syntax trees and the tables that find things in them. Must not contain: values of expressions, instances.
 
+mod usual;
+
+pub(crate) use usual::USUAL_UNITS;
+
 use eng_grammar::ast;
 use eng_grammar::{SourceId, Span};
 use eng_system::Dimension;

@@ -118,8 +118,10 @@ const TIES: &[&str] = &["averaging", "rigid"];
 
 const FILE: Argument = positional("file", Takes::Text);
 const MESH: &[Argument] = &[FILE, named("units", Takes::Word(UNITS))];
-const NAMED_MATRIX: &[Argument] = &[FILE, named("matrix", Takes::Text)];
-const PLAIN_MATRIX: &[Argument] = &[FILE, optional("freedoms", Takes::Text)];
+const LIST: Argument = optional("freedoms", Takes::Text);
+const PER_NODE: Argument = optional("per_node", Takes::Count);
+const NAMED_MATRIX: &[Argument] = &[FILE, named("matrix", Takes::Text), LIST, PER_NODE];
+const PLAIN_MATRIX: &[Argument] = &[FILE, LIST, PER_NODE];
 const X: Argument = optional("x", Takes::Direction);
 const Z: Argument = optional("z", Takes::Direction);
 const TIE: Argument = optional("tie", Takes::Word(TIES));
@@ -163,7 +165,7 @@ pub(crate) const WORDS: &[Word] = &[
         word: "op4",
         place: Place::Matrix,
         arguments: NAMED_MATRIX,
-        example: "op4(\"block.op4\", matrix: \"KGG\")",
+        example: "op4(\"block.op4\", matrix: \"KGG\", per_node: 6)",
     },
     Word {
         word: "op2",

@@ -4,7 +4,8 @@ use crate::error::FlexibleError;
 use crate::fe::NodalMatrix;
 use crate::mesh::{Mesh, Node};
 use crate::read::matrix::{
-    ForeignFreedoms, ForeignMatrix, ForeignModes, MatrixKind, read_calculix_freedoms, read_matrix,
+    ForeignFreedoms, ForeignMatrix, ForeignModes, MatrixFormat, MatrixKind, read_calculix_freedoms,
+    read_matrix,
 };
 use crate::read::{Files, matrix::read_op2_basic_nodes};
 use crate::sparse::SymmetricMatrix;
@@ -44,35 +45,50 @@ pub struct GivenModes {
     pub units: MeshUnits,
 }
 
-/// Where foreign matrices are.
+/// Where a matrix is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MatrixFiles<'a> {
-    /// File of the stiffness, and its name in the file (empty: the only matrix there).
-    pub stiffness: (&'a str, &'a str),
-    /// File of the mass, and its name in the file.
-    pub mass: (&'a str, &'a str),
-    /// CalculiX's `.dof`, which lists the freedoms.
+pub struct MatrixFile<'a> {
+    /// The file.
+    pub file: &'a str,
+    /// What it is stated to be.
+    pub format: MatrixFormat,
+    /// The matrix's name in the file; empty: the only one there.
+    pub name: &'a str,
+    /// CalculiX's `.dof`, which lists the freedoms of its rows.
     pub freedoms: Option<&'a str>,
 }
 
+impl MatrixFile<'_> {
+    /// Reads the matrix, its freedoms from the list of its own or else from `others`.
+    fn read(
+        &self,
+        files: &dyn Files,
+        others: Option<&str>,
+    ) -> Result<ForeignMatrix, FlexibleError> {
+        let matrix = read_matrix(files, self.file, self.format, self.name)?;
+        match self.freedoms.or(others) {
+            Some(list) => matrix.with_freedoms(read_calculix_freedoms(files, list)?),
+            None => Ok(matrix),
+        }
+    }
+}
+
 impl ForeignMatrices {
-    /// Reads stiffness and mass. `per_node`: freedoms a node where rows are all nodes by ascending number; `None`: as the files say.
+    /// Reads stiffness and mass; a list of freedoms of one holds for both. `per_node`: freedoms a node where rows are all nodes by
+    /// ascending number; `None`: as the files say.
     ///
     /// # Errors
     /// As the readers give them; a list of freedoms of another length.
     pub fn read(
         files: &dyn Files,
-        from: MatrixFiles,
+        stiffness: MatrixFile,
+        mass: MatrixFile,
         per_node: Option<u8>,
         units: MeshUnits,
     ) -> Result<Self, FlexibleError> {
-        let mut stiffness = read_matrix(files, from.stiffness.0, from.stiffness.1)?;
-        let mut mass = read_matrix(files, from.mass.0, from.mass.1)?;
-        if let Some(file) = from.freedoms {
-            let freedoms = read_calculix_freedoms(files, file)?;
-            stiffness = stiffness.with_freedoms(freedoms.clone())?;
-            mass = mass.with_freedoms(freedoms)?;
-        }
+        let (of_stiffness, of_mass) = (stiffness.freedoms, mass.freedoms);
+        let stiffness = stiffness.read(files, of_mass)?;
+        let mass = mass.read(files, of_stiffness)?;
         Ok(ForeignMatrices {
             stiffness,
             mass,
@@ -126,7 +142,7 @@ impl ForeignMatrices {
                     matrix.rows
                 ),
                 advice: format!(
-                    "give the list of freedoms (CalculiX's .dof), or state the order: by ascending node number with 3 or 6 freedoms a node; the mesh has {} nodes",
+                    "give the list of freedoms, `freedoms: \"….dof\"`, or `per_node: 3` or `6` where rows are all nodes by ascending number with so many freedoms each; the mesh has {} nodes",
                     mesh.nodes.len()
                 ),
             });
@@ -194,7 +210,7 @@ fn ascending(
                 mesh.nodes.len()
             ),
             advice: match other {
-                Some(count) => format!("{count} freedoms a node would fit"),
+                Some(count) => format!("`per_node: {count}` would fit"),
                 None => "give the mesh of the run that wrote it, or a matrix that lists its freedoms: supported freedoms may be missing".into(),
             },
         });

@@ -9,14 +9,14 @@ use foreign_files::*;
 const LAYOUTS: [Layout; 3] = [Layout::Dense, Layout::Strings, Layout::Big];
 
 fn read(bytes: Vec<u8>, file: &str, name: &str) -> ForeignMatrix {
-    match read_matrix(&OneFile(bytes), file, name) {
+    match read_by_name(&OneFile(bytes), file, name) {
         Ok(matrix) => matrix,
         Err(problem) => panic!("{problem} ({})", problem.advice),
     }
 }
 
 fn problem(bytes: Vec<u8>, file: &str, name: &str) -> FileProblem {
-    match read_matrix(&OneFile(bytes), file, name) {
+    match read_by_name(&OneFile(bytes), file, name) {
         Err(problem) => problem,
         Ok(matrix) => panic!("read without a problem: {matrix:?}"),
     }

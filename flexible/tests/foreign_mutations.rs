@@ -21,7 +21,7 @@ fn try_read(name: &str, bytes: Vec<u8>) {
         );
     };
     for matrix in ["", "KGG"] {
-        match read_matrix(&file, name, matrix) {
+        match read_by_name(&file, name, matrix) {
             Err(problem) => refused(problem),
             Ok(matrix) => {
                 for (row, column, value) in &matrix.entries {
@@ -114,7 +114,8 @@ fn the_files_themselves_are_read() {
             "a.pch" => assert!(read_punch_modes(&file, name).is_ok()),
             "a.dof" => assert!(read_calculix_freedoms(&file, name).is_ok()),
             _ => {
-                let matrix = read_matrix(&file, name, "").unwrap_or_else(|error| panic!("{error}"));
+                let matrix =
+                    read_by_name(&file, name, "").unwrap_or_else(|error| panic!("{error}"));
                 let symmetric = matrix.to_symmetric(MatrixKind::Mass);
                 assert!(symmetric.is_ok(), "{name}: {symmetric:?}");
             }

@@ -9,10 +9,12 @@ use std::fmt::Write;
 use std::io::{self, Read};
 
 use eng_flexible::fe::{Rules, assemble};
-use eng_flexible::foreign::{ForeignMatrices, MatrixFiles, RowOrder};
+use eng_flexible::foreign::{ForeignMatrices, MatrixFile, RowOrder};
 use eng_flexible::markers::{MarkerRequest, Place};
 use eng_flexible::mesh::{ElementKind, Mesh, Property, Section};
-use eng_flexible::read::matrix::{ForeignFreedoms, ForeignMatrix, read_op2_matrix, read_op4};
+use eng_flexible::read::matrix::{
+    ForeignFreedoms, ForeignMatrix, MatrixFormat, read_op2_matrix, read_op4,
+};
 use eng_flexible::read::{abaqus::read_inp, nastran::read_bulk};
 use eng_flexible::reduce::{Interface, Request, Term, reduce};
 use eng_flexible::solve::Modes;
@@ -417,13 +419,20 @@ fn damaged_files() {
     answers.note("OP2 with bytes swapped in pairs", read(swapped(&whole)));
     answers.note("OP2 with a NaN", read(op2(&nan)));
     let from = |text: &str| {
-        let names = MatrixFiles {
-            stiffness: ("k.sti", ""),
-            mass: ("m.mas", ""),
+        let file = |file| MatrixFile {
+            file,
+            format: MatrixFormat::CalculiX,
+            name: "",
             freedoms: None,
         };
         let units = MeshUnits::named("si").unwrap();
-        ForeignMatrices::read(&One(text.as_bytes().to_vec()), names, None, units)
+        ForeignMatrices::read(
+            &One(text.as_bytes().to_vec()),
+            file("k.sti"),
+            file("m.mas"),
+            None,
+            units,
+        )
     };
     answers.note("a matrix file with a word", from("1 1 2.0\n1 2 x\n"));
     answers.note("a matrix file with a NaN", from("1 1 2.0\n2 2 NaN\n"));

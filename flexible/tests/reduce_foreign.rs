@@ -8,20 +8,20 @@ use std::io::{self, Read};
 use std::path::PathBuf;
 
 use eng_flexible::fe::{Rules, assemble};
-use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFiles, RowOrder, mesh_of_nodes};
+use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile, RowOrder, mesh_of_nodes};
 use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
 use eng_flexible::mesh::{Frame, Mesh};
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::read::matrix::{
-    ForeignFreedoms, ForeignMatrix, ForeignMode, ForeignModes, ShapeFrame, read_frd_modes,
-    read_matrix,
+    ForeignFreedoms, ForeignMatrix, ForeignMode, ForeignModes, MatrixFormat, ShapeFrame,
+    read_frd_modes, read_matrix,
 };
 use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
 use eng_flexible::solve::Modes;
 use eng_flexible::sparse::SymmetricMatrix;
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError};
-use foreign_files::{Dense, Layout, Op2, dmig, op4_binary, op4_text};
+use foreign_files::{Dense, Layout, Op2, dmig, format_of, op4_binary, op4_text};
 
 struct Data;
 
@@ -197,16 +197,33 @@ fn pairs(matrix: &Dense, rows: &[(u64, u8)]) -> String {
     text
 }
 
-fn from(files: &dyn Files, names: MatrixFiles, per_node: Option<u8>) -> ForeignMatrices {
-    ForeignMatrices::read(files, names, per_node, units()).unwrap()
+type Two<'a> = (MatrixFile<'a>, MatrixFile<'a>);
+
+fn from(files: &dyn Files, (stiffness, mass): Two, per_node: Option<u8>) -> ForeignMatrices {
+    ForeignMatrices::read(files, stiffness, mass, per_node, units()).unwrap()
 }
 
-fn files<'a>(stiffness: (&'a str, &'a str), mass: (&'a str, &'a str)) -> MatrixFiles<'a> {
-    MatrixFiles {
-        stiffness,
-        mass,
+/// Two files, each of the format that its name ends with.
+fn files<'a>(stiffness: (&'a str, &'a str), mass: (&'a str, &'a str)) -> Two<'a> {
+    let file = |(file, name)| MatrixFile {
+        file,
+        format: format_of(file),
+        name,
         freedoms: None,
-    }
+    };
+    (file(stiffness), file(mass))
+}
+
+/// The list holds for both.
+fn with_freedoms<'a>((stiffness, mass): Two<'a>, list: &'a str) -> Two<'a> {
+    let freedoms = Some(list);
+    (
+        MatrixFile {
+            freedoms,
+            ..stiffness
+        },
+        mass,
+    )
 }
 
 /// The bar's matrices in its own units, rows as the mesh has its nodes (which are sorted).
@@ -330,10 +347,7 @@ fn matrices_of_every_format_give_the_bodies_of_their_own_code() {
         .with("k.sti", lines(&k, 13, true))
         .with("m.mas", lines(&m, 13, true))
         .with("k.dof", names);
-    let sti = MatrixFiles {
-        freedoms: Some("k.dof"),
-        ..files(("k.sti", ""), ("m.mas", ""))
-    };
+    let sti = with_freedoms(files(("k.sti", ""), ("m.mas", "")), "k.dof");
     check("CalculiX .sti", from(&memory, sti, None), 1e-7);
 
     let memory = Memory::default().with(
@@ -421,10 +435,7 @@ fn rows_in_analysis_frames_are_turned() {
 
 fn calculix(name: &str) -> ForeignMatrices {
     let [k, m, dof] = ["sti", "mas", "dof"].map(|end| format!("{name}.{end}.gz"));
-    let names = MatrixFiles {
-        freedoms: Some(&dof),
-        ..files((&k, ""), (&m, ""))
-    };
+    let names = with_freedoms(files((&k, ""), (&m, "")), &dof);
     from(&Data, names, None)
 }
 
@@ -655,7 +666,7 @@ fn given_shapes_follow_ties_and_frames() {
 
 #[test]
 fn read_matrix_is_what_foreign_matrices_hold() {
-    let read = read_matrix(&Data, "twisted.sti.gz", "").unwrap();
+    let read = read_matrix(&Data, "twisted.sti.gz", MatrixFormat::CalculiX, "").unwrap();
     let dof = calculix("twisted").stiffness;
     assert_eq!((read.rows, &read.entries), (210, &dof.entries));
     assert_eq!(dof.freedoms.unwrap().rows.len(), 210);

@@ -14,6 +14,7 @@ use crate::tokens::{Token, last_end, tokens};
 use pest::iterators::{Pair, Pairs};
 
 /// How deep a tree may get. Every later stage walks trees by recursion, so this bounds the stack of all of them.
+/// An operator, a bracket, a call or a field is one level.
 pub(crate) const MAX_DEPTH: usize = 256;
 
 /// How deep brackets may nest in a text.
@@ -159,7 +160,10 @@ impl<'t, 'd> Builder<'t, 'd> {
         }
         self.report(
             Diagnostic::error(codes::NESTED, "this is nested too deep")
-                .at(span, format!("more than {MAX_DEPTH} levels"))
+                .at(
+                    span,
+                    format!("more than {MAX_DEPTH} levels: each bracket and each operator is one"),
+                )
                 .with_help("name parts of it with `let`"),
         );
     }

@@ -65,7 +65,7 @@ codes! {
         "jiont big_end = Revolute(a, b)",
         "joint big_end = Revolute(a, b)";
     NESTED = "E0106", "nested too deep",
-        "More than 100 brackets are open at once, or one sum has more than 250 terms. Give parts of it a name with `let`.",
+        "More than 100 brackets are open at once, one sum has more than 250 terms, or an expression is more than 256 levels deep, of which each bracket and each operator is one. Give parts of it a name with `let`.",
         "", "";
     NUMBER = "E0107", "a number or a unit is malformed",
         "Digits stand on both sides of a decimal point; exponents of units are whole or a fraction in parentheses.",

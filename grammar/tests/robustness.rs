@@ -78,8 +78,11 @@ fn deep_nesting_ends_in_a_message() {
 #[test]
 fn usual_depths_are_read() {
     for text in [
-        format!("let a = {}1{}", "(".repeat(60), ")".repeat(60)),
-        format!("let a = 1{}", " + 1".repeat(200)),
+        format!("let a = {}1{}", "(".repeat(100), ")".repeat(100)),
+        format!("let a = {}1{}", "[".repeat(100), "]".repeat(100)),
+        format!("let a = {}1{}", "f(".repeat(100), ")".repeat(100)),
+        format!("let a = {}1{}", "f(2 - ".repeat(80), ")".repeat(80)),
+        format!("let a = 1{}", " + 1".repeat(249)),
         format!("let a = {}3", "if a then 1 else ".repeat(100)),
         format!("let a = [{}1]", "1, ".repeat(10_000)),
     ] {

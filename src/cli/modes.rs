@@ -4,6 +4,7 @@ use super::RunOutcome;
 use super::table::Table;
 use crate::modes::{composition, values};
 use crate::results::{Column, Results};
+use crate::significant::significant;
 
 /// Rows that are printed; all are in the file.
 const MOST_ROWS: usize = 40;
@@ -14,7 +15,8 @@ fn frequency(value: f64) -> String {
     match value {
         0.0 => "–".to_owned(),
         value if value >= 999.95 => format!("{value:.1}"),
-        value => format!("{value:.2}"),
+        value if value >= 0.995 => format!("{value:.2}"),
+        value => significant(value, 3),
     }
 }
 

@@ -4,6 +4,7 @@ use super::arguments::ResultsArguments;
 use super::table::Table;
 use super::{Console, Stop, USAGE_OR_SYSTEM};
 use crate::results::{Kind, Listed, Selection, listed};
+use crate::significant::short;
 
 /// Lists what result files hold. Files that can't be read are told of, and the others listed all the same.
 pub(super) fn results(arguments: &ResultsArguments, console: &mut Console<'_>) -> Result<(), Stop> {
@@ -64,22 +65,26 @@ fn show(found: &Listed, console: &mut Console<'_>) -> Result<(), Stop> {
     let mut span = format!("{} samples", results.samples());
     let [time, angle] = found.spans();
     if let Some((from, to)) = time {
-        span.push_str(&format!(", {} to {} s", short(from), short(to)));
+        span.push_str(&format!(", {} to {} s", short(from, 6), short(to, 6)));
     }
     if let Some((from, to)) = angle {
         let (from, to) = (from.to_degrees(), to.to_degrees());
-        span.push_str(&format!(", {} to {} °CA", short(from), short(to)));
+        span.push_str(&format!(", {} to {} °CA", short(from, 6), short(to, 6)));
     }
     writeln!(output, "  {span}")?;
     for (key, value) in results.metadata() {
         if key == "identity" || key == "state" {
             continue;
         }
+        let value = match key.split('.').next() {
+            Some("parameter" | "point") => rounded(value),
+            _ => value.clone(),
+        };
         writeln!(output, "  {key}: {value}")?;
     }
     let mut table = Table::new(&[&["channel", "unit", "smallest", "largest", "frame"]]);
     for column in results.columns() {
-        let shown = |si: f64| short(column.display.from_si(si));
+        let shown = |si: f64| short(column.display.from_si(si), 6);
         let (low, high) = match column.range() {
             Some((low, high)) => (shown(low), shown(high)),
             None => ("–".to_owned(), "–".to_owned()),
@@ -96,40 +101,36 @@ fn show(found: &Listed, console: &mut Console<'_>) -> Result<(), Stop> {
     Ok(())
 }
 
-/// Six significant digits.
-fn short(value: f64) -> String {
-    let magnitude = value.abs();
-    if magnitude == 0.0 {
-        return "0".to_owned();
-    }
-    if !(1e-4..1e9).contains(&magnitude) {
-        return format!("{value:.5e}");
-    }
-    let digits = (5.0 - libm::floor(libm::log10(magnitude))).max(0.0) as usize;
-    let text = format!("{value:.digits$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
+/// A number with its unit, to twelve digits: what a unit's factor adds behind them is no part of what was written.
+fn rounded(text: &str) -> String {
+    let (number, unit) = text.split_at(text.find(' ').unwrap_or(text.len()));
+    match number.parse::<f64>() {
+        Ok(value) if value.is_finite() => {
+            let digits: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+            match digits.abs() {
+                0.0 => format!("0{unit}"),
+                magnitude if (1e-4..1e9).contains(&magnitude) => format!("{digits}{unit}"),
+                _ => format!("{digits:e}{unit}"),
+            }
+        }
+        _ => text.to_owned(),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::rounded;
 
     #[test]
-    fn six_digits() {
-        for (value, text) in [
-            (0.0, "0"),
-            (-0.0, "0"),
-            (720.0, "720"),
-            (0.0123456789, "0.0123457"),
-            (-1234567.8, "-1234568"),
-            (1e-7, "1.00000e-7"),
-            (f64::NAN, "NaN"),
+    fn parameters_are_shown_as_written() {
+        for (kept, shown) in [
+            ("86.00000000000001 mm", "86 mm"),
+            ("0.1234567890123456 N*m/rad", "0.123456789012 N*m/rad"),
+            ("1", "1"),
+            ("0.0000004 m", "4e-7 m"),
+            ("a text 1", "a text 1"),
         ] {
-            assert_eq!(short(value), text);
+            assert_eq!(rounded(kept), shown);
         }
     }
 }

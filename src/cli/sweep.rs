@@ -4,6 +4,7 @@ use super::RunOutcome;
 use super::summary::JournalSummary;
 use super::table::Table;
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
+use crate::significant::short;
 use eng_system::{Dimension, DisplayUnit};
 
 /// The analyses of one name with an index, two or more of them: `runup[1]`, `runup[2]`, …
@@ -176,7 +177,7 @@ pub(super) fn text(table: &Results) -> String {
             shown
                 .iter()
                 .map(|c| match c.values.get(row) {
-                    Some(value) if value.is_finite() => short(c.display.from_si(*value)),
+                    Some(value) if value.is_finite() => short(c.display.from_si(*value), 5),
                     _ => "–".to_owned(),
                 })
                 .collect(),
@@ -189,42 +190,4 @@ pub(super) fn text(table: &Results) -> String {
         String::new()
     };
     format!("{}\n{}{rest}", table.analysis(), text.render())
-}
-
-/// Five significant digits.
-fn short(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let digits = 4 - libm::floor(libm::log10(value.abs())) as i32;
-    if (-1..=9).contains(&digits) {
-        let text = format!("{value:.*}", digits.max(0) as usize);
-        if text.contains('.') {
-            text.trim_end_matches('0').trim_end_matches('.').to_owned()
-        } else {
-            text
-        }
-    } else {
-        format!("{value:.4e}")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_short() {
-        for (value, text) in [
-            (0.0, "0"),
-            (1000.0, "1000"),
-            (99.5, "99.5"),
-            (1234.56, "1234.6"),
-            (0.012345678, "0.012346"),
-            (-250_000.0, "-250000"),
-            (1.5e9, "1.5000e9"),
-        ] {
-            assert_eq!(short(value), text);
-        }
-    }
 }

@@ -1,5 +1,7 @@
 //! Tables with aligned columns.
 
+use crate::significant::without_sign_of_zero;
+
 /// A table: its first column is aligned left, the others right unless they are said to be left.
 pub(super) struct Table {
     rows: Vec<Vec<String>>,
@@ -18,8 +20,10 @@ impl Table {
         }
     }
 
+    /// Adds a row; a zero has no sign.
     pub fn row(&mut self, cells: Vec<String>) {
-        self.rows.push(cells);
+        let cells = cells.into_iter().map(without_sign_of_zero);
+        self.rows.push(cells.collect());
     }
 
     /// The text, each line indented by two spaces, a rule under the headings.

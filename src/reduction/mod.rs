@@ -9,6 +9,8 @@ use crate::Sources;
 use crate::codes;
 use eng_flexible::markers::select;
 use eng_flexible::mesh::Mesh;
+use eng_flexible::modes::Dropped;
+use eng_flexible::reduce::{Report, Served};
 use eng_flexible::store::{Key, StoredBody};
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError, MeshFormat, read_mesh};
@@ -35,11 +37,54 @@ pub struct Reduction {
 impl Reduction {
     /// What is doubtful about it.
     pub(crate) fn doubts(&self) -> impl Iterator<Item = Diagnostic> + '_ {
-        self.stored.report.warnings.iter().map(|text| {
+        let warnings = self.stored.report.warnings.iter().map(|text| {
             Diagnostic::warning(codes::REDUCED, format!("{}: {text}", self.path))
                 .at(span(self.at), "found while this was reduced")
-        })
+        });
+        warnings.chain(self.without_mode())
     }
+
+    /// The message where the set has no mode at all, or constraint modes left nothing of themselves.
+    fn without_mode(&self) -> Option<Diagnostic> {
+        let report = &self.stored.report;
+        let empty = self.body.invariants.modes == 0;
+        let rigid = rigid_loads(report);
+        if !empty && rigid.is_empty() {
+            return None;
+        }
+        let title = if empty {
+            format!("{} has no mode: it moves as a rigid body", self.path)
+        } else {
+            format!("no static mode of {} serves some of its loads", self.path)
+        };
+        let mut message = Diagnostic::warning(eng_compiler::codes::UNSERVED, title)
+            .at(span(self.at), "the body is stiffer there than its mesh");
+        if !rigid.is_empty() {
+            message = message.with_note(format!(
+                "constraint modes that are rigid motions of a free body, and leave nothing: {}",
+                rigid.join(", ")
+            ));
+        }
+        Some(message.with_help(
+            "add `static(at: …)` with the loaded markers; a `support` makes constraint modes of one interface, too",
+        ))
+    }
+}
+
+/// Freedoms whose constraint modes are rigid motions, where no other mode serves the loads.
+fn rigid_loads(report: &Report) -> Vec<&str> {
+    let at = |served: &Served| (served.marker, served.component);
+    let vanished = |mode: &str| {
+        let same = |dropped: &Dropped| dropped.label == mode && dropped.remains == 0.0;
+        report.dropped.iter().any(same)
+    };
+    report
+        .served
+        .iter()
+        .filter(|served| vanished(&served.mode))
+        .filter(|served| !report.served.iter().any(|s| s.kept && at(s) == at(served)))
+        .filter_map(|served| served.mode.strip_prefix("constraint "))
+        .collect()
 }
 
 impl Reduction {
@@ -62,19 +107,20 @@ impl Files for Sources {
 
 /// Units of a source's files.
 fn units_of(source: &FlexibleSource) -> Result<MeshUnits, Box<Diagnostic>> {
-    MeshUnits::named(&source.mesh.units).ok_or_else(|| unknown_word(source))
+    MeshUnits::named(&source.mesh.units).ok_or_else(|| unknown_word(source.mesh.at))
 }
 
-/// The checker lets a word pass that the reader of meshes does not know.
-fn unknown_word(source: &FlexibleSource) -> Box<Diagnostic> {
-    let message = "the compiler contradicts itself: a mesh of no known format or units";
-    Box::new(Diagnostic::error(codes::INTERNAL, message).at(span(source.mesh.at), "this mesh"))
+/// The checker lets a word pass that the readers of files do not know.
+fn unknown_word(at: Location) -> Box<Diagnostic> {
+    let message = "the compiler contradicts itself: a file of no known format or units";
+    Box::new(Diagnostic::error(codes::INTERNAL, message).at(span(at), "this file"))
 }
 
 /// Reads a mesh into SI, with its material.
 fn mesh_of(files: &dyn Files, source: &FlexibleSource) -> Result<Mesh, Box<Diagnostic>> {
     let at = source.mesh.at;
-    let format = MeshFormat::named(&source.mesh.format).ok_or_else(|| unknown_word(source))?;
+    let format =
+        MeshFormat::named(&source.mesh.format).ok_or_else(|| unknown_word(source.mesh.at))?;
     let units = units_of(source)?;
     let mut mesh = read_mesh(files, &source.mesh.file, format)
         .map_err(|e| failed(codes::MESH, &e, at, "this mesh"))?;

@@ -1,13 +1,13 @@
 //! From what a text says of a flexible body to what the finite-element side is asked.
 
-use eng_flexible::Files;
 use eng_flexible::fe::Rules;
-use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFiles};
+use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile};
 use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
-use eng_flexible::read::matrix::{read_frd_modes, read_op2_modes, read_punch_modes};
+use eng_flexible::read::matrix::{MatrixFormat, ShapeFormat, read_modes};
 use eng_flexible::reduce::{Interface, Request, Term};
 use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
+use eng_flexible::{Files, FlexibleError};
 use eng_grammar::Diagnostic;
 use eng_system::flexible as text;
 
@@ -51,8 +51,14 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
         .map(|m| (&m.name, &m.place, m.rigid, m.center, m.axes))
         .collect();
     let matrix = |m: &Option<text::MatrixSource>| {
-        m.as_ref()
-            .map(|m| (m.format.clone(), m.matrix.clone(), m.freedoms.clone()))
+        m.as_ref().map(|m| {
+            (
+                m.format.clone(),
+                m.matrix.clone(),
+                m.freedoms.clone(),
+                m.per_node,
+            )
+        })
     };
     let modes: Vec<String> = source
         .modes
@@ -100,15 +106,29 @@ fn matrices(
     files: &dyn Files,
     units: MeshUnits,
 ) -> Result<ForeignMatrices, Box<Diagnostic>> {
-    let name = |source: &text::MatrixSource| source.matrix.clone().unwrap_or_default();
-    let (stiffness_name, mass_name) = (name(stiffness), name(mass));
-    let from = MatrixFiles {
-        stiffness: (&stiffness.file, &stiffness_name),
-        mass: (&mass.file, &mass_name),
-        freedoms: stiffness.freedoms.as_deref().or(mass.freedoms.as_deref()),
-    };
-    ForeignMatrices::read(files, from, None, units)
-        .map_err(|e| super::failed(crate::codes::REDUCTION, &e, stiffness.at, "these matrices"))
+    let files_of = (matrix_file(stiffness)?, matrix_file(mass)?);
+    let per_node = stiffness.per_node.or(mass.per_node);
+    ForeignMatrices::read(files, files_of.0, files_of.1, per_node, units).map_err(|e| {
+        let at = match &e {
+            FlexibleError::File(problem)
+                if problem.file == mass.file && problem.file != stiffness.file =>
+            {
+                mass.at
+            }
+            _ => stiffness.at,
+        };
+        super::failed(crate::codes::REDUCTION, &e, at, "this matrix")
+    })
+}
+
+fn matrix_file(source: &text::MatrixSource) -> Result<MatrixFile<'_>, Box<Diagnostic>> {
+    Ok(MatrixFile {
+        file: &source.file,
+        format: MatrixFormat::named(&source.format)
+            .ok_or_else(|| super::unknown_word(source.at))?,
+        name: source.matrix.as_deref().unwrap_or_default(),
+        freedoms: source.freedoms.as_deref(),
+    })
 }
 
 fn rules(word: &str) -> Rules {
@@ -197,14 +217,9 @@ fn term(
             file,
             at: place,
         } => {
-            let modes = match format.as_str() {
-                "punch" => read_punch_modes(files, file),
-                "frd" => read_frd_modes(files, file),
-                _ => read_op2_modes(files, file),
-            }
-            .map_err(|e| {
-                super::failed(crate::codes::REDUCTION, &e.into(), *place, "these shapes")
-            })?;
+            let known = ShapeFormat::named(format).ok_or_else(|| super::unknown_word(*place))?;
+            let modes = read_modes(files, file, known)
+                .map_err(|e| super::failed(crate::codes::REDUCTION, &e, *place, "these shapes"))?;
             Term::Given(GivenModes { modes, units })
         }
     })

@@ -2,6 +2,7 @@
 
 use super::{failed, span};
 use crate::codes;
+use crate::significant::short;
 use eng_flexible::FlexibleError;
 use eng_flexible::mesh::{Carries, Mesh};
 use eng_grammar::Diagnostic;
@@ -34,19 +35,21 @@ pub(super) fn doubts(mesh: &Mesh, source: &FlexibleSource) -> Vec<Diagnostic> {
     let outside = |x: f64, (least, most): (f64, f64)| x.is_nan() || x < least || x > most;
     let mut odd = Vec::new();
     if outside(size, SIZES) {
-        odd.push(format!("the body is {size:.3} m long"));
+        odd.push(format!("the body is {} m long", short(size, 6)));
     }
     for material in &mesh.materials {
         if outside(material.density, DENSITIES) {
             odd.push(format!(
-                "material {} has a density of {:.3e} kg/m³",
-                material.name, material.density
+                "material {} has a density of {} kg/m³",
+                material.name,
+                short(material.density, 6)
             ));
         }
         if outside(material.young, MODULI) {
             odd.push(format!(
-                "material {} has a Young's modulus of {:.3e} Pa",
-                material.name, material.young
+                "material {} has a Young's modulus of {} Pa",
+                material.name,
+                short(material.young, 6)
             ));
         }
     }

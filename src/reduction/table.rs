@@ -1,6 +1,7 @@
 //! What a reduction found, as text.
 
 use super::Reduction;
+use crate::significant::{fixed, significant};
 use eng_flexible::reduce::BodyMass;
 use std::fmt::{self, Write};
 
@@ -48,13 +49,13 @@ impl Reduction {
         for warning in &report.warnings {
             writeln!(out, "  note: {warning}")?;
         }
-        let body = &report.body;
-        writeln!(out, "  {}", properties(body))?;
+        let size = self.size();
+        writeln!(out, "  {}", properties(&report.body, size))?;
         if let Some(estimate) = &report.estimate {
             writeln!(
                 out,
                 "  from volumes between corners: {}",
-                properties(estimate)
+                properties(estimate, size)
             )?;
         }
         for dropped in &report.dropped {
@@ -64,15 +65,7 @@ impl Reduction {
                 dropped.label, dropped.remains
             )?;
         }
-        writeln!(out, "  marker        at x, y, z (mm, axes of the mesh)")?;
-        for marker in &self.body.markers {
-            let p = marker.position.map(|x| 1e3 * x);
-            writeln!(
-                out,
-                "  {:<12} {:>10.4} {:>10.4} {:>10.4}",
-                marker.name, p[0], p[1], p[2]
-            )?;
-        }
+        self.write_markers(out, size)?;
         if report.served.iter().any(|s| s.flexibility.is_some()) {
             writeln!(
                 out,
@@ -87,15 +80,54 @@ impl Reduction {
                 } else {
                     "  (spanned by others)"
                 };
-                writeln!(out, "  {:<26} {shown:>12.5}{kept}", served.mode)?;
+                let shown = significant(shown, 6);
+                writeln!(out, "  {:<26} {shown:>12}{kept}", served.mode)?;
             }
         }
+        if constants.modes > 0 {
+            self.write_modes(out)?;
+        }
+        Ok(())
+    }
+
+    /// How large the body is about (m): the farthest of its centre and markers from the frame's origin, and its radius of gyration.
+    fn size(&self) -> f64 {
+        let body = &self.stored.report.body;
+        let spread = (0..3).map(|i| body.inertia[i][i]).fold(0.0, f64::max);
+        let places = self.body.markers.iter().map(|marker| marker.position);
+        places.chain([body.centre]).flatten().map(f64::abs).fold(
+            libm::sqrt(spread / body.mass.max(f64::MIN_POSITIVE)),
+            f64::max,
+        )
+    }
+
+    fn write_markers(&self, out: &mut impl Write, size: f64) -> fmt::Result {
+        let unit = Unit::for_size(LENGTHS, size);
         writeln!(
             out,
-            "  mode  frequency Hz  damping   effective mass x, y, z (kg)   made of"
+            "  marker        at x, y, z ({}, axes of the mesh)",
+            unit.symbol
+        )?;
+        // seven digits of the largest
+        let decimals = 6 - libm::floor(libm::log10(size.max(f64::MIN_POSITIVE) / unit.size)) as i32;
+        let decimals = usize::try_from(decimals.clamp(0, 9)).unwrap_or(0);
+        for marker in &self.body.markers {
+            let [x, y, z] = marker.position.map(|x| fixed(x / unit.size, decimals));
+            writeln!(out, "  {:<12} {x:>12} {y:>12} {z:>12}", marker.name)?;
+        }
+        Ok(())
+    }
+
+    fn write_modes(&self, out: &mut impl Write) -> fmt::Result {
+        let constants = &self.body.invariants;
+        let unit = Unit::for_size(MASSES, constants.mass);
+        writeln!(
+            out,
+            "  mode  frequency Hz  damping   effective mass x, y, z ({})   made of",
+            unit.symbol
         )?;
         let n = constants.modes;
-        for (i, mode) in report.modes.iter().enumerate().take(n) {
+        for (i, mode) in self.stored.report.modes.iter().enumerate().take(n) {
             let omega = 2.0 * std::f64::consts::PI * mode.frequency;
             let mass = constants.modal_mass[i * n + i];
             let damping = constants.damping[i * n + i];
@@ -104,17 +136,16 @@ impl Reduction {
             } else {
                 0.0
             };
-            let effective = mode.effective_mass;
+            let [x, y, z, ..] = mode.effective_mass.map(|mass| {
+                let shown = without_rounding(mass, constants.mass);
+                significant(shown / unit.size, 5)
+            });
             writeln!(
                 out,
-                "  {:>4}  {:>12.4}  {:>5.1} %  {:>9.4} {:>9.4} {:>9.4}   {}",
+                "  {:>4}  {:>12}  {:>5.1} %  {x:>9} {y:>9} {z:>9}   {}",
                 i + 1,
-                mode.frequency,
+                significant(mode.frequency, 7),
                 1e2 * ratio,
-                // rounding of what vanishes is not shown with a sign
-                effective[0].abs(),
-                effective[1].abs(),
-                effective[2].abs(),
                 mode.description
             )?;
         }
@@ -122,12 +153,107 @@ impl Reduction {
     }
 }
 
-/// Mass, centre and inertia in a line.
-fn properties(body: &BodyMass) -> String {
-    let c = body.centre.map(|x| 1e3 * x);
+/// A unit to show a quantity in.
+#[derive(Clone, Copy)]
+struct Unit {
+    symbol: &'static str,
+    /// In SI.
+    size: f64,
+}
+
+/// Units of a quantity, large ones first, each with the least value that it is for.
+type Units = [(f64, &'static str, f64)];
+
+const LENGTHS: &Units = &[(20.0, "m", 1.0), (1e-4, "mm", 1e-3), (0.0, "µm", 1e-6)];
+const MASSES: &Units = &[
+    (1e5, "t", 1e3),
+    (0.1, "kg", 1.0),
+    (1e-4, "g", 1e-3),
+    (0.0, "mg", 1e-6),
+];
+const INERTIAS: &Units = &[
+    (0.1, "kg m²", 1.0),
+    (1e-7, "kg mm²", 1e-6),
+    (0.0, "g mm²", 1e-9),
+];
+
+impl Unit {
+    fn for_size(units: &'static Units, size: f64) -> Unit {
+        let fits = units.iter().find(|(least, ..)| size >= *least);
+        // what is no number has the smallest
+        let (_, symbol, size) = fits.or(units.last()).copied().unwrap_or((0.0, "", 1.0));
+        Unit { symbol, size }
+    }
+}
+
+/// Zero for what rounding leaves of something that vanishes beside `whole`.
+fn without_rounding(value: f64, whole: f64) -> f64 {
+    if value.abs() < 1e-9 * whole.abs() {
+        0.0
+    } else {
+        value
+    }
+}
+
+/// Mass, centre and inertia in a line. `size` (m) is about the body's.
+fn properties(body: &BodyMass, size: f64) -> String {
+    let mass = Unit::for_size(MASSES, body.mass);
+    let length = Unit::for_size(LENGTHS, size);
+    let [x, y, z] = body
+        .centre
+        .map(|c| significant(without_rounding(c, size) / length.size, 6));
     let j = body.inertia;
+    let largest = (0..3).map(|i| j[i][i].abs()).fold(0.0, f64::max);
+    let inertia = Unit::for_size(INERTIAS, largest);
+    let shown = |entry: f64| significant(without_rounding(entry, largest) / inertia.size, 6);
     format!(
-        "mass {:.6} kg, centre ({:.4}, {:.4}, {:.4}) mm, inertia about it xx {:.6}, yy {:.6}, zz {:.6}, xy {:.6}, yz {:.6}, zx {:.6} kg m²",
-        body.mass, c[0], c[1], c[2], j[0][0], j[1][1], j[2][2], j[0][1], j[1][2], j[2][0]
+        "mass {} {}, centre ({x}, {y}, {z}) {}, inertia about it xx {}, yy {}, zz {}, xy {}, yz {}, zx {} {}",
+        significant(body.mass / mass.size, 7),
+        mass.symbol,
+        length.symbol,
+        shown(j[0][0]),
+        shown(j[1][1]),
+        shown(j[2][2]),
+        shown(j[0][1]),
+        shown(j[1][2]),
+        shown(j[2][0]),
+        inertia.symbol
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_and_large_bodies_are_readable() {
+        let body = |mass: f64, length: f64| BodyMass {
+            mass,
+            centre: [-1e-13 * length, 0.25 * length, -0.0],
+            inertia: [
+                [mass * length * length, -1e-14 * mass * length * length, 0.0],
+                [0.0, mass * length * length, 0.02 * mass * length * length],
+                [0.0, 0.0, 1e-3 * mass * length * length],
+            ],
+        };
+        assert_eq!(
+            properties(&body(2e-5, 3e-3), 3e-3),
+            "mass 20.00000 mg, centre (0, 0.750000, 0) mm, inertia about it xx 0.180000, yy 0.180000, zz 0.000180000, xy 0, yz 0.00360000, zx 0 g mm²"
+        );
+        assert_eq!(
+            properties(&body(31.25, 0.4), 0.4),
+            "mass 31.25000 kg, centre (0, 100.000, 0) mm, inertia about it xx 5.00000, yy 5.00000, zz 0.00500000, xy 0, yz 0.100000, zx 0 kg m²"
+        );
+        assert_eq!(
+            properties(&body(4e6, 60.0), 60.0),
+            "mass 4000.000 t, centre (0, 15.0000, 0) m, inertia about it xx 1.44000e10, yy 1.44000e10, zz 14400000, xy 0, yz 288000000, zx 0 kg m²"
+        );
+    }
+
+    #[test]
+    fn a_body_of_no_size_has_the_smallest_unit() {
+        assert_eq!(Unit::for_size(LENGTHS, f64::NAN).symbol, "µm");
+        assert_eq!(Unit::for_size(LENGTHS, 0.0).symbol, "µm");
+        assert_eq!(Unit::for_size(MASSES, 0.1).symbol, "kg");
+    }
 }

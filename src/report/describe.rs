@@ -236,9 +236,13 @@ fn with_parameters(
     for (parameter, now) in parameters.into_iter().zip(bound.parameters) {
         let key = format!("parameter.{}", parameter.path);
         let stated = metadata.get(&key).and_then(|text| {
-            let (number, unit) = text.split_once(' ')?;
-            (unit == parameter.display.symbol).then_some(())?;
-            Some(parameter.display.to_si(number.parse().ok()?))
+            let (number, unit) = text.split_once(' ').unwrap_or((text, "1"));
+            if unit == parameter.display.symbol {
+                return Some(parameter.display.to_si(number.parse().ok()?));
+            }
+            // written by another version, which showed it in another unit
+            let other: Quantity = text.parse().ok()?;
+            (other.dimension() == parameter.dimension).then_some(other.value())
         });
         if let Some(value) = stated
             && (value - now).abs() > 1e-12 * now.abs().max(value.abs())

@@ -90,7 +90,7 @@ impl Results {
         })
     }
 
-    /// Writes the CSV text anywhere. Numbers read back to the same bits.
+    /// Writes the CSV text anywhere. Numbers read back to the same bits, but for the sign of a zero, which is left out.
     pub fn write_csv_to(&self, writer: &mut impl Write, form: CsvForm) -> io::Result<()> {
         form.row(writer, self.columns().iter().map(|c| form.quoted(&c.path)))?;
         form.row(
@@ -112,9 +112,10 @@ impl Results {
     }
 }
 
-/// The shortest text that reads back to the same number.
+/// The shortest text that reads back to the same number; a zero has no sign.
 fn number(value: f64) -> String {
     let magnitude = value.abs();
+    let value = if magnitude == 0.0 { 0.0 } else { value };
     if !value.is_finite() || magnitude == 0.0 || (1e-5..1e16).contains(&magnitude) {
         format!("{value}")
     } else {
@@ -142,14 +143,14 @@ mod tests {
                     offset: 0.0,
                 },
                 frame: String::new(),
-                values: vec![0.054, -1.0, f64::NAN],
+                values: vec![-0.0, -1.0, f64::NAN],
             })
             .unwrap();
         let mut text = Vec::new();
         results.write_csv_to(&mut text, CsvForm::default()).unwrap();
         assert_eq!(
             String::from_utf8(text).unwrap(),
-            "time,\"odd,\"\"name\"\"\"\r\ns,mm\r\n0,54\r\n1e-6,-1000\r\n0.5,NaN\r\n"
+            "time,\"odd,\"\"name\"\"\"\r\ns,mm\r\n0,0\r\n1e-6,-1000\r\n0.5,NaN\r\n"
         );
     }
 

@@ -99,6 +99,14 @@ pub enum ResultsError {
         /// What the library said.
         message: String,
     },
+    /// A file that is no whole Parquet file.
+    #[error("{}: {problem}; run the analysis again, or copy the file again", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// A Parquet file that was not written by [`Results::write_parquet`].
     #[error("{}: {message}", path.display())]
     Foreign {

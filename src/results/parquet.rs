@@ -12,7 +12,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io;
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -138,16 +138,19 @@ impl Results {
     /// Reads what [`Results::write_parquet`] wrote. Values return to SI within a rounding error of the unit's factor.
     pub fn read_parquet(path: impl AsRef<Path>) -> Result<Results, ResultsError> {
         let path = path.as_ref();
-        let refused = |message: String| ResultsError::Parquet {
-            path: path.to_owned(),
-            message,
-        };
-        let file = File::open(path).map_err(|source| ResultsError::File {
+        let system = |source| ResultsError::File {
             path: path.to_owned(),
             source,
-        })?;
-        let builder =
-            ParquetRecordBatchReaderBuilder::try_new(file).map_err(|e| refused(e.to_string()))?;
+        };
+        let file = File::open(path).map_err(system)?;
+        if file.metadata().map_err(system)?.is_dir() {
+            return Err(system(io::ErrorKind::IsADirectory.into()));
+        }
+        let damaged = || ResultsError::Damaged {
+            path: path.to_owned(),
+            problem: damage(path),
+        };
+        let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|_| damaged())?;
         let entries: BTreeMap<String, String> = builder
             .metadata()
             .file_metadata()
@@ -162,9 +165,9 @@ impl Results {
         };
         let (mut results, mut columns) =
             schema::header(&entries, builder.schema()).map_err(foreign)?;
-        let reader = builder.build().map_err(|e| refused(e.to_string()))?;
+        let reader = builder.build().map_err(|_| damaged())?;
         for batch in reader {
-            let batch = batch.map_err(|e| refused(e.to_string()))?;
+            let batch = batch.map_err(|_| damaged())?;
             for (column, array) in columns.iter_mut().zip(batch.columns()) {
                 schema::extend(column, array).map_err(foreign)?;
             }
@@ -173,6 +176,33 @@ impl Results {
             results.push(column)?;
         }
         Ok(results)
+    }
+}
+
+/// The mark at both ends of a Parquet file.
+const MARK: [u8; 4] = *b"PAR1";
+
+/// What is wrong with a file that the library does not read, as far as its ends tell.
+fn damage(path: &Path) -> String {
+    let ends = || -> io::Result<(u64, [u8; 4], [u8; 4])> {
+        let mut file = File::open(path)?;
+        let length = file.metadata()?.len();
+        let (mut head, mut tail) = ([0; 4], [0; 4]);
+        if length >= 8 {
+            file.read_exact(&mut head)?;
+            file.seek(SeekFrom::End(-4))?;
+            file.read_exact(&mut tail)?;
+        }
+        Ok((length, head, tail))
+    };
+    match ends() {
+        Ok((0, ..)) => "the file is empty".to_owned(),
+        Ok((length, MARK, tail)) if tail != MARK => {
+            format!("the end of the file is missing: it was cut after {length} bytes")
+        }
+        Ok((_, MARK, _)) => "the file is damaged inside".to_owned(),
+        Ok(_) => "this is no Parquet file".to_owned(),
+        Err(error) => format!("the file can't be read: {error}"),
     }
 }
 
@@ -280,15 +310,64 @@ mod tests {
         let read = Results::read_parquet(&path).unwrap();
         assert_eq!((read.samples(), read.columns().len()), (0, 0));
         let other = folder.join("other.parquet");
-        std::fs::write(&other, b"PAR1 is not enough").unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        let mut inside = whole.clone();
+        let footer = inside.len() - 8;
+        inside[footer - 20..footer].fill(0xff);
+        for (bytes, problem) in [
+            (&b"PAR1 is not enough"[..], "the end of the file is missing"),
+            (&whole[..whole.len() - 3], "the end of the file is missing"),
+            (&inside, "the file is damaged inside"),
+            (b"time,force\n0,1\n", "this is no Parquet file"),
+            (b"PAR", "this is no Parquet file"),
+            (b"", "the file is empty"),
+        ] {
+            std::fs::write(&other, bytes).unwrap();
+            let refused = Results::read_parquet(&other).unwrap_err().to_string();
+            assert!(refused.contains("other.parquet: "), "{refused}");
+            assert!(refused.contains(problem), "{refused}");
+            assert!(refused.ends_with("run the analysis again, or copy the file again"));
+        }
         assert!(matches!(
-            Results::read_parquet(&other),
-            Err(ResultsError::Parquet { .. })
+            Results::read_parquet(&folder),
+            Err(ResultsError::File { .. })
         ));
         assert!(matches!(
             Results::read_parquet(folder.join("none")),
             Err(ResultsError::File { .. })
         ));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    /// A byte that has changed anywhere, or an end that is missing, is refused or gives as many numbers as before.
+    #[test]
+    fn damaged_files_are_refused_or_read() {
+        let folder = folder("damaged");
+        let mut results = Results::new("a", "M");
+        let times: Vec<f64> = (0..40).map(|i| f64::from(i) * 0.1).collect();
+        results.push(Column::time(times.clone())).unwrap();
+        results.push(Column::cycle_angle(times)).unwrap();
+        let path = results.write_parquet(&folder).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        let other = folder.join("other.parquet");
+        let mut refused = 0;
+        for index in 0..whole.len() {
+            for bits in [0x01, 0x80, 0xff] {
+                let mut bytes = whole.clone();
+                bytes[index] ^= bits;
+                std::fs::write(&other, bytes).unwrap();
+                match Results::read_parquet(&other) {
+                    Ok(read) => assert!(read.samples() <= 40, "{index}"),
+                    Err(error) => {
+                        assert!(error.to_string().contains("other.parquet"), "{error}");
+                        refused += 1;
+                    }
+                }
+            }
+            std::fs::write(&other, &whole[..index]).unwrap();
+            assert!(Results::read_parquet(&other).is_err(), "{index}");
+        }
+        assert!(refused > whole.len() / 2, "{refused} of {}", whole.len());
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

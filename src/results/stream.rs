@@ -38,7 +38,7 @@ impl Stream {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(at(folder))?;
         }
-        let mut stream = Stream::on(path, locked(path)?, header)?;
+        let mut stream = Stream::on(path, locked(path, true)?, header)?;
         // a run that is killed between these two leaves an empty file: they follow each other closely
         stream.file.set_len(0).map_err(at(path))?;
         stream.hand_over()?;
@@ -47,7 +47,18 @@ impl Stream {
 
     /// Goes on after a number of rows, at which a batch ends; cuts what follows. The header on disk stays as it is.
     pub fn resume(path: &Path, rows: u64) -> Result<(Stream, Results), ResultsError> {
-        let mut file = locked(path)?;
+        // what is refused leaves no file where there was none
+        let mut file = locked(path, false).map_err(|error| match error {
+            ResultsError::File { path, source } if source.kind() == io::ErrorKind::NotFound => {
+                ResultsError::Foreign {
+                    path,
+                    message:
+                        "the samples before the checkpoint are not here; run again without --resume"
+                            .to_owned(),
+                }
+            }
+            other => other,
+        })?;
         let (mut found, mut end) = (0, None);
         let portions = Portions::open(path)?;
         let header = portions.header();
@@ -125,11 +136,12 @@ impl Stream {
     }
 }
 
-fn locked(path: &Path) -> Result<File, ResultsError> {
+/// Opens a stream for one writer alone; makes it where that is meant.
+fn locked(path: &Path, make: bool) -> Result<File, ResultsError> {
     let file = OpenOptions::new()
         .read(true)
         .write(true)
-        .create(true)
+        .create(make)
         .truncate(false)
         .open(path)
         .map_err(at(path))?;
@@ -194,9 +206,9 @@ impl Portions {
             position: Rc::clone(&position),
         };
         let reader =
-            StreamReader::try_new(counting, None).map_err(|error| ResultsError::Foreign {
+            StreamReader::try_new(counting, None).map_err(|_| ResultsError::Foreign {
                 path: path.to_owned(),
-                message: format!("no samples were written, or the file is damaged ({error})"),
+                message: "the file is empty or damaged: its run was killed before its first samples, or it was cut; run the analysis again".to_owned(),
             })?;
         let schema = reader.schema();
         let entries: BTreeMap<String, String> = schema
@@ -253,4 +265,44 @@ pub(super) fn read(path: &Path) -> Result<Results, ResultsError> {
         results.push(column)?;
     }
     Ok(results)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A byte that has changed anywhere, or an end that is missing, is refused or gives no more samples than were written.
+    #[test]
+    fn damaged_streams_are_refused_or_read() {
+        let folder = std::env::temp_dir().join(format!("eng-stream-{}", std::process::id()));
+        let path = folder.join("a.partial.arrows");
+        let mut header = Results::new("a", "M");
+        header.push(Column::time(Vec::new())).unwrap();
+        header.push(Column::cycle_angle(Vec::new())).unwrap();
+        let mut stream = Stream::create(&path, &header).unwrap();
+        for batch in 0..3 {
+            let values = vec![f64::from(batch); 5];
+            stream.write(&mut [values.clone(), values]).unwrap();
+        }
+        drop(stream);
+        assert_eq!(read(&path).unwrap().samples(), 15);
+        let whole = std::fs::read(&path).unwrap();
+        let other = folder.join("b.partial.arrows");
+        for index in 0..whole.len() {
+            for bits in [0x01, 0x80, 0xff] {
+                let mut bytes = whole.clone();
+                bytes[index] ^= bits;
+                std::fs::write(&other, bytes).unwrap();
+                match read(&other) {
+                    Ok(left) => assert!(left.samples() <= 15, "{index}"),
+                    Err(error) => assert!(error.to_string().contains("b.partial"), "{error}"),
+                }
+            }
+            std::fs::write(&other, &whole[..index]).unwrap();
+            if let Ok(left) = read(&other) {
+                assert!(left.samples() <= 15, "{index}");
+            }
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

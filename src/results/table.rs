@@ -133,11 +133,19 @@ impl Table {
                 return Ok(Begun::Resumed(table, point));
             }
             if !disk.files.partial.exists()
-                && let Ok(results) = Results::read_parquet(&disk.files.parquet)
-                && results.metadata().get(IDENTITY) == Some(&whole)
-                && results.metadata().get(STATE).map(String::as_str) == Some(COMPLETE)
+                && let Some(results) = complete(&disk.files.parquet)?
             {
-                return Ok(Begun::Complete(results));
+                let same = results.metadata().get(IDENTITY) == Some(&whole);
+                return match same {
+                    true => Ok(Begun::Complete(results)),
+                    false => Err(ResultsError::Foreign {
+                        path: disk.files.parquet.clone(),
+                        message: format!(
+                            "these are complete results of another run: {}; run without --resume to replace them, or keep them by --out",
+                            difference(&results, &table.header)
+                        ),
+                    }),
+                };
             }
         }
         // an unwritable folder is told before hours of computing; a checkpoint of another run must not outlive its samples
@@ -277,6 +285,43 @@ impl Table {
             results.push(column)?;
         }
         Ok(results)
+    }
+}
+
+/// The results of a run that came to its end, if there are any.
+fn complete(parquet: &Path) -> Result<Option<Results>, ResultsError> {
+    match Results::read_parquet(parquet) {
+        Err(ResultsError::File { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
+            Ok(None)
+        }
+        read => read.map(Some),
+    }
+}
+
+/// In what complete results and a run that is to begin differ, as far as both say.
+fn difference(found: &Results, begun: &Results) -> String {
+    let (old, new) = (found.metadata(), begun.metadata());
+    let parameters: Vec<String> = new
+        .iter()
+        .filter_map(|(key, value)| {
+            let path = key.strip_prefix("parameter.")?;
+            let before = old.get(key).filter(|before| *before != value)?;
+            Some(format!("{path} was {before} and is {value}"))
+        })
+        .collect();
+    let differs = |key: &str| old.get(key) != new.get(key);
+    let paths = |results: &Results| -> Vec<String> {
+        let columns = results.columns().iter();
+        columns.map(|column| column.path.clone()).collect()
+    };
+    match parameters.as_slice() {
+        [one] => one.clone(),
+        [first, second] => format!("{first}, {second}"),
+        [first, second, rest @ ..] => format!("{first}, {second}, and {} more", rest.len()),
+        [] if differs("version") => "another version of eng made them".to_owned(),
+        [] if differs("source_hash") => "the text has changed since".to_owned(),
+        [] if paths(found) != paths(begun) => "other channels are kept".to_owned(),
+        [] => "its analysis, a mesh or the part that is kept is another".to_owned(),
     }
 }
 

@@ -167,11 +167,24 @@ impl DisplayUnit {
         shown * self.scale + self.offset
     }
 
+    /// A value as text with its unit and all its digits.
+    pub fn exact_text(&self, si: f64) -> String {
+        let value = self.from_si(si);
+        // a zero has no sign
+        let value = if value == 0.0 { 0.0 } else { value };
+        match self.symbol.as_str() {
+            "1" => value.to_string(),
+            symbol => format!("{value} {symbol}"),
+        }
+    }
+
     /// An SI value as a message shows it: four significant digits and the unit, none for a pure number.
     pub fn text(&self, si: f64) -> String {
         let value = self.from_si(si);
         let magnitude = libm::floor(libm::log10(value.abs()));
-        let mut text = if value == 0.0 || !value.is_finite() {
+        let mut text = if value == 0.0 {
+            "0".to_owned()
+        } else if !value.is_finite() {
             format!("{value}")
         } else if (-4.0..9.0).contains(&magnitude) {
             let digits = (3.0 - magnitude).max(0.0) as usize;

@@ -80,6 +80,8 @@ pub struct MatrixSource {
     pub matrix: Option<String>,
     /// A file that lists the freedoms of the rows.
     pub freedoms: Option<String>,
+    /// Rows are all nodes by ascending number, with so many freedoms each: 3 or 6.
+    pub per_node: Option<u8>,
     /// Place of the source in the text.
     pub at: Location,
 }

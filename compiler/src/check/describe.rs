@@ -2,7 +2,7 @@
 
 use super::Checker;
 use super::types::{Dim, Kind as PointKind, Quantity, Type};
-use crate::program::DefinitionId;
+use crate::program::{DefinitionId, USUAL_UNITS};
 use eng_grammar::ast::Kind;
 use eng_system::Dimension;
 
@@ -26,42 +26,6 @@ const PREFERRED: [&str; 18] = [
     "Stiffness",
     "TemperatureDifference",
     "AngularAcceleration",
-];
-
-/// Units in which a reader expects a dimension, the likeliest first.
-const USUAL_UNITS: [&str; 32] = [
-    "mm",
-    "deg",
-    "rpm",
-    "kg",
-    "N",
-    "bar",
-    "s",
-    "K",
-    "m/s",
-    "m/s^2",
-    "N*m",
-    "mm^2",
-    "cm^3",
-    "kg*m^2",
-    "kg/m^3",
-    "mPa*s",
-    "kW",
-    "Hz",
-    "N/m",
-    "N*s/m",
-    "N*m/rad",
-    "N*m*s/rad",
-    "m",
-    "rad",
-    "rad/s",
-    "Pa",
-    "J",
-    "W",
-    "m^2",
-    "m^3",
-    "Pa*s",
-    "rad/s^2",
 ];
 
 /// The unit that was likely meant by one that is not known: of those as near, one as long and as usual as possible.
@@ -202,9 +166,12 @@ impl Checker<'_> {
         if !wanted.dim.variables.is_empty() {
             return None;
         }
-        own.filter(|unit| self.size_of_text(unit) == Some(wanted.dim.base))
-            .map(str::to_owned)
-            .or_else(|| self.usual_unit(wanted))
+        own.filter(|unit| {
+            let size = self.program.unit_of_text(unit);
+            size.is_some_and(|unit| unit.dimension == wanted.dim.base)
+        })
+        .map(str::to_owned)
+        .or_else(|| self.usual_unit(wanted))
     }
 
     pub(super) fn class_name(&self, id: DefinitionId) -> String {
@@ -301,38 +268,6 @@ impl Checker<'_> {
         {
             return Some(unit.symbol.clone());
         }
-        USUAL_UNITS
-            .iter()
-            .find(|text| self.size_of_text(text) == Some(dimension))
-            .map(|text| (*text).to_owned())
-            .or_else(|| {
-                self.program
-                    .units
-                    .values()
-                    .find(|unit| unit.dimension == dimension && unit.offset == 0.0)
-                    .map(|unit| unit.symbol.clone())
-            })
-    }
-
-    /// The dimension of `N*m/rad`, where all its units are known.
-    fn size_of_text(&self, text: &str) -> Option<Dimension> {
-        let mut dimension = Dimension::ONE;
-        let mut sign = 1;
-        let mut rest = text;
-        loop {
-            let end = rest.find(['*', '/']).unwrap_or(rest.len());
-            let factor = &rest[..end];
-            let (name, exponent) = match factor.split_once('^') {
-                Some((name, exponent)) => (name, exponent.parse::<i32>().ok()?),
-                None => (factor, 1),
-            };
-            let unit = self.program.units.get(name)?;
-            dimension = dimension.times(unit.dimension.power(sign * exponent, 1)?);
-            let Some(operator) = rest[end..].chars().next() else {
-                return Some(dimension);
-            };
-            sign = if operator == '/' { -1 } else { 1 };
-            rest = &rest[end + 1..];
-        }
+        self.program.usual_unit(dimension).map(|unit| unit.symbol)
     }
 }

@@ -7,6 +7,7 @@ use super::types::{Kind, Misfit, Quantity, Type};
 use crate::codes;
 use eng_grammar::ast::{BinaryOp, Expr, ExprKind, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
 
 /// As it is written.
 fn sign(op: BinaryOp) -> &'static str {
@@ -498,7 +499,21 @@ impl<'p> Checker<'p> {
             message =
                 message.with_help("the products of vectors are `dot(a, b)` and `cross(a, b)`");
         } else if vectors && sides.op == BinaryOp::Equal {
-            message = message.with_help("compare a number of them: `norm(a - b) < 1 um`");
+            let quantity = match a {
+                Type::Vector { quantity, .. } => Some(quantity.clone()),
+                other => other.components().map(|(quantity, _)| quantity),
+            };
+            // a length that is small beside any part; of anything else the usual unit
+            let small = match quantity {
+                Some(quantity) if quantity.dim.is_one() => "1e-6".to_owned(),
+                Some(quantity) if quantity.dim.base == Dimension::LENGTH => "1 um".to_owned(),
+                Some(quantity) => self
+                    .usual_unit(&quantity)
+                    .map_or_else(|| "…".to_owned(), |unit| format!("1 {unit}")),
+                None => "…".to_owned(),
+            };
+            message =
+                message.with_help(format!("compare a number of them: `norm(a - b) < {small}`"));
         } else if matches!(sides.op, BinaryOp::Power)
             && matches!(a, Type::Vector { .. } | Type::List { .. })
         {

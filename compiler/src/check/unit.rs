@@ -8,6 +8,19 @@ use crate::program::{Unit, unit_text};
 use eng_grammar::ast::UnitExpr;
 use eng_grammar::{Diagnostic, Span};
 
+/// Prefixes of the SI, micro as it is written here.
+const PREFIXES: [(&str, &str); 9] = [
+    ("n", "1e-9"),
+    ("u", "1e-6"),
+    ("m", "1e-3"),
+    ("c", "1e-2"),
+    ("d", "1e-1"),
+    ("h", "1e2"),
+    ("k", "1e3"),
+    ("M", "1e6"),
+    ("G", "1e9"),
+];
+
 impl<'p> Checker<'p> {
     /// A unit's size; says which of its names is not known.
     pub(super) fn unit(&mut self, scope: &Scope<'p>, unit: &UnitExpr) -> Option<Unit> {
@@ -104,13 +117,35 @@ impl<'p> Checker<'p> {
                 .find(|known| known.eq_ignore_ascii_case(name))
                 .cloned()
         };
+        // `uN`: a prefix of a unit that the library has without it
+        let prefixed = PREFIXES.iter().find_map(|(prefix, factor)| {
+            let plain = name.strip_prefix(prefix)?;
+            let unit = units.get(plain)?;
+            let fitting = wanted.is_none_or(|wanted| unit.dimension == wanted);
+            // `umm` is a slip, no prefix of `mm`
+            let has_one = |plain: &str| {
+                let bare = |(prefix, _): &(&str, &str)| plain.strip_prefix(prefix);
+                PREFIXES
+                    .iter()
+                    .filter_map(bare)
+                    .any(|bare| units.contains_key(bare))
+            };
+            (fitting && unit.offset == 0.0 && !has_one(plain)).then(|| (plain.to_owned(), *factor))
+        });
         let celsius =
             matches!(name, "C" | "degree" | "celsius" | "Celsius" | "dC").then_some("degC");
         let meant = celsius
             .filter(|unit| units.contains_key(*unit))
             .map(str::to_owned)
             .or_else(|| same_letters(true))
-            .or(split)
+            .or(split);
+        if let (None, Some((plain, factor))) = (&meant, prefixed) {
+            self.report(message.with_help(format!(
+                "write `{factor} {plain}` for one, or define it: `unit {name} = {factor} {plain}`"
+            )));
+            return;
+        }
+        let meant = meant
             .or_else(|| super::describe::nearest_unit(name, units.keys().filter(fits)))
             .or_else(|| same_letters(false))
             .or_else(|| super::describe::nearest_unit(name, units.keys()));

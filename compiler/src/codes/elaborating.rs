@@ -150,7 +150,7 @@ eng_grammar::codes! {
         "They hang together, but nothing ties one of them to the ground: together they fall or drift.",
         "", "";
     UNSERVED = "W0505", "a load on a flexible body has no static mode",
-        "Normal modes alone converge slowly under a load at one place: the body seems too stiff there. A static mode at that marker answers the load exactly. A term that lists its freedoms is taken as it is.",
+        "Normal modes alone converge slowly under a load at one place: the body seems too stiff there. A static mode at that marker answers the load exactly. A term that lists its freedoms is taken as it is; one whose markers nothing loads gives no mode. Constraint modes of a free body that are rigid motions, as those of a single interface, leave nothing: they serve no load.",
         "flexible crank { modes = normal(16) }",
         "flexible crank { modes = static(at: [main, pin]) + normal(16) }";
     PERIOD_GAP = "W0506", "the points of a periodic table leave out a part of the period",

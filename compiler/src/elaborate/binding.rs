@@ -5,6 +5,7 @@ use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval, expression::Truth, location};
 use crate::codes;
 use crate::ir::{Function, Node, Op};
+use crate::program::Unit;
 use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::code::{Advice, BindCode, BindError, Bound, Pair};
@@ -191,6 +192,23 @@ pub(crate) fn span_of(place: Location) -> Span {
     }
 }
 
+fn shown_in(unit: Unit) -> DisplayUnit {
+    DisplayUnit {
+        symbol: unit.symbol,
+        scale: unit.scale,
+        offset: unit.offset,
+    }
+}
+
+/// The part of an expression that an element of its list is written as; the whole of what is no list.
+fn element(list: &ast::Expr, index: usize) -> &ast::Expr {
+    match &list.kind {
+        ast::ExprKind::List { items, unit: None } => items.get(index).unwrap_or(list),
+        ast::ExprKind::Paren { inner, unit: None } => element(inner, index),
+        _ => list,
+    }
+}
+
 impl<'a> Elaborator<'a, '_> {
     /// Makes every number of parameters alone in a value a parameter of its own, so that it can be set by its path and
     /// stays out of the code.
@@ -211,7 +229,9 @@ impl<'a> Elaborator<'a, '_> {
             Value::Scalar(s) if s.stage == Stage::Bind => {
                 let display = expr
                     .and_then(|e| self.literal_unit(e))
-                    .unwrap_or_else(|| self.natural_unit(s.dimension));
+                    .or_else(|| self.unit_of_parameter(s))
+                    .or_else(|| self.unit_within(expr?, s.dimension))
+                    .unwrap_or_else(|| self.usual_unit(s.dimension));
                 let limits = match limits {
                     Some((low, high)) => {
                         let bound = |e: &mut Self, expr: &'a ast::Expr| -> Eval<f64> {
@@ -242,8 +262,9 @@ impl<'a> Elaborator<'a, '_> {
                 let mut out = v;
                 for (i, s) in v.into_iter().enumerate() {
                     let name = format!("{path}.{}", ["x", "y", "z"][i]);
+                    let own = expr.map(|e| element(e, i));
                     if let Value::Scalar(p) =
-                        self.parameterise(Value::Scalar(s), &name, None, None, span, scope)?
+                        self.parameterise(Value::Scalar(s), &name, own, None, span, scope)?
                     {
                         out[i] = p;
                     }
@@ -254,7 +275,8 @@ impl<'a> Elaborator<'a, '_> {
                 let mut out = Vec::with_capacity(items.len());
                 for (i, item) in items.into_iter().enumerate() {
                     let name = format!("{path}[{}]", i + 1);
-                    out.push(self.parameterise(item, &name, None, None, span, scope)?);
+                    let own = expr.map(|e| element(e, i));
+                    out.push(self.parameterise(item, &name, own, None, span, scope)?);
                 }
                 Ok(Value::List(out))
             }
@@ -264,20 +286,68 @@ impl<'a> Elaborator<'a, '_> {
 
     /// The unit that a literal is written in.
     pub fn literal_unit(&self, expr: &ast::Expr) -> Option<DisplayUnit> {
+        self.unit_of_literal(expr).map(shown_in)
+    }
+
+    fn unit_of_literal(&self, expr: &ast::Expr) -> Option<Unit> {
         let unit = match &expr.kind {
             ast::ExprKind::Number { unit: Some(u), .. }
             | ast::ExprKind::List { unit: Some(u), .. }
             | ast::ExprKind::Paren { unit: Some(u), .. } => u,
-            ast::ExprKind::Paren { inner, unit: None } => return self.literal_unit(inner),
-            ast::ExprKind::Unary { operand, .. } => return self.literal_unit(operand),
+            ast::ExprKind::Paren { inner, unit: None } => return self.unit_of_literal(inner),
+            ast::ExprKind::Unary { operand, .. } => return self.unit_of_literal(operand),
             _ => return None,
         };
-        let unit = self.program.unit(unit).ok()?;
-        Some(DisplayUnit {
-            symbol: unit.symbol,
-            scale: unit.scale,
-            offset: unit.offset,
-        })
+        self.program.unit(unit).ok()
+    }
+
+    /// The unit of the parameter that a value is made of: `bore` or `bore/2` is shown as `bore` is.
+    fn unit_of_parameter(&self, value: Scalar) -> Option<DisplayUnit> {
+        let graph = &self.bench.bind.graph;
+        let mut waiting = vec![value.node];
+        // near the value, or not the quantity it stands for
+        for _ in 0..32 {
+            let op = graph.op(waiting.pop()?);
+            if let Op::Input(index) = op
+                && let Some(parameter) = self.parameters.get(index as usize)
+                && parameter.dimension.without_angle() == value.dimension.without_angle()
+            {
+                return Some(parameter.display.clone());
+            }
+            waiting.extend(op.operands().rev());
+        }
+        None
+    }
+
+    /// The unit of a literal of a dimension in an expression: of `2*27 mm` the millimetre.
+    fn unit_within(&self, expr: &ast::Expr, dimension: Dimension) -> Option<DisplayUnit> {
+        if let Some(unit) = self.unit_of_literal(expr) {
+            return (unit.dimension == dimension).then(|| shown_in(unit));
+        }
+        match &expr.kind {
+            ast::ExprKind::Binary { left, right, .. } => self
+                .unit_within(left, dimension)
+                .or_else(|| self.unit_within(right, dimension)),
+            ast::ExprKind::If {
+                then, otherwise, ..
+            } => self
+                .unit_within(then, dimension)
+                .or_else(|| self.unit_within(otherwise, dimension)),
+            ast::ExprKind::Paren { inner, .. } => self.unit_within(inner, dimension),
+            ast::ExprKind::Unary { operand, .. } => self.unit_within(operand, dimension),
+            _ => None,
+        }
+    }
+
+    /// The unit in which people expect a dimension.
+    fn usual_unit(&self, dimension: Dimension) -> DisplayUnit {
+        if dimension.is_one() {
+            return DisplayUnit::si(dimension);
+        }
+        match self.program.usual_unit(dimension) {
+            Some(unit) => shown_in(unit),
+            None => self.natural_unit(dimension),
+        }
     }
 
     /// The unit in which a dimension is shown if nothing else is stated.

@@ -4,7 +4,8 @@ use super::flexible::TermKind;
 use super::{Elaborated, Elaborator};
 use crate::codes;
 use crate::ir::interpret::Interpreter;
-use eng_grammar::Diagnostic;
+use crate::resolve::suggest::listing;
+use eng_grammar::{Diagnostic, Span};
 use eng_system::code::{BindCode, Pair};
 use eng_system::flexible::{ALL_FREEDOMS, Freedoms, Interface, ModeTerm, freedom_text};
 use eng_system::layout::{InputLayout, MARKER_WIDTH};
@@ -240,7 +241,38 @@ impl Elaborator<'_, '_> {
                 .map(|m| transmitted(elaborated, &slots, *m))
                 .collect();
             let mut served = vec![0; loads.len()];
+            let mut idle: Vec<Span> = Vec::new();
             for term in draft.terms {
+                let loaded = |marker: &u32| loads[*marker as usize].freedoms != 0;
+                if term.freedoms.is_none()
+                    && !term.at.is_empty()
+                    && !term.at.iter().any(loaded)
+                    // the constraint modes and the held ones of `craig_bampton` are one term of the text
+                    && !idle.contains(&term.span)
+                {
+                    idle.push(term.span);
+                    let place = term.span;
+                    let names = term
+                        .at
+                        .iter()
+                        .map(|m| source.markers[*m as usize].name.as_str());
+                    let term = match term.kind {
+                        TermKind::Normal(_) => "these modes are not held there",
+                        _ => "this term has no mode",
+                    };
+                    self.diagnostics.push(
+                        Diagnostic::warning(
+                            codes::UNSERVED,
+                            format!(
+                                "{}: no element loads {}, so that {term}",
+                                source.origin.path,
+                                listing(names, 5)
+                            ),
+                        )
+                        .at(place, "taken without freedoms")
+                        .with_help("say which by `freedoms: [x, y, z]`, put a joint, force or journal on the marker, or leave the term out"),
+                    );
+                }
                 let at: Vec<Interface> = term
                     .at
                     .iter()

@@ -195,6 +195,12 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
         check_element(mesh, element)?;
         let property = &mesh.properties[element.property as usize];
         let Some(role) = role(mesh, element) else {
+            if shape::is_solid(element.kind)
+                && property.section == Section::Solid
+                && property.material.is_none()
+            {
+                return Err(without_material(mesh, element, &property.name));
+            }
             let advice = "give solids a solid property, beams a beam section, shells a shell section, each with a material";
             return Err(wrong(
                 format!(
@@ -234,6 +240,27 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
         }
     }
     Ok(())
+}
+
+/// A solid of a property that names no material.
+fn without_material(mesh: &Mesh, element: &Element, property: &str) -> FlexibleError {
+    let property = match property {
+        "" => String::new(),
+        name => format!(" of the property “{name}”"),
+    };
+    if mesh.materials.is_empty() {
+        return wrong(
+            format!(
+                "the mesh has no material: element {}{property} needs one",
+                element.id
+            ),
+            "state it in the body: `material = Steel`, with `use std.materials.Steel`, or a `Solid` of your own",
+        );
+    }
+    wrong(
+        format!("element {}{property} has no material", element.id),
+        "give it one in the file, as the others have; `material =` of the body is for a mesh without any",
+    )
 }
 
 fn is_rotation(rotation: &[[f64; 3]; 3]) -> bool {

@@ -253,8 +253,11 @@ pub(super) fn add_mass(
 pub(super) fn inverted(faults: &[(u64, f64)]) -> FlexibleError {
     wrong(
         format!(
-            "{} elements are inverted or degenerate: {}",
-            faults.len(),
+            "{} inverted or degenerate: {}",
+            match faults.len() {
+                1 => "1 element is".to_owned(),
+                count => format!("{count} elements are"),
+            },
             super::check::list(
                 faults
                     .iter()

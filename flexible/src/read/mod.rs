@@ -1,6 +1,7 @@
 //! Readers of finite-element files. One module a family of formats; what they give is a [`crate::Mesh`] or matrices.
 
 pub mod abaqus;
+mod content;
 pub(crate) mod faces;
 pub mod gmsh;
 mod labels;
@@ -15,6 +16,7 @@ use std::io::{self, BufRead, BufReader, Read};
 
 use crate::error::{FileProblem, FlexibleError, Place};
 use crate::mesh::Mesh;
+use content::{Content, Stated, explained};
 
 /// Gives the readers their files. Names are as the model writes them; a name inside a file (`INCLUDE`) is looked up relative to the
 /// including file first, then beside the model.
@@ -57,17 +59,45 @@ impl MeshFormat {
     }
 }
 
+impl Stated for MeshFormat {
+    const NAMED: &'static [(&'static str, Self)] = Self::NAMED;
+    const READ_FOR: &'static str = "meshes";
+
+    fn reads(self, content: Content) -> bool {
+        match self {
+            MeshFormat::Nastran => content == Content::NastranCards,
+            MeshFormat::Abaqus | MeshFormat::CalculiX => content == Content::AbaqusDeck,
+            MeshFormat::Gmsh => content == Content::GmshMesh,
+        }
+    }
+}
+
 /// Reads a mesh of a stated format with all files it includes. Units stay those of the file.
 ///
 /// # Errors
-/// As the reader of the format gives them.
+/// As the reader of the format gives them; a file of another format is named as such.
 pub fn read_mesh(files: &dyn Files, name: &str, format: MeshFormat) -> Result<Mesh, FlexibleError> {
-    match format {
+    let read = match format {
         MeshFormat::Nastran => nastran::read_bulk(files, name),
         MeshFormat::Abaqus | MeshFormat::CalculiX => abaqus::read_inp(files, name),
         MeshFormat::Gmsh => gmsh::read_msh(files, name),
-    }
+    };
+    explained(files, name, format, read)
 }
+
+/// What is wrong with a gzip-compressed file, found by unpacking all of it; `None` for one that is whole, or not packed.
+fn damaged_packing(files: &dyn Files, name: &str) -> Option<String> {
+    let mut packed = BufReader::new(files.open(name).ok()?);
+    if !packed.fill_buf().ok()?.starts_with(&PACKED) {
+        return None;
+    }
+    let mut unpacked = flate2::bufread::MultiGzDecoder::new(packed);
+    let unpacking = io::copy(&mut unpacked, &mut io::sink());
+    unpacking.err().map(|error| error.to_string())
+}
+
+/// How gzip-compressed files begin.
+const PACKED: [u8; 2] = [0x1f, 0x8b];
 
 /// Opens a file for reading in a stream; a gzip-compressed one is unpacked as it is read.
 ///
@@ -81,10 +111,7 @@ pub fn open(files: &dyn Files, name: &str) -> Result<Box<dyn BufRead>, FileProbl
         advice: "check the name; paths count from the folder of the model".into(),
     };
     let mut buffered = BufReader::with_capacity(1 << 16, files.open(name).map_err(failed)?);
-    let packed = buffered
-        .fill_buf()
-        .map_err(failed)?
-        .starts_with(&[0x1f, 0x8b]);
+    let packed = buffered.fill_buf().map_err(failed)?.starts_with(&PACKED);
     if packed {
         let unpacked = flate2::bufread::MultiGzDecoder::new(buffered);
         return Ok(Box::new(BufReader::with_capacity(1 << 16, unpacked)));

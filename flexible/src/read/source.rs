@@ -230,6 +230,8 @@ fn normal(path: &str) -> String {
     let joined = parts.join("/");
     if path.starts_with('/') {
         format!("/{joined}")
+    } else if joined.is_empty() {
+        ".".to_owned()
     } else {
         joined
     }

@@ -21,6 +21,9 @@ pub(crate) fn symmetric_eigen(
     size: usize,
     mut matrix: Vec<f64>,
 ) -> Result<(Vec<f64>, Vec<f64>), FlexibleError> {
+    if size == 0 {
+        return Ok((Vec::new(), Vec::new()));
+    }
     // the divide-and-conquer method, which would be taken from 128 rows on, loses half the digits of matrices whose norm is
     // far from one: entries are scaled to about one (by a power of two, exactly), and QR iteration is always taken
     let largest = matrix.iter().fold(0.0f64, |most, x| most.max(x.abs()));

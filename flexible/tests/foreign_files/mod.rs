@@ -3,8 +3,34 @@
 
 use std::io::{self, Read};
 
-use eng_flexible::Files;
-use eng_flexible::read::matrix::ForeignMatrix;
+use eng_flexible::read::matrix::{ForeignMatrix, MatrixFormat, read_matrix};
+use eng_flexible::{FileProblem, Files, FlexibleError};
+
+/// The format that the end of a file's name stands for.
+pub fn format_of(file: &str) -> MatrixFormat {
+    let file = file.to_ascii_lowercase();
+    let plain = file.strip_suffix(".gz").unwrap_or(&file);
+    match plain.rsplit_once('.').map_or("", |(_, ending)| ending) {
+        "op4" => MatrixFormat::Op4,
+        "op2" => MatrixFormat::Op2,
+        "mtx" => MatrixFormat::Abaqus,
+        "sti" | "mas" => MatrixFormat::CalculiX,
+        _ => MatrixFormat::Dmig,
+    }
+}
+
+/// Reads a matrix as what the end of the file's name stands for.
+pub fn read_by_name(
+    files: &dyn Files,
+    file: &str,
+    name: &str,
+) -> Result<ForeignMatrix, FileProblem> {
+    match read_matrix(files, file, format_of(file), name) {
+        Ok(matrix) => Ok(matrix),
+        Err(FlexibleError::File(problem)) => Err(problem),
+        Err(other) => panic!("no problem of the file: {other}"),
+    }
+}
 
 /// One file in memory, under any name.
 pub struct OneFile(pub Vec<u8>);

@@ -81,7 +81,10 @@ impl<'t> Builder<'t, '_> {
             .iter()
             .filter(|part| part.as_rule() != Rule::postfix)
             .count();
-        let depth = depth + 1 + operators;
+        let conditional = parts
+            .first()
+            .is_some_and(|part| part.as_rule() == Rule::conditional);
+        let depth = depth + operators + usize::from(conditional);
         if depth > MAX_DEPTH {
             self.too_deep(span);
             return error(span);
@@ -275,7 +278,8 @@ impl<'t> Builder<'t, '_> {
     pub(super) fn postfix(&mut self, pair: Pair<'t, Rule>, depth: usize) -> Expr {
         let span = self.place(&pair);
         let parts: Vec<_> = pair.into_inner().collect();
-        let depth = depth + parts.len();
+        // what stands behind the first: fields, calls, indices
+        let depth = depth + parts.len().saturating_sub(1);
         if depth > MAX_DEPTH {
             self.too_deep(span);
             return error(span);
@@ -440,7 +444,7 @@ impl<'t> Builder<'t, '_> {
                             }
                             _ => arguments.push(Argument {
                                 name: name.take(),
-                                value: self.expression(inner, depth + 1),
+                                value: self.expression(inner, depth),
                             }),
                         }
                     }
@@ -474,7 +478,7 @@ impl<'t> Builder<'t, '_> {
             match part.as_rule() {
                 Rule::every => places.push(IndexArgument::All(self.place(&part))),
                 Rule::expression => {
-                    places.push(IndexArgument::At(self.expression(part, depth + 1)));
+                    places.push(IndexArgument::At(self.expression(part, depth)));
                 }
                 _ => {}
             }

@@ -30,6 +30,7 @@ pub use op4::read_op4;
 pub use punch::read_punch_modes;
 
 use super::Files;
+use super::content::{Content, Stated, explained};
 use crate::error::{FileProblem, FlexibleError, Place};
 
 /// What a matrix is, for its checks.
@@ -118,31 +119,143 @@ impl ForeignMatrix {
     }
 }
 
-/// Reads a matrix from a file of any kind that is told by the end of its name (`.gz` after it or not): `.op4`, `.op2`, `.mtx` (Abaqus),
-/// `.sti`, `.mas` (CalculiX), or cards (`.pch`, `.bdf`, `.dat`, `.nas`). `name` is looked for where a format has names, and may be
-/// empty where the file holds a single one.
+/// A format of matrices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MatrixFormat {
+    /// Nastran's OP4.
+    Op4,
+    /// Nastran's OP2.
+    Op2,
+    /// Cards `DMIG` of Nastran, punched or in a deck.
+    Dmig,
+    /// `.mtx` of Abaqus.
+    Abaqus,
+    /// `.sti` and `.mas` of CalculiX.
+    CalculiX,
+}
+
+impl MatrixFormat {
+    /// Names that a model can state, with what they stand for.
+    pub const NAMED: &[(&str, MatrixFormat)] = &[
+        ("op4", MatrixFormat::Op4),
+        ("op2", MatrixFormat::Op2),
+        ("dmig", MatrixFormat::Dmig),
+        ("abaqus", MatrixFormat::Abaqus),
+        ("calculix", MatrixFormat::CalculiX),
+    ];
+
+    /// The format of this name.
+    pub fn named(name: &str) -> Option<MatrixFormat> {
+        Self::NAMED
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, format)| *format)
+    }
+}
+
+impl Stated for MatrixFormat {
+    const NAMED: &'static [(&'static str, Self)] = Self::NAMED;
+    const READ_FOR: &'static str = "stiffness and mass";
+
+    fn reads(self, content: Content) -> bool {
+        match self {
+            MatrixFormat::Op4 => content == Content::Op4,
+            MatrixFormat::Op2 => content == Content::Op2,
+            MatrixFormat::Dmig => content == Content::NastranCards,
+            // the reader tells matrices of substructures, which begin with a keyword, by themselves
+            MatrixFormat::Abaqus => matches!(
+                content,
+                Content::MatrixByFreedoms | Content::MatrixByRows | Content::AbaqusDeck
+            ),
+            MatrixFormat::CalculiX => content == Content::MatrixByRows,
+        }
+    }
+}
+
+/// Reads a matrix of a stated format. `name` is looked for where the format has names, and may be empty where the file holds a single
+/// one.
 ///
 /// # Errors
-/// As the readers give them; when the file name ends otherwise.
+/// As the reader of the format gives them; a file of another format is named as such.
 pub fn read_matrix(
     files: &dyn Files,
     file: &str,
+    format: MatrixFormat,
     name: &str,
-) -> Result<ForeignMatrix, FileProblem> {
-    let lower = file.to_ascii_lowercase();
-    let plain = lower.strip_suffix(".gz").unwrap_or(&lower);
-    match plain.rsplit_once('.').map_or("", |(_, ending)| ending) {
-        "op4" => read_op4(files, file, name),
-        "op2" => read_op2_matrix(files, file, name),
-        "mtx" => read_abaqus_matrix(files, file),
-        "sti" | "mas" => read_calculix_matrix(files, file),
-        "pch" | "bdf" | "dat" | "nas" => read_dmig(files, file, name),
-        _ => Err(whole(
-            file,
-            "can't be told to be a file of matrices by the end of its name",
-            "matrices are read from .op4, .op2, .pch (DMIG), .mtx (Abaqus), .sti and .mas (CalculiX)",
-        )),
+) -> Result<ForeignMatrix, FlexibleError> {
+    let read = match format {
+        MatrixFormat::Op4 => read_op4(files, file, name),
+        MatrixFormat::Op2 => read_op2_matrix(files, file, name),
+        MatrixFormat::Dmig => read_dmig(files, file, name),
+        MatrixFormat::Abaqus => read_abaqus_matrix(files, file),
+        MatrixFormat::CalculiX => read_calculix_matrix(files, file),
+    };
+    explained(files, file, format, read.map_err(FlexibleError::from))
+}
+
+/// A format of mode shapes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ShapeFormat {
+    /// Nastran's OP2.
+    Op2,
+    /// Nastran's punch file.
+    Punch,
+    /// CalculiX's `.frd`.
+    Frd,
+}
+
+impl ShapeFormat {
+    /// Names that a model can state, with what they stand for.
+    pub const NAMED: &[(&str, ShapeFormat)] = &[
+        ("op2", ShapeFormat::Op2),
+        ("punch", ShapeFormat::Punch),
+        ("frd", ShapeFormat::Frd),
+    ];
+
+    /// The format of this name.
+    pub fn named(name: &str) -> Option<ShapeFormat> {
+        Self::NAMED
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, format)| *format)
     }
+}
+
+impl Stated for ShapeFormat {
+    const NAMED: &'static [(&'static str, Self)] = Self::NAMED;
+    const READ_FOR: &'static str = "mode shapes";
+
+    fn reads(self, content: Content) -> bool {
+        match self {
+            ShapeFormat::Op2 => content == Content::Op2,
+            // a punch file without shapes says what to ask the run for
+            ShapeFormat::Punch => {
+                matches!(content, Content::PunchedShapes | Content::NastranCards)
+            }
+            ShapeFormat::Frd => content == Content::Frd,
+        }
+    }
+
+    fn written(name: &str) -> String {
+        format!("`format: {name}`")
+    }
+}
+
+/// Reads mode shapes of a stated format.
+///
+/// # Errors
+/// As the reader of the format gives them; a file of another format is named as such.
+pub fn read_modes(
+    files: &dyn Files,
+    file: &str,
+    format: ShapeFormat,
+) -> Result<ForeignModes, FlexibleError> {
+    let read = match format {
+        ShapeFormat::Op2 => read_op2_modes(files, file),
+        ShapeFormat::Punch => read_punch_modes(files, file),
+        ShapeFormat::Frd => read_frd_modes(files, file),
+    };
+    explained(files, file, format, read.map_err(FlexibleError::from))
 }
 
 /// A matrix that a file holds, for lists.

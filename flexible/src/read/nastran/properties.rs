@@ -563,7 +563,7 @@ impl<'d> Made<'d> {
         if !(elastic && density >= 0.0) {
             return Err(card.at.problem(
                 format!(
-                    "{}, used by {}: E = {young}, NU = {poisson}, RHO = {density} is no elastic material",
+                    "{}, used by {}: E = {young}, NU = {poisson}, RHO = {density:?} is no elastic material",
                     card.name, user.name
                 ),
                 "E and RHO can't be negative, NU lies between -1 and 0.5; without NU it is E/(2 G) - 1",

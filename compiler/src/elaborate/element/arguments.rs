@@ -1,0 +1,219 @@
+//! Arguments of a class, and the scope that they make.
+
+use super::super::scalar::{Scalar, Stage};
+use super::super::value::{Closure, ScopeId, Value};
+use super::super::{Argument, Elaborator, ElementSource, Entry, Eval, Lazy};
+use super::Class;
+use crate::codes;
+use eng_grammar::ast::{BindingKind, ItemKind, TypeExprKind};
+use eng_grammar::{Diagnostic, Span, ast};
+
+impl<'a> Elaborator<'a, '_> {
+    /// Evaluates the arguments of a class; numbers become parameters of the instance.
+    pub fn bind_arguments(
+        &mut self,
+        class: Class<'a>,
+        arguments: &'a [ast::Argument],
+        scope: ScopeId,
+        path: &str,
+        span: Span,
+    ) -> Eval<Vec<(String, Argument<'a>)>> {
+        let mut bound: Vec<(String, Argument<'a>)> = Vec::new();
+        let mut grounds: Vec<(usize, Span)> = Vec::new();
+        let mut partner = None;
+        let mut position = 0;
+        for argument in arguments {
+            let parameter = match &argument.name {
+                Some(name) => class.parameters.iter().find(|p| p.name.text == name.text),
+                None => {
+                    position += 1;
+                    class.parameters.get(position - 1)
+                }
+            };
+            let Some(parameter) = parameter else {
+                return Err(self.internal(argument.value.span, "no parameter of the class"));
+            };
+            let name = parameter.name.text.clone();
+            let value = self.evaluate(&argument.value, scope)?;
+            let value = match value {
+                Value::Ground if is_marker(&parameter.ty) => {
+                    grounds.push((bound.len(), argument.value.span));
+                    Value::Ground
+                }
+                Value::Marker(m) => {
+                    self.used_marker(m);
+                    partner = partner.or(Some(m));
+                    Value::Marker(m)
+                }
+                Value::Table(mut t) => {
+                    // the handle stays out of the code, so that instances share it
+                    if let Some(known) = self.bench.bind.graph.as_constant(t.handle) {
+                        t.handle = self.bench.bind.fixed(known);
+                    }
+                    Value::Table(t)
+                }
+                value if is_structural(&parameter.ty) => value,
+                value => self.parameterise(
+                    value,
+                    &format!("{path}.{name}"),
+                    Some(&argument.value),
+                    parameter.limits.as_ref(),
+                    argument.value.span,
+                    scope,
+                )?,
+            };
+            let moves = value.moves();
+            bound.push((
+                name,
+                if moves {
+                    Argument::Again(&argument.value)
+                } else {
+                    Argument::Value(value)
+                },
+            ));
+        }
+        for (index, ground_span) in grounds {
+            let Some(partner) = partner else {
+                return Err(self.report(
+                    Diagnostic::error(codes::GROUND_ALONE, "`ground` has no partner marker")
+                        .at(ground_span, "it lies where the element's other marker is, but there is none")
+                        .with_help("name a marker of the model, which is on the ground: `marker rail = [0, 0, 0] mm`"),
+                ));
+            };
+            let marker = self.ground_at(partner, format!("ground at {path}"), ground_span);
+            bound[index].1 = Argument::Value(Value::Marker(marker));
+        }
+        for parameter in class.parameters {
+            if parameter.default.is_none() && !bound.iter().any(|(n, _)| *n == parameter.name.text)
+            {
+                return Err(self.internal(
+                    span,
+                    &format!("argument `{}` is missing", parameter.name.text),
+                ));
+            }
+        }
+        Ok(bound)
+    }
+
+    /// The names inside a class for one instance.
+    pub fn class_scope(
+        &mut self,
+        source: &ElementSource<'a>,
+        class: Class<'a>,
+        path: &str,
+    ) -> Eval<ScopeId> {
+        let own = self.new_scope(None, class.definition.module, path.to_owned());
+        for (name, argument) in &source.arguments {
+            let value = match argument {
+                Argument::Value(v) => v.clone(),
+                Argument::Again(expr) => self.evaluate(expr, source.caller)?,
+            };
+            self.define(own, name, Entry::Value(value));
+        }
+        for parameter in class.parameters {
+            let name = &parameter.name.text;
+            if !self.scope(own).entries.contains_key(name) {
+                // a default becomes a parameter of the instance the first time
+                let parameter_path = format!("{path}.{name}");
+                let known = self
+                    .parameters
+                    .iter()
+                    .position(|p| p.origin.path == parameter_path);
+                if let Some(index) = known {
+                    let node = self.bench.bind.graph.input(index as u32);
+                    let dimension = self.parameters[index].dimension;
+                    let value = Value::Scalar(Scalar {
+                        stage: Stage::Bind,
+                        node,
+                        dimension,
+                    });
+                    self.define(own, name, Entry::Value(value));
+                } else if let Some(default) = &parameter.default {
+                    let value = self.evaluate(default, own)?;
+                    let value = if is_structural(&parameter.ty) {
+                        value
+                    } else {
+                        self.parameterise(
+                            value,
+                            &parameter_path,
+                            Some(default),
+                            parameter.limits.as_ref(),
+                            parameter.span,
+                            own,
+                        )?
+                    };
+                    self.define(own, name, Entry::Value(value));
+                }
+            }
+        }
+        self.register(&class.block.items, own);
+        Ok(own)
+    }
+
+    /// Makes lets, consts, outputs, functions and tables of a block known; they are evaluated when asked for.
+    pub fn register(&mut self, items: &'a [ast::Item], scope: ScopeId) {
+        for item in items {
+            match &item.kind {
+                ItemKind::Binding(b)
+                    if matches!(
+                        b.kind,
+                        BindingKind::Let | BindingKind::Const | BindingKind::Output
+                    ) && !self.scope(scope).entries.contains_key(&b.name.text) =>
+                {
+                    self.define(scope, &b.name.text, Entry::Lazy(Lazy::Binding(b)));
+                }
+                ItemKind::Function(function) => self.define(
+                    scope,
+                    &function.name.text,
+                    Entry::Value(Value::Closure(Closure { function, scope })),
+                ),
+                ItemKind::Table(t) => {
+                    self.define(scope, &t.name.text, Entry::Lazy(Lazy::Table(t)));
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Names of the class before those of the place where it is used.
+    pub(super) fn use_scope(&mut self, own: ScopeId, caller: ScopeId) -> ScopeId {
+        let module = self.scope(caller).module;
+        let path = self.scope(own).path.clone();
+        let inner = self.new_scope(Some(caller), module, path);
+        let names: Vec<String> = self.scope(own).entries.keys().cloned().collect();
+        for name in names {
+            self.define(inner, &name, Entry::In(own));
+        }
+        inner
+    }
+
+    pub(super) fn touch(&mut self, value: Value<'a>) -> Eval<()> {
+        match value {
+            Value::Marker(m) => self.local_marker(m, None).map(|_| ()),
+            Value::List(items) => items.into_iter().try_for_each(|v| self.touch(v)),
+            _ => Ok(()),
+        }
+    }
+}
+
+pub(crate) fn is_marker(ty: &ast::TypeExpr) -> bool {
+    match &ty.kind {
+        TypeExprKind::Name(n) => n.text == "Marker",
+        TypeExprKind::Array(inner, _) => is_marker(inner),
+        _ => false,
+    }
+}
+
+fn is_structural(ty: &ast::TypeExpr) -> bool {
+    match &ty.kind {
+        TypeExprKind::Name(n) => {
+            matches!(
+                n.text.as_str(),
+                "Int" | "Bool" | "Text" | "Marker" | "Body" | "ModeSet"
+            )
+        }
+        TypeExprKind::Array(inner, _) => is_structural(inner),
+        TypeExprKind::Function(..) => true,
+        _ => false,
+    }
+}

@@ -1,0 +1,340 @@
+//! What a class says: states, conditions, constraints, loads.
+
+use super::super::binding::{Message, Part};
+use super::super::scalar::{PROVISIONAL, RowDraft, Scalar, Stage, StateDraft};
+use super::super::value::{ScopeId, Value};
+use super::super::{Elaborator, Entry, Eval, Reported, location};
+use super::{Class, Draft};
+use crate::codes;
+use eng_grammar::ast::{BindingKind, ExprKind, ItemKind, Statement};
+use eng_grammar::{Diagnostic, Span, ast};
+use eng_system::system::{Condition, ConditionKind, MessagePart, Row};
+
+impl<'a> Elaborator<'a, '_> {
+    pub(super) fn states(&mut self, class: Class<'a>, own: ScopeId) -> Eval<()> {
+        for item in &class.block.items {
+            let ItemKind::Binding(b) = &item.kind else {
+                continue;
+            };
+            if b.kind != BindingKind::State {
+                continue;
+            }
+            let Some(start) = &b.value else {
+                return Err(self.internal(b.name.span, "a state without a start value"));
+            };
+            let value = self.evaluate(start, own)?;
+            let s = self.as_scalar(value, start.span)?;
+            let node = self.bind_node(s, start.span)?;
+            let dimension = b.ty.as_ref().map_or(s.dimension, |t| self.dimension(t));
+            let Some(element) = self.bench.element.as_mut() else {
+                return Err(Reported);
+            };
+            let index = element.states.len() as u32;
+            if index >= PROVISIONAL.states {
+                return Err(self.report(
+                    Diagnostic::error(
+                        codes::ELEMENT_TOO_LARGE,
+                        format!("one element has more than {} states", PROVISIONAL.states),
+                    )
+                    .at(b.name.span, "the limit is reached here")
+                    .with_help("divide it into several elements"),
+                ));
+            }
+            element.states.push(StateDraft {
+                name: b.name.text.clone(),
+                dimension,
+                start: node,
+                rate: None,
+            });
+            let input = element.graph.input(PROVISIONAL.state(index));
+            self.define(
+                own,
+                &b.name.text,
+                Entry::Value(Value::Scalar(Scalar {
+                    stage: Stage::Motion,
+                    node: input,
+                    dimension,
+                })),
+            );
+        }
+        Ok(())
+    }
+
+    pub(super) fn equations(
+        &mut self,
+        items: &'a [ast::Item],
+        scope: ScopeId,
+        path: &str,
+        used_at: Option<eng_system::system::Location>,
+        draft: &mut Draft,
+    ) -> Eval<()> {
+        for item in items {
+            let ItemKind::Statement(statement) = &item.kind else {
+                continue;
+            };
+            match statement {
+                Statement::Constrain(expr) => self.constrain(expr, scope)?,
+                Statement::Branch(expr) => {
+                    if let super::super::expression::Truth::Later(flag) = self.truth(expr, scope)? {
+                        let written = Message {
+                            text: self.sources.text(expr.span).to_owned(),
+                            parts: Vec::new(),
+                        };
+                        self.condition(flag, ConditionKind::Branch, written, expr.span, draft);
+                    }
+                }
+                Statement::Apply {
+                    torque,
+                    value,
+                    on,
+                    against,
+                } => self.apply_load(*torque, value, on, against.as_ref(), scope)?,
+                Statement::Require {
+                    advise,
+                    condition,
+                    message,
+                } => {
+                    if let Some((flag, message)) =
+                        self.requirement(*advise, condition, message, scope, path, used_at)?
+                    {
+                        let kind = if *advise {
+                            ConditionKind::Advise
+                        } else {
+                            ConditionKind::Require
+                        };
+                        self.condition(flag, kind, message, condition.span, draft);
+                    }
+                }
+                Statement::Rate { state, value } => {
+                    let v = self.evaluate(value, scope)?;
+                    let s = self.as_scalar(v, value.span)?;
+                    let node = self.bench.lift(s.stage, s.node);
+                    if let Some(element) = self.bench.element.as_mut() {
+                        match element.states.iter_mut().find(|d| d.name == state.text) {
+                            Some(d) => d.rate = Some(node),
+                            None => {
+                                return Err(self.internal(state.span, "no state of this class"));
+                            }
+                        }
+                    }
+                }
+                Statement::Start { target, .. } | Statement::Guess { target, .. } => {
+                    return Err(self.internal(target.span, "a start value in a class"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn condition(
+        &mut self,
+        flag: super::super::scalar::Flag,
+        kind: ConditionKind,
+        message: Message,
+        span: Span,
+        draft: &mut Draft,
+    ) {
+        let lifted = self.bench.lift_flag(flag);
+        let Some(element) = self.bench.element.as_mut() else {
+            return;
+        };
+        let node = element.graph.margin(lifted);
+        // the values that the message shows follow the condition
+        let mut next = draft.conditions.len() as u32 + 1;
+        let mut parts = Vec::with_capacity(message.parts.len());
+        let mut shown = Vec::new();
+        for part in message.parts {
+            parts.push(match part {
+                Part::Text(text) => MessagePart::Text(text),
+                Part::Value {
+                    value,
+                    display,
+                    span,
+                } => {
+                    let entry = Condition {
+                        kind: ConditionKind::Shown,
+                        text: self.sources.text(span).to_owned(),
+                        message: Vec::new(),
+                        defined_at: Some(location(span)),
+                    };
+                    shown.push((self.bench.lift(value.stage, value.node), entry));
+                    next += 1;
+                    MessagePart::Value {
+                        index: next - 1,
+                        display,
+                    }
+                }
+            });
+        }
+        draft.conditions.push((
+            node,
+            Condition {
+                kind,
+                text: message.text,
+                message: parts,
+                defined_at: Some(location(span)),
+            },
+        ));
+        draft.conditions.extend(shown);
+    }
+
+    pub fn constrain(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<()> {
+        let mut inner = expr;
+        while let ExprKind::Paren {
+            inner: i,
+            unit: None,
+        } = &inner.kind
+        {
+            inner = i;
+        }
+        let ExprKind::Binary {
+            op: ast::BinaryOp::Equal,
+            left,
+            right,
+            ..
+        } = &inner.kind
+        else {
+            return Err(self.internal(expr.span, "a constraint that is no equation"));
+        };
+        let text = self.sources.text(expr.span).to_owned();
+        let a = self.evaluate(left, scope)?;
+        let b = self.evaluate(right, scope)?;
+        let several = matches!(a, Value::Vector(_) | Value::List(_))
+            || matches!(b, Value::Vector(_) | Value::List(_));
+        let (x, y) = if several {
+            (
+                self.as_components(a, left.span)?,
+                self.as_components(b, right.span)?,
+            )
+        } else {
+            (
+                vec![self.as_scalar(a, left.span)?],
+                vec![self.as_scalar(b, right.span)?],
+            )
+        };
+        if x.len() != y.len() {
+            return Err(self.lengths(x.len(), left.span, y.len(), right.span));
+        }
+        for (i, (p, q)) in x.into_iter().zip(y).enumerate() {
+            let mut difference = self.bench.subtract(p, q);
+            if p.dimension.is_one() && !q.dimension.is_one() {
+                difference.dimension = q.dimension;
+            }
+            let text = if several {
+                format!("{text} ({})", ["x", "y", "z"].get(i).unwrap_or(&"…"))
+            } else {
+                text.clone()
+            };
+            self.add_row(difference, text, expr.span)?;
+        }
+        Ok(())
+    }
+
+    pub fn add_row(&mut self, value: Scalar, text: String, span: Span) -> Eval<()> {
+        if value.stage == Stage::Bind {
+            return Err(self.report(
+                Diagnostic::error(
+                    codes::UNMOVED,
+                    "this constraint does not depend on the motion",
+                )
+                .at(span, "nothing can move to fulfil it")
+                .with_help("what parameters must fulfil is a `require`"),
+            ));
+        }
+        let Some(element) = self.bench.element.as_mut() else {
+            return Err(Reported);
+        };
+        if element.rows.len() as u32 >= PROVISIONAL.rows {
+            return Err(self.report(
+                Diagnostic::error(
+                    codes::ELEMENT_TOO_LARGE,
+                    format!("one element has more than {} equations", PROVISIONAL.rows),
+                )
+                .at(span, "the limit is reached here")
+                .with_help("divide it into several elements"),
+            ));
+        }
+        element.rows.push(RowDraft {
+            node: value.node,
+            row: Row {
+                text,
+                dimension: value.dimension,
+                defined_at: Some(location(span)),
+            },
+        });
+        Ok(())
+    }
+
+    pub(super) fn apply_load(
+        &mut self,
+        torque: bool,
+        value: &'a ast::Expr,
+        on: &'a ast::Expr,
+        against: Option<&'a ast::Expr>,
+        scope: ScopeId,
+    ) -> Eval<()> {
+        let v = self.evaluate(value, scope)?;
+        let v = self.as_vector(v, value.span)?;
+        let on_value = self.evaluate(on, scope)?;
+        let a = self.as_marker(on_value, on.span)?;
+        let a = self.local_marker(a, Some(on.span))?;
+        let b = match against {
+            Some(expr) => {
+                let value = self.evaluate(expr, scope)?;
+                let b = self.as_marker(value, expr.span)?;
+                Some(self.local_marker(b, Some(expr.span))?)
+            }
+            None => None,
+        };
+        let back = v.map(|s| self.bench.negate(s));
+        if torque {
+            let on_axes = self.along_axes(a, &v);
+            self.add_load(a, None, Some(on_axes));
+            if let Some(b) = b {
+                let back_axes = self.along_axes(b, &back);
+                self.add_load(b, None, Some(back_axes));
+            }
+        } else {
+            self.add_load(a, Some(v), None);
+            if let Some(b) = b {
+                let xa = self.marker_origin(a);
+                let xb = self.marker_origin(b);
+                let arm = [0, 1, 2].map(|i| self.bench.subtract(xa[i], xb[i]));
+                let moment = self.bench.cross(&arm, &back);
+                let moment_axes = self.along_axes(b, &moment);
+                self.add_load(b, Some(back), Some(moment_axes));
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn add_load(
+        &mut self,
+        marker: u32,
+        force: Option<[Scalar; 3]>,
+        torque: Option<[Scalar; 3]>,
+    ) {
+        let lift = |e: &mut Self, v: Option<[Scalar; 3]>| {
+            v.map(|v| v.map(|s| e.bench.lift(s.stage, s.node)))
+        };
+        let force = lift(self, force);
+        let torque = lift(self, torque);
+        let Some(element) = self.bench.element.as_mut() else {
+            return;
+        };
+        let zero = element.graph.constant(0.0);
+        while element.loads.len() <= marker as usize {
+            element.loads.push([zero; 6]);
+        }
+        for (offset, v) in [(0, force), (3, torque)] {
+            if let Some(v) = v {
+                for (i, n) in v.into_iter().enumerate() {
+                    let sum = element
+                        .graph
+                        .add(element.loads[marker as usize][offset + i], n);
+                    element.loads[marker as usize][offset + i] = sum;
+                }
+            }
+        }
+    }
+}

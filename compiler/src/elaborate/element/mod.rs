@@ -1,0 +1,217 @@
+//! Instances of joints, forces, journals and drives: each becomes a graph of its own.
+
+mod arguments;
+mod equations;
+
+pub(crate) use arguments::is_marker;
+
+use super::scalar::{ElementBuilder, PROVISIONAL};
+use super::value::{ScopeId, Value};
+use super::{
+    Argument, Elaborator, ElementSource, Eval, OutputShape, Reported, body::index_text, location,
+};
+use crate::ir::Node;
+use crate::program::DefinitionId;
+use eng_grammar::Span;
+use eng_grammar::ast::{self, ExprKind, Form, ItemKind, Kind};
+use eng_system::system::{Condition, ConditionKind, Origin, OutputInfo, Role};
+
+/// A class's parts, found in its definition.
+#[derive(Clone, Copy)]
+pub(crate) struct Class<'a> {
+    pub definition: DefinitionId,
+    pub declaration: &'a ast::Declaration,
+    pub parameters: &'a [ast::Parameter],
+    pub block: &'a ast::Block,
+}
+
+/// What is gathered while an element is lowered.
+pub(crate) struct Draft {
+    pub conditions: Vec<(Node, Condition)>,
+    pub outputs: Vec<Node>,
+    pub infos: Vec<OutputInfo>,
+    pub shapes: Vec<OutputShape>,
+    pub frames: Vec<Option<u32>>,
+    /// Frames of copied channels, by output.
+    pub copied: Vec<(usize, String)>,
+}
+
+impl<'a> Elaborator<'a, '_> {
+    pub fn class_of(&mut self, id: DefinitionId, span: Span) -> Eval<Class<'a>> {
+        if let Some(item) = self.program.item(id)
+            && let ItemKind::Declaration(declaration) = &item.kind
+            && let Form::Class {
+                parameters, block, ..
+            } = &declaration.form
+        {
+            return Ok(Class {
+                definition: id,
+                declaration,
+                parameters,
+                block,
+            });
+        }
+        Err(self.internal(span, "this is no class"))
+    }
+
+    /// `kind name[index] = Class(arguments) { additions }`.
+    pub fn elements_of(
+        &mut self,
+        declaration: &'a ast::Declaration,
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
+        let Form::Instance { value, block } = &declaration.form else {
+            return Err(self.internal(declaration.name.span, "an element without a class"));
+        };
+        let name = &declaration.name.text;
+        let base = self.path(scope, name);
+        let mut made = Vec::new();
+        self.for_each(&declaration.index, scope, &mut |e, inner, position| {
+            let path = format!("{base}{}", index_text(position));
+            let element = e.element(declaration, value, block.as_ref(), inner, path);
+            e.bench.element = None;
+            made.push((position.to_vec(), Value::Element(element?)));
+            Ok(())
+        })?;
+        if declaration.index.is_empty() {
+            made.pop().map(|m| m.1).ok_or(Reported)
+        } else {
+            Ok(Value::Family(made))
+        }
+    }
+
+    fn element(
+        &mut self,
+        declaration: &'a ast::Declaration,
+        value: &'a ast::Expr,
+        block: Option<&'a ast::Block>,
+        scope: ScopeId,
+        path: String,
+    ) -> Eval<u32> {
+        self.count_instance(declaration.name.span)?;
+        let ExprKind::Call { callee, arguments } = &value.kind else {
+            return Err(self.internal(value.span, "an element that is not called into being"));
+        };
+        let class = match self.evaluate(callee, scope)? {
+            Value::Definition(id) => self.class_of(id, callee.span)?,
+            other => return Err(self.unfit(callee.span, "a class", &other)),
+        };
+        self.bench.element = Some(ElementBuilder::default());
+        self.bench.bind.owner.clone_from(&path);
+        let bound = self.bind_arguments(class, arguments, scope, &path, value.span)?;
+        self.element_of_class(class, bound, block, scope, path, declaration.name.span)
+    }
+
+    /// An instance of a class with its arguments.
+    pub fn element_of_class(
+        &mut self,
+        class: Class<'a>,
+        bound: Vec<(String, Argument<'a>)>,
+        block: Option<&'a ast::Block>,
+        scope: ScopeId,
+        path: String,
+        span: Span,
+    ) -> Eval<u32> {
+        self.bench.element = Some(ElementBuilder::default());
+        self.rates = None;
+        self.bench.bind.owner.clone_from(&path);
+        let used_at = Some(location(span));
+        let source = ElementSource {
+            definition: class.definition,
+            arguments: bound,
+            caller: scope,
+        };
+        let own = self.class_scope(&source, class, &path)?;
+        // marker parameters come first, in their order
+        for parameter in class.parameters {
+            if is_marker(&parameter.ty) {
+                let value = self.entry(own, &parameter.name.text, parameter.span)?;
+                self.touch(value)?;
+            }
+        }
+        self.states(class, own)?;
+        let at_use = block.map(|b| (b, self.use_scope(own, scope)));
+        let mut draft = Draft {
+            conditions: Vec::new(),
+            outputs: Vec::new(),
+            infos: Vec::new(),
+            shapes: Vec::new(),
+            frames: Vec::new(),
+            copied: Vec::new(),
+        };
+        self.equations(&class.block.items, own, &path, used_at, &mut draft)?;
+        if let Some((b, use_scope)) = at_use {
+            self.equations(&b.items, use_scope, &path, used_at, &mut draft)?;
+        }
+        let missing = self
+            .bench
+            .element
+            .as_ref()
+            .and_then(|e| e.states.iter().find(|s| s.rate.is_none()))
+            .map(|s| s.name.clone());
+        if let Some(state) = missing {
+            return Err(self.internal(
+                class.declaration.name.span,
+                &format!("state `{state}` has no rate"),
+            ));
+        }
+        if let Some(element) = self.bench.element.as_mut() {
+            let zero = element.graph.constant(0.0);
+            let mut rates: Vec<Node> = element.states.iter().filter_map(|s| s.rate).collect();
+            rates.resize(PROVISIONAL.states as usize, zero);
+            self.rates = Some(rates);
+        }
+        self.in_output = true;
+        let outputs = self
+            .class_outputs(&class.block.items, own, &mut draft)
+            .and_then(|()| match at_use {
+                Some((b, use_scope)) => self.class_outputs(&b.items, use_scope, &mut draft),
+                None => Ok(()),
+            })
+            .and_then(|()| self.reaction_outputs(class, &mut draft));
+        self.in_output = false;
+        self.rates = None;
+        outputs?;
+        self.asked(&mut draft);
+        let journal = if class.declaration.kind == Kind::Journal {
+            self.journal_info(own)
+        } else {
+            None
+        };
+        let origin = Origin {
+            path,
+            used_at,
+            defined_at: Some(location(class.declaration.name.span)),
+        };
+        let index = self.finish_element(
+            origin,
+            span,
+            Role::Dynamic,
+            class.declaration.name.text.clone(),
+            Some(source),
+            draft,
+        )?;
+        if let Some(mut info) = journal {
+            info.element = index;
+            self.journals.push(info);
+        }
+        Ok(index)
+    }
+
+    /// Conditions of the functions that the element has called.
+    pub fn asked(&mut self, draft: &mut Draft) {
+        let asked = self
+            .bench
+            .element
+            .as_mut()
+            .map(|element| std::mem::take(&mut element.asked));
+        for asked in asked.into_iter().flatten() {
+            let kind = if asked.advise {
+                ConditionKind::Advise
+            } else {
+                ConditionKind::Require
+            };
+            self.condition(asked.flag, kind, asked.message, asked.span, draft);
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! Comparisons, `and`, `or`, `if`.
+
+use super::super::scalar::{Flag, Scalar};
+use super::super::value::{ScopeId, Value};
+use super::super::{Elaborator, Eval};
+use crate::ir::{Graph, Op};
+use eng_grammar::Span;
+use eng_grammar::ast::{BinaryOp, Expr};
+
+impl<'a> Elaborator<'a, '_> {
+    pub(super) fn logic(
+        &mut self,
+        op: BinaryOp,
+        a: Value<'a>,
+        b: Value<'a>,
+        a_span: Span,
+        b_span: Span,
+    ) -> Eval<Value<'a>> {
+        let a = self.as_truth(a, a_span)?;
+        let b = self.as_truth(b, b_span)?;
+        let and = op == BinaryOp::And;
+        Ok(match (a, b) {
+            (Truth::Known(x), Truth::Known(y)) => Value::Bool(if and { x && y } else { x || y }),
+            (Truth::Known(x), Truth::Later(f)) | (Truth::Later(f), Truth::Known(x)) => {
+                if x == and {
+                    Value::Flag(f)
+                } else {
+                    Value::Bool(!and)
+                }
+            }
+            (Truth::Later(f), Truth::Later(g)) => {
+                Value::Flag(self.bench.logic(f, g, if and { Op::And } else { Op::Or }))
+            }
+        })
+    }
+
+    pub(super) fn comparison(
+        &mut self,
+        op: BinaryOp,
+        a: Value<'a>,
+        b: Value<'a>,
+        a_span: Span,
+        b_span: Span,
+    ) -> Eval<Value<'a>> {
+        use BinaryOp as B;
+        match (&a, &b, op) {
+            (Value::Text(x), Value::Text(y), B::Equal) => return Ok(Value::Bool(x == y)),
+            (Value::Text(x), Value::Text(y), B::NotEqual) => return Ok(Value::Bool(x != y)),
+            (Value::Bool(x), Value::Bool(y), B::Equal) => return Ok(Value::Bool(x == y)),
+            (Value::Bool(x), Value::Bool(y), B::NotEqual) => return Ok(Value::Bool(x != y)),
+            _ => {}
+        }
+        let x = self.as_scalar(a, a_span)?;
+        let y = self.as_scalar(b, b_span)?;
+        let flag = match op {
+            B::Less => self.bench.compare(x, y, Graph::less),
+            B::Greater => self.bench.compare(y, x, Graph::less),
+            B::LessEqual => self.bench.compare(x, y, Graph::less_equal),
+            B::GreaterEqual => self.bench.compare(y, x, Graph::less_equal),
+            _ => self.bench.compare(x, y, |g, a, b| g.push(Op::Equal(a, b))),
+        };
+        let truth = match self.bench.known_flag(flag) {
+            Some(known) => Value::Bool(known),
+            None => Value::Flag(flag),
+        };
+        Ok(match (op, truth) {
+            (B::NotEqual, Value::Bool(b)) => Value::Bool(!b),
+            (B::NotEqual, Value::Flag(f)) => Value::Flag(self.bench.not(f)),
+            (_, truth) => truth,
+        })
+    }
+
+    pub(super) fn select(
+        &mut self,
+        flag: Flag,
+        a: Value<'a>,
+        b: Value<'a>,
+        a_span: Span,
+        b_span: Span,
+    ) -> Eval<Value<'a>> {
+        match (a, b) {
+            (a @ (Value::Vector(_) | Value::List(_)), b) => {
+                let vector = matches!(a, Value::Vector(_)) || matches!(b, Value::Vector(_));
+                let x = self.as_components(a, a_span)?;
+                let y = self.as_components(b, b_span)?;
+                if x.len() != y.len() {
+                    return Err(self.lengths(x.len(), a_span, y.len(), b_span));
+                }
+                let chosen: Vec<Scalar> = x
+                    .into_iter()
+                    .zip(y)
+                    .map(|(x, y)| self.bench.select(flag, x, y))
+                    .collect();
+                match <[Scalar; 3]>::try_from(chosen) {
+                    Ok(v) if vector => Ok(Value::Vector(v)),
+                    Ok(v) => Ok(Self::list(&v)),
+                    Err(chosen) => Ok(Self::list(&chosen)),
+                }
+            }
+            (a, b) => {
+                let x = self.as_scalar(a, a_span)?;
+                let y = self.as_scalar(b, b_span)?;
+                Ok(Value::Scalar(self.bench.select(flag, x, y)))
+            }
+        }
+    }
+
+    pub fn truth(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Truth> {
+        let value = self.evaluate(expr, scope)?;
+        self.as_truth(value, expr.span)
+    }
+
+    pub(super) fn as_truth(&mut self, value: Value<'a>, span: Span) -> Eval<Truth> {
+        match value {
+            Value::Bool(b) => Ok(Truth::Known(b)),
+            Value::Flag(f) => Ok(Truth::Later(f)),
+            other => Err(self.unfit(span, "a truth value", &other)),
+        }
+    }
+}
+
+/// A condition.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Truth {
+    Known(bool),
+    Later(Flag),
+}

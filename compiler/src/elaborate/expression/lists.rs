@@ -1,0 +1,201 @@
+//! Ranges and lists: their lengths and elements.
+
+use super::super::value::{ScopeId, Value};
+use super::super::{Elaborator, Eval};
+use crate::codes;
+use eng_grammar::ast::Expr;
+use eng_grammar::{Diagnostic, Span};
+
+impl<'a> Elaborator<'a, '_> {
+    pub(super) fn range(
+        &mut self,
+        from: &'a Expr,
+        to: &'a Expr,
+        by_expr: Option<&'a Expr>,
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
+        let a = self.evaluate(from, scope)?;
+        let b = self.evaluate(to, scope)?;
+        let step = match by_expr {
+            Some(by) => Some(self.evaluate(by, scope)?),
+            None => None,
+        };
+        if let (Value::Int(a), Value::Int(b), None | Some(Value::Int(_))) = (&a, &b, &step) {
+            let by = match step {
+                Some(Value::Int(s)) => s,
+                _ => 1,
+            };
+            let span = from.span.to(by_expr.map_or(to.span, |e| e.span));
+            if by == 0 {
+                return Err(self.long_range(span, "its step is zero"));
+            }
+            // in 128 bits, where no difference of two 64-bit numbers overflows
+            let (a, b, by) = (i128::from(*a), i128::from(*b), i128::from(by));
+            if (b - a) / by > LONGEST as i128 {
+                return Err(self.long_range(span, &too_long()));
+            }
+            let mut values = Vec::new();
+            let mut i = a;
+            while (by > 0 && i <= b) || (by < 0 && i >= b) {
+                values.extend(i64::try_from(i).map(Value::Int));
+                i += by;
+            }
+            return Ok(Value::List(values));
+        }
+        let a = self.as_scalar(a, from.span)?;
+        let b = self.as_scalar(b, to.span)?;
+        let by_span = by_expr.map_or(to.span, |e| e.span);
+        let step = match step {
+            Some(v) => self.as_scalar(v, by_span)?,
+            None => {
+                if a.dimension.is_one() && b.dimension.is_one() {
+                    return Err(self.not_countable(from.span.to(to.span)));
+                }
+                return Err(self.internal(to.span, "a range of quantities without a step"));
+            }
+        };
+        let known = (
+            self.structural(a, from.span)?,
+            self.structural(b, to.span)?,
+            self.structural(step, by_span)?,
+        );
+        let (a_value, b_value, by_value) = known;
+        let count = ((b_value - a_value) / by_value * (1.0 + 1e-12)).floor();
+        let span = from.span.to(by_span);
+        if by_value == 0.0 {
+            return Err(self.long_range(span, "its step is zero"));
+        }
+        if count < 0.0 {
+            return Err(self.long_range(span, "its step leads away from its end"));
+        }
+        if !(0.0..LONGEST as f64).contains(&count) {
+            return Err(self.long_range(span, &too_long()));
+        }
+        Ok(Value::List(
+            (0..=count as usize)
+                .map(|i| {
+                    Value::Scalar(
+                        self.bench
+                            .constant(a_value + i as f64 * by_value, a.dimension),
+                    )
+                })
+                .collect(),
+        ))
+    }
+
+    /// The checker has found a whole number, but its value is beyond those.
+    pub(super) fn not_countable(&mut self, span: Span) -> super::super::Reported {
+        self.report(
+            Diagnostic::error(
+                codes::NOT_COUNTABLE,
+                "a whole number is too large to count with",
+            )
+            .at(span, "beyond what a count or an index can be"),
+        )
+    }
+
+    pub(super) fn long_range(&mut self, span: Span, why: &str) -> super::super::Reported {
+        self.report(
+            Diagnostic::error(codes::LONG_RANGE, "this range is endless or too long").at(span, why),
+        )
+    }
+
+    pub(super) fn element_of(
+        &mut self,
+        value: Value<'a>,
+        index: i64,
+        span: Span,
+    ) -> Eval<Value<'a>> {
+        match value {
+            Value::List(items) => {
+                let count = items.len();
+                match usize::try_from(index)
+                    .ok()
+                    .and_then(|i| i.checked_sub(1))
+                    .and_then(|i| items.into_iter().nth(i))
+                {
+                    Some(v) => Ok(v),
+                    None => Err(self.no_element(
+                        index,
+                        span,
+                        match count {
+                            0 => "the list is empty".to_owned(),
+                            _ => format!("indices run from 1 to {count}"),
+                        },
+                    )),
+                }
+            }
+            Value::Family(members) => {
+                let shown: Vec<String> = members
+                    .iter()
+                    .filter_map(|(key, _)| key.first().map(usize::to_string))
+                    .collect();
+                let mut rest: Vec<(Vec<usize>, Value<'a>)> = members
+                    .into_iter()
+                    .filter(|(key, _)| key.first().is_some_and(|k| *k as i64 == index))
+                    .map(|(key, v)| (key[1..].to_vec(), v))
+                    .collect();
+                match rest.pop() {
+                    Some((key, value)) if key.is_empty() => Ok(value),
+                    Some(last) => {
+                        rest.push(last);
+                        Ok(Value::Family(rest))
+                    }
+                    None => Err(self.no_element(index, span, known_indices(&shown))),
+                }
+            }
+            other => Err(self.unfit(span, "an array", &other)),
+        }
+    }
+
+    pub(super) fn no_element(
+        &mut self,
+        index: i64,
+        span: Span,
+        known: String,
+    ) -> super::super::Reported {
+        self.report(
+            Diagnostic::error(codes::INDEX_OUTSIDE, format!("there is no element {index}"))
+                .at(span, format!("this is {index}; {known}")),
+        )
+    }
+
+    /// Two lists that should be of one length.
+    pub fn lengths(
+        &mut self,
+        first: usize,
+        first_span: Span,
+        second: usize,
+        second_span: Span,
+    ) -> super::super::Reported {
+        self.report(
+            Diagnostic::error(codes::LENGTHS, "two lists differ in length")
+                .at(second_span, format!("{second} elements"))
+                .also(first_span, format!("{first} elements")),
+        )
+    }
+}
+
+/// Longest list or range.
+const LONGEST: usize = 100_000;
+
+fn too_long() -> String {
+    format!("more than {LONGEST} values")
+}
+
+/// What indices there are, shortened where they are many.
+fn known_indices(shown: &[String]) -> String {
+    let mut distinct: Vec<&str> = Vec::new();
+    for index in shown {
+        if !distinct.contains(&index.as_str()) {
+            distinct.push(index);
+        }
+    }
+    match distinct.as_slice() {
+        [] => "there are none".to_owned(),
+        [first, .., last] if distinct.len() > 8 => {
+            format!("there are {}, from {first} to {last}", distinct.len())
+        }
+        _ => format!("there are: {}", distinct.join(", ")),
+    }
+}

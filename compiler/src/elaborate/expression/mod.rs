@@ -1,0 +1,223 @@
+//! Evaluation of expressions.
+
+mod calls;
+mod conditions;
+mod lists;
+mod operators;
+
+pub(crate) use conditions::Truth;
+
+use super::scalar::Scalar;
+use super::value::{ScopeId, Value};
+use super::{Elaborator, Eval};
+use crate::codes;
+use eng_grammar::ast::{self, Expr, ExprKind, UnaryOp};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
+
+impl<'a> Elaborator<'a, '_> {
+    /// The value of an expression; a family as the list of its members.
+    pub fn evaluate(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Value<'a>> {
+        Ok(match self.evaluate_family(expr, scope)? {
+            Value::Family(members) => Value::List(members.into_iter().map(|(_, v)| v).collect()),
+            other => other,
+        })
+    }
+
+    fn evaluate_family(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Value<'a>> {
+        match &expr.kind {
+            ExprKind::Error => Err(super::Reported),
+            ExprKind::Number {
+                value,
+                integer,
+                unit,
+            } => match unit {
+                None if *integer && value.abs() < 9e15 => Ok(Value::Int(*value as i64)),
+                _ => self.number(*value, unit.as_ref()).map(Value::Scalar),
+            },
+            ExprKind::Text(text) => Ok(Value::Text(text.clone())),
+            ExprKind::Bool(b) => Ok(Value::Bool(*b)),
+            ExprKind::Name(name) => self.lookup(name, scope, expr.span),
+            ExprKind::List { items, unit } => {
+                let mut values = Vec::with_capacity(items.len());
+                for item in items {
+                    let value = self.evaluate(item, scope)?;
+                    values.push(self.with_unit(value, unit.as_ref(), item.span)?);
+                }
+                Ok(Value::List(values))
+            }
+            ExprKind::Comprehension {
+                body,
+                binders,
+                unit,
+            } => {
+                let mut values = Vec::new();
+                self.for_each(binders, scope, &mut |e, inner, _| {
+                    let value = e.evaluate(body, inner)?;
+                    let value = e.with_unit(value, unit.as_ref(), body.span)?;
+                    values.push(value);
+                    Ok(())
+                })?;
+                Ok(Value::List(values))
+            }
+            ExprKind::Paren { inner, unit } => {
+                let value = self.evaluate(inner, scope)?;
+                self.with_unit(value, unit.as_ref(), inner.span)
+            }
+            ExprKind::Field { base, name } => {
+                let base_value = self.evaluate_family(base, scope)?;
+                self.field(base_value, name, base.span)
+            }
+            ExprKind::Call { callee, arguments } => self.call(expr, callee, arguments, scope),
+            ExprKind::Index { base, indices } => {
+                let mut value = self.evaluate_family(base, scope)?;
+                for index in indices {
+                    match index {
+                        ast::IndexArgument::All(_) => {}
+                        ast::IndexArgument::At(index_expr) => {
+                            let index = self.integer(index_expr, scope)?;
+                            value = self.element_of(value, index, index_expr.span)?;
+                        }
+                    }
+                }
+                Ok(value)
+            }
+            ExprKind::Unary { op, operand } => {
+                let value = self.evaluate(operand, scope)?;
+                match op {
+                    UnaryOp::Negate => self.negate(value, operand.span),
+                    UnaryOp::Not => match value {
+                        Value::Bool(b) => Ok(Value::Bool(!b)),
+                        Value::Flag(f) => Ok(Value::Flag(self.bench.not(f))),
+                        other => Err(self.unfit(operand.span, "a truth value", &other)),
+                    },
+                }
+            }
+            ExprKind::Binary {
+                op, left, right, ..
+            } => {
+                let a = self.evaluate(left, scope)?;
+                let b = self.evaluate(right, scope)?;
+                self.binary(*op, a, b, left.span, right.span)
+            }
+            ExprKind::If {
+                condition,
+                then,
+                otherwise,
+            } => match self.truth(condition, scope)? {
+                Truth::Known(true) => self.evaluate(then, scope),
+                Truth::Known(false) => self.evaluate(otherwise, scope),
+                Truth::Later(flag) => {
+                    let a = self.guarded(flag, |e| e.evaluate(then, scope))?;
+                    let not = self.bench.not(flag);
+                    let b = self.guarded(not, |e| e.evaluate(otherwise, scope))?;
+                    self.select(flag, a, b, then.span, otherwise.span)
+                }
+            },
+            ExprKind::Range { from, to, by } => self.range(from, to, by.as_deref(), scope),
+        }
+    }
+
+    /// A number that is known while compiling.
+    pub fn structural(&mut self, value: Scalar, span: Span) -> Eval<f64> {
+        match self.bench.known(value) {
+            Some(v) => Ok(v),
+            None => Err(self.report(
+                Diagnostic::error(codes::NOT_KNOWN, "this must be known while compiling")
+                    .at(span, "depends on a `param` or on the motion")
+                    .with_help("make the parameter a `const`: a change then compiles again"),
+            )),
+        }
+    }
+
+    pub fn integer(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<i64> {
+        match self.evaluate(expr, scope)? {
+            Value::Int(i) => Ok(i),
+            Value::Scalar(s) => {
+                self.structural(s, expr.span)?;
+                Err(self.not_countable(expr.span))
+            }
+            other => Err(self.unfit(expr.span, "a whole number", &other)),
+        }
+    }
+
+    /// The SI value of a literal.
+    pub fn number(&mut self, value: f64, unit: Option<&ast::UnitExpr>) -> Eval<Scalar> {
+        match unit {
+            None => Ok(self.bench.constant(value, Dimension::ONE)),
+            Some(unit) => {
+                let unit = self.unit(unit)?;
+                Ok(self
+                    .bench
+                    .constant(value * unit.scale + unit.offset, unit.dimension))
+            }
+        }
+    }
+
+    pub fn unit(&mut self, unit: &ast::UnitExpr) -> Eval<crate::program::Unit> {
+        match self.program.unit(unit) {
+            Ok(u) => Ok(u),
+            Err((span, name)) => Err(self.internal(span, &format!("there is no unit `{name}`"))),
+        }
+    }
+
+    fn with_unit(
+        &mut self,
+        value: Value<'a>,
+        unit: Option<&ast::UnitExpr>,
+        span: Span,
+    ) -> Eval<Value<'a>> {
+        let Some(unit_expr) = unit else {
+            return Ok(value);
+        };
+        if let Value::List(items) = value {
+            let scaled: Eval<Vec<_>> = items
+                .into_iter()
+                .map(|v| self.with_unit(v, unit, span))
+                .collect();
+            return scaled.map(Value::List);
+        }
+        let unit = self.unit(unit_expr)?;
+        let number = self.as_scalar(value, span)?;
+        let scale = self.bench.constant(unit.scale, unit.dimension);
+        let mut scaled = self.bench.multiply(number, scale);
+        if unit.offset != 0.0 {
+            let offset = self.bench.constant(unit.offset, unit.dimension);
+            scaled = self.bench.add(scaled, offset);
+        }
+        Ok(Value::Scalar(scaled))
+    }
+
+    pub fn as_scalar(&mut self, value: Value<'a>, span: Span) -> Eval<Scalar> {
+        match value {
+            Value::Scalar(s) => Ok(s),
+            Value::Int(i) => Ok(self.bench.constant(i as f64, Dimension::ONE)),
+            other => Err(self.unfit(span, "a number", &other)),
+        }
+    }
+
+    /// The numbers of a list.
+    pub fn as_components(&mut self, value: Value<'a>, span: Span) -> Eval<Vec<Scalar>> {
+        match value {
+            Value::Vector(v) => Ok(v.to_vec()),
+            Value::List(items) => items.into_iter().map(|v| self.as_scalar(v, span)).collect(),
+            other => Err(self.unfit(span, "a vector or a list of numbers", &other)),
+        }
+    }
+
+    /// A vector in space; a list of three is read in ground axes.
+    pub fn as_vector(&mut self, value: Value<'a>, span: Span) -> Eval<[Scalar; 3]> {
+        let components = self.as_components(value, span)?;
+        match <[Scalar; 3]>::try_from(components) {
+            Ok(v) => Ok(v),
+            Err(found) => Err(self.report(
+                Diagnostic::error(codes::LENGTHS, "a vector has three components")
+                    .at(span, format!("this has {}", found.len())),
+            )),
+        }
+    }
+
+    pub fn list(components: &[Scalar]) -> Value<'a> {
+        Value::List(components.iter().map(|s| Value::Scalar(*s)).collect())
+    }
+}

@@ -1,0 +1,182 @@
+//! Arithmetic.
+
+use super::super::scalar::Scalar;
+use super::super::value::Value;
+use super::super::{Elaborator, Eval};
+use crate::codes;
+use crate::ir::Graph;
+use eng_grammar::ast::BinaryOp;
+use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
+
+impl<'a> Elaborator<'a, '_> {
+    pub(super) fn negate(&mut self, value: Value<'a>, span: Span) -> Eval<Value<'a>> {
+        match value {
+            Value::Int(i) => match i.checked_neg() {
+                Some(negative) => Ok(Value::Int(negative)),
+                None => {
+                    let number = self.bench.constant(i as f64, Dimension::ONE);
+                    self.negate(Value::Scalar(number), span)
+                }
+            },
+            Value::Scalar(s) => Ok(Value::Scalar(self.bench.negate(s))),
+            Value::Vector(v) => Ok(Value::Vector(v.map(|s| self.bench.negate(s)))),
+            Value::List(items) => items
+                .into_iter()
+                .map(|v| self.negate(v, span))
+                .collect::<Eval<Vec<_>>>()
+                .map(Value::List),
+            other => Err(self.unfit(span, "a number or a vector", &other)),
+        }
+    }
+
+    pub(super) fn binary(
+        &mut self,
+        op: BinaryOp,
+        a: Value<'a>,
+        b: Value<'a>,
+        a_span: Span,
+        b_span: Span,
+    ) -> Eval<Value<'a>> {
+        use BinaryOp as B;
+        match op {
+            B::And | B::Or => return self.logic(op, a, b, a_span, b_span),
+            B::Equal | B::NotEqual | B::Less | B::LessEqual | B::Greater | B::GreaterEqual => {
+                return self.comparison(op, a, b, a_span, b_span);
+            }
+            _ => {}
+        }
+        if let (Value::Int(x), Value::Int(y)) = (&a, &b) {
+            let whole = match op {
+                B::Add => x.checked_add(*y),
+                B::Subtract => x.checked_sub(*y),
+                B::Multiply => x.checked_mul(*y),
+                B::Power => u32::try_from(*y).ok().and_then(|y| x.checked_pow(y)),
+                _ => None,
+            };
+            if let Some(i) = whole {
+                return Ok(Value::Int(i));
+            }
+        }
+        if let (B::Add, Value::ModeSet(x), Value::ModeSet(y)) = (op, &a, &b) {
+            let sum = x.iter().chain(y.iter()).cloned().collect();
+            return Ok(Value::ModeSet(std::rc::Rc::new(sum)));
+        }
+        match op {
+            B::Add | B::Subtract => {
+                let f = |e: &mut Self, x: Scalar, y: Scalar| {
+                    if op == B::Add {
+                        e.bench.add(x, y)
+                    } else {
+                        e.bench.subtract(x, y)
+                    }
+                };
+                match (a, b) {
+                    (a @ (Value::Vector(_) | Value::List(_)), b)
+                    | (a, b @ (Value::Vector(_) | Value::List(_))) => {
+                        let vector = matches!(a, Value::Vector(_)) || matches!(b, Value::Vector(_));
+                        let x = self.as_components(a, a_span)?;
+                        let y = self.as_components(b, b_span)?;
+                        if x.len() != y.len() {
+                            return Err(self.lengths(x.len(), a_span, y.len(), b_span));
+                        }
+                        let sums: Vec<Scalar> =
+                            x.into_iter().zip(y).map(|(x, y)| f(self, x, y)).collect();
+                        match <[Scalar; 3]>::try_from(sums) {
+                            Ok(v) if vector => Ok(Value::Vector(v)),
+                            Ok(v) => Ok(Self::list(&v)),
+                            Err(sums) => Ok(Self::list(&sums)),
+                        }
+                    }
+                    (a, b) => {
+                        let x = self.as_scalar(a, a_span)?;
+                        let y = self.as_scalar(b, b_span)?;
+                        Ok(Value::Scalar(f(self, x, y)))
+                    }
+                }
+            }
+            B::Multiply => match (a, b) {
+                (v @ (Value::Vector(_) | Value::List(_)), s) => {
+                    let s = self.as_scalar(s, b_span)?;
+                    self.scale(v, a_span, |e, x| e.bench.multiply(x, s))
+                }
+                (s, v @ (Value::Vector(_) | Value::List(_))) => {
+                    let s = self.as_scalar(s, a_span)?;
+                    self.scale(v, b_span, |e, x| e.bench.multiply(s, x))
+                }
+                (x, y) => {
+                    let x = self.as_scalar(x, a_span)?;
+                    let y = self.as_scalar(y, b_span)?;
+                    Ok(Value::Scalar(self.bench.multiply(x, y)))
+                }
+            },
+            B::Divide => {
+                let y = self.as_scalar(b, b_span)?;
+                if self.bench.known(y) == Some(0.0) {
+                    return Err(self.report(
+                        Diagnostic::error(codes::DIVISION_BY_ZERO, "a division by zero")
+                            .at(b_span, "this is zero"),
+                    ));
+                }
+                match a {
+                    v @ (Value::Vector(_) | Value::List(_)) => {
+                        self.scale(v, a_span, |e, x| e.bench.divide(x, y))
+                    }
+                    x => {
+                        let x = self.as_scalar(x, a_span)?;
+                        Ok(Value::Scalar(self.bench.divide(x, y)))
+                    }
+                }
+            }
+            _ => self.power(a, b, a_span, b_span),
+        }
+    }
+
+    pub(super) fn power(
+        &mut self,
+        a: Value<'a>,
+        b: Value<'a>,
+        a_span: Span,
+        b_span: Span,
+    ) -> Eval<Value<'a>> {
+        let x = self.as_scalar(a, a_span)?;
+        let y = self.as_scalar(b, b_span)?;
+        let dimension = if x.dimension.is_one() {
+            Dimension::ONE
+        } else {
+            let exponent = self.structural(y, b_span)?;
+            let (n, d) = ratio(exponent).unwrap_or((1, 1));
+            x.dimension.power(n, d).unwrap_or(Dimension::ONE)
+        };
+        Ok(Value::Scalar(self.bench.binary(
+            x,
+            y,
+            dimension,
+            Graph::power,
+        )))
+    }
+
+    pub(super) fn scale(
+        &mut self,
+        value: Value<'a>,
+        span: Span,
+        mut f: impl FnMut(&mut Self, Scalar) -> Scalar,
+    ) -> Eval<Value<'a>> {
+        match value {
+            Value::Vector(v) => Ok(Value::Vector(v.map(|x| f(self, x)))),
+            other => {
+                let components = self.as_components(other, span)?;
+                let scaled: Vec<Scalar> = components.into_iter().map(|x| f(self, x)).collect();
+                Ok(Self::list(&scaled))
+            }
+        }
+    }
+}
+
+/// A small ratio equal to a number.
+pub(crate) fn ratio(x: f64) -> Option<(i32, i32)> {
+    (1..=12).find_map(|d| {
+        let n = x * f64::from(d);
+        ((n - n.round()).abs() < 1e-12 && n.abs() < 1e6).then(|| (n.round() as i32, d))
+    })
+}

@@ -1,0 +1,181 @@
+//! Files, material and damping of a flexible body.
+
+use super::super::value::{ScopeId, Value};
+use super::super::{Elaborator, Eval, Reported, location};
+use super::bare_word;
+use crate::codes;
+use crate::words::{Place, argument, word};
+use eng_grammar::ast::ExprKind;
+use eng_grammar::{Diagnostic, Span, ast};
+use eng_system::flexible::{Damping, MaterialSource, MatrixSource, MeshSource};
+
+impl<'a> Elaborator<'a, '_> {
+    pub(super) fn mesh_source(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<MeshSource> {
+        let (word, arguments) = self.worded(Place::Mesh, value)?;
+        let file = self.text_of(argument(word, arguments, "file"), scope)?;
+        let units = argument(word, arguments, "units").map(bare_word);
+        let (Some(file), Some(units)) = (file, units) else {
+            return Err(self.internal(value.span, "a mesh without file or units"));
+        };
+        Ok(MeshSource {
+            format: word.word.to_owned(),
+            file,
+            units,
+            at: location(value.span),
+        })
+    }
+
+    pub(super) fn matrix_source(
+        &mut self,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+    ) -> Eval<MatrixSource> {
+        let (word, arguments) = self.worded(Place::Matrix, value)?;
+        let Some(file) = self.text_of(argument(word, arguments, "file"), scope)? else {
+            return Err(self.internal(value.span, "a matrix without a file"));
+        };
+        Ok(MatrixSource {
+            format: word.word.to_owned(),
+            file,
+            matrix: self.text_of(argument(word, arguments, "matrix"), scope)?,
+            freedoms: self.text_of(argument(word, arguments, "freedoms"), scope)?,
+            per_node: match argument(word, arguments, "per_node") {
+                Some(expr) => Some(self.freedoms_of_node(expr, scope)?),
+                None => None,
+            },
+            at: location(value.span),
+        })
+    }
+
+    /// 3 or 6.
+    fn freedoms_of_node(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<u8> {
+        match self.integer(expr, scope)? {
+            3 => Ok(3),
+            6 => Ok(6),
+            other => Err(self.report(
+                Diagnostic::error(codes::FLEXIBLE_NUMBER, "a node has 3 or 6 freedoms")
+                    .at(expr.span, format!("this is {other}"))
+                    .with_help("3 where the rows are translations alone, 6 with rotations"),
+            )),
+        }
+    }
+
+    /// The message where what is stated of the rows of stiffness and mass does not fit together.
+    pub(super) fn rows_of_matrices(
+        &mut self,
+        stiffness: &MatrixSource,
+        mass: &MatrixSource,
+        span: Span,
+    ) -> Eval<()> {
+        let wrong = |problem: &str, help: &str| {
+            Diagnostic::error(codes::FLEXIBLE_MATRICES, problem)
+                .at(span, "of this body")
+                .with_help(help)
+        };
+        let listed = stiffness.freedoms.is_some() || mass.freedoms.is_some();
+        match (stiffness.per_node, mass.per_node) {
+            (Some(a), Some(b)) if a != b => Err(self.report(wrong(
+                "`per_node` of stiffness and of mass differ",
+                "their rows are the same freedoms: state one of them, or the same number twice",
+            ))),
+            (Some(_), _) | (_, Some(_)) if listed => Err(self.report(wrong(
+                "`freedoms` and `per_node` both say which freedom each row is",
+                "leave one out",
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    pub(super) fn material_source(
+        &mut self,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+    ) -> Eval<MaterialSource> {
+        let record = match self.evaluate(value, scope)? {
+            Value::Record(_, record) => record,
+            other => return Err(self.unfit(value.span, "a material", &other)),
+        };
+        let mut field = |name: &str| -> Eval<f64> {
+            let v = self.entry(record, name, value.span)?;
+            let s = self.as_scalar(v, value.span)?;
+            self.structural(s, value.span)
+        };
+        let material = MaterialSource {
+            young: field("young_modulus")?,
+            poisson: field("poisson_ratio")?,
+            density: field("density")?,
+            at: location(value.span),
+        };
+        let sound = material.young > 0.0
+            && material.poisson > -1.0
+            && material.poisson < 0.5
+            && material.density > 0.0
+            && (material.young * material.density).is_finite();
+        if !sound {
+            return Err(self.report(
+                Diagnostic::error(codes::FLEXIBLE_NUMBER, "there is no such material")
+                    .at(value.span, "of these values")
+                    .with_help("Young's modulus and density are positive, Poisson's ratio is between -1 and 0.5"),
+            ));
+        }
+        Ok(material)
+    }
+
+    pub(super) fn damping(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<Damping> {
+        let not_negative = |e: &mut Self, x: f64, what: &str| -> Eval<f64> {
+            if x >= 0.0 && x.is_finite() {
+                return Ok(x);
+            }
+            Err(e.report(
+                Diagnostic::error(
+                    codes::FLEXIBLE_NUMBER,
+                    format!("{what} must not be negative"),
+                )
+                .at(value.span, "this feeds energy into the modes"),
+            ))
+        };
+        let call = match &value.kind {
+            ExprKind::Call { callee, .. } => match &callee.kind {
+                ExprKind::Name(name) => word(Place::Damping, name),
+                _ => None,
+            },
+            _ => None,
+        };
+        let Some(word) = call else {
+            let ratio = self.known_number(value, scope)?;
+            return Ok(Damping::Modal {
+                ratio: not_negative(self, ratio, "the damping ratio")?,
+                up_to: f64::INFINITY,
+            });
+        };
+        let (_, arguments) = self.worded(Place::Damping, value)?;
+        let mut number = |name: &str| -> Eval<f64> {
+            match argument(word, arguments, name) {
+                Some(expr) => self.known_number(expr, scope),
+                None => Err(Reported),
+            }
+        };
+        if word.word == "modal" {
+            let (ratio, up_to) = (number("ratio")?, number("up_to")?);
+            if up_to.is_nan() || up_to <= 0.0 {
+                return Err(self.report(
+                    Diagnostic::error(
+                        codes::FLEXIBLE_NUMBER,
+                        "`up_to` of `modal` must be positive",
+                    )
+                    .at(value.span, "a ratio up to which frequency?"),
+                ));
+            }
+            Ok(Damping::Modal {
+                ratio: not_negative(self, ratio, "the damping ratio")?,
+                up_to,
+            })
+        } else {
+            let (mass, stiffness) = (number("mass")?, number("stiffness")?);
+            Ok(Damping::Rayleigh {
+                mass: not_negative(self, mass, "the factor of the mass")?,
+                stiffness: not_negative(self, stiffness, "the factor of the stiffness")?,
+            })
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Markers on meshes: which nodes, how they are tied, along which axes.
+
+use super::super::body::index_text;
+use super::super::value::{ScopeId, Value};
+use super::super::{Elaborator, Eval, Reported, location};
+use super::bare_word;
+use crate::codes;
+use crate::words::{Place, argument};
+use eng_grammar::{Diagnostic, ast};
+use eng_system::flexible::{MarkerPlace, MarkerSource};
+use eng_system::system::BodyRef;
+
+impl<'a> Elaborator<'a, '_> {
+    /// Markers of one declaration; `known` gets their names with the positions in their array.
+    pub(super) fn markers_on_mesh(
+        &mut self,
+        declaration: &'a ast::Declaration,
+        body: BodyRef,
+        scope: ScopeId,
+        path: &str,
+        markers: &mut Vec<(MarkerSource, u32)>,
+        known: &mut Vec<(String, Vec<usize>)>,
+    ) -> Eval<Value<'a>> {
+        let ast::Form::Instance { value, .. } = &declaration.form else {
+            return Err(self.internal(declaration.name.span, "a marker without a place"));
+        };
+        let name = &declaration.name.text;
+        let mut made = Vec::new();
+        self.for_each(&declaration.index, scope, &mut |e, inner, position| {
+            let text = format!("{name}{}", index_text(position));
+            let (place, rigid, center, axes) = e.place_on_mesh(value, inner)?;
+            let shape = markers.len() as u32;
+            let marker = e.marker_of_mesh(
+                body,
+                format!("{path}.{text}"),
+                declaration.name.span,
+                axes,
+                shape,
+            );
+            markers.push((
+                MarkerSource {
+                    name: text,
+                    at: location(declaration.name.span),
+                    place,
+                    rigid,
+                    center,
+                    axes,
+                },
+                marker,
+            ));
+            known.push((name.clone(), position.to_vec()));
+            made.push((position.to_vec(), Value::Marker(marker)));
+            Ok(())
+        })?;
+        if declaration.index.is_empty() {
+            made.pop().map(|m| m.1).ok_or(Reported)
+        } else {
+            Ok(Value::Family(made))
+        }
+    }
+
+    #[allow(clippy::type_complexity)]
+    pub(super) fn place_on_mesh(
+        &mut self,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+    ) -> Eval<(MarkerPlace, bool, Option<[f64; 3]>, [f64; 9])> {
+        let (word, arguments) = self.worded(Place::Marker, value)?;
+        let get = |name: &str| argument(word, arguments, name);
+        let vector = |e: &mut Self, name: &str| -> Eval<Option<[f64; 3]>> {
+            get(name).map(|x| e.known_vector(x, scope)).transpose()
+        };
+        let length = |e: &mut Self, name: &str| -> Eval<Option<f64>> {
+            get(name).map(|x| e.known_number(x, scope)).transpose()
+        };
+        let axis = |e: &mut Self, name: &str| -> Eval<[f64; 3]> {
+            match get(name) {
+                Some(expr) => e.known_axis(expr, scope),
+                None => Err(e.internal(value.span, "a place without its axis")),
+            }
+        };
+        let positive = |e: &mut Self, name: &str| -> Eval<f64> {
+            let Some(expr) = get(name) else {
+                return Err(e.internal(value.span, &format!("a place without `{name}`")));
+            };
+            let x = e.known_number(expr, scope)?;
+            if x > 0.0 && x.is_finite() {
+                return Ok(x);
+            }
+            Err(e.report(
+                Diagnostic::error(
+                    codes::FLEXIBLE_NUMBER,
+                    format!("`{name}` of `{}` must be positive", word.word),
+                )
+                .at(expr.span, "this is not"),
+            ))
+        };
+        let text = |e: &mut Self, name: &str| -> Eval<String> {
+            e.text_of(get(name), scope)?.ok_or(Reported)
+        };
+        let center = vector(self, "center")?;
+        let rigid = get("tie").is_some_and(|t| bare_word(t) == "rigid");
+        let place = match word.word {
+            "node" => {
+                let Some(id) = get("id") else {
+                    return Err(self.internal(value.span, "a node without its number"));
+                };
+                let number = self.integer(id, scope)?;
+                match u64::try_from(number) {
+                    Ok(n) if n > 0 => MarkerPlace::Node(n),
+                    _ => {
+                        return Err(self.report(
+                            Diagnostic::error(
+                                codes::FLEXIBLE_NUMBER,
+                                "the number of a node is positive",
+                            )
+                            .at(id.span, format!("this is {number}")),
+                        ));
+                    }
+                }
+            }
+            "set" => MarkerPlace::Set(text(self, "name")?),
+            "property" => MarkerPlace::Property(text(self, "name")?),
+            "ring" => {
+                let radius = positive(self, "radius")?;
+                MarkerPlace::Ring {
+                    center: center.unwrap_or_default(),
+                    axis: axis(self, "axis")?,
+                    radius,
+                    width: positive(self, "width")?,
+                    // chords of coarse facets sink by some percent of the radius; nodes lie on the surface itself
+                    tolerance: length(self, "tolerance")?.unwrap_or(1e-3 * radius),
+                }
+            }
+            "patch" => {
+                let radius = positive(self, "radius")?;
+                MarkerPlace::Patch {
+                    center: center.unwrap_or_default(),
+                    normal: axis(self, "normal")?,
+                    radius,
+                    tolerance: length(self, "tolerance")?.unwrap_or(1e-3 * radius),
+                }
+            }
+            "plane" => MarkerPlace::Patch {
+                center: vector(self, "point")?.unwrap_or_default(),
+                normal: axis(self, "normal")?,
+                radius: f64::INFINITY,
+                tolerance: length(self, "tolerance")?.unwrap_or(1e-6),
+            },
+            _ => return Err(self.internal(value.span, "no place on a mesh")),
+        };
+        // a ring or a patch is named by its middle; a set's is the mean of its nodes unless stated
+        let center = match word.word {
+            "set" | "property" | "plane" | "ring" | "patch" => center,
+            _ => None,
+        };
+        let x = get("x").map(|x| self.direction(x, scope)).transpose()?;
+        let z = get("z").map(|z| self.direction(z, scope)).transpose()?;
+        self.not_parallel(x, z, value.span, scope)?;
+        let nodes = self.orientation(x, z);
+        let mut axes = [0.0; 9];
+        for (number, node) in axes.iter_mut().zip(nodes) {
+            *number = match self.bench.bind.graph.as_constant(node) {
+                Some(known) => known,
+                None => {
+                    return Err(self.report(
+                        Diagnostic::error(
+                            codes::NOT_KNOWN,
+                            "the axes of a marker on a mesh must be known while compiling",
+                        )
+                        .at(value.span, "depend on a `param`")
+                        .with_help("make the parameter a `const`"),
+                    ));
+                }
+            };
+        }
+        Ok((place, rigid, center, axes))
+    }
+}

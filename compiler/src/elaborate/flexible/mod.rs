@@ -1,0 +1,365 @@
+//! Flexible bodies: what is to be reduced, with its markers and mode set.
+
+mod attributes;
+mod markers;
+mod modes;
+
+use super::scalar::Scalar;
+use super::value::{ScopeId, Value};
+use super::{Elaborator, Entry, Eval, Reported, location};
+use crate::codes;
+use crate::words::{Place, Word, word};
+use eng_grammar::ast::{self, ExprKind, ItemKind, Kind, Statement};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::flexible::{FlexibleSource, Freedoms, MarkerSource, ModeCount};
+use eng_system::system::{Body, BodyInertia, BodyRef, Origin};
+
+/// Markers by name, as a mode set writes them; found in the body that uses the set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkerName {
+    name: String,
+    /// Of an array: these.
+    index: Option<Vec<i64>>,
+    span: Span,
+}
+
+/// Part of a mode set before its markers are found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModePart {
+    kind: PartKind,
+    at: Vec<MarkerName>,
+    /// As listed; else those that the model's elements can load.
+    freedoms: Option<Freedoms>,
+    span: Span,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum PartKind {
+    Static,
+    Constraint,
+    Normal(ModeCount),
+    Given { format: String, file: String },
+}
+
+/// A flexible body before it is known which elements stand on its markers.
+#[derive(Clone, Debug)]
+pub(crate) struct FlexibleDraft {
+    pub source: FlexibleSource,
+    /// Terms whose markers are known, with their freedoms if listed.
+    pub terms: Vec<TermDraft>,
+    /// The system's markers, in the order of the source's.
+    pub markers: Vec<u32>,
+    /// Marker at the frame's origin.
+    pub origin: u32,
+    /// Names of the body.
+    pub scope: ScopeId,
+    pub support_span: Option<Span>,
+}
+
+/// A term with its markers found.
+#[derive(Clone, Debug)]
+pub(crate) struct TermDraft {
+    pub kind: TermKind,
+    pub at: Vec<u32>,
+    pub freedoms: Option<Freedoms>,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum TermKind {
+    Static,
+    Constraint,
+    Normal(ModeCount),
+    Given { format: String, file: String },
+}
+
+impl<'a> Elaborator<'a, '_> {
+    /// One flexible body.
+    pub fn flexible_body(
+        &mut self,
+        declaration: &'a ast::Declaration,
+        block: &'a ast::Block,
+        scope: ScopeId,
+        path: String,
+    ) -> Eval<u32> {
+        self.count_instance(declaration.name.span)?;
+        let module = self.scope(scope).module;
+        let own = self.new_scope(Some(scope), module, path.clone());
+        self.bench.bind.owner.clone_from(&path);
+        let body = self.bodies.len() as u32;
+        let index = self.flexible.len() as u32;
+        let place = Origin {
+            path: path.clone(),
+            used_at: Some(location(declaration.name.span)),
+            defined_at: None,
+        };
+        self.bodies.push(Body {
+            origin: place.clone(),
+            inertia: BodyInertia::Flexible(index),
+            position: None,
+            orientation: None,
+        });
+        self.body_scopes.push(own);
+        let reference = BodyRef::Body(body);
+        let origin = self.frame_marker(reference, format!("{path}.origin"));
+        self.define(own, "origin", Entry::Value(Value::Marker(origin)));
+        // holds its place while the parts are read
+        self.flexible.push(None);
+        let mut markers = Vec::new();
+        let mut known = Vec::new();
+        for item in &block.items {
+            if let ItemKind::Declaration(d) = &item.kind
+                && d.kind == Kind::Marker
+            {
+                // a marker's own message does not hide those of its neighbours
+                let entry = match self.markers_on_mesh(
+                    d,
+                    reference,
+                    own,
+                    &path,
+                    &mut markers,
+                    &mut known,
+                ) {
+                    Ok(marker) => Entry::Value(marker),
+                    Err(_) => Entry::Failed,
+                };
+                self.define(own, &d.name.text, entry);
+            }
+        }
+        let mut mesh = None;
+        let (mut stiffness, mut mass, mut material) = (None, None, None);
+        let mut element_rules = "exact".to_owned();
+        let (mut support, mut support_span) = (Vec::new(), None);
+        let (mut terms, mut modes_at) = (Vec::new(), None);
+        let mut damping = None;
+        let mut geometric_stiffness = false;
+        for item in &block.items {
+            let ItemKind::Attribute(a) = &item.kind else {
+                continue;
+            };
+            let value = &a.value;
+            match a.name.text.as_str() {
+                "mesh" => mesh = Some(self.mesh_source(value, own)?),
+                "stiffness" => stiffness = Some(self.matrix_source(value, own)?),
+                "mass" => mass = Some(self.matrix_source(value, own)?),
+                "material" => material = Some(self.material_source(value, own)?),
+                "element_rules" => element_rules = bare_word(value),
+                "support" => {
+                    support_span = Some(value.span);
+                    let names = self.marker_names(value, own)?;
+                    for name in names {
+                        support.extend(self.found(&name, &known, &path)?);
+                    }
+                    for index in &support {
+                        if let Some((_, marker)) = markers.get(*index as usize) {
+                            self.used_marker(*marker);
+                        }
+                    }
+                }
+                "modes" => {
+                    modes_at = Some(location(value.span));
+                    let parts = match self.evaluate(value, own)? {
+                        Value::ModeSet(parts) => parts,
+                        other => return Err(self.unfit(value.span, "a mode set", &other)),
+                    };
+                    for part in parts.iter() {
+                        terms.push(self.term(part, &known, &path)?);
+                    }
+                }
+                "damping" => damping = Some(self.damping(value, own)?),
+                "geometric_stiffness" => match self.evaluate(value, own)? {
+                    Value::Bool(b) => geometric_stiffness = b,
+                    other => return Err(self.unfit(value.span, "true or false", &other)),
+                },
+                _ => return Err(self.internal(a.name.span, "no attribute of a flexible body")),
+            }
+        }
+        let (Some(mesh), Some(modes_at), Some(damping)) = (mesh, modes_at, damping) else {
+            return Err(self.internal(
+                declaration.name.span,
+                "a flexible body without mesh, modes or damping",
+            ));
+        };
+        if stiffness.is_some() != mass.is_some() {
+            return Err(self.report(
+                Diagnostic::error(
+                    codes::FLEXIBLE_MATRICES,
+                    format!("{path} has one matrix from a file and one from its mesh"),
+                )
+                .at(declaration.name.span, "stiffness and mass belong together")
+                .with_help("give both `stiffness` and `mass`, or neither"),
+            ));
+        }
+        if let (Some(stiffness), Some(mass)) = (&stiffness, &mass) {
+            self.rows_of_matrices(stiffness, mass, declaration.name.span)?;
+        }
+        let (sources, indices): (Vec<MarkerSource>, Vec<u32>) = markers.into_iter().unzip();
+        self.flexible[index as usize] = Some(FlexibleDraft {
+            source: FlexibleSource {
+                origin: place,
+                mesh,
+                stiffness,
+                mass,
+                material,
+                element_rules,
+                markers: sources,
+                support,
+                support_at: support_span.map(location),
+                modes: Vec::new(),
+                modes_at,
+                damping,
+                geometric_stiffness,
+            },
+            terms,
+            markers: indices,
+            origin,
+            scope: own,
+            support_span,
+        });
+        for item in &block.items {
+            match &item.kind {
+                ItemKind::Statement(Statement::Start { target, value }) => {
+                    let _ = self.body_start(body, origin, target, value, own, true);
+                }
+                ItemKind::Statement(Statement::Guess { target, value }) => {
+                    let _ = self.body_start(body, origin, target, value, own, false);
+                }
+                _ => {}
+            }
+        }
+        Ok(body)
+    }
+
+    /// The word that is called and its arguments.
+    fn worded(
+        &mut self,
+        place: Place,
+        value: &'a ast::Expr,
+    ) -> Eval<(&'static Word, &'a [ast::Argument])> {
+        if let ExprKind::Call { callee, arguments } = &value.kind
+            && let ExprKind::Name(name) = &callee.kind
+            && let Some(word) = word(place, name)
+        {
+            return Ok((word, arguments));
+        }
+        Err(self.internal(value.span, &format!("this is not {}", place.text())))
+    }
+
+    fn known_number(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<f64> {
+        let value = self.evaluate(expr, scope)?;
+        let scalar = self.as_scalar(value, expr.span)?;
+        self.structural(scalar, expr.span)
+    }
+
+    fn known_vector(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<[f64; 3]> {
+        let value = self.evaluate(expr, scope)?;
+        let v = self.as_vector(value, expr.span)?;
+        let mut numbers = [0.0; 3];
+        for (number, s) in numbers.iter_mut().zip(v) {
+            *number = self.structural(s, expr.span)?;
+        }
+        Ok(numbers)
+    }
+
+    fn known_axis(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<[f64; 3]> {
+        match bare_word(expr).as_str() {
+            "x" => return Ok([1.0, 0.0, 0.0]),
+            "y" => return Ok([0.0, 1.0, 0.0]),
+            "z" => return Ok([0.0, 0.0, 1.0]),
+            _ => {}
+        }
+        let unit: [Scalar; 3] = self.direction(expr, scope)?;
+        let mut numbers = [0.0; 3];
+        for (number, s) in numbers.iter_mut().zip(unit) {
+            *number = self.structural(s, expr.span)?;
+        }
+        Ok(numbers)
+    }
+
+    fn text_of(&mut self, expr: Option<&'a ast::Expr>, scope: ScopeId) -> Eval<Option<String>> {
+        let Some(expr) = expr else {
+            return Ok(None);
+        };
+        if !matches!(expr.kind, ExprKind::Text(_)) {
+            return match self.evaluate(expr, scope)? {
+                Value::Text(text) => Ok(Some(text)),
+                other => Err(self.unfit(expr.span, "a text", &other)),
+            };
+        }
+        let written = crate::words::inside_quotes(self.sources, expr.span);
+        let mut text = String::new();
+        for part in eng_grammar::parse_message(&written, self.diagnostics) {
+            match part {
+                eng_grammar::MessagePart::Text(t) => text.push_str(&t),
+                eng_grammar::MessagePart::Value { value, .. } => {
+                    match self.evaluate_owned(&value, scope)? {
+                        Value::Int(i) => text.push_str(&i.to_string()),
+                        Value::Text(t) => text.push_str(&t),
+                        other => {
+                            let found = other.kind();
+                            return Err(self.report(
+                                Diagnostic::error(
+                                    codes::MESSAGE_FORM,
+                                    "a name is made of texts and whole numbers",
+                                )
+                                .at(value.span, format!("this is {found}")),
+                            ));
+                        }
+                    }
+                }
+            }
+        }
+        Ok(Some(text))
+    }
+
+    /// Bodies with supports stand on the ground: their frames are welded to it where they are at the start.
+    pub fn weld_supports(&mut self) {
+        let welds: Vec<(String, u32, ScopeId, Span)> = self
+            .flexible
+            .iter()
+            .flatten()
+            .filter_map(|d| {
+                let path = d.source.origin.path.clone();
+                Some((path, d.origin, d.scope, d.support_span?))
+            })
+            .collect();
+        for (path, origin, scope, span) in welds {
+            let class = self
+                .program
+                .weld()
+                .map_or(Err(Reported), |id| self.class_of(id, span));
+            let Ok(class) = class else {
+                self.internal(span, "the library's weld is not there");
+                continue;
+            };
+            let path = format!("{path}.support");
+            let ground = self.ground_at(origin, format!("ground at {path}"), span);
+            let bound = vec![
+                (
+                    "a".to_owned(),
+                    super::Argument::Value(Value::Marker(origin)),
+                ),
+                (
+                    "b".to_owned(),
+                    super::Argument::Value(Value::Marker(ground)),
+                ),
+            ];
+            let caller = self.module_scopes[class.definition.module as usize];
+            let made = self.element_of_class(class, bound, None, caller, path, span);
+            self.bench.element = None;
+            let entry = match made {
+                Ok(element) => Entry::Value(Value::Element(element)),
+                Err(_) => Entry::Failed,
+            };
+            self.define(scope, "support", entry);
+        }
+    }
+}
+
+/// The word of a bare name; empty for anything else.
+fn bare_word(expr: &ast::Expr) -> String {
+    match &expr.kind {
+        ExprKind::Name(name) => name.clone(),
+        _ => String::new(),
+    }
+}

@@ -1,0 +1,243 @@
+//! What a file holds, told by its beginning: for the message where it is not what the model states.
+
+use std::io::Read;
+
+use super::{Files, number};
+use crate::error::{FileProblem, FlexibleError, Place};
+
+/// Bytes that are looked at.
+const BEGINNING: u64 = 1 << 16;
+
+/// Words with which lines of a Nastran deck begin before anything else of it is met.
+const NASTRAN_WORDS: [&str; 40] = [
+    "ID", "NASTRAN", "INIT", "ASSIGN", "SOL", "TIME", "CEND", "TITLE", "SUBTITLE", "LABEL", "ECHO",
+    "SUBCASE", "METHOD", "DISP", "BEGIN", "INCLUDE", "PARAM", "GRDSET", "GRID", "CORD1R", "CORD2R",
+    "CORD2C", "CORD2S", "DMIG", "MAT1", "PSOLID", "PBAR", "PBEAM", "CTETRA", "CHEXA", "CPENTA",
+    "CPYRAM", "CBAR", "CBEAM", "CQUAD4", "CTRIA3", "RBE2", "RBE3", "CONM2", "ENDDATA",
+];
+
+/// What a file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Content {
+    /// Cards of Nastran: a deck, or `DMIG`.
+    NastranCards,
+    /// Keywords of Abaqus or CalculiX.
+    AbaqusDeck,
+    /// A mesh of gmsh.
+    GmshMesh,
+    /// Nastran's OP2.
+    Op2,
+    /// Nastran's OP4, binary or text.
+    Op4,
+    /// Lines `node, freedom, node, freedom, value`.
+    MatrixByFreedoms,
+    /// Lines `row column value`.
+    MatrixByRows,
+    /// Lines `node.direction`.
+    Freedoms,
+    /// Mode shapes of Nastran's punch file.
+    PunchedShapes,
+    /// Results of CalculiX.
+    Frd,
+}
+
+impl Content {
+    /// For messages: "the file holds …".
+    fn text(self) -> &'static str {
+        match self {
+            Content::NastranCards => "cards of Nastran",
+            Content::AbaqusDeck => "keywords of an Abaqus or CalculiX input file",
+            Content::GmshMesh => "a mesh of gmsh",
+            Content::Op2 => "data blocks of Nastran's OP2",
+            Content::Op4 => "matrices of Nastran's OP4",
+            Content::MatrixByFreedoms => {
+                "a matrix of Abaqus, in lines \"node, freedom, node, freedom, value\""
+            }
+            Content::MatrixByRows => {
+                "a matrix of Abaqus or CalculiX, in lines \"row column value\""
+            }
+            Content::Freedoms => "the freedoms of CalculiX's matrices, in lines \"node.direction\"",
+            Content::PunchedShapes => "mode shapes of Nastran's punch file",
+            Content::Frd => "results of CalculiX (.frd)",
+        }
+    }
+
+    /// What a file holds, where its beginning tells. A compressed one is unpacked.
+    fn of(files: &dyn Files, file: &str) -> Option<Content> {
+        let mut bytes = Vec::new();
+        let mut beginning = super::open(files, file).ok()?.take(BEGINNING);
+        // what comes before an error serves
+        let _ = beginning.read_to_end(&mut bytes);
+        Content::of_binary(&bytes).or_else(|| Content::of_text(&String::from_utf8_lossy(&bytes)))
+    }
+
+    /// By the length of the first record, in either order of bytes.
+    fn of_binary(bytes: &[u8]) -> Option<Content> {
+        let first = *bytes.first_chunk::<4>()?;
+        [i32::from_le_bytes(first), i32::from_be_bytes(first)]
+            .into_iter()
+            .find_map(|length| match length {
+                4 | 8 => Some(Content::Op2),
+                24 | 48 => Some(Content::Op4),
+                _ => None,
+            })
+    }
+
+    fn of_text(text: &str) -> Option<Content> {
+        let mut lines = text.lines().filter(|line| !line.trim().is_empty());
+        lines.find_map(|line| {
+            let trimmed = line.trim();
+            match trimmed.as_bytes() {
+                [b'$', ..] if trimmed == "$MeshFormat" || trimmed == "$NOD" => {
+                    Some(Content::GmshMesh)
+                }
+                [b'$', ..] if trimmed.starts_with("$EIGENV") => Some(Content::PunchedShapes),
+                // comments of Nastran and of Abaqus
+                [b'$', ..] | [b'*', b'*', ..] => None,
+                [b'*', letter, ..] if letter.is_ascii_alphabetic() => Some(Content::AbaqusDeck),
+                [b'1', b'C' | b'U', ..] if line.starts_with("    1") => Some(Content::Frd),
+                _ => Content::of_numbers(line).or_else(|| Content::of_card(trimmed)),
+            }
+        })
+    }
+
+    fn of_numbers(line: &str) -> Option<Content> {
+        let whole = |text: &&str| number::integer(text).is_some();
+        // the head of a matrix: four whole numbers in eight columns each, a name
+        let column = |i: usize| line.get(8 * i..8 * i + 8).map_or("", str::trim);
+        let name = line.get(32..40).map_or("", str::trim);
+        if (0..4).all(|i| whole(&column(i))) && name.starts_with(|c: char| c.is_alphabetic()) {
+            return Some(Content::Op4);
+        }
+        let fields: Vec<&str> = line
+            .split([',', ' ', '\t'])
+            .filter(|field| !field.is_empty())
+            .collect();
+        let (value, places) = fields.split_last()?;
+        number::real(value)?;
+        match (places.len(), places.iter().all(whole)) {
+            (4, true) => Some(Content::MatrixByFreedoms),
+            (2, true) => Some(Content::MatrixByRows),
+            (0, true) if value.contains('.') => Some(Content::Freedoms),
+            _ => None,
+        }
+    }
+
+    fn of_card(line: &str) -> Option<Content> {
+        let word = line
+            .split(|c: char| !c.is_ascii_alphanumeric())
+            .next()?
+            .to_ascii_uppercase();
+        NASTRAN_WORDS
+            .contains(&word.as_str())
+            .then_some(Content::NastranCards)
+    }
+}
+
+/// A format that a model states by a word.
+pub(crate) trait Stated: Copy + PartialEq + 'static {
+    /// Names that a model can state, with what they stand for.
+    const NAMED: &'static [(&'static str, Self)];
+    /// What files of these formats are read for: "meshes".
+    const READ_FOR: &'static str;
+
+    /// Whether its reader is the one for such a file.
+    fn reads(self, content: Content) -> bool;
+
+    /// How the model states the format of this name.
+    fn written(name: &str) -> String {
+        format!("`{name}(…)`")
+    }
+}
+
+/// What a reader gave, but for a damaged packed file, whose rubbish it took for text; and for a file that is another's: then both formats
+/// are named, and the word that reads it.
+pub(crate) fn explained<F: Stated, T>(
+    files: &dyn Files,
+    file: &str,
+    stated: F,
+    read: Result<T, FlexibleError>,
+) -> Result<T, FlexibleError> {
+    let problem = match read {
+        Err(FlexibleError::File(problem)) => problem,
+        other => return other,
+    };
+    if let Some(damage) = super::damaged_packing(files, &problem.file) {
+        return Err(FileProblem {
+            file: problem.file,
+            place: Place::File,
+            problem: format!("the compressed file is damaged: {damage}"),
+            advice: "copy or compress it again; `gzip -t` tests it".into(),
+        }
+        .into());
+    }
+    let content = Content::of(files, file).filter(|content| !stated.reads(*content));
+    let Some(content) = content else {
+        return Err(problem.into());
+    };
+    let names = |wanted: &dyn Fn(F) -> bool| -> Vec<String> {
+        let fit = F::NAMED.iter().filter(|(_, format)| wanted(*format));
+        fit.map(|(name, _)| F::written(name)).collect()
+    };
+    let others = names(&|format| format.reads(content));
+    let advice = if others.is_empty() {
+        format!(
+            "{} are read by {}",
+            F::READ_FOR,
+            names(&|_| true).join(", ")
+        )
+    } else {
+        format!("write {} for this file", others.join(" or "))
+    };
+    Err(FileProblem {
+        file: file.into(),
+        place: Place::File,
+        problem: format!(
+            "the model states {}, but the file holds {}",
+            names(&|format| format == stated).join(" or "),
+            content.text()
+        ),
+        advice,
+    }
+    .into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contents_by_their_beginning() {
+        for (text, content) in [
+            ("$MeshFormat\n4.1 0 8\n", Content::GmshMesh),
+            ("\r\n** a mesh\r\n*Heading\r\n", Content::AbaqusDeck),
+            ("$ a deck\nSOL 103\n", Content::NastranCards),
+            ("grid,1,,0.,0.,0.\n", Content::NastranCards),
+            ("$TITLE   =\n$EIGENVECTOR\n", Content::PunchedShapes),
+            ("$TITLE   =\nDMIG    KGG  0\n", Content::NastranCards),
+            ("    1C\n    1UDATE\n", Content::Frd),
+            ("** k\n7,1, 8,1, -2.5e3\n", Content::MatrixByFreedoms),
+            ("1 2 2.5D+03\n", Content::MatrixByRows),
+            ("27.1\n27.2\n", Content::Freedoms),
+            (
+                "       6      -6       6       2KGG     1P,3E23.16\n",
+                Content::Op4,
+            ),
+        ] {
+            assert_eq!(Content::of_text(text), Some(content), "{text}");
+        }
+        for text in ["", "$ nothing\n", "{\"a\": 1}", "12\n", "Some words, 1.5\n"] {
+            assert_eq!(Content::of_text(text), None, "{text}");
+        }
+        for (bytes, content) in [
+            ([4, 0, 0, 0], Content::Op2),
+            ([0, 0, 0, 8], Content::Op2),
+            ([24, 0, 0, 0], Content::Op4),
+            ([0, 0, 0, 48], Content::Op4),
+        ] {
+            assert_eq!(Content::of_binary(&bytes), Some(content));
+        }
+        assert_eq!(Content::of_binary(b"$Mesh"), None);
+        assert_eq!(Content::of_binary(b"$"), None);
+    }
+}
