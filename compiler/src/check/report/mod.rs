@@ -61,7 +61,18 @@ pub fn reports(
             names: BTreeMap::new(),
         };
         for (docs, report) in written {
+            let span = report.name.span;
             if let Some(report) = reporter.report(docs, report) {
+                if report.entries.iter().all(|e| e.analyses().is_empty()) {
+                    reporter.tell(
+                        Diagnostic::warning(
+                            codes::REPORT_IDLE,
+                            format!("the report `{}` names no analysis", report.name),
+                        )
+                        .at(span, "nothing of it is made of results")
+                        .with_help("name channels after their analysis: `unfired.main[1].force.x`"),
+                    );
+                }
                 made.push(report);
             }
         }

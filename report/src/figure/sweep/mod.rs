@@ -118,6 +118,7 @@ mod tests {
             figure: figure.clone(),
             orders: vec![2.0, 4.0, 1000.0],
             natural_frequencies: vec![("first".to_owned(), 800.0), ("far".to_owned(), 1e5)],
+            modes: vec![(3000.0, 900.0), (3000.0, 1e5), (f64::NAN, 3.0)],
         };
         let svg = campbell.to_svg();
         assert!(svg.contains(">order 2<") && svg.contains(">order 4<") && !svg.contains(">far"));
