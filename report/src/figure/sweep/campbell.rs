@@ -174,8 +174,13 @@ impl Campbell {
                 continue;
             }
             let at = (area.x(*speed, &x.ticks), area.y(place, &y.ticks));
-            svg.circle(at, 4.5, None, Stroke::solid(Color::Surface, 3.4));
-            svg.circle(at, 4.5, None, Stroke::solid(Color::Series(1), 1.8));
+            svg.begin_group(
+                "mark",
+                &[("data-x", coordinate(at.0)), ("data-y", coordinate(at.1))],
+            );
+            svg.circle(at, 4.5, None, Stroke::solid(Color::MapSeam, 4.0));
+            svg.circle(at, 4.5, None, Stroke::solid(Color::OnMap, 1.8));
+            svg.end_group();
         }
     }
 }
