@@ -446,7 +446,8 @@ fn what_samples_cannot_tell_is_refused() {
             other => panic!("{name}: {other:?}"),
         }
     };
-    let fast = "is faster than samples every 100 us can tell, which is up to 5 kHz; run it with `sample:";
+    let fast =
+        "is faster than samples every 100 us can tell, which is up to 5 kHz; run it with `sample:";
     for name in ["high", "low", "band"] {
         assert_eq!(error(name), format!("timed: 6 kHz {fast} 83 us` or less"));
     }
@@ -493,7 +494,8 @@ fn what_samples_cannot_tell_is_refused() {
     );
     let axis = history(&report, "axis");
     assert!(
-        axis.subtitle.contains("the samples hold no more than order 360"),
+        axis.subtitle
+            .contains("the samples hold no more than order 360"),
         "{}",
         axis.subtitle
     );
@@ -501,7 +503,9 @@ fn what_samples_cannot_tell_is_refused() {
         panic!("no waterfall");
     };
     assert!(
-        map.figure.subtitle.ends_with("the samples hold no more than order 180"),
+        map.figure
+            .subtitle
+            .ends_with("the samples hold no more than order 180"),
         "{}",
         map.figure.subtitle
     );
@@ -510,7 +514,11 @@ fn what_samples_cannot_tell_is_refused() {
         "equal[1] and equal[2] both turn at 1200 rpm: over the speed they are one"
     );
     // what is no number is not passed over
-    assert!(error("odd").contains("is no finite number"), "{}", error("odd"));
+    assert!(
+        error("odd").contains("is no finite number"),
+        "{}",
+        error("odd")
+    );
     assert_eq!(error("none"), "None is no finite number");
 }
 
@@ -540,9 +548,13 @@ fn a_run_up_has_no_frequencies_by_orders() {
         &["up"],
     );
     let report = ran.report();
-    let due = "so that samples that lie evenly in crank angle give no frequencies by orders, nor orders by frequencies";
+    let due = "so that samples that lie evenly in crank angle tell no frequencies; run it with a `sample:` in milliseconds";
     for name in ["frequency", "line", "spectrum"] {
-        let entry = report.entries.iter().find(|e| e.name == name).expect("an entry");
+        let entry = report
+            .entries
+            .iter()
+            .find(|e| e.name == name)
+            .expect("an entry");
         let error = entry.outcome.clone().expect_err("no speed");
         assert!(
             matches!(error, PostError::SpeedChanges { .. }) && error.to_string().ends_with(due),
@@ -588,6 +600,86 @@ fn angles_are_of_the_cycle() {
     near(value(&report, "back_at"), -2.0, 1e-4);
     near(value(&report, "back_order"), 2e3, 1e-6);
     near(value(&report, "back_band"), 2e3 / 2f64.sqrt(), 1e-6);
+}
+
+/// The zero of degC is one of temperatures, not of their differences; one sample has extremes, and no frequencies.
+#[test]
+fn differences_of_points_and_single_samples() {
+    let model = "
+use std.joints.Revolute
+model Warm {
+    gravity = [0, 0, 0] m/s^2
+    marker pivot = [0, 0, 0] mm
+    body disc { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker hub = origin; start angular_velocity = [0, 0, 1]*1200 rpm }
+    joint pin = Revolute(disc.hub, pivot)
+    cycle angle = rotation(disc.hub, pivot) { period = 720 deg }
+    output oil: Temperature = 80 degC + 5 K*cos(2*cycle.angle) as degC
+    output still: Force = 0 N*cos(cycle.angle)
+}
+analysis turned = transient(Warm(), duration: 4 rev, sample: 1 deg)
+analysis begin = assemble(Warm())
+";
+    let ran = Ran::of(
+        model,
+        "report warm {
+            value mean = mean(last_cycle(turned.oil))
+            value swing = peak_to_peak(turned.oil)
+            value second = amplitude(turned.oil, 2)
+            value less = maximum(turned.oil - mean(turned.oil))
+            value ripple = maximum(high_pass(last_cycle(turned.oil), 1))
+            value passed = maximum(low_pass(last_cycle(turned.oil), 4))
+            value alternating = rms(turned.oil - 80 degC)
+            figure lines = spectrum(last_cycle(turned.oil), up_to: 10, window: rectangular)
+            figure shown = history(turned.oil)
+            figure silence = spectrum(turned.still, up_to: 10, reference: 1 N)
+            value first = maximum(begin.oil)
+            value whole = rms(begin.still)
+            value none = rms(low_pass(begin.oil - 80 degC, 1 kHz))
+        }",
+        &["turned", "begin"],
+    );
+    let report = ran.report();
+    let text = eng::post::text(&report);
+    let shown = |title: &str| -> (f64, String) {
+        let line = text
+            .lines()
+            .find(|line| line.trim_start().starts_with(title));
+        let mut words = line
+            .unwrap_or_else(|| panic!("{title}: {text}"))
+            .split_whitespace();
+        let number = words.nth(1).expect("a number").parse().expect("a number");
+        (number, words.collect::<Vec<_>>().join(" "))
+    };
+    for (title, due, unit) in [
+        ("Mean", 80.0, "degC"),
+        ("Swing", 10.0, "K"),
+        ("Second", 5.0, "K"),
+        ("Less", 5.0, "K"),
+        ("Ripple", 5.0, "K"),
+        ("Passed", 85.0, "degC"),
+        ("Alternating", 3.536, "K"),
+        ("First", 85.0, "degC"),
+    ] {
+        let (number, found) = shown(title);
+        near(number, due, 1e-4);
+        assert_eq!(found, unit, "{title}");
+    }
+    let lines = history(&report, "lines");
+    assert_eq!(
+        (lines.ordinate.unit.as_str(), lines.panels[0].x.len()),
+        ("K", 21)
+    );
+    near(lines.panels[0].curves[0].values[4], 5.0, 1e-6);
+    assert_eq!(history(&report, "shown").ordinate.unit, "°C");
+    // the level of nothing is below any axis
+    let silence = figure(&report, "silence").to_svg();
+    assert!(!silence.contains("NaN") && !silence.contains("inf"));
+    assert_eq!(value(&report, "whole"), 0.0);
+    let few = report.values("none").expect_err("one sample").to_string();
+    assert_eq!(
+        few,
+        "begin: frequencies need at least 4 samples, and there are 1"
+    );
 }
 
 /// A bob of 2.5 kg on a spring of 9000 N/m beside a disc that turns.

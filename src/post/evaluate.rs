@@ -18,6 +18,8 @@ use eng_system::report::{
 use eng_system::system::Extent;
 use std::rc::Rc;
 
+/// Samples below which nothing is said of how they lie.
+const FEWEST: usize = 4;
 /// Share of a frequency within which a mode counts as near it.
 const NEAR: f64 = 0.1;
 
@@ -311,6 +313,12 @@ impl<'r> Evaluator<'r> {
 /// How the samples of a signal lie.
 pub(super) fn sampled_track(track: &Track, preferred: Axis) -> Result<Sampled, PostError> {
     let samples = &track.samples;
+    if samples.time.len() < FEWEST {
+        return Err(PostError::Few {
+            analysis: samples.analysis.clone(),
+            count: samples.time.len(),
+        });
+    }
     sampled(&samples.time, samples.angle.as_deref(), preferred)
         .ok_or_else(|| PostError::Uneven(samples.analysis.clone()))
 }

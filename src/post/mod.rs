@@ -82,8 +82,18 @@ pub enum PostError {
         detail: String,
     },
     /// Samples without equal distances.
-    #[error("{0}: samples are even neither in time nor in crank angle")]
+    #[error(
+        "{0}: samples are even neither in time nor in crank angle; run it with a `sample:` from which on they are"
+    )]
     Uneven(String),
+    /// Too few samples for frequencies.
+    #[error("{analysis}: frequencies need at least 4 samples, and there are {count}")]
+    Few {
+        /// The analysis.
+        analysis: String,
+        /// How many there are.
+        count: usize,
+    },
     /// A shaft that stands, or is not known.
     #[error("{0}: the cycle does not turn, so that there are no orders")]
     NoSpeed(String),
@@ -115,7 +125,7 @@ pub enum PostError {
     },
     /// A speed that changes too much for frequencies to be orders.
     #[error(
-        "{analysis}: the speed goes from {from} to {to}, so that samples that lie evenly in {lie} give no frequencies by orders, nor orders by frequencies"
+        "{analysis}: the speed goes from {from} to {to}, so that samples that lie evenly in {lie} tell no {asked}; run it with a `sample:` in {needed}"
     )]
     SpeedChanges {
         /// The analysis.
@@ -126,6 +136,10 @@ pub enum PostError {
         to: String,
         /// What the samples lie evenly in.
         lie: &'static str,
+        /// What they do not tell.
+        asked: &'static str,
+        /// The unit of samples that do.
+        needed: &'static str,
     },
     /// Runs of equal speed where speeds are told apart.
     #[error("{first} and {second} both turn at {speed}: over the speed they are one")]

@@ -47,9 +47,11 @@ impl Natural {
         let mut natural = Natural::default();
         for results in all {
             let column = |path| crate::modes::values(results, path);
-            if let (Some(frequencies), Some(damping), Some(speeds)) =
-                (column(FREQUENCY), column(DAMPING_RATIO), column(CYCLE_SPEED))
-            {
+            if let (Some(frequencies), Some(damping), Some(speeds)) = (
+                column(FREQUENCY),
+                column(DAMPING_RATIO),
+                column(CYCLE_SPEED),
+            ) {
                 natural.push(results.analysis(), frequencies, damping, speeds);
             }
         }

@@ -578,7 +578,9 @@ fn not_held(settings: &plan::SpectrumSettings, reach: f64) -> Option<String> {
         plan::Axis::Frequency => Limit::Frequency(place),
         plan::Axis::Order => Limit::Order(place),
     };
-    let beyond = settings.up_to.is_some_and(|up_to| up_to > reach * (1.0 + 1e-6));
+    let beyond = settings
+        .up_to
+        .is_some_and(|up_to| up_to > reach * (1.0 + 1e-6));
     beyond.then(|| format!("the samples hold no more than {}", limit_text(limit(reach))))
 }
 

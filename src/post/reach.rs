@@ -113,12 +113,7 @@ impl Track {
     }
 
     /// Samples of a block that is a number of steps long; at least two, and no more than there are.
-    pub fn block(
-        &self,
-        sampled: &Sampled,
-        steps: f64,
-        stated: Extent,
-    ) -> Result<usize, PostError> {
+    pub fn block(&self, sampled: &Sampled, steps: f64, stated: Extent) -> Result<usize, PostError> {
         let refused = |why: String| PostError::Block {
             analysis: self.samples.analysis.clone(),
             block: extent_text(stated),
@@ -127,7 +122,9 @@ impl Track {
         let count = steps.round();
         if !(count >= 2.0) {
             let step = extent_text(length(sampled.sampling, 1.0));
-            return Err(refused(format!("shorter than two samples, which lie {step} apart")));
+            return Err(refused(format!(
+                "shorter than two samples, which lie {step} apart"
+            )));
         }
         if count > sampled.count as f64 {
             let whole = extent_text(length(sampled.sampling, sampled.count as f64));
@@ -143,14 +140,17 @@ impl Track {
         let speeds = self.samples.speed.iter().flatten().map(|s| s.abs() / TAU);
         let (low, high) = speeds.fold((speed, speed), |(low, high), s| (low.min(s), high.max(s)));
         if low < (1.0 - STEADY) * speed || high > (1.0 + STEADY) * speed {
+            let (lie, asked, needed) = match sampled.sampling {
+                Sampling::Time { .. } => ("time", "orders", "degrees"),
+                Sampling::Angle { .. } => ("crank angle", "frequencies", "milliseconds"),
+            };
             return Err(PostError::SpeedChanges {
                 analysis: self.samples.analysis.clone(),
                 from: speed_text(low),
                 to: speed_text(high),
-                lie: match sampled.sampling {
-                    Sampling::Time { .. } => "time",
-                    Sampling::Angle { .. } => "crank angle",
-                },
+                lie,
+                asked,
+                needed,
             });
         }
         Ok(speed)

@@ -99,7 +99,7 @@ pub(super) fn map_of(
 ) -> Result<(SweepMap, String), PostError> {
     let mut runs: Vec<(f64, Spectrum)> = Vec::with_capacity(members.len());
     let mut description = String::new();
-    let mut names = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
     for member in members {
         let track = evaluator.track(&member.expression)?;
         let (found, speed) = spectrum_of(&track, settings, display)?;

@@ -208,12 +208,7 @@ struct Spectra {
 
 /// Waterfalls and Campbell diagrams of the model's own forces and accelerations: of those of one name and different index the one
 /// with the largest amplitude at any speed.
-fn maps(
-    mut section: Section,
-    entry: &Entry,
-    modes: &[Entry],
-    family: &[&RunOutcome],
-) -> Section {
+fn maps(mut section: Section, entry: &Entry, modes: &[Entry], family: &[&RunOutcome]) -> Section {
     let Some(first) = family.first() else {
         return section;
     };
@@ -277,12 +272,7 @@ fn maps(
             map,
         };
         let natural = natural(modes, first.results.model());
-        let campbell = campbell(
-            &figure,
-            &spectra.column,
-            &title,
-            (orders(entry), &natural),
-        );
+        let campbell = campbell(&figure, &spectra.column, &title, (orders(entry), &natural));
         section = section.figure(
             Waterfall { figure },
             format!(

@@ -2,7 +2,7 @@
 
 use super::Reporter;
 use super::value::{Label, Member, Typed};
-use crate::check::types::Quantity;
+use crate::check::types::{Kind, Quantity};
 use crate::codes;
 use crate::elaborate::{AnalysisPlan, Structural, elaborate};
 use crate::program::{DefinitionId, Program};
@@ -481,7 +481,22 @@ impl<'a> Reporter<'a, '_> {
                 },
             });
         }
-        Some(Typed::signals(members, places.list, &first?))
+        let first = first?;
+        let kind = self.kind_of(&first);
+        let mut found = Typed::signals(members, places.list, &first);
+        found.quantity.kind = kind;
+        Some(found)
+    }
+
+    /// A column whose unit has a zero of its own is of points: degC of temperatures.
+    fn kind_of(&self, column: &Recorded) -> Kind {
+        let display = &column.display;
+        let unit = self.checker.program.units.get(&display.symbol);
+        let point = unit.and_then(|unit| unit.point.as_deref());
+        match point {
+            Some(point) if display.offset != 0.0 => Kind::Point(point.into()),
+            _ => Kind::Any,
+        }
     }
 }
 

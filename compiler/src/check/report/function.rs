@@ -137,7 +137,12 @@ impl<'a> Reporter<'a, '_> {
                 let (from, to) = (taken.option("from"), taken.option("to"));
                 let poles = taken.option("butterworth");
                 let filter = self.filter(from, to, poles, &of)?;
-                Some(of.mapped(|e| Expression::Filter(filter, Box::new(e))))
+                let mut made = of.mapped(|e| Expression::Filter(filter, Box::new(e)));
+                if filter.from.is_some() {
+                    // the mean is gone, and with it the zero
+                    made.quantity = difference(&made.quantity);
+                }
+                Some(made)
             }
             "last" => {
                 self.shaped(first, &of, Shape::Signal, "the argument of `last`")?;
@@ -336,6 +341,13 @@ impl<'a> Reporter<'a, '_> {
                     .with_help(
                         "of a signal over its samples take `minimum`, `maximum`, `mean` or `rms`",
                     ),
+            );
+            return None;
+        }
+        if operator == Operator::Add && of.quantity.plus(&of.quantity, false).is_err() {
+            self.tell(
+                Diagnostic::error(codes::OPERANDS, "points have differences, but no sum")
+                    .at(expr.span, self.checker.quantity_name(&of.quantity)),
             );
             return None;
         }
@@ -561,7 +573,7 @@ impl<'a> Reporter<'a, '_> {
 }
 
 /// What the difference of two such quantities is.
-fn difference(quantity: &Quantity) -> Quantity {
+pub(super) fn difference(quantity: &Quantity) -> Quantity {
     quantity
         .plus(quantity, true)
         .unwrap_or_else(|_| quantity.clone())

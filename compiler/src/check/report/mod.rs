@@ -279,7 +279,11 @@ impl<'a> Reporter<'a, '_> {
                 offset: unit.offset,
             });
         }
-        if let Some(display) = &typed.display {
+        // the zero of a unit is one of points alone
+        let point = matches!(typed.quantity.kind, super::types::Kind::Point(_));
+        if let Some(display) = &typed.display
+            && (point || display.offset == 0.0)
+        {
             return Some(display.clone());
         }
         Some(self.usual_display(&typed.quantity))

@@ -3,6 +3,7 @@
 use super::Reporter;
 use super::arguments::{Form, Taken};
 use super::channel::{are_modes, begins, not_one};
+use super::function::difference;
 use super::settings::{CAMPBELL, OVER, SPECTRUM};
 use super::value::{Label, Member, Shape, Typed};
 use crate::check::types::Quantity;
@@ -139,9 +140,11 @@ impl<'a> Reporter<'a, '_> {
         taken: &Taken<'a>,
         display: Option<&UnitExpr>,
     ) -> Option<Figure> {
-        let of = self.expression(first)?;
+        let mut of = self.expression(first)?;
         self.shaped(first, &of, Shape::Signal, &format!("what `{name}` shows"))?;
         self.of_samples(first, &of, name)?;
+        // an amplitude has no zero of its own
+        of.quantity = difference(&of.quantity);
         let shown = self.display(&of, display, first)?;
         let quantity = quantity_text(&of);
         let enough = match name {
@@ -271,6 +274,9 @@ impl<'a> Reporter<'a, '_> {
             ExprKind::List { items, unit: None } => items.iter().collect(),
             _ => vec![expr],
         };
+        if items.is_empty() {
+            self.refuse(expr, "the number of orders", "at least one")?;
+        }
         let mut orders = Vec::new();
         for item in items {
             let order = self.constant(item, &Quantity::one(), "an order")?;
