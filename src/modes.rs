@@ -6,6 +6,7 @@
 //! | `frequency`, `undamped_frequency` | ω/2π, \|λ\|/2π (Hz) of λ = growth ± iω; the first is 0 where nothing oscillates |
 //! | `damping_ratio` | −Re λ/\|λ\|: 1 of a decay, −1 of a growth without oscillation |
 //! | `growth` | Re λ (1/s) |
+//! | `cycle.speed` | at which it was linearised, of a model with a cycle |
 //! | `kinetic.B` | share of body B in the kinetic energy; of a flexible one also `kinetic.B.rigid` and `kinetic.B.mode[k]` |
 //! | `potential.P`, `lost.P` | share of flexible body or load P in the stored energy, in the lost power (negative: P feeds the mode) |
 //! | a channel's path, `….phase` | its amplitude while the mode has 1 J, and its phase against the mode's largest motion |
@@ -13,7 +14,9 @@
 use crate::results::{Column, Results, ResultsError};
 use eng_runtime::linearised::{LinearModes, Mode, Part, parts_of, stores};
 use eng_runtime::model::Model;
-use eng_system::{Dimension, DisplayUnit};
+use eng_system::recorded::{
+    DAMPING_RATIO, FREQUENCY, KINETIC, LOST, MODE, POTENTIAL, RIGID, Recorded, of_modes,
+};
 use std::f64::consts::PI;
 
 /// Key of the metadata that tells what the rows are, and its value for modes.
@@ -22,39 +25,15 @@ pub const ROWS: &str = "rows";
 pub const MODES: &str = "modes";
 /// Columns of every mode.
 pub const COLUMNS: [&str; 5] = [
-    "mode",
-    "frequency",
+    MODE,
+    FREQUENCY,
     "undamped_frequency",
-    "damping_ratio",
+    DAMPING_RATIO,
     "growth",
 ];
-/// Before the path of a body.
-const KINETIC: &str = "kinetic.";
 /// Parts that a line of the table names, and the smallest share that it does.
 const NAMED: usize = 4;
 const SMALLEST: f64 = 0.03;
-
-fn unit(symbol: &str, scale: f64) -> DisplayUnit {
-    DisplayUnit {
-        symbol: symbol.to_owned(),
-        scale,
-        offset: 0.0,
-    }
-}
-
-fn column(path: String, dimension: Dimension, display: DisplayUnit) -> Column {
-    Column {
-        path,
-        dimension,
-        display,
-        frame: String::new(),
-        values: Vec::new(),
-    }
-}
-
-fn share(path: String) -> Column {
-    column(path, Dimension::ONE, unit("%", 0.01))
-}
 
 /// Parts of one body: the first of them, and how many.
 fn bodies(parts: &[Part]) -> Vec<(usize, usize)> {
@@ -71,46 +50,58 @@ fn bodies(parts: &[Part]) -> Vec<(usize, usize)> {
 /// Columns without values, in the order of [`row`].
 pub(crate) fn push_columns(results: &mut Results, model: &Model) -> Result<(), ResultsError> {
     results.set_metadata(ROWS, MODES);
-    let per_time = Dimension::ONE.over(Dimension::TIME);
-    let displays = [
-        (Dimension::ONE, unit("1", 1.0)),
-        (per_time, unit("Hz", 1.0)),
-        (per_time, unit("Hz", 1.0)),
-        (Dimension::ONE, unit("%", 0.01)),
-        (per_time, unit("1/s", 1.0)),
-    ];
-    for (path, (dimension, display)) in COLUMNS.into_iter().zip(displays) {
-        results.push(column(path.to_owned(), dimension, display))?;
-    }
-    let parts = parts_of(model);
-    for (first, count) in bodies(&parts) {
-        let path = &parts[first].path;
-        results.push(share(format!("{KINETIC}{path}")))?;
-        if count > 1 {
-            results.push(share(format!("{KINETIC}{path}.rigid")))?;
-            for mode in 1..count {
-                results.push(share(format!("{KINETIC}{path}.mode[{mode}]")))?;
-            }
+    let (parts, stores) = (parts_of(model), stores(model));
+    let columns = of_modes(&model.compiled.system);
+    // amplitude and phase of every channel stand last
+    let own = columns
+        .len()
+        .saturating_sub(2 * model.compiled.system.channels.len());
+    for (place, recorded) in columns.into_iter().enumerate() {
+        if place >= own {
+            results.push(column(recorded))?;
+            continue;
         }
-    }
-    for kind in ["potential", "lost"] {
-        for store in stores(model) {
-            results.push(share(format!("{kind}.{store}")))?;
+        let path = recorded.path.as_str();
+        let store = [POTENTIAL, LOST]
+            .into_iter()
+            .find_map(|kind| path.strip_prefix(kind));
+        if store.is_some_and(|store| stores.iter().all(|known| known != store)) {
+            continue;
         }
-    }
-    for channel in &model.compiled.system.channels {
-        let display = DisplayUnit {
-            offset: 0.0,
-            ..channel.display.clone()
+        let body = path
+            .strip_prefix(KINETIC)
+            .and_then(|path| path.strip_suffix(RIGID))
+            .map(str::to_owned);
+        let share = recorded.clone();
+        let Some(body) = body else {
+            results.push(column(recorded))?;
+            continue;
         };
-        results.push(Column {
-            frame: channel.frame.clone(),
-            ..column(channel.path.clone(), channel.dimension, display)
-        })?;
-        let phase = format!("{}.phase", channel.path);
-        results.push(column(phase, Dimension::ANGLE, unit("deg", PI / 180.0)))?;
+        let of_body = parts.iter().filter(|part| part.path == body);
+        let modes: Vec<usize> = of_body.filter_map(|part| part.mode).collect();
+        // of a body that only moves as a whole its share says it all
+        if modes.is_empty() {
+            continue;
+        }
+        results.push(column(recorded))?;
+        for mode in modes {
+            results.push(column(Recorded {
+                path: format!("{KINETIC}{body}.mode[{mode}]"),
+                ..share.clone()
+            }))?;
+        }
     }
     Ok(())
+}
+
+fn column(recorded: Recorded) -> Column {
+    Column {
+        path: recorded.path,
+        dimension: recorded.dimension,
+        display: recorded.display,
+        frame: recorded.frame,
+        values: Vec::new(),
+    }
 }
 
 /// The values (SI) of a mode, in the order of [`push_columns`].
@@ -122,6 +113,7 @@ pub(crate) fn row(modes: &LinearModes, index: usize, mode: &Mode) -> Vec<f64> {
         mode.damping_ratio(),
         mode.value.re,
     ];
+    row.extend(modes.cycle_speed);
     let kinetic = &mode.shares.kinetic;
     for (first, count) in bodies(&modes.parts) {
         let own = kinetic.get(first..first + count).unwrap_or_default();
@@ -233,6 +225,7 @@ pub(crate) fn composition(results: &Results, row: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use eng_system::{Dimension, DisplayUnit};
 
     #[test]
     fn parts_are_named_from_columns() {
@@ -245,9 +238,14 @@ mod tests {
             ("kinetic.rod[1]", 0.16),
             ("kinetic.rod[2]", 0.02),
         ] {
-            let mut column = share(path.to_owned());
-            column.values.push(value);
-            results.push(column).unwrap();
+            let share = Column {
+                path: path.to_owned(),
+                dimension: Dimension::ONE,
+                display: DisplayUnit::si(Dimension::ONE),
+                frame: String::new(),
+                values: vec![value],
+            };
+            results.push(share).unwrap();
         }
         assert_eq!(
             composition(&results, 0),

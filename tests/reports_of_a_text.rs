@@ -36,7 +36,11 @@ struct Ran {
 
 impl Ran {
     fn new(reports: &str, analyses: &[&str]) -> Ran {
-        let text = format!("{MODEL}{reports}");
+        Ran::of(MODEL, reports, analyses)
+    }
+
+    fn of(model: &str, reports: &str, analyses: &[&str]) -> Ran {
+        let text = format!("{model}{reports}");
         let checked = eng::check(&Sources::from_text("spin.eng", text), "spin.eng");
         let program = checked
             .into_program()
@@ -362,6 +366,413 @@ fn bands_of_a_repeating_cycle() {
     );
 }
 
+/// At the ends of a transient, too; a last cycle is filtered round.
+#[test]
+fn bands_of_transients_hold_at_the_ends() {
+    let ran = Ran::new(
+        "report exact {
+            let slow = 1 kN + 3 kN*sin(2*pi * 50 Hz * timed.time)
+            let fast = 0.5 kN*cos(2*pi * 2 kHz * timed.time)
+            value low = maximum(abs(low_pass(timed.wave[1], 500 Hz) - slow))
+            value high = maximum(abs(high_pass(timed.wave[1], 500 Hz) - fast))
+            value band = maximum(abs(band(timed.wave[1], 1 kHz, 3 kHz) - fast))
+            value smooth = maximum(abs(low_pass(timed.wave[1], 300 Hz, butterworth: 10) - slow))
+            value part = maximum(abs(low_pass(last(timed.wave[1], 73 ms), 500 Hz) - last(slow, 73 ms)))
+            let fourth = 2 kN*cos(4*turned.cycle.angle - 1 rad)
+            value whole = maximum(abs(band(turned.ripple, 3, 5) - fourth))
+            value cycle = maximum(abs(band(last_cycle(turned.ripple), 3, 5) - last_cycle(fourth)))
+            value after = maximum(abs(last_cycle(band(turned.ripple, 3, 5)) - last_cycle(fourth)))
+            figure round = history(band(last_cycle(turned.ripple), 3, 5))
+            figure on = history(band(turned.ripple, 3, 5))
+        }",
+        &["timed", "turned"],
+    );
+    let report = ran.report();
+    for (name, most) in [
+        ("low", 1e-3),
+        ("high", 1e-3),
+        ("band", 1e-3),
+        ("smooth", 1e-3),
+        ("part", 1e-2),
+        ("whole", 1e-2),
+        ("cycle", 1e-2),
+        ("after", 1e-2),
+    ] {
+        let found = value(&report, name);
+        println!("{name}: {found:.1e} N of 3 kN");
+        assert!(found < most, "{name}: {found:e} N");
+    }
+    let subtitle = |name: &str| history(&report, name).subtitle.clone();
+    assert!(subtitle("round").ends_with("taken as periodic"));
+    assert!(subtitle("on").ends_with("continued beyond the ends by linear prediction"));
+}
+
+/// What samples cannot tell is refused, in the units of the text and with what to do.
+#[test]
+fn what_samples_cannot_tell_is_refused() {
+    let ran = Ran::new(
+        "report beyond {
+            value high = rms(high_pass(timed.wave[1], 6 kHz))
+            value low = rms(low_pass(timed.wave[1], 6 kHz))
+            value band = rms(band(timed.wave[1], 1 kHz, 6 kHz))
+            value order = amplitude(turned.ripple, 400)
+            value frequency = amplitude(turned.ripple, 8 kHz)
+            value slow = amplitude(timed.wave[1], 3 Hz)
+            value drift = rms(low_pass(timed.wave[1], 3 Hz))
+            value narrow = rms(band(timed.wave[1], 50 Hz, 52 Hz))
+            value long = rms(resample(last(turned.ripple, 2 rev), like: coarse.ripple))
+            figure block = spectrum(timed.wave[1], axis: frequency, block: 300 ms)
+            figure point = spectrum(timed.wave[1], axis: frequency, block: 0.1 ms)
+            figure turns = spectrum(turned.ripple, block: 6 rev)
+            figure orders = order_track(runup[*].ripple, orders: [2, 200])
+            figure along = order_track(turned.ripple, orders: 2, block: 5 rev)
+            figure half = order_track(turned.ripple, orders: [2, 0.1], block: 2 rev)
+            figure axis = spectrum(turned.ripple, up_to: 1000)
+            figure map = waterfall(runup[*].ripple, up_to: 300)
+            figure same = waterfall(equal[*].ripple)
+            value odd = maximum(max(timed.time - 1 s, log(timed.time/(1 s) - 1)*1 s))
+            value none = decibel(0*rms(timed.wave[1]), reference: 1 N)
+        }
+        analysis equal[k in 1..2] = transient(Spin(), duration: k*4 rev, sample: 1 deg)",
+        &[
+            "timed", "turned", "coarse", "runup[1]", "runup[2]", "runup[3]", "equal[1]", "equal[2]",
+        ],
+    );
+    let report = ran.report();
+    let error = |name: &str| {
+        let entry = report.entries.iter().find(|entry| entry.name == name);
+        match &entry.expect("an entry").outcome {
+            Err(error) => error.to_string(),
+            other => panic!("{name}: {other:?}"),
+        }
+    };
+    let fast =
+        "is faster than samples every 100 us can tell, which is up to 5 kHz; run it with `sample:";
+    for name in ["high", "low", "band"] {
+        assert_eq!(error(name), format!("timed: 6 kHz {fast} 83 us` or less"));
+    }
+    assert_eq!(
+        error("order"),
+        "turned: order 400 is faster than samples every 0.5 deg can tell, which is up to order 360; run it with `sample: 0.45 deg` or less"
+    );
+    // evenly sampled over time, too
+    assert!(error("frequency").starts_with("turned: 8 kHz is faster than samples every 69.44 us"));
+    let period = "has no whole period in the signal, which is 200 ms long";
+    assert_eq!(error("slow"), format!("timed: 3 Hz {period}"));
+    assert_eq!(error("drift"), format!("timed: 3 Hz {period}"));
+    assert_eq!(
+        error("narrow"),
+        format!("timed: the width from 50 Hz to 52 Hz {period}")
+    );
+    assert_eq!(
+        error("long"),
+        "turned goes from 720.000000 deg to 1440.000000 deg, and `like`, of coarse, from 0.000000 deg to 1440.000000 deg: it is asked for what it has not; take parts that agree: `last`, `last_cycle`"
+    );
+    assert_eq!(
+        error("block"),
+        "timed: a block of 300 ms is longer than the signal, 200 ms"
+    );
+    assert_eq!(
+        error("point"),
+        "timed: a block of 100 us is shorter than two samples, which lie 100 us apart"
+    );
+    assert_eq!(
+        error("turns"),
+        "turned: a block of 6 rev is longer than the signal, 4 rev"
+    );
+    assert_eq!(
+        error("orders"),
+        "runup[1]: order 200 is faster than samples every 1 deg can tell, which is up to order 180; run it with `sample: 0.9 deg` or less"
+    );
+    assert_eq!(
+        error("along"),
+        "turned: a block of 5 rev is longer than the signal, 4 rev"
+    );
+    assert_eq!(
+        error("half"),
+        "turned: order 0.1 has no whole period in the signal, which is 2 rev long"
+    );
+    let axis = history(&report, "axis");
+    assert!(
+        axis.subtitle
+            .contains("the samples hold no more than order 360"),
+        "{}",
+        axis.subtitle
+    );
+    let Figure::Waterfall(map) = figure(&report, "map") else {
+        panic!("no waterfall");
+    };
+    assert!(
+        map.figure
+            .subtitle
+            .ends_with("the samples hold no more than order 180"),
+        "{}",
+        map.figure.subtitle
+    );
+    assert_eq!(
+        error("same"),
+        "equal[1] and equal[2] both turn at 1200 rpm: over the speed they are one"
+    );
+    // what is no number is not passed over
+    assert!(
+        error("odd").contains("is no finite number"),
+        "{}",
+        error("odd")
+    );
+    assert_eq!(error("none"), "None is no finite number");
+}
+
+/// A speed that changes makes no frequencies of orders.
+#[test]
+fn a_run_up_has_no_frequencies_by_orders() {
+    let ran = Ran::new(
+        "model Faster {
+            gravity = [0, 0, 0] m/s^2
+            marker pivot = [0, 0, 0] mm
+            body disc { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker hub = origin; start angular_velocity = [0, 0, 1]*600 rpm }
+            joint pin = Revolute(disc.hub, pivot)
+            force motor = Motor(disc.hub, pivot)
+            cycle angle = rotation(disc.hub, pivot) { period = 720 deg }
+            output ripple: Force = 2 kN*cos(4*cycle.angle)
+        }
+        force Motor(a: Marker, b: Marker) { apply torque (0.1 N*m)*b.z on a against b }
+        analysis up = transient(Faster(), duration: 40 rev, sample: 1 deg)
+        report speeds {
+            value frequency = rms(band(up.ripple, 50 Hz, 100 Hz))
+            value order = rms(band(up.ripple, 3, 5))
+            value line = amplitude(up.ripple, 50 Hz)
+            figure spectrum = spectrum(up.ripple, axis: frequency)
+            figure orders = spectrum(up.ripple, axis: order)
+            figure tracks = order_track(up.ripple, orders: 4, block: 4 rev)
+        }",
+        &["up"],
+    );
+    let report = ran.report();
+    let due = "so that samples that lie evenly in crank angle tell no frequencies; run it with a `sample:` in milliseconds";
+    for name in ["frequency", "line", "spectrum"] {
+        let entry = report
+            .entries
+            .iter()
+            .find(|e| e.name == name)
+            .expect("an entry");
+        let error = entry.outcome.clone().expect_err("no speed");
+        assert!(
+            matches!(error, PostError::SpeedChanges { .. }) && error.to_string().ends_with(due),
+            "{error}"
+        );
+    }
+    near(value(&report, "order"), 2e3 / 2f64.sqrt(), 1e-5);
+    for name in ["orders", "tracks"] {
+        let _ = figure(&report, name);
+    }
+}
+
+/// The angle of a cycle that repeats counts from its begin, whatever cycle it was; a shaft turns either way.
+#[test]
+fn angles_are_of_the_cycle() {
+    let ran = Ran::new(
+        "analysis late = transient(Spin(), duration: 6.5 rev, sample: 1 deg)
+        analysis back = transient(Spin(speed: -1200 rpm), duration: 4 rev, sample: 1 deg)
+        report angles {
+            let wave = 2 kN*cos(0.5*steady.cycle.angle - 1 rad)
+            value at = maximum_at(wave)
+            value begin = minimum(steady.cycle.angle)
+            value end = maximum(steady.cycle.angle)
+            figure shown = history(steady.ripple)
+            value late_begin = minimum(last_cycle(late.cycle.angle))
+            value late_end = maximum(last_cycle(late.cycle.angle))
+            value same = rms(steady.ripple - last_cycle(turned.ripple))
+            value back_at = maximum_at(last_cycle(2 kN*cos(0.5*back.cycle.angle + 1 rad)))
+            value back_order = amplitude(last_cycle(back.ripple), 4, window: rectangular)
+            value back_band = rms(band(last_cycle(back.ripple), 3, 5))
+        }",
+        &["steady", "late", "turned", "back"],
+    );
+    let report = ran.report();
+    near(value(&report, "at"), 2.0, 1e-4);
+    assert!(value(&report, "begin").abs() < 1e-6);
+    near(value(&report, "end"), 2.0 * TAU, 1e-9);
+    let x = &history(&report, "shown").panels[0].x;
+    assert!(x[0].abs() < 1e-4 && (x[x.len() - 1] - 720.0).abs() < 1e-4);
+    near(value(&report, "late_begin"), PI, 1e-6);
+    near(value(&report, "late_end"), 5.0 * PI, 1e-6);
+    assert!(value(&report, "same") < 1e-3, "{}", value(&report, "same"));
+    near(value(&report, "back_at"), -2.0, 1e-4);
+    near(value(&report, "back_order"), 2e3, 1e-6);
+    near(value(&report, "back_band"), 2e3 / 2f64.sqrt(), 1e-6);
+}
+
+/// The zero of degC is one of temperatures, not of their differences; one sample has extremes, and no frequencies.
+#[test]
+fn differences_of_points_and_single_samples() {
+    let model = "
+use std.joints.Revolute
+model Warm {
+    gravity = [0, 0, 0] m/s^2
+    marker pivot = [0, 0, 0] mm
+    body disc { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker hub = origin; start angular_velocity = [0, 0, 1]*1200 rpm }
+    joint pin = Revolute(disc.hub, pivot)
+    cycle angle = rotation(disc.hub, pivot) { period = 720 deg }
+    output oil: Temperature = 80 degC + 5 K*cos(2*cycle.angle) as degC
+    output still: Force = 0 N*cos(cycle.angle)
+}
+analysis turned = transient(Warm(), duration: 4 rev, sample: 1 deg)
+analysis begin = assemble(Warm())
+";
+    let ran = Ran::of(
+        model,
+        "report warm {
+            value mean = mean(last_cycle(turned.oil))
+            value swing = peak_to_peak(turned.oil)
+            value second = amplitude(turned.oil, 2)
+            value less = maximum(turned.oil - mean(turned.oil))
+            value ripple = maximum(high_pass(last_cycle(turned.oil), 1))
+            value passed = maximum(low_pass(last_cycle(turned.oil), 4))
+            value alternating = rms(turned.oil - 80 degC)
+            figure lines = spectrum(last_cycle(turned.oil), up_to: 10, window: rectangular)
+            figure shown = history(turned.oil)
+            figure silence = spectrum(turned.still, up_to: 10, reference: 1 N)
+            value first = maximum(begin.oil)
+            value whole = rms(begin.still)
+            value none = rms(low_pass(begin.oil - 80 degC, 1 kHz))
+        }",
+        &["turned", "begin"],
+    );
+    let report = ran.report();
+    let text = eng::post::text(&report);
+    let shown = |title: &str| -> (f64, String) {
+        let line = text
+            .lines()
+            .find(|line| line.trim_start().starts_with(title));
+        let mut words = line
+            .unwrap_or_else(|| panic!("{title}: {text}"))
+            .split_whitespace();
+        let number = words.nth(1).expect("a number").parse().expect("a number");
+        (number, words.collect::<Vec<_>>().join(" "))
+    };
+    for (title, due, unit) in [
+        ("Mean", 80.0, "degC"),
+        ("Swing", 10.0, "K"),
+        ("Second", 5.0, "K"),
+        ("Less", 5.0, "K"),
+        ("Ripple", 5.0, "K"),
+        ("Passed", 85.0, "degC"),
+        ("Alternating", 3.536, "K"),
+        ("First", 85.0, "degC"),
+    ] {
+        let (number, found) = shown(title);
+        near(number, due, 1e-4);
+        assert_eq!(found, unit, "{title}");
+    }
+    let lines = history(&report, "lines");
+    assert_eq!(
+        (lines.ordinate.unit.as_str(), lines.panels[0].x.len()),
+        ("K", 21)
+    );
+    near(lines.panels[0].curves[0].values[4], 5.0, 1e-6);
+    assert_eq!(history(&report, "shown").ordinate.unit, "°C");
+    // the level of nothing is below any axis
+    let silence = figure(&report, "silence").to_svg();
+    assert!(!silence.contains("NaN") && !silence.contains("inf"));
+    assert_eq!(value(&report, "whole"), 0.0);
+    let few = report.values("none").expect_err("one sample").to_string();
+    assert_eq!(
+        few,
+        "begin: frequencies need at least 4 samples, and there are 1"
+    );
+}
+
+/// A bob of 2.5 kg on a spring of 9000 N/m beside a disc that turns.
+const SHAKEN: &str = "
+use std.joints.{Revolute, Translational}
+use std.forces.Bushing
+model Shaken {
+    param speed: AngularVelocity = 1200 rpm
+    gravity = [0, 0, 0] m/s^2
+    marker pivot = [0, 0, 0] mm
+    body disc { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker hub = origin; start angular_velocity = [0, 0, 1]*speed }
+    joint pin = Revolute(disc.hub, pivot)
+    cycle angle = rotation(disc.hub, pivot) { period = 360 deg }
+    body bob { mass = 2.5 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+    joint rail = Translational(bob.eye, pivot)
+    force spring = Bushing(bob.eye, pivot, stiffness: [0, 0, 9000] N/m, damping: [0, 0, 40] N*s/m,
+        torsional_stiffness: [0, 0, 0] N*m/rad, torsional_damping: [0, 0, 0] N*m*s/rad)
+    output place = dot(bob.eye.origin - pivot.origin, ground.z) as mm
+    output acceleration = dot(bob.eye.acceleration, ground.z)
+    output wave: Force = 2 kN*cos(cycle.angle)
+}
+analysis runup[s in 300 rpm .. 900 rpm by 300 rpm] = transient(Shaken(speed: s), duration: 4 rev, sample: 1 deg)
+analysis whirl[s in 300 rpm .. 900 rpm by 300 rpm] = linear(Shaken(speed: s))
+analysis standing = linear(Shaken())
+";
+
+#[test]
+fn reports_read_linear_analyses() {
+    let ran = Ran::of(
+        SHAKEN,
+        "report modes {
+            value frequency = mode(standing.frequency, 1)
+            value near = mode(standing.damping_ratio, 9 Hz)
+            value largest = maximum(standing.undamped_frequency)
+            value share = mode(standing.kinetic.bob, 1)
+            value stored = mode(standing.potential.spring, 1)
+            value speed = mode(standing.cycle.speed, 1)
+            value stiff = mode(standing.acceleration/standing.place, 1)
+            value swept = mode(whirl[*].frequency, 1)
+            value none = mode(standing.frequency, 2)
+            value far = mode(standing.frequency, 200 Hz)
+            figure swept_map = campbell(runup[*].wave, up_to: 100 Hz, orders: 1, modes: whirl[*])
+            figure one_map = campbell(runup[*].wave, up_to: 100 Hz, modes: standing)
+        }",
+        &[
+            "runup[1]", "runup[2]", "runup[3]", "whirl[1]", "whirl[2]", "whirl[3]", "standing",
+        ],
+    );
+    let report = ran.report();
+    let (m, c, k) = (2.5_f64, 40.0_f64, 9000.0_f64);
+    let undamped = (k / m).sqrt();
+    let ratio = c / (2.0 * (k * m).sqrt());
+    let frequency = undamped * (1.0 - ratio * ratio).sqrt() / TAU;
+    near(value(&report, "frequency"), frequency, 1e-9);
+    near(value(&report, "near"), ratio, 1e-9);
+    near(value(&report, "largest"), undamped / TAU, 1e-9);
+    near(value(&report, "share"), 1.0, 1e-9);
+    near(value(&report, "stored"), 1.0, 1e-9);
+    near(value(&report, "speed"), 40.0 * PI, 1e-9);
+    near(value(&report, "stiff"), undamped * undamped, 1e-9);
+    let swept = values(&report, "swept");
+    assert_eq!(swept.len(), 3);
+    swept.iter().for_each(|found| near(*found, frequency, 1e-9));
+    let error = |name: &str| report.values(name).expect_err("an error").to_string();
+    assert_eq!(error("none"), "standing has no mode 2: it has 1");
+    assert_eq!(
+        error("far"),
+        "standing has no mode within 10 % of 200 Hz: the nearest has 9.464 Hz"
+    );
+    let campbell = |name: &str| match figure(&report, name) {
+        Figure::Campbell(map) => map.clone(),
+        other => panic!("{name}: {other:?}"),
+    };
+    let map = campbell("swept_map");
+    assert!(map.natural_frequencies.is_empty());
+    for ((speed, found), due) in map.modes.iter().zip([300.0, 600.0, 900.0]) {
+        near(*speed, due, 1e-9);
+        near(*found, frequency, 1e-9);
+    }
+    assert_eq!(map.modes.len(), 3);
+    assert!(
+        map.figure
+            .subtitle
+            .ends_with("natural frequencies of whirl[1] to whirl[3], damping below 20 %"),
+        "{}",
+        map.figure.subtitle
+    );
+    let map = campbell("one_map");
+    assert_eq!(map.natural_frequencies[0].0, "mode 1");
+    near(map.natural_frequencies[0].1, frequency, 1e-9);
+    assert!(map.to_svg().contains("mode 1, 9 Hz"));
+}
+
 #[test]
 fn what_cannot_be_made_is_said_in_its_place() {
     let ran = Ran::new(
@@ -452,6 +863,7 @@ report waves \"Two waves\" {
     value turn = amplitude(turned.ripple, 4, window: rectangular)
 }
 report bounds { require maximum(timed.wave[2]) < limit else \"too much\" }
+report idle { value most = limit }
 ";
     let text = format!("{MODEL}{reports}");
     std::fs::write(folder.join("spin.eng"), &text).expect("a file");
@@ -476,6 +888,10 @@ report bounds { require maximum(timed.wave[2]) < limit else \"too much\" }
         "{first}"
     );
     assert!(!first.contains("waves-both.svg"), "{first}");
+    // one that names no analysis is not left out
+    assert!(first.contains("report idle: Idle\n"), "{first}");
+    let told = |line: &str| line.split_whitespace().eq(["Most", "9000", "N"]);
+    assert!(first.lines().any(told), "{first}");
     // the other run finds the first one's file
     let second = run("turned");
     assert!(
@@ -585,6 +1001,25 @@ fn the_examples_and_the_reference_report() {
             assert!(entry.outcome.is_ok(), "{}: {:?}", entry.name, entry.outcome);
         }
         assert!(!made.fails(), "{}", eng::post::text(&made));
+    }
+    // loads of journals are against the forces on the pins: the tip points at the side that carries them
+    let made = evaluate(&program.reports()[1], &runs);
+    let Figure::Polar(load) = figure(&made, "load") else {
+        panic!("no polar diagram");
+    };
+    assert!(load.subtitle.contains("load of the pins on their shells"));
+    let unfired = program.analysis("unfired").expect("an analysis");
+    let unfired = unfired.run(&mut |_| {}).expect("a run").results;
+    let column = |path: &str| &unfired.column(path).expect("a column").values;
+    let angle = column("cycle.angle");
+    let (x, y) = (column("main[2].force.x"), column("main[2].force.y"));
+    let curve = &load.curves[1];
+    let scale = if load.unit == "kN" { 1e3 } else { 1.0 };
+    for k in (0..angle.len()).step_by(97) {
+        let (sine, cosine) = angle[k].sin_cos();
+        let size = x[k].hypot(y[k]);
+        assert!((scale * curve.x[k] + x[k] * cosine + y[k] * sine).abs() < 1e-9 * size);
+        assert!((scale * curve.y[k] + y[k] * cosine - x[k] * sine).abs() < 1e-9 * size);
     }
     let made = evaluate(&program.reports()[0], &runs);
     // inertia and gas: the fired engine's journals carry more than 10 kN, on films of some micrometres

@@ -140,7 +140,8 @@ proptest! {
             limit: Some(limit),
         };
         drawn(Waterfall { figure: figure.clone() })?;
-        drawn(Campbell { figure, natural_frequencies: orders.iter().map(|o| (String::new(), *o)).collect(), orders })?;
+        let modes = orders.iter().map(|o| (*o, *o)).collect();
+        drawn(Campbell { figure, natural_frequencies: orders.iter().map(|o| (String::new(), *o)).collect(), modes, orders })?;
     }
 
     #[test]

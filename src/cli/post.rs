@@ -18,13 +18,13 @@ pub(super) fn reports(
     console: &mut Console<'_>,
 ) -> Result<bool, Stop> {
     let ran = |name: &str| outcomes.iter().any(|o| o.results.analysis() == name);
-    // a report of which nothing was run has nothing new to say
+    // a report of which nothing was run has nothing new to say; one that names no analysis says what it says each time
     let reports: Vec<_> = engine
         .reports()
         .into_iter()
         .filter(|report| {
-            let mut named = report.entries.iter().flat_map(|entry| entry.analyses());
-            named.any(ran)
+            let named: Vec<&str> = report.entries.iter().flat_map(|e| e.analyses()).collect();
+            named.is_empty() || named.into_iter().any(ran)
         })
         .collect();
     if reports.is_empty() {

@@ -32,7 +32,7 @@ pub(super) fn report(
         .results
         .clone()
         .unwrap_or_else(|| results_folder(&arguments.model));
-    let mut read = Vec::new();
+    let (mut read, mut of_modes) = (Vec::new(), Vec::new());
     let mut missing = Vec::new();
     for name in names {
         let file = |suffix: &str| folder.join(format!("{}{suffix}.parquet", file_stem(name)));
@@ -45,9 +45,11 @@ pub(super) fn report(
         if are_modes(&results) {
             writeln!(
                 console.errors,
-                "note: {name} holds modes, which the page does not show; `eng results {}` lists them",
+                "note: {name} holds modes: the page shows what reports of the text make of them, and natural frequencies in Campbell diagrams; `eng results {}` lists them",
                 path.display()
             )?;
+            let files = vec![told_of(hashed(&path), console)?];
+            of_modes.push((results, None, files));
             continue;
         }
         let mut files = vec![told_of(hashed(&path), console)?];
@@ -83,16 +85,19 @@ pub(super) fn report(
         )?;
         return Err(Stop::Code(USAGE_OR_SYSTEM));
     }
+    let in_time = read.len();
+    read.append(&mut of_modes);
     let results: Vec<&Results> = read.iter().map(|(results, ..)| results).collect();
     let described = match engine.describe(&results) {
         Ok(described) => described,
         Err(error) => return Err(explain_error(&error, &checked.sources, console)),
     };
-    let entries: Vec<Entry> = read
+    let mut entries: Vec<Entry> = read
         .into_iter()
         .zip(described)
         .map(|((results, motion, files), described)| Entry::new(results, motion, described, files))
         .collect();
+    let modes = entries.split_off(in_time);
     let file = arguments
         .model
         .file_name()
@@ -102,6 +107,7 @@ pub(super) fn report(
         make(Request {
             file: &file,
             entries: &entries,
+            modes: &modes,
             missing: &missing,
             reports: &engine.reports(),
             command: &command(arguments),

@@ -1,17 +1,27 @@
 //! Expressions over results.
 
+use super::reach::{extent_text, limit_text};
 use super::sampling::{Sampled, sampled};
 use super::track::{Samples, Track};
 use super::{PostError, Run};
+use crate::modes::are_modes;
 use crate::report::shifted;
 use crate::results::{CYCLE_ANGLE, CYCLE_SPEED, TIME};
 use eng_report::signal::{
     Axis, Band, Ends, Filter, Interpolation, Sampling, Signal, Slope, Window, component,
     maximum_at, minimum, resample,
 };
-use eng_system::report::{self as plan, Expression, Function, Limit, Operator, Part, Reduction};
+use eng_system::recorded::{FREQUENCY, MODE};
+use eng_system::report::{
+    self as plan, Chosen, Expression, Function, Limit, Operator, Part, Reduction,
+};
 use eng_system::system::Extent;
 use std::rc::Rc;
+
+/// Samples below which nothing is said of how they lie.
+const FEWEST: usize = 4;
+/// Share of a frequency within which a mode counts as near it.
+const NEAR: f64 = 0.1;
 
 /// A value while it is evaluated.
 enum Value {
@@ -83,33 +93,51 @@ impl<'r> Evaluator<'r> {
         }
     }
 
-    /// The samples of a run.
-    pub fn samples(&self, analysis: &str) -> Result<Samples, PostError> {
+    /// The values (SI) of a column.
+    pub fn column(&self, analysis: &str, path: &str) -> Result<&'r [f64], PostError> {
         let run = self.run(analysis)?;
-        let column = |path: &str| run.results.column(path).map(|c| c.values.clone());
-        Ok(Samples {
-            analysis: analysis.to_owned(),
-            time: column(TIME).ok_or_else(|| PostError::NoChannel {
-                analysis: analysis.to_owned(),
-                path: TIME.to_owned(),
-            })?,
-            angle: column(CYCLE_ANGLE),
-            speed: column(CYCLE_SPEED),
-        })
-    }
-
-    fn channel(&self, analysis: &str, path: &str) -> Result<Track, PostError> {
-        let run = self.run(analysis)?;
-        let column = run
-            .results
+        run.results
             .column(path)
+            .map(|column| column.values.as_slice())
             .ok_or_else(|| PostError::NoChannel {
                 analysis: analysis.to_owned(),
                 path: path.to_owned(),
-            })?;
+            })
+    }
+
+    /// The samples of a run; of one cycle that repeats the angle counts from its begin.
+    pub fn samples(&self, analysis: &str) -> Result<Samples, PostError> {
+        let run = self.run(analysis)?;
+        let modes = are_modes(run.results);
+        let kept = |path: &str| match modes {
+            true => None,
+            false => run.results.column(path).map(|c| c.values.clone()),
+        };
+        let mut samples = Samples {
+            analysis: analysis.to_owned(),
+            time: self
+                .column(analysis, if modes { MODE } else { TIME })?
+                .to_vec(),
+            angle: kept(CYCLE_ANGLE),
+            speed: kept(CYCLE_SPEED),
+            whole: false,
+        };
+        if let Some(period) = run.model.cycle_period.filter(|_| run.model.periodic) {
+            samples.angle = samples.angle.map(|angle| shifted(angle, Some(period)));
+            samples.whole = samples.cover(period);
+        }
+        Ok(samples)
+    }
+
+    fn channel(&self, analysis: &str, path: &str) -> Result<Track, PostError> {
+        let samples = self.samples(analysis)?;
+        let values = match (&samples.angle, path) {
+            (Some(angle), CYCLE_ANGLE) => angle.clone(),
+            _ => self.column(analysis, path)?.to_vec(),
+        };
         Ok(Track {
-            samples: Rc::new(self.samples(analysis)?),
-            values: column.values.clone(),
+            samples: Rc::new(samples),
+            values,
         })
     }
 
@@ -164,7 +192,17 @@ impl<'r> Evaluator<'r> {
                     }
                 }
             }
-            Expression::Last(part, of) => Value::Signal(self.last(*part, self.track(of)?)?),
+            Expression::Last(part, of) => {
+                let mut last = self.last(*part, self.track(of)?)?;
+                // what the others are over counts from the begin, too
+                if let (Part::Cycles(_), Expression::Channel { path, .. }, Some(angle)) =
+                    (part, &**of, &last.samples.angle)
+                    && path == CYCLE_ANGLE
+                {
+                    last.values.clone_from(angle);
+                }
+                Value::Signal(last)
+            }
             Expression::Filter(filter, of) => Value::Signal(filtered(filter, self.track(of)?)?),
             Expression::Resample(of, like) => {
                 Value::Signal(resampled(&self.track(of)?, &self.track(like)?)?)
@@ -176,7 +214,52 @@ impl<'r> Evaluator<'r> {
                 let track = self.track(of)?;
                 Value::Number(amplitude(*limit, *window, &track)?)
             }
+            Expression::Mode(chosen, of) => Value::Number(self.mode(*chosen, &self.track(of)?)?),
         })
+    }
+
+    /// What a column has for one of the modes.
+    fn mode(&self, chosen: Chosen, track: &Track) -> Result<f64, PostError> {
+        let analysis = &track.samples.analysis;
+        let numbers = &track.samples.time;
+        let row = match chosen {
+            Chosen::Number(number) => numbers
+                .iter()
+                .position(|other| *other == f64::from(number))
+                .ok_or_else(|| PostError::NoMode {
+                    analysis: analysis.clone(),
+                    number,
+                    count: numbers.len(),
+                })?,
+            Chosen::Near(frequency) => {
+                let nearest = self
+                    .column(analysis, FREQUENCY)?
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, own)| **own > 0.0)
+                    .min_by(|(_, a), (_, b)| {
+                        (*a - frequency).abs().total_cmp(&(*b - frequency).abs())
+                    });
+                let off = |own: f64| (own - frequency).abs() > NEAR * frequency;
+                match nearest {
+                    Some((row, own)) if !off(*own) => row,
+                    nearest => {
+                        return Err(PostError::NoModeNear {
+                            analysis: analysis.clone(),
+                            frequency: limit_text(Limit::Frequency(frequency)),
+                            nearest: match nearest {
+                                Some((_, own)) => {
+                                    let own = limit_text(Limit::Frequency(*own));
+                                    format!("the nearest has {own}")
+                                }
+                                None => "none oscillates".to_owned(),
+                            },
+                        });
+                    }
+                }
+            }
+        };
+        Ok(track.values.get(row).copied().unwrap_or(f64::NAN))
     }
 
     /// The last part of a signal.
@@ -187,27 +270,38 @@ impl<'r> Evaluator<'r> {
         };
         let samples = &track.samples;
         let period = self.run(&samples.analysis)?.model.cycle_period;
-        // first sample not before a place, where the samples reach so far back
+        // the sample after the last one that lies further from the end; a shaft turns either way
         let since = |values: &[f64], length: f64, slack: f64| {
-            let start = values.last()? - length;
-            if start < values.first()? - slack {
+            let (first, last) = (values.first()?, values.last()?);
+            let far = |value: &f64, length: f64| (last - value).abs() > length;
+            if !far(first, length - slack) {
                 return None;
             }
-            values.iter().position(|value| *value >= start - slack)
+            let before = values.iter().rposition(|v| far(v, length + slack));
+            Some(before.map_or(0, |before| before + 1))
         };
         let angle = samples.angle.as_deref().unwrap_or_default();
         let first = match part {
-            Part::Extent(Extent::Time(length)) => since(&samples.time, length, 1e-9 * length)
-                .ok_or_else(|| short(format!("{length} s")))?,
-            Part::Extent(Extent::Angle(length)) => since(angle, length, 1e-6)
-                .ok_or_else(|| short(format!("{:.6}°", length.to_degrees())))?,
+            Part::Extent(extent @ Extent::Time(length)) => {
+                since(&samples.time, length, 1e-9 * length)
+                    .ok_or_else(|| short(extent_text(extent)))?
+            }
+            Part::Extent(extent @ Extent::Angle(length)) => {
+                since(angle, length, 1e-6).ok_or_else(|| short(extent_text(extent)))?
+            }
             Part::Cycles(count) => period
                 .and_then(|period| since(angle, period * f64::from(count), 1e-6))
-                .ok_or_else(|| short(format!("{count} cycles")))?,
+                .ok_or_else(|| {
+                    short(match count {
+                        1 => "cycle".to_owned(),
+                        count => format!("{count} cycles"),
+                    })
+                })?,
         };
         let mut cut = samples.from(first);
-        if let Part::Cycles(_) = part {
-            cut.angle = cut.angle.map(|angle| shifted(angle, period));
+        if let (Part::Cycles(count), Some(period)) = (part, period) {
+            cut.angle = cut.angle.map(|angle| shifted(angle, Some(period)));
+            cut.whole = cut.cover(period * f64::from(count));
         }
         Ok(Track {
             samples: Rc::new(cut),
@@ -219,6 +313,12 @@ impl<'r> Evaluator<'r> {
 /// How the samples of a signal lie.
 pub(super) fn sampled_track(track: &Track, preferred: Axis) -> Result<Sampled, PostError> {
     let samples = &track.samples;
+    if samples.time.len() < FEWEST {
+        return Err(PostError::Few {
+            analysis: samples.analysis.clone(),
+            count: samples.time.len(),
+        });
+    }
     sampled(&samples.time, samples.angle.as_deref(), preferred)
         .ok_or_else(|| PostError::Uneven(samples.analysis.clone()))
 }
@@ -244,6 +344,8 @@ fn computed(operator: Operator, a: f64, b: f64) -> Option<f64> {
         Operator::Multiply => a * b,
         Operator::Divide => a / b,
         Operator::Power => libm::pow(a, b),
+        // what is no number is neither smaller nor larger
+        Operator::Minimum | Operator::Maximum if a.is_nan() || b.is_nan() => f64::NAN,
         Operator::Minimum => a.min(b),
         Operator::Maximum => a.max(b),
         _ => return None,
@@ -312,21 +414,17 @@ fn operated(operator: Operator, left: Value, right: Value) -> Result<Value, Post
     })
 }
 
-/// A limit as the samples count it (Hz or orders), by the mean speed where they lie on the other axis.
+/// A limit as the samples count it (Hz or orders), by the mean speed where they lie on the other axis; refused above half of the
+/// samples.
 fn counted(limit: Limit, sampled: &Sampled, track: &Track) -> Result<f64, PostError> {
-    let speed = || {
-        sampled
-            .speed
-            .map(f64::abs)
-            .filter(|speed| *speed > 0.0 && speed.is_finite())
-            .ok_or_else(|| PostError::NoSpeed(track.samples.analysis.clone()))
-    };
-    Ok(match (limit, sampled.sampling) {
+    let place = match (limit, sampled.sampling) {
         (Limit::Frequency(hertz), Sampling::Time { .. }) => hertz,
         (Limit::Order(order), Sampling::Angle { .. }) => order,
-        (Limit::Frequency(hertz), Sampling::Angle { .. }) => hertz / speed()?,
-        (Limit::Order(order), Sampling::Time { .. }) => order * speed()?,
-    })
+        (Limit::Frequency(hertz), Sampling::Angle { .. }) => hertz / track.steady_speed(sampled)?,
+        (Limit::Order(order), Sampling::Time { .. }) => order * track.steady_speed(sampled)?,
+    };
+    track.holds(sampled, place, limit)?;
+    Ok(place)
 }
 
 fn axis_of(limit: Limit) -> Axis {
@@ -350,7 +448,19 @@ pub(super) fn filter_of(
             .map(|limit| counted(limit, &sampled, track))
             .transpose()
     };
-    let band = match (count(filter.from)?, count(filter.to)?) {
+    let (from, to) = (count(filter.from)?, count(filter.to)?);
+    if !track.samples.whole {
+        for (stated, place) in [(filter.from, from), (filter.to, to)] {
+            if let (Some(stated), Some(place)) = (stated, place) {
+                track.resolves(&sampled, place, limit_text(stated))?;
+            }
+        }
+        if let (Some(low), Some(high), Some(from), Some(to)) = (filter.from, filter.to, from, to) {
+            let width = format!("the width from {} to {}", limit_text(low), limit_text(high));
+            track.resolves(&sampled, to - from, width)?;
+        }
+    }
+    let band = match (from, to) {
         (Some(from), Some(to)) => Band::Between { from, to },
         (Some(from), None) => Band::High { from },
         (None, Some(to)) => Band::Low { to },
@@ -362,45 +472,66 @@ pub(super) fn filter_of(
             Some(order) => Slope::Butterworth { order },
             None => Slope::BrickWall,
         },
-        ends: if filter.periodic {
+        ends: if track.samples.whole {
             Ends::Periodic
         } else {
-            Ends::Reflected
+            Ends::Continued
         },
     };
     Ok(Some((made, sampled)))
 }
 
-/// A periodic signal's last sample is its first again: it is left out, and put back.
 fn filtered(filter: &plan::Filter, mut track: Track) -> Result<Track, PostError> {
-    let Some((made, sampled)) = filter_of(filter, &track)? else {
-        return Ok(track);
-    };
-    let count = match made.ends {
-        Ends::Periodic => sampled.count,
-        Ends::Reflected => track.values.len(),
-    };
-    let signal = Signal {
-        values: track.values.get(..count).unwrap_or_default(),
-        sampling: sampled.sampling,
-    };
-    let mut values = made.apply(signal).map_err(|e| track.refused(e))?;
-    if made.ends == Ends::Periodic {
-        values.extend(values.first().copied());
+    if let Some((made, sampled)) = filter_of(filter, &track)? {
+        let signal = Signal {
+            values: &track.values,
+            sampling: sampled.sampling,
+        };
+        track.values = made.apply(signal).map_err(|e| track.refused(e))?;
     }
-    track.values = values;
     Ok(track)
 }
 
 /// The first signal at the samples of the second: over crank angle where both have one, else over time. The second must lie
 /// within the first.
 fn resampled(track: &Track, like: &Track) -> Result<Track, PostError> {
-    let (from, to) = match (&track.samples.angle, &like.samples.angle) {
-        (Some(from), Some(to)) => (from, to),
-        _ => (&track.samples.time, &like.samples.time),
+    let (from, to, extent): (_, _, fn(f64) -> Extent) =
+        match (&track.samples.angle, &like.samples.angle) {
+            (Some(from), Some(to)) => (from, to, Extent::Angle),
+            _ => (&track.samples.time, &like.samples.time, Extent::Time),
+        };
+    let ends = |values: &[f64]| Some((*values.first()?, *values.last()?));
+    let (own, asked) = (ends(from), ends(to));
+    if let (Some(own), Some(asked)) = (own, asked) {
+        let (low, high) = (own.0.min(own.1), own.0.max(own.1));
+        let slack = 1e-9 * (high - low);
+        let within = |place: f64| place >= low - slack && place <= high + slack;
+        if !(within(asked.0) && within(asked.1)) {
+            let text = |place: f64| match extent(place.abs()) {
+                Extent::Angle(_) => format!("{:.6} deg", place.to_degrees()),
+                Extent::Time(_) => format!("{place:.6} s"),
+            };
+            return Err(PostError::Outside {
+                analysis: track.samples.analysis.clone(),
+                other: like.samples.analysis.clone(),
+                own: [text(own.0), text(own.1)],
+                asked: [text(asked.0), text(asked.1)],
+            });
+        }
+    }
+    // a shaft turns either way
+    let sense = match own {
+        Some((first, last)) if last < first => -1.0,
+        _ => 1.0,
     };
-    let values =
-        resample(from, &track.values, to, Interpolation::Cubic).map_err(|e| track.refused(e))?;
+    let along = |values: &[f64]| values.iter().map(|x| sense * x).collect::<Vec<f64>>();
+    let values = resample(
+        &along(from),
+        &track.values,
+        &along(to),
+        Interpolation::Cubic,
+    )
+    .map_err(|e| track.refused(e))?;
     Ok(Track {
         samples: Rc::clone(&like.samples),
         values,
@@ -412,6 +543,7 @@ fn resampled(track: &Track, like: &Track) -> Result<Track, PostError> {
 fn amplitude(limit: Limit, window: plan::Window, track: &Track) -> Result<f64, PostError> {
     let sampled = sampled_track(track, axis_of(limit))?;
     let place = counted(limit, &sampled, track)?;
+    track.resolves(&sampled, place, limit_text(limit))?;
     let cycles = match sampled.sampling {
         Sampling::Time { step } => place * step,
         Sampling::Angle { step } => place * step / 360.0,
@@ -467,12 +599,23 @@ fn reduced(reduction: Reduction, track: &Track) -> Result<f64, PostError> {
             let squares: Vec<f64> = values.iter().map(|v| v * v).collect();
             Ok(mean(&track.samples.time, &squares).sqrt())
         }
-        Reduction::MinimumAt(by_time) => minimum(over(by_time), values)
-            .map(|found| found.position)
-            .map_err(|e| track.refused(e)),
-        Reduction::MaximumAt(by_time) => maximum_at(over(by_time), values)
-            .map(|found| found.position)
-            .map_err(|e| track.refused(e)),
+        Reduction::MinimumAt(by_time) | Reduction::MaximumAt(by_time) => {
+            let place = over(by_time);
+            // a shaft turns either way
+            let sense = match (place.first(), place.last()) {
+                (Some(first), Some(last)) if last < first => -1.0,
+                _ => 1.0,
+            };
+            let along: Vec<f64> = place.iter().map(|x| sense * x).collect();
+            let found = if let Reduction::MinimumAt(_) = reduction {
+                minimum(&along, values)
+            } else {
+                maximum_at(&along, values)
+            };
+            found
+                .map(|found| sense * found.position)
+                .map_err(|e| track.refused(e))
+        }
     }
 }
 

@@ -27,13 +27,16 @@
 //! ```
 
 mod evaluate;
+mod natural;
 mod picture;
+mod reach;
 mod sampling;
 mod section;
 mod spectra;
 mod table;
 mod track;
 
+pub(crate) use natural::Natural;
 pub(crate) use sampling::{Sampled, on, sampled};
 pub(crate) use section::section;
 pub use table::text;
@@ -46,6 +49,7 @@ use eng_report::figure::Figure;
 use eng_report::signal::SignalError;
 use eng_system::DisplayUnit;
 use eng_system::report::{EntryKind, MessagePart, Report};
+use eng_system::system::AnalysisKind;
 use evaluate::Evaluator;
 
 /// An entry that the results do not give.
@@ -78,11 +82,119 @@ pub enum PostError {
         detail: String,
     },
     /// Samples without equal distances.
-    #[error("{0}: samples are even neither in time nor in crank angle")]
+    #[error(
+        "{0}: samples are even neither in time nor in crank angle; run it with a `sample:` from which on they are"
+    )]
     Uneven(String),
+    /// Too few samples for frequencies.
+    #[error("{analysis}: frequencies need at least 4 samples, and there are {count}")]
+    Few {
+        /// The analysis.
+        analysis: String,
+        /// How many there are.
+        count: usize,
+    },
     /// A shaft that stands, or is not known.
     #[error("{0}: the cycle does not turn, so that there are no orders")]
     NoSpeed(String),
+    /// A frequency that the samples do not hold.
+    #[error(
+        "{analysis}: {stated} is faster than samples every {step} can tell, which is up to {highest}; run it with `sample: {needed}` or less"
+    )]
+    TooFast {
+        /// The analysis.
+        analysis: String,
+        /// The frequency or order.
+        stated: String,
+        /// Distance of the samples.
+        step: String,
+        /// The highest that they hold.
+        highest: String,
+        /// A distance that is small enough.
+        needed: String,
+    },
+    /// A frequency, or the width of a band, with less than a period in the signal.
+    #[error("{analysis}: {stated} has no whole period in the signal, which is {length} long")]
+    TooSlow {
+        /// The analysis.
+        analysis: String,
+        /// The frequency, order or width.
+        stated: String,
+        /// Length of the signal.
+        length: String,
+    },
+    /// A speed that changes too much for frequencies to be orders.
+    #[error(
+        "{analysis}: the speed goes from {from} to {to}, so that samples that lie evenly in {lie} tell no {asked}; run it with a `sample:` in {needed}"
+    )]
+    SpeedChanges {
+        /// The analysis.
+        analysis: String,
+        /// Lowest speed.
+        from: String,
+        /// Highest speed.
+        to: String,
+        /// What the samples lie evenly in.
+        lie: &'static str,
+        /// What they do not tell.
+        asked: &'static str,
+        /// The unit of samples that do.
+        needed: &'static str,
+    },
+    /// Runs of equal speed where speeds are told apart.
+    #[error("{first} and {second} both turn at {speed}: over the speed they are one")]
+    SameSpeed {
+        /// An analysis.
+        first: String,
+        /// Another one.
+        second: String,
+        /// Their speed.
+        speed: String,
+    },
+    /// A block that does not fit the samples.
+    #[error("{analysis}: a block of {block} is {why}")]
+    Block {
+        /// The analysis.
+        analysis: String,
+        /// Its length.
+        block: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// Samples that a signal is asked for and does not reach.
+    #[error(
+        "{analysis} goes from {} to {}, and `like`, of {other}, from {} to {}: it is asked for what it has not; take parts that agree: `last`, `last_cycle`", .own[0], .own[1], .asked[0], .asked[1]
+    )]
+    Outside {
+        /// The analysis that is resampled.
+        analysis: String,
+        /// The one whose samples are asked for.
+        other: String,
+        /// Its ends.
+        own: [String; 2],
+        /// The ends of the samples asked for.
+        asked: [String; 2],
+    },
+    /// A mode that a linear analysis has not.
+    #[error("{analysis} has no mode {number}: it has {count}")]
+    NoMode {
+        /// The analysis.
+        analysis: String,
+        /// Its number.
+        number: u32,
+        /// How many there are.
+        count: usize,
+    },
+    /// A frequency that no mode is near.
+    #[error("{analysis} has no mode within 10 % of {frequency}: {nearest}")]
+    NoModeNear {
+        /// The analysis.
+        analysis: String,
+        /// What was asked for.
+        frequency: String,
+        /// What there is.
+        nearest: String,
+    },
     /// A part that is longer than the run.
     #[error("{analysis}: the results are shorter than the last {part}")]
     Short {
@@ -127,6 +239,8 @@ pub struct RunModel {
     pub journals: Vec<JournalGeometry>,
     /// The cycle's period (rad), if there is a cycle.
     pub cycle_period: Option<f64>,
+    /// Whether the results are one cycle that repeats.
+    pub periodic: bool,
     /// Which shell axis is drawn upwards.
     pub upright: Upright,
     /// Firing dead centres: number of the cylinder and angle (rad).
@@ -145,6 +259,7 @@ impl RunModel {
         Ok(RunModel {
             journals: crate::local::journals(system, &bound),
             cycle_period: crate::analysis::cycle_period(compiled, &bound),
+            periodic: matches!(analysis.kind(), AnalysisKind::Periodic(_)),
             upright: crate::local::upright(system, &bound),
             firing: Vec::new(),
         })
@@ -156,6 +271,7 @@ impl From<&RunOutcome> for RunModel {
         RunModel {
             journals: outcome.journals.clone(),
             cycle_period: outcome.cycle_period,
+            periodic: outcome.periodic.is_some(),
             upright: outcome.upright,
             firing: Vec::new(),
         }
@@ -167,6 +283,7 @@ impl From<&Described> for RunModel {
         RunModel {
             journals: described.journals.clone(),
             cycle_period: described.cycle_period,
+            periodic: described.periodic,
             upright: described.upright,
             firing: described.firing.clone(),
         }

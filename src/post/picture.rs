@@ -1,6 +1,8 @@
 //! Figures of reports.
 
 use super::evaluate::{Evaluator, filter_of};
+use super::natural::Natural;
+use super::reach::limit_text;
 use super::spectra::{map_of, orders_along, orders_of, spectrum_of};
 use super::track::{Track, told_apart};
 use super::{PostError, Run};
@@ -13,7 +15,7 @@ use eng_report::figure::{
 use eng_report::readable_unit;
 use eng_report::signal::{Level, OrderTrack};
 use eng_system::DisplayUnit;
-use eng_system::report::{self as plan, Expression, Member, Part, Picture, Vector};
+use eng_system::report::{self as plan, Expression, Limit, Member, Part, Picture, Vector};
 
 /// Draws a figure.
 pub(super) fn figure(
@@ -41,12 +43,12 @@ pub(super) fn figure(
             figure: drawer.map(members, settings)?,
         }
         .into()),
-        Picture::Campbell(members, settings, orders) => Ok(Campbell {
-            figure: drawer.map(members, settings)?,
-            orders: orders.clone(),
-            natural_frequencies: Vec::new(),
-        }
-        .into()),
+        Picture::Campbell {
+            members,
+            settings,
+            orders,
+            modes,
+        } => drawer.campbell(members, settings, orders, modes),
     }
 }
 
@@ -137,9 +139,11 @@ impl Drawer<'_> {
                 }
                 Ok(())
             }
-            Expression::Map(_, of) | Expression::Last(_, of) | Expression::Decibel(_, of) => {
-                self.filters(of, found)
-            }
+            Expression::Map(_, of)
+            | Expression::Last(_, of)
+            | Expression::Decibel(_, of)
+            | Expression::Reduce(_, of)
+            | Expression::Amplitude(_, _, of) => self.filters(of, found),
             Expression::Binary(_, left, right) | Expression::Resample(left, right) => {
                 self.filters(left, found)?;
                 self.filters(right, found)
@@ -264,6 +268,9 @@ impl Drawer<'_> {
             let (spectrum, _) = spectrum_of(&track, settings, self.display())?;
             found.push((name, spectrum));
         }
+        let mut subtitle = vec![self.short_subtitle(&all)?];
+        let reach = found.iter().map(|(_, s)| s.reach());
+        subtitle.extend(not_held(settings, reach.fold(f64::INFINITY, f64::min)));
         let curves: Vec<_> = found.iter().map(|(name, s)| (name.clone(), s)).collect();
         let scale = if settings.logarithmic && settings.reference.is_none() {
             Scale::Logarithmic
@@ -272,7 +279,7 @@ impl Drawer<'_> {
         };
         Ok(spectra(
             self.title,
-            &self.short_subtitle(&all)?,
+            &subtitle.join("; "),
             self.amplitudes(&all, settings)?,
             scale,
             settings.up_to,
@@ -301,6 +308,28 @@ impl Drawer<'_> {
         Ok(ordinate)
     }
 
+    /// Spectra over speed, with the natural frequencies of linear analyses: of one speed lines across, of several a mark each.
+    fn campbell(
+        &self,
+        members: &[Member],
+        settings: &plan::SpectrumSettings,
+        orders: &[f64],
+        modes: &[String],
+    ) -> Result<Figure, PostError> {
+        let mut figure = self.map(members, settings)?;
+        let natural = Natural::of(modes, self.evaluator)?;
+        if let Some(said) = natural.said() {
+            figure.subtitle = format!("{}; {said}", figure.subtitle);
+        }
+        Ok(Campbell {
+            figure,
+            orders: orders.to_vec(),
+            natural_frequencies: natural.lines(),
+            modes: natural.marks(),
+        }
+        .into())
+    }
+
     fn map(
         &self,
         members: &[Member],
@@ -309,9 +338,15 @@ impl Drawer<'_> {
         let all: Vec<&Member> = members.iter().collect();
         let (map, description) = map_of(members, settings, self.display(), self.evaluator)?;
         let ordinate = self.amplitudes(&all, settings)?;
+        let mut subtitle = vec![self.short_subtitle(&all)?, description];
+        // beyond the samples of a run its row is empty
+        let filled = |row: &Vec<f64>| row.iter().take_while(|a| !a.is_nan()).count();
+        let held = map.amplitudes.iter().map(filled).min().unwrap_or(0);
+        let reach = held.checked_sub(1).and_then(|last| map.positions.get(last));
+        subtitle.extend(not_held(settings, reach.copied().unwrap_or_default()));
         Ok(SweepFigure {
             title: self.title.to_owned(),
-            subtitle: format!("{}; {description}", self.short_subtitle(&all)?),
+            subtitle: subtitle.join("; "),
             quantity: ordinate.quantity,
             unit: ordinate.unit,
             frame: ordinate.frame,
@@ -491,9 +526,14 @@ impl Drawer<'_> {
         }
         let analyses: Vec<&str> = vectors.iter().map(|v| v.analysis.as_str()).collect();
         let (period, upright) = self.view(&analyses)?;
+        let said = if vectors.iter().any(|vector| vector.load) {
+            "load of the pins on their shells: the tip points at the side that carries it"
+        } else {
+            "as recorded: forces of joints and journals are those on the first marker"
+        };
         Ok(Polar {
             title: self.title.to_owned(),
-            subtitle: format!("{}, not filtered", self.about(&analyses)?),
+            subtitle: format!("{}, not filtered; {said}", self.about(&analyses)?),
             quantity: capital(&self.figure.quantity),
             unit: readable_unit(&display.symbol),
             fixed_to,
@@ -530,6 +570,18 @@ impl Drawer<'_> {
         let period = model.cycle_period.map_or(360.0, f64::to_degrees);
         Ok((period, model.upright))
     }
+}
+
+/// What is said where an axis is asked to go on beyond what samples hold, up to `reach` (Hz, or orders).
+fn not_held(settings: &plan::SpectrumSettings, reach: f64) -> Option<String> {
+    let limit = |place| match settings.axis {
+        plan::Axis::Frequency => Limit::Frequency(place),
+        plan::Axis::Order => Limit::Order(place),
+    };
+    let beyond = settings
+        .up_to
+        .is_some_and(|up_to| up_to > reach * (1.0 + 1e-6));
+    beyond.then(|| format!("the samples hold no more than {}", limit_text(limit(reach))))
 }
 
 fn pairs(members: &[Member]) -> impl Iterator<Item = (&str, &str)> + Clone {

@@ -26,9 +26,9 @@ pub(crate) fn sampled(time: &[f64], angle: Option<&[f64]>, preferred: Axis) -> O
     let count = time.len().checked_sub(1)?;
     let by_angle = angle
         .and_then(even_step)
-        .filter(|step| *step > 0.0)
+        // a shaft turns either way
         .map(|step| Sampling::Angle {
-            step: step.to_degrees(),
+            step: step.abs().to_degrees(),
         });
     let by_time = even_step(time).map(|step| Sampling::Time { step });
     let sampling = match preferred {
@@ -55,7 +55,7 @@ fn even_step(values: &[f64]) -> Option<f64> {
 
 /// A spectrum on another axis, by the shaft's mean speed (1/s).
 pub(crate) fn on(axis: Axis, spectrum: &Spectrum, speed: Option<f64>) -> Option<Spectrum> {
-    let speed = speed.filter(|s| s.is_finite() && *s > 0.0);
+    let speed = speed.map(f64::abs).filter(|s| s.is_finite() && *s > 0.0);
     match (spectrum.axis, axis) {
         (Axis::Order, Axis::Frequency) => Some(Spectrum {
             axis,

@@ -2,6 +2,7 @@
 
 use super::PostError;
 use super::evaluate::{Evaluator, sampled_track, window_of};
+use super::reach::{limit_text, speed_text};
 use super::sampling::{Sampled, on};
 use super::track::Track;
 use eng_report::readable_unit;
@@ -10,7 +11,7 @@ use eng_report::signal::{
     SpectrumOptions, SweepMap, order_track, order_track_of_run_up, spectrum, sweep_map,
 };
 use eng_system::DisplayUnit;
-use eng_system::report::{self as plan, Member, SpectrumSettings};
+use eng_system::report::{self as plan, Limit, Member, SpectrumSettings};
 use eng_system::system::Extent;
 use std::f64::consts::TAU;
 
@@ -19,15 +20,6 @@ fn axis(axis: plan::Axis) -> Axis {
         plan::Axis::Frequency => Axis::Frequency,
         plan::Axis::Order => Axis::Order,
     }
-}
-
-/// Turns a second of a signal's shaft, above zero.
-fn speed_of(sampled: &Sampled, track: &Track) -> Result<f64, PostError> {
-    sampled
-        .speed
-        .map(f64::abs)
-        .filter(|speed| *speed > 0.0 && speed.is_finite())
-        .ok_or_else(|| PostError::NoSpeed(track.samples.analysis.clone()))
 }
 
 /// A spectrum, 0-peak, in the display unit or in decibels over a reference, with the shaft's mean speed (1/min) where there is
@@ -46,20 +38,33 @@ pub(super) fn spectrum_of(
         // the zero of a shifted unit is no part of an amplitude
         .map(|value| value / display.scale)
         .collect();
-    let block_length = match (settings.block, sampled.sampling) {
-        (None, _) => None,
-        (Some(Extent::Time(length)), Sampling::Time { step }) => Some(length / step),
-        (Some(Extent::Angle(length)), Sampling::Angle { step }) => Some(length.to_degrees() / step),
-        (Some(Extent::Time(length)), Sampling::Angle { step }) => {
-            Some(length * speed_of(&sampled, track)? * 360.0 / step)
-        }
-        (Some(Extent::Angle(length)), Sampling::Time { step }) => {
-            Some(length / TAU / speed_of(&sampled, track)? / step)
+    // before the other axis is made of it
+    let other = matches!(
+        (wanted, sampled.sampling),
+        (Axis::Frequency, Sampling::Angle { .. }) | (Axis::Order, Sampling::Time { .. })
+    );
+    if other {
+        track.steady_speed(&sampled)?;
+    }
+    let block_length = match settings.block {
+        None => None,
+        Some(stated) => {
+            let steps = match (stated, sampled.sampling) {
+                (Extent::Time(length), Sampling::Time { step }) => length / step,
+                (Extent::Angle(length), Sampling::Angle { step }) => length.to_degrees() / step,
+                (Extent::Time(length), Sampling::Angle { step }) => {
+                    length * track.steady_speed(&sampled)? * 360.0 / step
+                }
+                (Extent::Angle(length), Sampling::Time { step }) => {
+                    length / TAU / track.steady_speed(&sampled)? / step
+                }
+            };
+            Some(track.block(&sampled, steps, stated)?)
         }
     };
     let options = SpectrumOptions {
         window: window_of(settings.window),
-        block_length: block_length.map(|length| length.round() as usize),
+        block_length,
         overlap: settings.overlap,
         averaging: match settings.averaging {
             plan::Averaging::Linear => Averaging::Linear,
@@ -92,9 +97,9 @@ pub(super) fn map_of(
     display: &DisplayUnit,
     evaluator: &Evaluator<'_>,
 ) -> Result<(SweepMap, String), PostError> {
-    let mut runs = Vec::with_capacity(members.len());
+    let mut runs: Vec<(f64, Spectrum)> = Vec::with_capacity(members.len());
     let mut description = String::new();
-    let mut names = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
     for member in members {
         let track = evaluator.track(&member.expression)?;
         let (found, speed) = spectrum_of(&track, settings, display)?;
@@ -102,9 +107,17 @@ pub(super) fn map_of(
         if description.is_empty() {
             description = found.description();
         }
-        names.push(member.analysis.as_str());
         // a shaft's mean speed is told to a hundredth, whatever rounding makes of it
-        runs.push(((speed * 100.0).round() / 100.0, found));
+        let speed = (speed * 100.0).round() / 100.0;
+        if let Some(other) = runs.iter().position(|(known, _)| *known == speed) {
+            return Err(PostError::SameSpeed {
+                first: names.get(other).copied().unwrap_or_default().to_owned(),
+                second: member.analysis.clone(),
+                speed: speed_text(speed / 60.0),
+            });
+        }
+        names.push(member.analysis.as_str());
+        runs.push((speed, found));
     }
     let map = sweep_map(&runs).map_err(|source| PostError::Signal {
         analysis: names.join(", "),
@@ -122,7 +135,18 @@ pub(super) fn orders_of(
     let mut runs = Vec::with_capacity(tracks.len());
     for track in tracks {
         let sampled = sampled_track(track, Axis::Order)?;
-        let speed = speed_of(&sampled, track)?;
+        let speed = match sampled.sampling {
+            Sampling::Angle { .. } => track.mean_speed(&sampled)?,
+            Sampling::Time { .. } => track.steady_speed(&sampled)?,
+        };
+        for order in orders {
+            let place = match sampled.sampling {
+                Sampling::Angle { .. } => *order,
+                Sampling::Time { .. } => order * speed,
+            };
+            track.holds(&sampled, place, Limit::Order(*order))?;
+            track.resolves(&sampled, place, limit_text(Limit::Order(*order)))?;
+        }
         runs.push(Run {
             speed: 60.0 * speed,
             signal: Signal {
@@ -161,6 +185,16 @@ pub(super) fn orders_along(
         .iter()
         .map(|speed| speed.abs() * 60.0 / TAU)
         .collect();
+    let block = Extent::Angle(revolutions * TAU);
+    let length = track.block(&sampled, revolutions * 360.0 / step, block)?;
+    for order in orders {
+        track.holds(&sampled, *order, Limit::Order(*order))?;
+        let of_block = Sampled {
+            count: length,
+            ..sampled
+        };
+        track.resolves(&of_block, *order, limit_text(Limit::Order(*order)))?;
+    }
     let run = RunUp {
         values: &track.values,
         speeds: &speeds,

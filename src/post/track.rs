@@ -10,12 +10,14 @@ use std::rc::Rc;
 pub(super) struct Samples {
     /// The analysis.
     pub analysis: String,
-    /// Time (s).
+    /// Time (s); of a linear analysis, whose rows are modes, their numbers.
     pub time: Vec<f64>,
     /// Cycle angle (rad), if there is a cycle.
     pub angle: Option<Vec<f64>>,
     /// Rate of the cycle angle (rad/s), if there is a cycle.
     pub speed: Option<Vec<f64>>,
+    /// Whether they are whole cycles: the last sample is the first of the next.
+    pub whole: bool,
 }
 
 /// Share of the distance of samples by which those of two runs may lie apart.
@@ -30,7 +32,18 @@ impl Samples {
             time: tail(&self.time),
             angle: self.angle.as_ref().map(tail),
             speed: self.speed.as_ref().map(tail),
+            whole: false,
         }
+    }
+
+    /// Whether they cover an angle (rad) to a thousandth of their distance.
+    pub fn cover(&self, angle: f64) -> bool {
+        let Some(own) = &self.angle else { return false };
+        let (Some(first), Some(last)) = (own.first(), own.last()) else {
+            return false;
+        };
+        let step = angle / own.len().saturating_sub(1).max(1) as f64;
+        ((last - first).abs() - angle).abs() <= 1e-3 * step
     }
 
     /// Whether two runs were sampled at the same crank angles, or at the same times; if not, how they differ.
@@ -136,6 +149,7 @@ mod tests {
             time: times.to_vec(),
             angle: angles.map(<[f64]>::to_vec),
             speed: None,
+            whole: false,
         }
     }
 

@@ -28,6 +28,8 @@ pub struct Request<'a> {
     pub file: &'a str,
     /// The results.
     pub entries: &'a [Entry],
+    /// Results of linear analyses, for the reports of the text and for Campbell diagrams.
+    pub modes: &'a [Entry],
     /// Analyses without results.
     pub missing: &'a [String],
     /// The reports of the text.
@@ -70,6 +72,7 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
     let Request {
         file,
         entries,
+        modes,
         missing,
         reports,
         command,
@@ -118,14 +121,14 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
     let mut page = Page::new(format!("Report of {file}"))
         .subtitle(format!("analyses {}", names.join(", ")))
         .section(summary(entries, missing, &warnings));
-    for section in reported(reports, entries) {
+    for section in reported(reports, &[entries, modes].concat()) {
         page = page.section(section);
     }
     page = page.section(inputs(entries));
     if let Some(section) = flexible(entries) {
         page = page.section(section);
     }
-    for section in sweeps::sections(entries, &cut) {
+    for section in sweeps::sections(entries, modes, &cut) {
         page = page.section(section);
     }
     let compared = comparisons(entries, &cut);

@@ -5,6 +5,7 @@ use super::analyses::{acceleration, force};
 use super::spectra::{Hertz, ORDERS, in_hertz};
 use crate::cli::RunOutcome;
 use crate::cli::sweep::{families, table};
+use crate::post::Natural;
 use crate::results::{Column, Results};
 use eng_report::figure::{
     Abscissa, Campbell, Curve, History, Ordinate, Panel, Scale, SweepFigure, Waterfall,
@@ -25,8 +26,8 @@ const FEW: usize = 6;
 /// Columns of the table of more points.
 const COLUMNS: usize = 13;
 
-/// A section a sweep. `cut` are the last cycles of the entries.
-pub(super) fn sections(entries: &[Entry], cut: &[RunOutcome]) -> Vec<Section> {
+/// A section a sweep. `cut` are the last cycles of the entries, `modes` the linear analyses.
+pub(super) fn sections(entries: &[Entry], modes: &[Entry], cut: &[RunOutcome]) -> Vec<Section> {
     families(cut)
         .into_iter()
         .map(|family| {
@@ -46,7 +47,7 @@ pub(super) fn sections(entries: &[Entry], cut: &[RunOutcome]) -> Vec<Section> {
                 entries.iter().find(|e| e.name() == name)
             });
             match own {
-                Some(entry) => maps(section, entry, &family),
+                Some(entry) => maps(section, entry, modes, &family),
                 None => section,
             }
         })
@@ -207,7 +208,7 @@ struct Spectra {
 
 /// Waterfalls and Campbell diagrams of the model's own forces and accelerations: of those of one name and different index the one
 /// with the largest amplitude at any speed.
-fn maps(mut section: Section, entry: &Entry, family: &[&RunOutcome]) -> Section {
+fn maps(mut section: Section, entry: &Entry, modes: &[Entry], family: &[&RunOutcome]) -> Section {
     let Some(first) = family.first() else {
         return section;
     };
@@ -270,7 +271,8 @@ fn maps(mut section: Section, entry: &Entry, family: &[&RunOutcome]) -> Section 
             limit,
             map,
         };
-        let campbell = campbell(&figure, &spectra.column, &title, orders(entry));
+        let natural = natural(modes, first.results.model());
+        let campbell = campbell(&figure, &spectra.column, &title, (orders(entry), &natural));
         section = section.figure(
             Waterfall { figure },
             format!(
@@ -300,12 +302,25 @@ fn orders(entry: &Entry) -> Vec<f64> {
     (1..=4).map(|k| main * f64::from(k)).collect()
 }
 
+/// Natural frequencies of a model: of the first sweep of a linear analysis, else of the first linear analysis.
+fn natural(modes: &[Entry], model: &str) -> Natural {
+    let root = |entry: &Entry| entry.name().split('[').next().map(str::to_owned);
+    let own = || modes.iter().filter(|m| m.outcome.results.model() == model);
+    let first = own().find(|m| !m.point.is_empty()).or(own().next());
+    let name = first.and_then(root);
+    Natural::of_results(
+        own()
+            .filter(|m| root(m) == name)
+            .map(|m| &m.outcome.results),
+    )
+}
+
 /// Levels of a waterfall's amplitudes; the reference is 1 µm/s² or 1 µN (ISO 1683).
 fn campbell(
     figure: &SweepFigure,
     column: &Column,
     title: &str,
-    orders: Vec<f64>,
+    (orders, natural): (Vec<f64>, &Natural),
 ) -> Option<Campbell> {
     let unit = if column.dimension == force() {
         "N"
@@ -335,6 +350,10 @@ fn campbell(
     Some(Campbell {
         figure: SweepFigure {
             title: format!("Campbell diagram: {title}"),
+            subtitle: match natural.said() {
+                Some(said) => format!("{}; {said}", figure.subtitle),
+                None => figure.subtitle.clone(),
+            },
             quantity: format!("{title}, 0-peak"),
             unit: format!("{}, at least {lowest:.0}", level.label()),
             map: SweepMap {
@@ -347,6 +366,7 @@ fn campbell(
             ..figure.clone()
         },
         orders,
-        natural_frequencies: Vec::new(),
+        natural_frequencies: natural.lines(),
+        modes: natural.marks(),
     })
 }

@@ -1,6 +1,6 @@
 //! What a run records of a system: the columns of its results, in order.
 
-use crate::system::System;
+use crate::system::{BodyInertia, Role, System};
 use crate::{Dimension, DisplayUnit};
 use std::f64::consts::PI;
 
@@ -20,6 +20,23 @@ pub const ENERGY: [&str; 7] = [
     "energy.work_of_drives",
     "energy.imbalance",
 ];
+
+/// Path of the column of a mode's number; the rows of a linear analysis are its modes.
+pub const MODE: &str = "mode";
+/// Path of the column of the modes' frequencies.
+pub const FREQUENCY: &str = "frequency";
+/// Path of the column of the modes' damping ratios.
+pub const DAMPING_RATIO: &str = "damping_ratio";
+/// Before the path of a body: its share in the kinetic energy of a mode.
+pub const KINETIC: &str = "kinetic.";
+/// After the path of a flexible body: the share of its motion as a whole.
+pub const RIGID: &str = ".rigid";
+/// Before the path of what stores energy: its share.
+pub const POTENTIAL: &str = "potential.";
+/// Before the path of what loses energy: its share.
+pub const LOST: &str = "lost.";
+/// After a channel's path: its phase in a mode.
+pub const PHASE: &str = ".phase";
 
 /// A column of results without its numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,14 +70,13 @@ impl Recorded {
 pub fn recorded(system: &System) -> Vec<Recorded> {
     let mut columns = vec![Recorded::scalar(TIME, Dimension::TIME, "s", 1.0)];
     if system.cycle.is_some() {
-        let speed = Dimension::ANGLE.over(Dimension::TIME);
         columns.push(Recorded::scalar(
             CYCLE_ANGLE,
             Dimension::ANGLE,
             "deg",
             PI / 180.0,
         ));
-        columns.push(Recorded::scalar(CYCLE_SPEED, speed, "rpm", PI / 30.0));
+        columns.push(cycle_speed());
     }
     columns.extend(system.channels.iter().map(|channel| Recorded {
         path: channel.path.clone(),
@@ -72,6 +88,71 @@ pub fn recorded(system: &System) -> Vec<Recorded> {
     let energy = Dimension::MASS.times(speed).times(speed);
     columns.extend(ENERGY.map(|path| Recorded::scalar(path, energy, "J", 1.0)));
     columns
+}
+
+/// The columns of a linear analysis, a row a mode: number, frequencies, damping, the speed at which it was linearised where there is a
+/// cycle, shares of bodies in the kinetic energy and of flexible bodies and loads in the stored and lost, amplitude and phase of every
+/// channel. Shares of the single modes of a flexible body, whose number only its reduction knows, are not among them.
+pub fn of_modes(system: &System) -> Vec<Recorded> {
+    let per_time = Dimension::ONE.over(Dimension::TIME);
+    let share = |path: String| Recorded::scalar(&path, Dimension::ONE, "%", 0.01);
+    let mut columns = vec![
+        Recorded::scalar(MODE, Dimension::ONE, "1", 1.0),
+        Recorded::scalar(FREQUENCY, per_time, "Hz", 1.0),
+        Recorded::scalar("undamped_frequency", per_time, "Hz", 1.0),
+        Recorded::scalar(DAMPING_RATIO, Dimension::ONE, "%", 0.01),
+        Recorded::scalar("growth", per_time, "1/s", 1.0),
+    ];
+    if system.cycle.is_some() {
+        columns.push(cycle_speed());
+    }
+    let mut stores: Vec<&str> = Vec::new();
+    for body in &system.bodies {
+        let path = body.origin.path.as_str();
+        columns.push(share(format!("{KINETIC}{path}")));
+        if let BodyInertia::Flexible(_) = body.inertia {
+            columns.push(share(format!("{KINETIC}{path}{RIGID}")));
+            stores.push(path);
+        }
+    }
+    stores.extend(
+        system
+            .elements
+            .iter()
+            .filter(|element| {
+                let class = system.classes.get(element.class as usize);
+                element.role == Role::Dynamic && class.is_some_and(|class| class.applies_load)
+            })
+            .map(|element| element.origin.path.as_str()),
+    );
+    for kind in [POTENTIAL, LOST] {
+        columns.extend(stores.iter().map(|path| share(format!("{kind}{path}"))));
+    }
+    for channel in &system.channels {
+        columns.push(Recorded {
+            path: channel.path.clone(),
+            dimension: channel.dimension,
+            // an amplitude has no shifted zero
+            display: DisplayUnit {
+                offset: 0.0,
+                ..channel.display.clone()
+            },
+            frame: channel.frame.clone(),
+        });
+        let phase = format!("{}{PHASE}", channel.path);
+        columns.push(Recorded::scalar(
+            &phase,
+            Dimension::ANGLE,
+            "deg",
+            PI / 180.0,
+        ));
+    }
+    columns
+}
+
+fn cycle_speed() -> Recorded {
+    let speed = Dimension::ANGLE.over(Dimension::TIME);
+    Recorded::scalar(CYCLE_SPEED, speed, "rpm", PI / 30.0)
 }
 
 /// Paths of all columns that no channel gives, of a model with or without a cycle.

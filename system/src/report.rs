@@ -106,6 +106,8 @@ pub enum Expression {
     Reduce(Reduction, Box<Expression>),
     /// Amplitude (0-peak) of a sinusoid of a signal: its order, or its frequency (Hz).
     Amplitude(Limit, Window, Box<Expression>),
+    /// What a column of a linear analysis has for one of its modes.
+    Mode(Chosen, Box<Expression>),
     /// 20·lg of a number or of each sample over a reference.
     Decibel(f64, Box<Expression>),
     /// One number of several.
@@ -167,7 +169,16 @@ pub enum Limit {
     Order(f64),
 }
 
-/// What passes a filter.
+/// A mode of a linear analysis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Chosen {
+    /// By its number, counted from 1.
+    Number(u32),
+    /// The oscillation whose frequency (Hz) is nearest.
+    Near(f64),
+}
+
+/// What passes a filter. Of whole cycles it is that of a signal that repeats.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filter {
     /// Lower limit; absent for a low-pass.
@@ -176,8 +187,6 @@ pub struct Filter {
     pub to: Option<Limit>,
     /// Order of a Butterworth filter run both ways; absent for a brick wall.
     pub butterworth: Option<u32>,
-    /// Whether the signal repeats at its end.
-    pub periodic: bool,
 }
 
 /// A number of a signal.
@@ -266,7 +275,7 @@ pub enum Picture {
     Spectrum(Vec<Member>, SpectrumSettings),
     /// Paths of pins: analysis and path of each journal; the last cycles, or all.
     Orbit(Vec<(String, String)>, Option<u32>),
-    /// Vectors: analysis, path and x and y; the angle (rad) by which axes turn with the journal; the last cycles, or all.
+    /// Vectors, of journals the load on their shells; the last cycles, or all.
     Polar(Vec<Vector>, Option<u32>),
     /// Orders over speed.
     OrderTrack {
@@ -281,8 +290,17 @@ pub enum Picture {
     },
     /// Spectra one behind the other.
     Waterfall(Vec<Member>, SpectrumSettings),
-    /// Colours over speed and frequency with lines of orders.
-    Campbell(Vec<Member>, SpectrumSettings, Vec<f64>),
+    /// Colours over speed and frequency with lines of orders and natural frequencies.
+    Campbell {
+        /// The signals, one a run.
+        members: Vec<Member>,
+        /// How their spectra are made.
+        settings: SpectrumSettings,
+        /// Orders with a line each.
+        orders: Vec<f64>,
+        /// Linear analyses whose natural frequencies are drawn.
+        modes: Vec<String>,
+    },
 }
 
 /// A vector of a polar diagram.
@@ -290,8 +308,10 @@ pub enum Picture {
 pub struct Vector {
     /// The analysis.
     pub analysis: String,
-    /// `main[5].force`.
+    /// `main[5].force`; of a journal `main[5]`.
     pub path: String,
+    /// Whether it is the load that a journal's pin puts on its shell, −force; else a vector as it was recorded.
+    pub load: bool,
     /// Component along x.
     pub x: Expression,
     /// Component along y.
@@ -311,6 +331,7 @@ impl Expression {
             | Expression::Filter(_, of)
             | Expression::Reduce(_, of)
             | Expression::Amplitude(_, _, of)
+            | Expression::Mode(_, of)
             | Expression::Decibel(_, of)
             | Expression::Not(of) => of.channels(found),
             Expression::Binary(_, left, right) | Expression::Resample(left, right) => {
@@ -334,12 +355,12 @@ impl Entry {
         for expression in self.expressions() {
             expression.channels(&mut |analysis, _| add(analysis));
         }
-        if let EntryKind::Figure(Figure {
-            picture: Picture::Orbit(journals, _),
-            ..
-        }) = &self.kind
-        {
-            journals.iter().for_each(|(analysis, _)| add(analysis));
+        if let EntryKind::Figure(figure) = &self.kind {
+            match &figure.picture {
+                Picture::Orbit(journals, _) => journals.iter().for_each(|(name, _)| add(name)),
+                Picture::Campbell { modes, .. } => modes.iter().for_each(|name| add(name)),
+                _ => {}
+            }
         }
         names
     }
@@ -363,7 +384,7 @@ impl Entry {
                 }
                 Picture::Spectrum(members, _)
                 | Picture::Waterfall(members, _)
-                | Picture::Campbell(members, ..)
+                | Picture::Campbell { members, .. }
                 | Picture::OrderTrack { members, .. } => {
                     members.iter().map(|m| &m.expression).collect()
                 }

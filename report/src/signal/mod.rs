@@ -2,6 +2,7 @@
 //!
 //! May contain: arithmetic on plain slices. Must not contain: files, pictures, units (the numbers keep theirs).
 
+mod continuation;
 mod difference;
 mod extreme;
 mod filter;
@@ -41,7 +42,7 @@ pub enum SignalError {
         found: usize,
     },
     /// A sample is infinite or no number.
-    #[error("sample {index} of {what} is no finite number")]
+    #[error("sample {} of {what} is no finite number", .index.saturating_add(1))]
     NotFinite {
         /// Which of the inputs.
         what: &'static str,
@@ -49,7 +50,7 @@ pub enum SignalError {
         index: usize,
     },
     /// An abscissa does not increase.
-    #[error("{what} must increase from sample to sample, but does not at sample {index}")]
+    #[error("{what} must increase from sample to sample, but does not at sample {}", .index.saturating_add(1))]
     NotIncreasing {
         /// Which of the inputs.
         what: &'static str,

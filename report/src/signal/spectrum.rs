@@ -240,6 +240,11 @@ impl Spectrum {
             .collect()
     }
 
+    /// The last line: half of the sampling rate, or a step below (Hz, or orders).
+    pub fn reach(&self) -> f64 {
+        self.amplitudes.len().saturating_sub(1) as f64 * self.step
+    }
+
     /// Bandwidth of white noise of one line (Hz, or orders).
     pub fn noise_bandwidth(&self) -> f64 {
         self.options.window.noise_bandwidth(self.block_length) * self.step

@@ -233,6 +233,7 @@ pub fn campbell() -> Campbell {
         figure: sweep(true),
         orders: vec![2.0, 4.0, 6.0, 8.0, 10.0, 12.0],
         natural_frequencies: vec![("first bending".to_owned(), 620.0)],
+        modes: vec![(2000.0, 310.0), (3000.0, 340.0)],
     }
 }
 

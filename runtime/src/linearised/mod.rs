@@ -115,6 +115,8 @@ impl Mode {
 pub struct LinearModes {
     /// Where it was linearised.
     pub moment: Moment,
+    /// The rate of the cycle's angle there (rad/s), if there is a cycle and it was asked for.
+    pub cycle_speed: Option<f64>,
     /// Freedoms: coordinates x.
     pub freedoms: usize,
     /// States of elements: z.
@@ -194,6 +196,7 @@ pub fn linearise(
     }
     Ok(LinearModes {
         moment,
+        cycle_speed: None,
         freedoms: p,
         states: unknowns - 2 * p,
         parts: ledger.parts,

@@ -118,11 +118,15 @@ impl Simulation {
     /// one.
     pub fn sampled_modes(&mut self, wanted: Wanted) -> Result<LinearModes, RuntimeError> {
         let state = self.sampled_state().clone();
-        let cycle_angle = self.sampled_cycle()?.map(|c| c[0]);
+        let cycle = self.sampled_cycle()?;
         let moment = Moment {
             time: state.time,
-            cycle_angle,
+            cycle_angle: cycle.map(|[angle, _]| angle),
         };
-        linearise(self.model(), &state, moment, wanted)
+        let modes = linearise(self.model(), &state, moment, wanted)?;
+        Ok(LinearModes {
+            cycle_speed: cycle.map(|[_, speed]| speed),
+            ..modes
+        })
     }
 }

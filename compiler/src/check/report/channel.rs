@@ -2,7 +2,7 @@
 
 use super::Reporter;
 use super::value::{Label, Member, Typed};
-use crate::check::types::Quantity;
+use crate::check::types::{Kind, Quantity};
 use crate::codes;
 use crate::elaborate::{AnalysisPlan, Structural, elaborate};
 use crate::program::{DefinitionId, Program};
@@ -10,8 +10,9 @@ use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{Expr, ExprKind, IndexArgument, Name};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
 use eng_system::host::Host;
-use eng_system::recorded::{Recorded, recorded};
+use eng_system::recorded::{Recorded, of_modes, recorded};
 use eng_system::report::Expression;
+use eng_system::system::AnalysisKind;
 use std::rc::Rc;
 
 /// Indices written out in a message.
@@ -19,7 +20,10 @@ const SHOWN: usize = 12;
 
 /// What a model records.
 pub(super) struct Channels {
-    pub columns: Vec<Recorded>,
+    /// A row a sample.
+    samples: Vec<Recorded>,
+    /// Of a linear analysis: a row a mode.
+    modes: Vec<Recorded>,
     pub journals: Vec<String>,
     pub cycle: bool,
 }
@@ -86,7 +90,8 @@ impl<'a> Models<'a> {
         let channels = elaborated.map(|elaborated| {
             let system = &elaborated.system;
             Rc::new(Channels {
-                columns: recorded(system),
+                samples: recorded(system),
+                modes: of_modes(system),
                 journals: system
                     .journals
                     .iter()
@@ -168,6 +173,28 @@ pub(super) struct Found<'a> {
     pub path: String,
 }
 
+impl Found<'_> {
+    /// What the analysis records.
+    pub fn columns(&self) -> &[Recorded] {
+        if are_modes(self.plan) {
+            &self.channels.modes
+        } else {
+            &self.channels.samples
+        }
+    }
+
+    /// The column at the place with a name put to it.
+    pub fn column(&self, name: &str) -> Option<&Recorded> {
+        let path = format!("{}{name}", self.path);
+        self.columns().iter().find(|column| column.path == path)
+    }
+}
+
+/// Whether an analysis gives modes instead of samples.
+pub(super) fn are_modes(plan: &AnalysisPlan) -> bool {
+    matches!(plan.analysis.kind, AnalysisKind::Linear(_))
+}
+
 /// Places of several analyses, and what tells them apart.
 pub(super) struct Places<'a> {
     pub found: Vec<Found<'a>>,
@@ -244,12 +271,7 @@ impl<'a> Reporter<'a, '_> {
                         } else {
                             format!("{}.{}", place.path, field.text)
                         };
-                        if !place
-                            .channels
-                            .columns
-                            .iter()
-                            .any(|c| begins(&c.path, &path))
-                        {
+                        if !place.columns().iter().any(|c| begins(&c.path, &path)) {
                             let message = no_channel(place, field);
                             self.tell(message);
                             return None;
@@ -429,7 +451,7 @@ impl<'a> Reporter<'a, '_> {
         let mut members = Vec::new();
         let mut first: Option<Recorded> = None;
         for place in &places.found {
-            let Some(column) = place.channels.columns.iter().find(|c| c.path == place.path) else {
+            let Some(column) = place.column("") else {
                 let message = not_one(place, expr.span);
                 self.tell(message);
                 return None;
@@ -459,7 +481,22 @@ impl<'a> Reporter<'a, '_> {
                 },
             });
         }
-        Some(Typed::signals(members, places.list, &first?))
+        let first = first?;
+        let kind = self.kind_of(&first);
+        let mut found = Typed::signals(members, places.list, &first);
+        found.quantity.kind = kind;
+        Some(found)
+    }
+
+    /// A column whose unit has a zero of its own is of points: degC of temperatures.
+    fn kind_of(&self, column: &Recorded) -> Kind {
+        let display = &column.display;
+        let unit = self.checker.program.units.get(&display.symbol);
+        let point = unit.and_then(|unit| unit.point.as_deref());
+        match point {
+            Some(point) if display.offset != 0.0 => Kind::Point(point.into()),
+            _ => Kind::Any,
+        }
     }
 }
 
@@ -484,7 +521,7 @@ fn numbers(text: &str) -> Vec<i64> {
 /// The indices that follow a place, each with the path up to it, in the order of the channels.
 fn indexed(place: &Found<'_>) -> Vec<(Vec<i64>, String)> {
     let mut known: Vec<(Vec<i64>, String)> = Vec::new();
-    for column in &place.channels.columns {
+    for column in place.columns() {
         let Some(rest) = column.path.strip_prefix(&place.path) else {
             continue;
         };
@@ -502,7 +539,7 @@ fn indexed(place: &Found<'_>) -> Vec<(Vec<i64>, String)> {
 /// What can follow a place: the next names, or indices.
 fn next_names(place: &Found<'_>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
-    for column in &place.channels.columns {
+    for column in place.columns() {
         let rest = if place.path.is_empty() {
             Some(column.path.as_str())
         } else {

@@ -10,7 +10,7 @@ use crate::resolve::suggest::nearest;
 use eng_grammar::ast::{Argument, Expr, ExprKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
-use eng_system::report::{Expression, Filter, Function, Limit, Operator, Part, Reduction};
+use eng_system::report::{Chosen, Expression, Filter, Function, Limit, Operator, Part, Reduction};
 
 /// Functions that the language has outside of reports too.
 static PLAIN: [Form; 11] = [
@@ -28,7 +28,7 @@ static PLAIN: [Form; 11] = [
 ];
 
 /// Functions of signals.
-static SIGNALS: [Form; 15] = [
+static SIGNALS: [Form; 16] = [
     Form::new("minimum", &["signal"], &[]),
     Form::new("maximum", &["signal"], &[]),
     Form::new("minimum_at", &["signal"], &["over"]),
@@ -37,6 +37,7 @@ static SIGNALS: [Form; 15] = [
     Form::new("rms", &["signal"], &[]),
     Form::new("peak_to_peak", &["signal"], &[]),
     Form::new("amplitude", &["signal", "at"], &["window"]),
+    Form::new("mode", &["column", "at"], &[]),
     Form::new("low_pass", &["signal", "to"], &["butterworth"]),
     Form::new("high_pass", &["signal", "from"], &["butterworth"]),
     Form::new("band", &["signal", "from", "to"], &["butterworth"]),
@@ -51,8 +52,24 @@ pub(super) fn is_of_signals(name: &str) -> bool {
     SIGNALS.iter().any(|form| form.name == name) || picture::form(name).is_some()
 }
 
-/// Whether positions are told by time: where it is asked for, or there is no cycle.
-const OVER: [(&str, bool); 2] = [("crank_angle", false), ("time", true)];
+/// Functions that take the modes of a linear analysis, too.
+const OF_MODES: [&str; 15] = [
+    "abs",
+    "sqrt",
+    "sin",
+    "cos",
+    "tan",
+    "exp",
+    "log",
+    "min",
+    "max",
+    "sum",
+    "decibel",
+    "minimum",
+    "maximum",
+    "peak_to_peak",
+    "mode",
+];
 
 impl<'a> Reporter<'a, '_> {
     /// A call; `None` where a message was given.
@@ -73,6 +90,9 @@ impl<'a> Reporter<'a, '_> {
             return self.magnitude(first);
         }
         let of = self.expression(first)?;
+        if !OF_MODES.contains(&name) {
+            self.of_samples(first, &of, name)?;
+        }
         match name {
             "abs" | "sqrt" | "sin" | "cos" | "tan" | "exp" | "log" => self.mapped(name, first, of),
             "min" | "max" => self.extreme(name, first, of, &taken.more, span),
@@ -90,6 +110,23 @@ impl<'a> Reporter<'a, '_> {
                 made.quantity = difference(&made.quantity);
                 Some(made)
             }
+            "mode" => {
+                self.shaped(first, &of, Shape::Signal, "the argument of `mode`")?;
+                if self.linear(&of).is_none() {
+                    self.tell(
+                        Diagnostic::error(
+                            codes::REPORT_SHAPE,
+                            "`mode` takes a column of a `linear` analysis",
+                        )
+                        .at(first.span, "samples of a run, not modes"),
+                    );
+                    return None;
+                }
+                let chosen = self.chosen_mode(taken.option("at")?)?;
+                let mut made = of.mapped(|e| Expression::Mode(chosen, Box::new(e)));
+                made.shape = Shape::Number;
+                Some(made)
+            }
             "low_pass" | "high_pass" | "band" => {
                 self.shaped(
                     first,
@@ -100,7 +137,12 @@ impl<'a> Reporter<'a, '_> {
                 let (from, to) = (taken.option("from"), taken.option("to"));
                 let poles = taken.option("butterworth");
                 let filter = self.filter(from, to, poles, &of)?;
-                Some(of.mapped(|e| Expression::Filter(filter, Box::new(e))))
+                let mut made = of.mapped(|e| Expression::Filter(filter, Box::new(e)));
+                if filter.from.is_some() {
+                    // the mean is gone, and with it the zero
+                    made.quantity = difference(&made.quantity);
+                }
+                Some(made)
             }
             "last" => {
                 self.shaped(first, &of, Shape::Signal, "the argument of `last`")?;
@@ -119,6 +161,7 @@ impl<'a> Reporter<'a, '_> {
                 let like = self.expression(other)?;
                 self.shaped(first, &of, Shape::Signal, "what is resampled")?;
                 self.shaped(other, &like, Shape::Signal, "`like`")?;
+                self.of_samples(other, &like, "resample")?;
                 let (quantity, display) = (of.quantity.clone(), of.display.clone());
                 // paired as an operator's sides are, then given its own form
                 let mut made = self.paired(
@@ -301,6 +344,13 @@ impl<'a> Reporter<'a, '_> {
             );
             return None;
         }
+        if operator == Operator::Add && of.quantity.plus(&of.quantity, false).is_err() {
+            self.tell(
+                Diagnostic::error(codes::OPERANDS, "points have differences, but no sum")
+                    .at(expr.span, self.checker.quantity_name(&of.quantity)),
+            );
+            return None;
+        }
         let analysis = of.members.first()?.label.analysis.clone();
         let text = self.checker.sources.text(expr.span).to_owned();
         let members = of.members.into_iter().map(|m| m.expression).collect();
@@ -338,12 +388,13 @@ impl<'a> Reporter<'a, '_> {
         let mut members = Vec::new();
         let mut first = None;
         for place in &places.found {
+            self.samples_at(expr, place, "norm")?;
             let mut sum: Option<Expression> = None;
             for axis in ["x", "y", "z"] {
-                let path = format!("{}.{axis}", place.path);
-                let Some(column) = place.channels.columns.iter().find(|c| c.path == path) else {
+                let Some(column) = place.column(&format!(".{axis}")) else {
                     continue;
                 };
+                let path = column.path.clone();
                 first.get_or_insert_with(|| column.clone());
                 let channel = Expression::Channel {
                     analysis: place.plan.analysis.origin.path.clone(),
@@ -385,7 +436,7 @@ impl<'a> Reporter<'a, '_> {
         expr: &'a Expr,
         of: Typed,
     ) -> Option<Typed> {
-        let by_time = match self.word(over, "`over`", &OVER)? {
+        let by_time = match self.word(over, "`over`", &super::settings::OVER)? {
             Some(time) => {
                 if !time {
                     self.with_cycle(over.unwrap_or(expr), &of, "a crank angle")?;
@@ -430,6 +481,19 @@ impl<'a> Reporter<'a, '_> {
             _ => made.level = level,
         }
         Some(made)
+    }
+
+    /// A mode by its number, or by a frequency that it is near.
+    fn chosen_mode(&mut self, expr: &'a Expr) -> Option<Chosen> {
+        match self.limit(expr, "`at`")? {
+            Limit::Frequency(frequency) => Some(Chosen::Near(frequency)),
+            Limit::Order(number) => {
+                if !(1.0..=1e6).contains(&number) || number.fract() != 0.0 {
+                    self.refuse(expr, "the number of a mode", "a whole number from 1 on")?;
+                }
+                Some(Chosen::Number(number as u32))
+            }
+        }
     }
 
     fn filter(
@@ -492,7 +556,6 @@ impl<'a> Reporter<'a, '_> {
             from: low,
             to: high,
             butterworth,
-            periodic: self.repeats(of),
         })
     }
 
@@ -510,7 +573,7 @@ impl<'a> Reporter<'a, '_> {
 }
 
 /// What the difference of two such quantities is.
-fn difference(quantity: &Quantity) -> Quantity {
+pub(super) fn difference(quantity: &Quantity) -> Quantity {
     quantity
         .plus(quantity, true)
         .unwrap_or_else(|_| quantity.clone())

@@ -61,7 +61,18 @@ pub fn reports(
             names: BTreeMap::new(),
         };
         for (docs, report) in written {
+            let span = report.name.span;
             if let Some(report) = reporter.report(docs, report) {
+                if report.entries.iter().all(|e| e.analyses().is_empty()) {
+                    reporter.tell(
+                        Diagnostic::warning(
+                            codes::REPORT_IDLE,
+                            format!("the report `{}` names no analysis", report.name),
+                        )
+                        .at(span, "nothing of it is made of results")
+                        .with_help("name channels after their analysis: `unfired.main[1].force.x`"),
+                    );
+                }
                 made.push(report);
             }
         }
@@ -268,7 +279,11 @@ impl<'a> Reporter<'a, '_> {
                 offset: unit.offset,
             });
         }
-        if let Some(display) = &typed.display {
+        // the zero of a unit is one of points alone
+        let point = matches!(typed.quantity.kind, super::types::Kind::Point(_));
+        if let Some(display) = &typed.display
+            && (point || display.offset == 0.0)
+        {
             return Some(display.clone());
         }
         Some(self.usual_display(&typed.quantity))

@@ -2,15 +2,16 @@
 
 use super::Reporter;
 use super::arguments::{Form, Taken};
-use super::channel::{begins, not_one};
-use super::settings::SPECTRUM;
+use super::channel::{are_modes, begins, not_one};
+use super::function::difference;
+use super::settings::{CAMPBELL, OVER, SPECTRUM};
 use super::value::{Label, Member, Shape, Typed};
 use crate::check::types::Quantity;
 use crate::codes;
 use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{Expr, ExprKind, UnitExpr};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::report::{self as plan, Expression, Figure, Picture, Vector};
+use eng_system::report::{self as plan, Expression, Figure, Function, Picture, Vector};
 use eng_system::{Dimension, DisplayUnit};
 
 static PICTURES: [Form; 7] = [
@@ -24,25 +25,8 @@ static PICTURES: [Form; 7] = [
         &["window", "block", "overlap"],
     ),
     Form::new("waterfall", &["signals"], &SPECTRUM),
-    Form::new(
-        "campbell",
-        &["signals"],
-        &[
-            "axis",
-            "up_to",
-            "window",
-            "block",
-            "overlap",
-            "averaging",
-            "mean",
-            "scale",
-            "reference",
-            "orders",
-        ],
-    ),
+    Form::new("campbell", &["signals"], &CAMPBELL),
 ];
-
-const OVER: [(&str, bool); 2] = [("crank_angle", false), ("time", true)];
 
 /// The form of a function that draws.
 pub(super) fn form(name: &str) -> Option<&'static Form> {
@@ -100,6 +84,7 @@ impl<'a> Reporter<'a, '_> {
         for expr in std::iter::once(&first).chain(&taken.more) {
             let panel = self.expression(expr)?;
             self.shaped(expr, &panel, Shape::Signal, "what a history shows")?;
+            self.of_samples(expr, &panel, "history")?;
             if let Some(first) = panels.first()
                 && panel.quantity.fits(&first.quantity).is_err()
             {
@@ -155,8 +140,11 @@ impl<'a> Reporter<'a, '_> {
         taken: &Taken<'a>,
         display: Option<&UnitExpr>,
     ) -> Option<Figure> {
-        let of = self.expression(first)?;
+        let mut of = self.expression(first)?;
         self.shaped(first, &of, Shape::Signal, &format!("what `{name}` shows"))?;
+        self.of_samples(first, &of, name)?;
+        // an amplitude has no zero of its own
+        of.quantity = difference(&of.quantity);
         let shown = self.display(&of, display, first)?;
         let quantity = quantity_text(&of);
         let enough = match name {
@@ -183,8 +171,11 @@ impl<'a> Reporter<'a, '_> {
             );
             return None;
         }
+        if name != "spectrum" {
+            // it is over the speed of the cycle
+            self.with_cycle(first, &of, &format!("`{name}`"))?;
+        }
         if name == "order_track" {
-            self.with_cycle(first, &of, "an order track")?;
             let orders = self.orders(taken.option("orders")?)?;
             let window = self.window(taken, &of)?;
             let block = match taken.option("block") {
@@ -219,7 +210,16 @@ impl<'a> Reporter<'a, '_> {
                     Some(expr) => self.orders(expr)?,
                     None => Vec::new(),
                 };
-                Picture::Campbell(planned(of.members), settings, orders)
+                let modes = match taken.option("modes") {
+                    Some(expr) => self.natural_modes(expr, &of)?,
+                    None => Vec::new(),
+                };
+                Picture::Campbell {
+                    members: planned(of.members),
+                    settings,
+                    orders,
+                    modes,
+                }
             }
         };
         Some(Figure {
@@ -229,12 +229,54 @@ impl<'a> Reporter<'a, '_> {
         })
     }
 
+    /// Linear analyses of the model that a Campbell diagram is of.
+    fn natural_modes(&mut self, expr: &'a Expr, of: &Typed) -> Option<Vec<String>> {
+        let help = "such as `coupled`, or of a sweep over the speed `whirl[*]`";
+        let places = self.of_path(expr, "`modes` names linear analyses", help)?;
+        let mut names = Vec::new();
+        for place in &places.found {
+            let plan = place.plan;
+            let name = plan.analysis.origin.path.clone();
+            if !are_modes(plan) || !place.path.is_empty() {
+                self.tell(
+                    Diagnostic::error(codes::REPORT_SHAPE, "`modes` names linear analyses")
+                        .at(expr.span, help)
+                        .with_note(if place.path.is_empty() {
+                            format!("`{name}` gives samples")
+                        } else {
+                            "the analysis alone, none of its columns".to_owned()
+                        }),
+                );
+                return None;
+            }
+            let same = |member: &Member| {
+                let own = self.models.plan(&member.label.analysis);
+                own.is_some_and(|own| own.model == plan.model)
+            };
+            if !of.members.iter().all(same) {
+                self.tell(
+                    Diagnostic::error(
+                        codes::REPORT_RUNS,
+                        format!("`{name}` is of another model than the spectra"),
+                    )
+                    .at(expr.span, "modes of another model"),
+                );
+                return None;
+            }
+            names.push(name);
+        }
+        Some(names)
+    }
+
     /// Orders: a plain number or a list of them, above zero.
     fn orders(&mut self, expr: &'a Expr) -> Option<Vec<f64>> {
         let items: Vec<&'a Expr> = match &expr.kind {
             ExprKind::List { items, unit: None } => items.iter().collect(),
             _ => vec![expr],
         };
+        if items.is_empty() {
+            self.refuse(expr, "the number of orders", "at least one")?;
+        }
         let mut orders = Vec::new();
         for item in items {
             let order = self.constant(item, &Quantity::one(), "an order")?;
@@ -263,6 +305,7 @@ impl<'a> Reporter<'a, '_> {
         }
         let mut journals = Vec::new();
         for place in &places.found {
+            self.samples_at(first, place, "orbit")?;
             if !place.channels.journals.contains(&place.path) {
                 let known = place.channels.journals.iter().map(String::as_str);
                 let message = Diagnostic::error(
@@ -297,8 +340,8 @@ impl<'a> Reporter<'a, '_> {
         taken: &Taken<'a>,
         display: Option<&UnitExpr>,
     ) -> Option<Figure> {
-        let help = "such as `run.main[1..5].force`";
-        let places = self.of_path(first, "`polar` takes recorded vectors", help)?;
+        let help = "such as `run.main[1..5]` or `run.pin.force`";
+        let places = self.of_path(first, "`polar` takes journals and recorded vectors", help)?;
         let turned = match taken.option("turned_by") {
             Some(expr) => {
                 let turned = self.expression(expr)?;
@@ -331,15 +374,14 @@ impl<'a> Reporter<'a, '_> {
         let mut vectors = Vec::new();
         let mut column = None;
         for (at, place) in places.found.iter().enumerate() {
+            self.samples_at(first, place, "polar")?;
             let analysis = place.plan.analysis.origin.path.clone();
-            let mut axes = ["x", "y"].into_iter().filter_map(|axis| {
-                let path = format!("{}.{axis}", place.path);
-                place.channels.columns.iter().find(|c| c.path == path)
-            });
-            let (Some(x), Some(y)) = (axes.next(), axes.next()) else {
+            let load = place.channels.journals.contains(&place.path);
+            let vector = if load { ".force" } else { "" };
+            let axis = |axis: &str| place.column(&format!("{vector}.{axis}"));
+            let (Some(x), Some(y)) = (axis("x"), axis("y")) else {
                 let several = place
-                    .channels
-                    .columns
+                    .columns()
                     .iter()
                     .filter(|c| begins(&c.path, &place.path))
                     .count();
@@ -355,13 +397,34 @@ impl<'a> Reporter<'a, '_> {
                 self.tell(message);
                 return None;
             };
-            let channel = |path: &str| Expression::Channel {
-                analysis: analysis.clone(),
-                path: path.to_owned(),
+            let component = |path: &str| {
+                let channel = Expression::Channel {
+                    analysis: analysis.clone(),
+                    path: path.to_owned(),
+                };
+                // what the pin gives the shell is against what it gets
+                if load {
+                    Expression::Map(Function::Negate, Box::new(channel))
+                } else {
+                    channel
+                }
             };
+            if let Some(known) = vectors.first().map(|vector: &Vector| vector.load)
+                && known != load
+            {
+                self.tell(
+                    Diagnostic::error(
+                        codes::LIST_ELEMENTS,
+                        "loads of journals and other vectors stand in diagrams of their own",
+                    )
+                    .at(first.span, "both"),
+                );
+                return None;
+            }
             vectors.push(Vector {
-                x: channel(&x.path),
-                y: channel(&y.path),
+                load,
+                x: component(&x.path),
+                y: component(&y.path),
                 turned_by: turned.as_ref().and_then(|turned| {
                     let at = if turned.list { at } else { 0 };
                     turned.members.get(at).map(|m| m.expression.clone())
@@ -382,8 +445,13 @@ impl<'a> Reporter<'a, '_> {
         };
         let display = self.display(&of, display, first)?;
         let cycles = self.cycles(taken.option("cycles"))?;
+        let quantity = if vectors.iter().any(|vector| vector.load) {
+            "load".to_owned()
+        } else {
+            last_name(column.path.trim_end_matches(".x"))
+        };
         Some(Figure {
-            quantity: last_name(&column.path.replace(".x", "")),
+            quantity,
             display,
             picture: Picture::Polar(vectors, cycles),
         })

@@ -2,10 +2,12 @@
 
 use super::Reporter;
 use super::arguments::Taken;
-use super::value::Typed;
+use super::channel::{Found, are_modes};
+use super::value::{Shape, Typed};
 use crate::check::mismatch::Due;
 use crate::check::types::Quantity;
 use crate::codes;
+use crate::elaborate::AnalysisPlan;
 use eng_grammar::Diagnostic;
 use eng_grammar::ast::Expr;
 use eng_system::Dimension;
@@ -25,6 +27,8 @@ const AVERAGINGS: [(&str, Averaging); 3] = [
 ];
 const AXES: [(&str, Axis); 2] = [("order", Axis::Order), ("frequency", Axis::Frequency)];
 const SCALES: [(&str, bool); 2] = [("linear", false), ("logarithmic", true)];
+/// Whether places are told by time instead of crank angle.
+pub(super) const OVER: [(&str, bool); 2] = [("crank_angle", false), ("time", true)];
 const MEANS: [(&str, bool); 2] = [("removed", true), ("kept", false)];
 /// Options of every spectrum.
 pub(super) const SPECTRUM: [&str; 9] = [
@@ -38,6 +42,17 @@ pub(super) const SPECTRUM: [&str; 9] = [
     "scale",
     "reference",
 ];
+/// Options of a Campbell diagram: what it draws over the spectra, then theirs.
+pub(super) const CAMPBELL: [&str; 11] = {
+    let mut options = ["orders"; 11];
+    options[1] = "modes";
+    let mut at = 0;
+    while at < SPECTRUM.len() {
+        options[at + 2] = SPECTRUM[at];
+        at += 1;
+    }
+    options
+};
 
 fn frequency() -> Quantity {
     Quantity::hard(Dimension::ONE.over(Dimension::TIME))
@@ -121,6 +136,45 @@ impl<'a> Reporter<'a, '_> {
             .with_help(
                 "state the cycle in the model: `cycle angle = rotation(a, ground) { period = 720 deg }`",
             ),
+        );
+        None
+    }
+
+    /// The linear analysis of one of the members, if there is one.
+    pub(super) fn linear(&self, of: &Typed) -> Option<&'a AnalysisPlan> {
+        let plans = of.members.iter();
+        plans
+            .filter_map(|member| self.models.plan(&member.label.analysis))
+            .find(|plan| are_modes(plan))
+    }
+
+    /// Says that something takes samples of a run, where a signal is of modes.
+    pub(super) fn of_samples(&mut self, expr: &Expr, of: &Typed, name: &str) -> Option<()> {
+        match self.linear(of) {
+            Some(plan) if of.shape == Shape::Signal => self.no_samples(expr, plan, name),
+            _ => Some(()),
+        }
+    }
+
+    /// Says that something takes what is recorded in time, where a place is of modes.
+    pub(super) fn samples_at(&mut self, expr: &Expr, place: &Found<'_>, name: &str) -> Option<()> {
+        if are_modes(place.plan) {
+            return self.no_samples(expr, place.plan, name);
+        }
+        Some(())
+    }
+
+    fn no_samples(&mut self, expr: &Expr, plan: &AnalysisPlan, name: &str) -> Option<()> {
+        let analysis = &plan.analysis.origin.path;
+        let text = self.checker.sources.text(expr.span);
+        self.tell(
+            Diagnostic::error(
+                codes::REPORT_SHAPE,
+                format!("`{name}` takes samples of a run, and `{analysis}` gives modes"),
+            )
+            .at(expr.span, "a row a mode, not a sample")
+            .with_note("of modes there are `mode`, `minimum`, `maximum`, operators and, in a `campbell`, `modes:`")
+            .with_help(format!("for instance `mode({text}, 1)`, or of that near a frequency `mode({text}, 100 Hz)`")),
         );
         None
     }
@@ -243,6 +297,7 @@ fn whole(expression: &Expression) -> bool {
         | Expression::Filter(_, of)
         | Expression::Reduce(_, of)
         | Expression::Amplitude(_, _, of)
+        | Expression::Mode(_, of)
         | Expression::Decibel(_, of)
         | Expression::Not(of) => whole(of),
         Expression::Binary(_, left, right) | Expression::Resample(left, right) => {

@@ -8,6 +8,7 @@ use crate::check::mismatch::Due;
 use crate::check::scope::BUILT_IN_NAMES;
 use crate::check::types::{Quantity, Type};
 use crate::codes;
+use crate::elaborate::AnalysisPlan;
 use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{BinaryOp, Expr, ExprKind, IndexArgument, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
@@ -412,6 +413,11 @@ impl<'a> Reporter<'a, '_> {
         .at(expr.span, format!("this is {}", found.shape.words()));
         let text = self.checker.sources.text(expr.span);
         message = match (found.shape, due) {
+            (Shape::Signal, Shape::Number) if self.linear(found).is_some() => message
+                .with_note("a column of a linear analysis has a number for each mode")
+                .with_help(format!(
+                    "take one of them: `mode({text}, 1)`, `mode({text}, 100 Hz)`, `minimum({text})`, …"
+                )),
             (Shape::Signal, Shape::Number) => message
                 .with_note("a signal is a number at each sample of a run")
                 .with_help(format!(
@@ -505,6 +511,9 @@ impl<'a> Reporter<'a, '_> {
             (_, true) => b.members.len(),
             _ => 1,
         };
+        if a.shape == Shape::Signal && b.shape == Shape::Signal {
+            self.of_one_kind(span, &a, &b)?;
+        }
         let of = |side: &Typed, at: usize| {
             let at = if side.list { at } else { 0 };
             side.members.get(at).cloned()
@@ -512,8 +521,13 @@ impl<'a> Reporter<'a, '_> {
         let mut members = Vec::with_capacity(count);
         for at in 0..count {
             let (x, y) = (of(&a, at)?, of(&b, at)?);
+            let mut label = joined(&x.label, &y.label, operator);
+            if a.shape != Shape::Signal && b.shape == Shape::Signal {
+                // of which run the samples are
+                label.analysis.clone_from(&y.label.analysis);
+            }
             members.push(Member {
-                label: joined(&x.label, &y.label, operator),
+                label,
                 expression: Expression::Binary(
                     operator,
                     Box::new(x.expression),
@@ -534,6 +548,34 @@ impl<'a> Reporter<'a, '_> {
             display,
             level: None,
         })
+    }
+}
+
+impl<'a> Reporter<'a, '_> {
+    /// Says that two signals have no rows in common: samples and modes, or modes of two analyses.
+    fn of_one_kind(&mut self, span: Span, a: &Typed, b: &Typed) -> Option<()> {
+        let (first, second) = match (self.linear(a), self.linear(b)) {
+            (None, None) => return Some(()),
+            (first, second) => (first, second),
+        };
+        let name = |plan: &AnalysisPlan| plan.analysis.origin.path.clone();
+        let (title, label) = match (first.map(name), second.map(name)) {
+            (Some(first), Some(second)) if first == second => return Some(()),
+            (Some(first), Some(second)) => (
+                format!("modes of `{first}` are combined with modes of `{second}`"),
+                "their numbers need not be those of the same modes",
+            ),
+            _ => (
+                "modes are combined with samples".to_owned(),
+                "one side has a row a mode, the other a row a sample",
+            ),
+        };
+        self.tell(
+            Diagnostic::error(codes::REPORT_SHAPE, title)
+                .at(span, label)
+                .with_help("make numbers of both before: `mode(x, 100 Hz)`, `rms(y)`"),
+        );
+        None
     }
 }
 

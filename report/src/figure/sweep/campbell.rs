@@ -18,6 +18,8 @@ pub struct Campbell {
     pub orders: Vec<f64>,
     /// Natural frequencies (Hz) with names, drawn across.
     pub natural_frequencies: Vec<(String, f64)>,
+    /// Natural frequencies (Hz) at speeds (1/min), a mark each.
+    pub modes: Vec<(f64, f64)>,
 }
 
 impl Campbell {
@@ -57,6 +59,7 @@ impl Campbell {
         svg.end_clip();
         self.draw_orders(&mut svg, &area, (&x, &y));
         self.draw_natural_frequencies(&mut svg, &area, &y);
+        self.draw_modes(&mut svg, &area, (&x, &y));
         svg.end_group();
         draw_levels(&mut svg, &area, &levels, &figure.value_label());
         svg.text(
@@ -130,6 +133,7 @@ impl Campbell {
         if self.figure.map.axis != Axis::Frequency {
             return;
         }
+        let mut named = f64::INFINITY;
         for (name, frequency) in &self.natural_frequencies {
             if !(y.ticks.range.0..=y.ticks.range.1).contains(frequency) {
                 continue;
@@ -145,12 +149,37 @@ impl Campbell {
                     dash: "2.5 3",
                 },
             );
-            svg.text(
-                area.left + 6.0,
-                at - 4.0,
-                &format!("{name}, {frequency:.0} Hz"),
-                TextStyle::new(SMALL, Anchor::Start).on_map(),
+            // names that would lie over each other are left away
+            if (named - at).abs() > SMALL + 2.0 {
+                named = at;
+                svg.text(
+                    area.left + 6.0,
+                    at - 4.0,
+                    &format!("{name}, {frequency:.0} Hz"),
+                    TextStyle::new(SMALL, Anchor::Start).on_map(),
+                );
+            }
+            svg.end_group();
+        }
+    }
+
+    fn draw_modes(&self, svg: &mut Svg<'_>, area: &Area, (x, y): (&Scaled, &Scaled)) {
+        for (speed, frequency) in &self.modes {
+            let place = match self.figure.map.axis {
+                Axis::Frequency => *frequency,
+                Axis::Order => frequency * 60.0 / speed,
+            };
+            let inside = |value: f64, (from, to): (f64, f64)| (from..=to).contains(&value);
+            if !(inside(*speed, x.ticks.range) && inside(place, y.ticks.range)) {
+                continue;
+            }
+            let at = (area.x(*speed, &x.ticks), area.y(place, &y.ticks));
+            svg.begin_group(
+                "mark",
+                &[("data-x", coordinate(at.0)), ("data-y", coordinate(at.1))],
             );
+            svg.circle(at, 4.5, None, Stroke::solid(Color::MapSeam, 4.0));
+            svg.circle(at, 4.5, None, Stroke::solid(Color::OnMap, 1.8));
             svg.end_group();
         }
     }

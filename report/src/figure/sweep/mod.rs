@@ -118,10 +118,13 @@ mod tests {
             figure: figure.clone(),
             orders: vec![2.0, 4.0, 1000.0],
             natural_frequencies: vec![("first".to_owned(), 800.0), ("far".to_owned(), 1e5)],
+            modes: vec![(2500.0, 900.0), (2500.0, 1e5), (f64::NAN, 3.0)],
         };
         let svg = campbell.to_svg();
         assert!(svg.contains(">order 2<") && svg.contains(">order 4<") && !svg.contains(">far"));
         assert!(svg.contains("first, 800 Hz") && !svg.contains("NaN"));
+        // one mark of two rings: the others lie outside
+        assert_eq!(svg.matches("<circle").count(), 2);
         assert!(svg.contains("Acceleration x (m/s²), axes of block"));
         let waterfall = |figure| Waterfall { figure }.to_svg();
         assert_eq!(waterfall(figure.clone()).matches("<polyline").count(), 3);

@@ -1,0 +1,142 @@
+//! Natural frequencies of linear analyses, for Campbell diagrams.
+
+use super::PostError;
+use super::evaluate::Evaluator;
+use crate::Results;
+use eng_system::recorded::{CYCLE_SPEED, DAMPING_RATIO, FREQUENCY};
+use std::f64::consts::TAU;
+
+/// Modes that are damped more than this stand out of no spectrum, and are left away.
+const DAMPED: f64 = 0.2;
+/// Speeds (1/min) that are nearer than this are one.
+const SAME: f64 = 0.5;
+
+/// An oscillation at the speed at which it was linearised.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Oscillation {
+    /// Its mode, counted from 1.
+    mode: usize,
+    /// 1/min.
+    speed: f64,
+    /// Hz.
+    frequency: f64,
+}
+
+/// Lightly damped oscillations of one linear analysis, or of several at other speeds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Natural {
+    names: Vec<String>,
+    oscillations: Vec<Oscillation>,
+}
+
+impl Natural {
+    /// Of linear analyses by their names.
+    pub(super) fn of(names: &[String], evaluator: &Evaluator<'_>) -> Result<Natural, PostError> {
+        let mut natural = Natural::default();
+        for name in names {
+            let frequencies = evaluator.column(name, FREQUENCY)?;
+            let damping = evaluator.column(name, DAMPING_RATIO)?;
+            let speeds = evaluator.column(name, CYCLE_SPEED)?;
+            natural.push(name, frequencies, damping, speeds);
+        }
+        Ok(natural)
+    }
+
+    /// Of results of linear analyses; those without the columns are left out.
+    pub(crate) fn of_results<'r>(all: impl Iterator<Item = &'r Results>) -> Natural {
+        let mut natural = Natural::default();
+        for results in all {
+            let column = |path| crate::modes::values(results, path);
+            if let (Some(frequencies), Some(damping), Some(speeds)) = (
+                column(FREQUENCY),
+                column(DAMPING_RATIO),
+                column(CYCLE_SPEED),
+            ) {
+                natural.push(results.analysis(), frequencies, damping, speeds);
+            }
+        }
+        natural
+    }
+
+    fn push(&mut self, name: &str, frequencies: &[f64], damping: &[f64], speeds: &[f64]) {
+        self.names.push(name.to_owned());
+        for (row, ((frequency, damping), speed)) in
+            frequencies.iter().zip(damping).zip(speeds).enumerate()
+        {
+            if *frequency > 0.0 && damping.abs() < DAMPED {
+                self.oscillations.push(Oscillation {
+                    mode: row + 1,
+                    speed: (speed * 60.0 / TAU).abs(),
+                    frequency: *frequency,
+                });
+            }
+        }
+    }
+
+    /// The one speed (1/min) of all.
+    fn one_speed(&self) -> Option<f64> {
+        let first = self.oscillations.first()?.speed;
+        let same = |o: &Oscillation| (o.speed - first).abs() < SAME;
+        self.oscillations.iter().all(same).then_some(first)
+    }
+
+    /// Where all are of one speed, each with its name (Hz): drawn across the others, where it is about the same.
+    pub(crate) fn lines(&self) -> Vec<(String, f64)> {
+        let modes = self.oscillations.iter();
+        match self.one_speed() {
+            Some(_) => modes
+                .map(|o| (format!("mode {}", o.mode), o.frequency))
+                .collect(),
+            None => Vec::new(),
+        }
+    }
+
+    /// Speed (1/min) and frequency (Hz) of each.
+    pub(crate) fn marks(&self) -> Vec<(f64, f64)> {
+        let modes = self.oscillations.iter();
+        modes.map(|o| (o.speed, o.frequency)).collect()
+    }
+
+    /// What is drawn, in words; nothing where there is nothing.
+    pub(crate) fn said(&self) -> Option<String> {
+        let names = match self.names.as_slice() {
+            [] => return None,
+            [one] => one.clone(),
+            [first, .., last] => format!("{first} to {last}"),
+        };
+        let at = match self.one_speed() {
+            Some(speed) => format!(" at {speed:.0} 1/min"),
+            None => String::new(),
+        };
+        Some(format!(
+            "natural frequencies of {names}{at}, damping below {:.0} %",
+            100.0 * DAMPED
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_speed_gives_lines_and_several_give_marks() {
+        let mut natural = Natural::default();
+        assert_eq!(natural.said(), None);
+        let speed = 100.0 * TAU;
+        natural.push("a[1]", &[50.0, 80.0, 0.0], &[0.01, 0.5, 1.0], &[speed; 3]);
+        assert_eq!(natural.lines(), [("mode 1".to_owned(), 50.0)]);
+        assert_eq!(
+            natural.said().as_deref(),
+            Some("natural frequencies of a[1] at 6000 1/min, damping below 20 %")
+        );
+        natural.push("a[2]", &[55.0], &[0.01], &[-2.0 * speed]);
+        assert!(natural.lines().is_empty());
+        assert_eq!(natural.marks().len(), 2);
+        assert!((natural.marks()[1].0 - 12000.0).abs() < 1e-9);
+        assert_eq!(
+            natural.said().as_deref(),
+            Some("natural frequencies of a[1] to a[2], damping below 20 %")
+        );
+    }
+}

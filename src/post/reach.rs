@@ -1,0 +1,187 @@
+//! What samples can tell: frequencies that they hold, blocks that fit, axes that the speed allows; and how it is said.
+
+use super::PostError;
+use super::sampling::Sampled;
+use super::track::Track;
+use eng_report::signal::Sampling;
+use eng_system::DisplayUnit;
+use eng_system::report::Limit;
+use eng_system::system::Extent;
+use std::f64::consts::{PI, TAU};
+
+/// Share by which rounding may put a frequency beyond what samples hold.
+const ROUNDING: f64 = 1e-6;
+/// Share of the mean speed by which a speed may be off it where frequencies and orders are taken for each other.
+const STEADY: f64 = 0.1;
+
+fn unit(symbol: &str, scale: f64) -> DisplayUnit {
+    DisplayUnit {
+        symbol: symbol.to_owned(),
+        scale,
+        offset: 0.0,
+    }
+}
+
+/// `200 ms`, `0.5 deg`, `2 rev`.
+pub(super) fn extent_text(extent: Extent) -> String {
+    match extent {
+        Extent::Time(time) if time < 1e-3 => unit("us", 1e-6).text(time),
+        Extent::Time(time) if time < 1.0 => unit("ms", 1e-3).text(time),
+        Extent::Time(time) => unit("s", 1.0).text(time),
+        Extent::Angle(angle) if angle < TAU => unit("deg", PI / 180.0).text(angle),
+        Extent::Angle(angle) => unit("rev", TAU).text(angle),
+    }
+}
+
+/// `150 Hz`, `2.5 kHz`, `order 2`.
+pub(super) fn limit_text(limit: Limit) -> String {
+    match limit {
+        Limit::Frequency(frequency) if frequency < 1e3 => unit("Hz", 1.0).text(frequency),
+        Limit::Frequency(frequency) => unit("kHz", 1e3).text(frequency),
+        Limit::Order(order) => format!("order {}", unit("1", 1.0).text(order)),
+    }
+}
+
+/// `4000 rpm` of turns a second.
+pub(super) fn speed_text(speed: f64) -> String {
+    unit("rpm", 1.0 / 60.0).text(speed)
+}
+
+/// A length counted as the samples lie (s, or °).
+fn length(sampling: Sampling, steps: f64) -> Extent {
+    match sampling {
+        Sampling::Time { step } => Extent::Time(steps * step),
+        Sampling::Angle { step } => Extent::Angle((steps * step).to_radians()),
+    }
+}
+
+/// Half of the samples a second, or a turn.
+pub(super) fn highest(sampling: Sampling) -> Limit {
+    match sampling {
+        Sampling::Time { step } => Limit::Frequency(0.5 / step),
+        Sampling::Angle { step } => Limit::Order(180.0 / step),
+    }
+}
+
+/// Cycles a sample of a frequency that is counted as the samples lie (Hz, or orders).
+fn cycles_a_sample(sampling: Sampling, place: f64) -> f64 {
+    match sampling {
+        Sampling::Time { step } => place * step,
+        Sampling::Angle { step } => place * step / 360.0,
+    }
+}
+
+/// The nearest number below with two digits.
+fn two_digits_below(x: f64) -> f64 {
+    let power = libm::pow(10.0, libm::floor(libm::log10(x)) - 1.0);
+    libm::floor(x / power * (1.0 + 1e-12)) * power
+}
+
+impl Track {
+    /// Refuses what is faster than half of the samples: they hold nothing of it. `place` is counted as the samples lie.
+    pub fn holds(&self, sampled: &Sampled, place: f64, stated: Limit) -> Result<(), PostError> {
+        let cycles = cycles_a_sample(sampled.sampling, place);
+        if cycles <= 0.5 * (1.0 + ROUNDING) {
+            return Ok(());
+        }
+        let needed = match length(sampled.sampling, 0.5 / cycles) {
+            Extent::Time(time) => Extent::Time(two_digits_below(time)),
+            Extent::Angle(angle) => {
+                Extent::Angle(two_digits_below(angle.to_degrees()).to_radians())
+            }
+        };
+        Err(PostError::TooFast {
+            analysis: self.samples.analysis.clone(),
+            stated: limit_text(stated),
+            step: extent_text(length(sampled.sampling, 1.0)),
+            highest: limit_text(highest(sampled.sampling)),
+            needed: extent_text(needed),
+        })
+    }
+
+    /// Refuses what is slower than one period in the signal.
+    pub fn resolves(&self, sampled: &Sampled, place: f64, stated: String) -> Result<(), PostError> {
+        let cycles = cycles_a_sample(sampled.sampling, place) * sampled.count as f64;
+        if cycles >= 1.0 - ROUNDING {
+            return Ok(());
+        }
+        Err(PostError::TooSlow {
+            analysis: self.samples.analysis.clone(),
+            stated,
+            length: extent_text(length(sampled.sampling, sampled.count as f64)),
+        })
+    }
+
+    /// Samples of a block that is a number of steps long; at least two, and no more than there are.
+    pub fn block(&self, sampled: &Sampled, steps: f64, stated: Extent) -> Result<usize, PostError> {
+        let refused = |why: String| PostError::Block {
+            analysis: self.samples.analysis.clone(),
+            block: extent_text(stated),
+            why,
+        };
+        let count = steps.round();
+        if !(count >= 2.0) {
+            let step = extent_text(length(sampled.sampling, 1.0));
+            return Err(refused(format!(
+                "shorter than two samples, which lie {step} apart"
+            )));
+        }
+        if count > sampled.count as f64 {
+            let whole = extent_text(length(sampled.sampling, sampled.count as f64));
+            return Err(refused(format!("longer than the signal, {whole}")));
+        }
+        Ok(count as usize)
+    }
+
+    /// The size of the mean speed (1/s), by which frequencies and orders are taken for each other; refused where the cycle does not turn
+    /// or its speed changes too much for that.
+    pub fn steady_speed(&self, sampled: &Sampled) -> Result<f64, PostError> {
+        let speed = self.mean_speed(sampled)?;
+        let speeds = self.samples.speed.iter().flatten().map(|s| s.abs() / TAU);
+        let (low, high) = speeds.fold((speed, speed), |(low, high), s| (low.min(s), high.max(s)));
+        if low < (1.0 - STEADY) * speed || high > (1.0 + STEADY) * speed {
+            let (lie, asked, needed) = match sampled.sampling {
+                Sampling::Time { .. } => ("time", "orders", "degrees"),
+                Sampling::Angle { .. } => ("crank angle", "frequencies", "milliseconds"),
+            };
+            return Err(PostError::SpeedChanges {
+                analysis: self.samples.analysis.clone(),
+                from: speed_text(low),
+                to: speed_text(high),
+                lie,
+                asked,
+                needed,
+            });
+        }
+        Ok(speed)
+    }
+
+    /// The size of the mean speed (1/s).
+    pub fn mean_speed(&self, sampled: &Sampled) -> Result<f64, PostError> {
+        sampled
+            .speed
+            .map(f64::abs)
+            .filter(|speed| *speed > 0.0 && speed.is_finite())
+            .ok_or_else(|| PostError::NoSpeed(self.samples.analysis.clone()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_said_is_in_the_units_of_the_text() {
+        assert_eq!(extent_text(Extent::Time(2e-4)), "200 us");
+        assert_eq!(extent_text(Extent::Time(0.2)), "200 ms");
+        assert_eq!(extent_text(Extent::Time(2.5)), "2.5 s");
+        assert_eq!(extent_text(Extent::Angle(0.5f64.to_radians())), "0.5 deg");
+        assert_eq!(extent_text(Extent::Angle(2.0 * TAU)), "2 rev");
+        assert_eq!(limit_text(Limit::Frequency(2500.0)), "2.5 kHz");
+        assert_eq!(limit_text(Limit::Order(0.5)), "order 0.5");
+        assert_eq!(speed_text(200.0 / 3.0), "4000 rpm");
+        assert!((two_digits_below(1.0 / 6.0) - 0.16).abs() < 1e-15);
+        assert!((two_digits_below(0.25) - 0.25).abs() < 1e-15);
+        assert!((two_digits_below(120.0) - 120.0).abs() < 1e-12);
+    }
+}
