@@ -336,10 +336,10 @@ fn phases(name: &str) -> Result<(), Failure> {
         &Full {
             freedoms: &full.freedoms,
             mass: &full.mass,
-            stiffness: &full.stiffness,
             rigid: &motions,
         },
         &shapes,
+        &set.stiffness,
     );
     clock.tell("invariants")?;
     println!("    {} modes, {:.3} kg", constants.modes, constants.mass);

@@ -177,10 +177,10 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         &Full {
             freedoms: &full.freedoms,
             mass: &full.mass,
-            stiffness: &full.stiffness,
             rigid: &motions,
         },
         &shapes,
+        &set.stiffness,
     );
     if own {
         add_turning(&mut constants, &mesh.point_masses, &full.freedoms, &shapes);
