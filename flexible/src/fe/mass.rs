@@ -5,7 +5,7 @@ use crate::error::FlexibleError;
 use crate::mesh::Mesh;
 use crate::solve::product::{Lanes, TOGETHER, pack, unpack};
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
-use faer::traits::pulp::Arch;
+use faer::traits::pulp::{Arch, Simd, WithSimd};
 
 /// The mass matrix over full freedoms, M = M_s ⊗ I₃ + M_g: solids, shells and plain point masses are the same in all
 /// directions and need one number a pair of nodes; the rest is general.
@@ -97,7 +97,10 @@ impl Mass {
     pub fn assembled(&self) -> Result<SymmetricMatrix, FlexibleError> {
         let size = self.freedoms.size();
         let general = self.general.as_ref();
-        let (mut column_start, mut row, mut value) = (vec![0usize], Vec::new(), Vec::new());
+        let entries = 3 * self.solid.rows().len() + general.map_or(0, |g| g.rows().len());
+        let (mut row, mut value) = (Vec::with_capacity(entries), Vec::with_capacity(entries));
+        let mut column_start = Vec::with_capacity(size + 1);
+        column_start.push(0usize);
         for node in 0..self.solid.size() {
             let own = self.freedoms.of(node as u32);
             let (others, masses) = self.solid.column(node);
@@ -187,7 +190,11 @@ impl Mass {
         for (x, y) in x.chunks(chunk).zip(y.chunks_mut(chunk)) {
             pack(x, &mut packed);
             pack(y, &mut product);
-            Arch::new().dispatch(|| self.add_solid(&packed, &mut product));
+            Arch::new().dispatch(Alike {
+                mass: self,
+                x: &packed,
+                y: &mut product,
+            });
             unpack(&product, y);
         }
     }
@@ -223,5 +230,22 @@ impl Mass {
                 }
             }
         }
+    }
+}
+
+/// [`Mass::add_alike`] of packed vectors, with the widest vectors that the processor has.
+struct Alike<'a> {
+    mass: &'a Mass,
+    x: &'a [Lanes],
+    y: &'a mut [Lanes],
+}
+
+impl WithSimd for Alike<'_> {
+    type Output = ();
+
+    // code for the processor comes of what is inlined here
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.mass.add_solid(self.x, self.y);
     }
 }

@@ -164,7 +164,8 @@ struct Entering {
 }
 
 impl Basis {
-    /// Takes up what a group of candidates adds, in their order. Products with K and with the basis are those of the whole group at once.
+    /// Takes up what a group of candidates adds, in their order. Products with K and with the basis are
+    /// those of the whole group at once; forces go with the vectors, as long as these keep enough of themselves.
     fn take_up(
         &mut self,
         structure: &Structure,
@@ -174,10 +175,11 @@ impl Basis {
         let size = structure.size().max(1);
         let (mut entering, mut vectors) = elastic(structure, group, set)?;
         let mut forces = applied(structure.stiffness, &vectors);
-        scale_to_unit_energy(size, &mut entering, &mut vectors, &forces, set);
+        scale_to_unit_energy(size, &mut entering, &mut vectors, &mut forces, set);
         for _ in 0..2 {
             let coefficients = products(size, &self.forces, &vectors);
             subtract(size, &self.vectors, &coefficients, &mut vectors);
+            subtract(size, &self.forces, &coefficients, &mut forces);
             let known = self.triangle.len();
             for (entering, own) in entering
                 .iter_mut()
@@ -186,19 +188,14 @@ impl Basis {
                 add_to(&mut entering.along, own);
             }
         }
-        forces.truncate(vectors.len());
-        structure
-            .stiffness
-            .apply(entering.len(), &vectors, &mut forces);
         let first = self.triangle.len();
         let columns = vectors
             .chunks_exact_mut(size)
             .zip(forces.chunks_exact_mut(size));
         for (mut entering, (vector, force)) in entering.into_iter().zip(columns) {
-            let before = energy(vector, force);
             self.project(size, first, vector, force, &mut entering.along);
             let mut left = energy(vector, force);
-            if left < SHRUNK * before {
+            if left < SHRUNK {
                 // what is left may be rounding of what was taken: once more, against all
                 structure.stiffness.apply(1, vector, force);
                 self.project(size, 0, vector, force, &mut entering.along);
@@ -299,23 +296,29 @@ fn elastic(
     Ok((entering, vectors))
 }
 
-/// Scales to unit strain energy; what does not strain the structure is dropped.
+/// Scales vectors and their forces to unit strain energy; what does not strain the structure is dropped.
 fn scale_to_unit_energy(
     size: usize,
     entering: &mut Vec<Entering>,
     vectors: &mut Vec<f64>,
-    forces: &[f64],
+    forces: &mut Vec<f64>,
     set: &mut ModeSet,
 ) {
-    let mut forces = forces.chunks_exact(size);
+    let mut kept = Vec::with_capacity(forces.len());
+    let mut every = forces.chunks_exact(size);
     keep(size, entering, vectors, set, |entering, vector| {
-        let length = libm::sqrt(forces.next().map_or(0.0, |force| energy(vector, force)));
+        let Some(force) = every.next() else {
+            return false;
+        };
+        let length = libm::sqrt(energy(vector, force));
         if length > 0.0 {
             vector.iter_mut().for_each(|x| *x /= length);
+            kept.extend(force.iter().map(|x| x / length));
             entering.largest = largest(vector);
         }
         length > 0.0
     });
+    *forces = kept;
 }
 
 /// Keeps those candidates and their vectors that a test says, in their order; the others are dropped without remains.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Steps of [`corrected`], at most.
 const MOST_STEPS: usize = 7;
 /// Energy of what is missing, of the first step's, at which one more step is the last.
-const ENOUGH: f64 = 1e-20;
+const ENOUGH: f64 = 1e-18;
 
 /// Solves `K u = f` for several loads, one after the other in `vectors`, which become the displacements. Freedoms in `held` stay
 /// at zero.
@@ -106,8 +106,8 @@ pub(crate) fn attachment_modes_by(
 
 /// Solves `K u = f` for loads one after the other with a factor of `A = K − σ M`: conjugate gradients preconditioned by A, each load for itself.
 /// The eigenvalues of `A⁻¹K` over elastic motions are λ/(λ + |σ|), so that a step gains about the factor 4 λ₁/|σ|. With the
-/// remainder r of the loads, `rᵀA⁻¹r` is about the energy of what is missing: below 1e-20 of the first one the last step needs no
-/// more than A. None where the steps don't suffice: σ is not small enough, or a load meets no resistance.
+/// remainder r of the loads, `rᵀA⁻¹r` is about the energy of what is missing: below 1e-18 of the first one a last step by A alone takes all
+/// of it but the part |σ|/λ₁. None where the steps don't suffice: σ is not small enough, or a load meets no resistance.
 fn corrected(
     structure: &Structure,
     near: &Shifted,

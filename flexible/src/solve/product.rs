@@ -1,7 +1,7 @@
 //! A sparse symmetric matrix times several vectors.
 
 use crate::sparse::SymmetricMatrix;
-use faer::traits::pulp::Arch;
+use faer::traits::pulp::{Arch, Simd, WithSimd};
 
 /// Vectors taken together: their entries of one row fill a cache line.
 pub(crate) const TOGETHER: usize = 8;
@@ -21,8 +21,11 @@ pub(crate) fn multiply(matrix: &SymmetricMatrix, x: &[f64], y: &mut [f64]) {
     for (x, y) in x.chunks(size * TOGETHER).zip(y.chunks_mut(size * TOGETHER)) {
         pack(x, &mut packed);
         product.fill([0.0; TOGETHER]);
-        // the widest vectors that the processor has: the same operations in the same order, whatever their width
-        Arch::new().dispatch(|| accumulate(matrix, &packed, &mut product));
+        Arch::new().dispatch(Product {
+            matrix,
+            x: &packed,
+            y: &mut product,
+        });
         unpack(&product, y);
     }
 }
@@ -42,6 +45,23 @@ pub(crate) fn unpack(packed: &[Lanes], y: &mut [f64]) {
         for (y, packed) in y.iter_mut().zip(packed) {
             *y = packed[lane];
         }
+    }
+}
+
+/// A product, with the widest vectors that the processor has: the same operations in the same order, whatever their width.
+struct Product<'a> {
+    matrix: &'a SymmetricMatrix,
+    x: &'a [Lanes],
+    y: &'a mut [Lanes],
+}
+
+impl WithSimd for Product<'_> {
+    type Output = ();
+
+    // code for the processor comes of what is inlined here
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        accumulate(self.matrix, self.x, self.y);
     }
 }
 

@@ -220,6 +220,8 @@ impl<'a> Search<'a> {
                     below,
                     gap,
                 } => {
+                    // the count needs memory, and only these columns any more
+                    let ritz = lanczos.settle(&ritz, expected);
                     let (proof, used) =
                         self.prove(Some(factor.into_factor()), expected, below, gap)?;
                     match proof {
