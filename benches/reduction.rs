@@ -1,7 +1,7 @@
 //! Reduction of large bodies of ten-node tetrahedra, phase by phase, beside CalculiX where it is installed.
 //!
-//! `cargo bench -p eng-flexible --bench reduction [-- ROUNDS] [crank | block]`. Two bodies: the crankshaft of the test data (31,277 nodes), and an engine block of walls,
-//! deck and four liners that is made here (more than 100,000 nodes). Each gets 20 static and 20 free normal modes and its invariants; CalculiX (`ccx`)
+//! `cargo bench -p eng-flexible --bench reduction [-- ROUNDS] [crank | block | solid]`. Three bodies: the crankshaft of the test data (31,277 nodes), an engine block of walls,
+//! deck and four liners that is made here (more than 100,000 nodes), and a bulky one of as many nodes, a full block. Each gets 20 static and 20 free normal modes and its invariants; CalculiX (`ccx`)
 //! gets the same elements and looks for the same free modes alone. Both work on one thread where they can be told to, in processes of their
 //! own, by turns; times are CPU seconds (user and system), the least of all rounds, for other programs disturb them less than clock
 //! time. Memory is the most that a process held. Linux only: `/proc` tells both.
@@ -31,7 +31,7 @@ type Failure = Box<dyn std::error::Error>;
 const NORMAL: usize = 20;
 const RIGID: usize = 6;
 
-const CASES: [&str; 2] = ["crank", "block"];
+const CASES: [&str; 3] = ["crank", "block", "solid"];
 
 struct Here;
 
@@ -88,7 +88,8 @@ impl Case {
             radius: 0.03,
             tolerance: 1e-6,
         };
-        let size = CELLS.map(|n| f64::from(n) * SIDE);
+        let cells = if name == "solid" { FULL } else { CELLS };
+        let size = cells.map(|n| f64::from(n) * SIDE);
         let mut markers = Vec::new();
         let mut at = Vec::new();
         for (z, components) in [(0.0, 0b111), (size[2], 0b11)] {
@@ -106,7 +107,11 @@ impl Case {
             }
         }
         Ok(Case {
-            mesh: block(),
+            mesh: if name == "solid" {
+                cubes(FULL, |_| true)
+            } else {
+                cubes(CELLS, is_solid)
+            },
             markers,
             at,
         })
@@ -122,7 +127,10 @@ const BORES: [f64; 4] = [7.5, 21.5, 35.5, 49.5];
 const WALLS: [u32; 5] = [0, 14, 28, 42, 55];
 const CRANKCASE: u32 = 14;
 
-/// Whether the block has a cell: outer walls, deck, liners above the crankcase, bearing walls in it.
+/// Cells of the full block.
+const FULL: [u32; 3] = [34, 16, 22];
+
+/// Whether the block of walls has a cell: outer walls, deck, liners above the crankcase, bearing walls in it.
 fn is_solid([x, y, z]: [u32; 3]) -> bool {
     let [across, along] = [x, y].map(|n| f64::from(n) + 0.5);
     let off = |center: &f64| (across - center).hypot(along - 0.5 * f64::from(CELLS[1]));
@@ -135,8 +143,8 @@ fn is_solid([x, y, z]: [u32; 3]) -> bool {
     outside || deck || liner || (z < CRANKCASE && WALLS.contains(&x))
 }
 
-/// A block of an engine with four bores made of cubes, each cube six tetrahedra about its diagonal (H. W. Kuhn, 1960: they fit from cube to cube).
-fn block() -> Mesh {
+/// The cubes of a block that are there, each six tetrahedra about its diagonal (H. W. Kuhn, 1960: they fit from cube to cube).
+fn cubes(cells: [u32; 3], is_there: impl Fn([u32; 3]) -> bool) -> Mesh {
     let mut corners: BTreeMap<[u32; 3], u32> = BTreeMap::new();
     let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();
     let mut mesh = Mesh {
@@ -170,10 +178,10 @@ fn block() -> Mesh {
         [0, 2, 1],
         [2, 1, 0],
     ];
-    for z in 0..CELLS[2] {
-        for y in 0..CELLS[1] {
-            for x in 0..CELLS[0] {
-                if !is_solid([x, y, z]) {
+    for z in 0..cells[2] {
+        for y in 0..cells[1] {
+            for x in 0..cells[0] {
+                if !is_there([x, y, z]) {
                     continue;
                 }
                 for (hand, path) in paths.iter().enumerate() {
@@ -300,6 +308,10 @@ fn phases(name: &str) -> Result<(), Failure> {
     let analysis = Arc::new(Analysis::new(&matrix, ordering)?);
     let factor = Factorization::new(&analysis, &matrix, Definiteness::Positive)?;
     clock.tell("factor (alone)")?;
+    println!(
+        "    {:.1} million numbers stored",
+        analysis.stored() as f64 / 1e6
+    );
     drop((factor, analysis, matrix));
     let mut loads = Vec::new();
     for interface in &at {
@@ -336,10 +348,10 @@ fn phases(name: &str) -> Result<(), Failure> {
         &Full {
             freedoms: &full.freedoms,
             mass: &full.mass,
-            stiffness: &full.stiffness,
             rigid: &motions,
         },
         &shapes,
+        &set.stiffness,
     );
     clock.tell("invariants")?;
     println!("    {} modes, {:.3} kg", constants.modes, constants.mass);

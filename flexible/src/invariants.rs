@@ -2,33 +2,28 @@
 //!
 //! The shapes are those of all freedoms of the mesh, ties expanded, so that the mass is the mesh's own, exact for a consistent one.
 
-use crate::fe::FreedomMap;
+use crate::fe::{FreedomMap, Mass};
 use crate::modes::{applied, products};
-use crate::sparse::{SymmetricMatrix, SymmetricOperator};
+use crate::sparse::SymmetricMatrix;
 use eng_system::reduced::Invariants;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
 
 /// Pairs of axes of the centrifugal blocks.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
+/// Triples of freedoms whose products are added up at a time: their panels stay in the cache.
+const TOGETHER: usize = 256;
+
 /// A structure over the full freedoms of its mesh (SI, basic axes).
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Full<'a> {
     /// Numbering of the freedoms.
     pub freedoms: &'a FreedomMap,
     /// M.
-    pub mass: &'a dyn SymmetricOperator,
-    /// K.
-    pub stiffness: &'a SymmetricMatrix,
+    pub mass: &'a Mass,
     /// The six rigid motions about the frame's origin, one after the other: translations, then rotations.
     pub rigid: &'a [f64],
-}
-
-impl std::fmt::Debug for Full<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Full")
-            .field("freedoms", &self.freedoms.size())
-            .finish_non_exhaustive()
-    }
 }
 
 /// `E_k x`: every node's displacement and rotation turned by a unit rotation about axis k, `e_k ×`.
@@ -50,8 +45,14 @@ pub fn turned(freedoms: &FreedomMap, axis: usize, x: &[f64]) -> Vec<f64> {
     out
 }
 
-/// The constants for shapes (one after the other over the full freedoms). Damping is zero: it is the body's, not the mesh's.
-pub fn invariants(full: &Full, shapes: &[f64]) -> Invariants {
+/// The constants for shapes (one after the other over the full freedoms) and their `ΦᵀKΦ` by rows. Damping is zero: it is the body's, not
+/// the mesh's.
+///
+/// Where the mass is the same in all directions it commutes with `E_k`, so that all blocks n × n follow from the nine products
+/// `S_ij = (M Φ)_iᵀ Φ_j` of the shapes' components i, j: `ΦᵀME_kΦ = S_ji − S_ij` for i, j, k cyclic, and from
+/// `(e_j × u)·(e_k × v) = (e_j·e_k)(u·v) − (e_k·u)(e_j·v)` the centrifugal ones. The rest, of beams and offset masses, is turned in full, on
+/// the nodes that have it.
+pub fn invariants(full: &Full, shapes: &[f64], stiffness: &[f64]) -> Invariants {
     let size = full.freedoms.size();
     let n = shapes.len().checked_div(size).unwrap_or(0);
     let mut out = Invariants::zero(n);
@@ -79,23 +80,207 @@ pub fn invariants(full: &Full, shapes: &[f64]) -> Invariants {
     let momentum = products(size, &inertial, shapes);
     out.translation = block(&momentum, 6, 0, 3);
     out.rotation = block(&momentum, 6, 3, 3);
-    let turned: [Vec<f64>; 3] = std::array::from_fn(|k| turned(full.freedoms, k, shapes));
-    let turned_inertial: [Vec<f64>; 3] = std::array::from_fn(|k| applied(full.mass, &turned[k]));
-    for (k, inertial) in turned_inertial.iter().enumerate() {
-        let by_shape = products(size, full.rigid, inertial);
-        out.rotation_by_shape[k] = block(&by_shape, 6, 3, 3);
-        let coriolis = products(size, shapes, inertial);
-        out.coriolis[k] = block(&coriolis, n, 0, n);
+    for (k, out) in out.rotation_by_shape.iter_mut().enumerate() {
+        // R_rᵀ M E_k Φ = −(E_k M R_r)ᵀ Φ
+        let levers = turned(full.freedoms, k, &inertial[3 * size..]);
+        let by_shape = products(size, &levers, shapes);
+        *out = block(&by_shape, 3, 0, 3).into_iter().map(|x| -x).collect();
     }
-    for (p, (j, k)) in PAIRS.into_iter().enumerate() {
-        let both = products(size, &turned[j], &turned_inertial[k]);
-        out.centrifugal[p] = symmetric(&block(&both, n, 0, n), n);
+    add_alike(full, shapes, n, &mut out);
+    if let Some(general) = &full.mass.general {
+        Directed::new(full.freedoms, general).add(shapes, n, &mut out);
     }
-    let mass = products(size, shapes, &applied(full.mass, shapes));
-    out.modal_mass = symmetric(&block(&mass, n, 0, n), n);
-    let stiffness = products(size, shapes, &applied(full.stiffness, shapes));
-    out.stiffness = symmetric(&block(&stiffness, n, 0, n), n);
+    out.modal_mass = symmetric(&out.modal_mass, n);
+    for block in &mut out.centrifugal {
+        *block = symmetric(block, n);
+    }
+    if stiffness.len() == n * n {
+        out.stiffness = symmetric(stiffness, n);
+    }
     out
+}
+
+/// `out += factor · x`.
+fn add(out: &mut [f64], block: &[f64], factor: f64) {
+    for (out, x) in out.iter_mut().zip(block) {
+        *out += factor * x;
+    }
+}
+
+/// Adds what the part of the mass that is the same in all directions gives.
+fn add_alike(full: &Full, shapes: &[f64], n: usize, out: &mut Invariants) {
+    let size = full.freedoms.size();
+    let mut inertial = vec![0.0; shapes.len()];
+    full.mass.add_alike(n, shapes, &mut inertial);
+    let products = component_products(full.freedoms, size, n, &inertial, shapes);
+    let of = |i: usize, j: usize| products[3 * i + j].as_slice();
+    for (k, coriolis) in out.coriolis.iter_mut().enumerate() {
+        let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+        add(coriolis, of(last, next), 1.0);
+        add(coriolis, of(next, last), -1.0);
+    }
+    for ((j, k), centrifugal) in PAIRS.into_iter().zip(&mut out.centrifugal) {
+        if j == k {
+            add(centrifugal, of((k + 1) % 3, (k + 1) % 3), 1.0);
+            add(centrifugal, of((k + 2) % 3, (k + 2) % 3), 1.0);
+        } else {
+            add(centrifugal, of(k, j), -1.0);
+        }
+    }
+    for i in 0..3 {
+        add(&mut out.modal_mass, of(i, i), 1.0);
+    }
+}
+
+/// `X_iᵀ Y_j` (n × n by rows) of the components i, j = x, y, z of translations, at 3 i + j.
+fn component_products(
+    freedoms: &FreedomMap,
+    size: usize,
+    n: usize,
+    x: &[f64],
+    y: &[f64],
+) -> [Vec<f64>; 9] {
+    let mut out: [Vec<f64>; 9] = std::array::from_fn(|_| vec![0.0; n * n]);
+    let firsts: Vec<usize> = (0..freedoms.node_count())
+        .map(|node| freedoms.of(node as u32))
+        .filter(|range| range.len() >= 3)
+        .map(|range| range.start)
+        .collect();
+    let mut panels: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; TOGETHER * n]);
+    for firsts in firsts.chunks(TOGETHER) {
+        let rows = firsts.len();
+        let (left, right) = panels.split_at_mut(3);
+        for (panels, vectors) in [(left, x), (right, y)] {
+            for (column, vector) in vectors.chunks_exact(size.max(1)).enumerate() {
+                let [a, b, c] = panels else { continue };
+                let range = column * rows..(column + 1) * rows;
+                let places = a[range.clone()]
+                    .iter_mut()
+                    .zip(&mut b[range.clone()])
+                    .zip(&mut c[range]);
+                for (((a, b), c), first) in places.zip(firsts) {
+                    if let Some([x, y, z]) = vector.get(*first..first + 3) {
+                        (*a, *b, *c) = (*x, *y, *z);
+                    }
+                }
+            }
+        }
+        let view =
+            |panel: usize| MatRef::from_column_major_slice(&panels[panel][..rows * n], rows, n);
+        for (place, out) in out.iter_mut().enumerate() {
+            matmul(
+                MatMut::from_row_major_slice_mut(out, n, n),
+                Accum::Add,
+                view(place / 3).transpose(),
+                view(3 + place % 3),
+                1.0,
+                Par::Seq,
+            );
+        }
+    }
+    out
+}
+
+/// Mass that is not the same in all directions, on the nodes that have it.
+struct Directed<'a> {
+    matrix: &'a SymmetricMatrix,
+    /// First freedoms of the triples (translations or rotations of a node) that it touches.
+    triples: Vec<usize>,
+    /// Place among the rows of `triples` of each freedom.
+    place: Vec<u32>,
+}
+
+impl<'a> Directed<'a> {
+    fn new(freedoms: &FreedomMap, matrix: &'a SymmetricMatrix) -> Self {
+        let mut touched = vec![false; freedoms.size()];
+        for column in 0..matrix.size() {
+            for row in matrix.column(column).0 {
+                touched[*row as usize] = true;
+                touched[column] = true;
+            }
+        }
+        let mut place = vec![u32::MAX; freedoms.size()];
+        let mut triples = Vec::new();
+        for node in 0..freedoms.node_count() {
+            for first in freedoms.of(node as u32).step_by(3) {
+                if touched[first..first + 3].contains(&true) {
+                    for (component, place) in place[first..first + 3].iter_mut().enumerate() {
+                        *place = (3 * triples.len() + component) as u32;
+                    }
+                    triples.push(first);
+                }
+            }
+        }
+        Directed {
+            matrix,
+            triples,
+            place,
+        }
+    }
+
+    /// `M x` of vectors on the touched rows, a row's entries of all vectors one after the other.
+    fn apply(&self, n: usize, x: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; x.len()];
+        let at = |freedom: usize| {
+            let first = self.place[freedom] as usize * n;
+            first..first + n
+        };
+        for column in 0..self.matrix.size() {
+            let (rows, values) = self.matrix.column(column);
+            for (row, value) in rows.iter().zip(values) {
+                let row = *row as usize;
+                add(&mut out[at(row)], &x[at(column)], *value);
+                if row != column {
+                    add(&mut out[at(column)], &x[at(row)], *value);
+                }
+            }
+        }
+        out
+    }
+
+    fn add(&self, shapes: &[f64], n: usize, out: &mut Invariants) {
+        let size = self.place.len();
+        let rows = 3 * self.triples.len();
+        let mut own = vec![0.0; rows * n];
+        for (triple, first) in self.triples.iter().enumerate() {
+            for component in 0..3 {
+                let row = &mut own[(3 * triple + component) * n..][..n];
+                for (x, shape) in row.iter_mut().zip(shapes.chunks_exact(size.max(1))) {
+                    *x = shape[first + component];
+                }
+            }
+        }
+        let turned: [Vec<f64>; 3] = std::array::from_fn(|k| {
+            let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+            let mut turned = vec![0.0; own.len()];
+            for (x, y) in own
+                .chunks_exact(3 * n.max(1))
+                .zip(turned.chunks_exact_mut(3 * n.max(1)))
+            {
+                add(&mut y[next * n..][..n], &x[last * n..][..n], -1.0);
+                add(&mut y[last * n..][..n], &x[next * n..][..n], 1.0);
+            }
+            turned
+        });
+        let inertial: [Vec<f64>; 3] = std::array::from_fn(|k| self.apply(n, &turned[k]));
+        let product = |out: &mut [f64], x: &[f64], y: &[f64]| {
+            matmul(
+                MatMut::from_row_major_slice_mut(out, n, n),
+                Accum::Add,
+                MatRef::from_row_major_slice(x, rows, n).transpose(),
+                MatRef::from_row_major_slice(y, rows, n),
+                1.0,
+                Par::Seq,
+            );
+        };
+        for (coriolis, inertial) in out.coriolis.iter_mut().zip(&inertial) {
+            product(coriolis, &own, inertial);
+        }
+        for ((j, k), centrifugal) in PAIRS.into_iter().zip(&mut out.centrifugal) {
+            product(centrifugal, &turned[j], &inertial[k]);
+        }
+        product(&mut out.modal_mass, &own, &self.apply(n, &own));
+    }
 }
 
 fn symmetric(block: &[f64], n: usize) -> Vec<f64> {

@@ -20,6 +20,7 @@ use crate::modes::rigid::residuals;
 use crate::modes::{ModeSet, Structure};
 use crate::rotary::{add_turning, split_offsets};
 use crate::solve::Modes;
+use crate::sparse::SymmetricMatrix;
 use candidates::Candidates;
 use eng_system::flexible::Damping;
 use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
@@ -122,7 +123,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     if own {
         split_offsets(&mut mesh);
     }
-    let (full, mut held) = matrices(&mesh, request, nodal, &mut report)?;
+    let (mut full, mut held) = matrices(&mesh, request, nodal, &mut report)?;
     let marker_freedoms = MarkerFreedoms {
         request,
         places: &places,
@@ -151,6 +152,8 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
             .into_iter()
             .fold(0.0, f64::max),
     };
+    // as large as the one over free freedoms, and not needed any more
+    full.stiffness = SymmetricMatrix::default();
 
     let mut candidates = Candidates {
         structure: &structure,
@@ -177,10 +180,10 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         &Full {
             freedoms: &full.freedoms,
             mass: &full.mass,
-            stiffness: &full.stiffness,
             rigid: &motions,
         },
         &shapes,
+        &set.stiffness,
     );
     if own {
         add_turning(&mut constants, &mesh.point_masses, &full.freedoms, &shapes);

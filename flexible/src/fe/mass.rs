@@ -3,8 +3,9 @@
 use super::freedoms::FreedomMap;
 use crate::error::FlexibleError;
 use crate::mesh::Mesh;
-use crate::solve::product::TOGETHER;
+use crate::solve::product::{Lanes, TOGETHER, pack, unpack};
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
+use faer::traits::pulp::{Arch, Simd, WithSimd};
 
 /// The mass matrix over full freedoms, M = M_s ⊗ I₃ + M_g: solids, shells and plain point masses are the same in all
 /// directions and need one number a pair of nodes; the rest is general.
@@ -96,7 +97,10 @@ impl Mass {
     pub fn assembled(&self) -> Result<SymmetricMatrix, FlexibleError> {
         let size = self.freedoms.size();
         let general = self.general.as_ref();
-        let (mut column_start, mut row, mut value) = (vec![0usize], Vec::new(), Vec::new());
+        let entries = 3 * self.solid.rows().len() + general.map_or(0, |g| g.rows().len());
+        let (mut row, mut value) = (Vec::with_capacity(entries), Vec::with_capacity(entries));
+        let mut column_start = Vec::with_capacity(size + 1);
+        column_start.push(0usize);
         for node in 0..self.solid.size() {
             let own = self.freedoms.of(node as u32);
             let (others, masses) = self.solid.column(node);
@@ -161,41 +165,43 @@ impl SymmetricOperator for Mass {
     }
 
     fn apply(&self, columns: usize, x: &[f64], y: &mut [f64]) {
-        let size = self.freedoms.size();
         match &self.general {
             Some(general) => general.apply(columns, x, y),
             None => y.fill(0.0),
         }
-        if size == 0 {
-            return;
-        }
-        let length = size * columns;
-        let (Some(x), Some(y)) = (x.get(..length), y.get_mut(..length)) else {
-            return;
-        };
-        let mut packed = vec![[0.0; TOGETHER]; size];
-        let mut product = packed.clone();
-        let chunk = size * TOGETHER;
-        for (x, y) in x.chunks(chunk).zip(y.chunks_mut(chunk)) {
-            for (lane, (x, y)) in x.chunks_exact(size).zip(y.chunks_exact(size)).enumerate() {
-                for (row, (x, y)) in x.iter().zip(y).enumerate() {
-                    packed[row][lane] = *x;
-                    product[row][lane] = *y;
-                }
-            }
-            self.add_solid(&packed, &mut product);
-            for (lane, y) in y.chunks_exact_mut(size).enumerate() {
-                for (y, product) in y.iter_mut().zip(&product) {
-                    *y = product[lane];
-                }
-            }
-        }
+        self.add_alike(columns, x, y);
     }
 }
 
 impl Mass {
+    /// Adds `M_s ⊗ I₃ x`, the part that is the same in all directions, to `y` for `columns` vectors one after the other.
+    pub fn add_alike(&self, columns: usize, x: &[f64], y: &mut [f64]) {
+        let size = self.freedoms.size();
+        let length = size * columns;
+        let (Some(x), Some(y)) = (x.get(..length), y.get_mut(..length)) else {
+            return;
+        };
+        if length == 0 {
+            return;
+        }
+        let mut packed = vec![[0.0; TOGETHER]; size];
+        let mut product = packed.clone();
+        let chunk = size * TOGETHER;
+        for (x, y) in x.chunks(chunk).zip(y.chunks_mut(chunk)) {
+            pack(x, &mut packed);
+            pack(y, &mut product);
+            Arch::new().dispatch(Alike {
+                mass: self,
+                x: &packed,
+                y: &mut product,
+            });
+            unpack(&product, y);
+        }
+    }
+
     /// Adds what the solids' mass gives for several vectors.
-    fn add_solid(&self, x: &[[f64; TOGETHER]], y: &mut [[f64; TOGETHER]]) {
+    #[inline(always)]
+    fn add_solid(&self, x: &[Lanes], y: &mut [Lanes]) {
         for node in 0..self.solid.size() {
             let first = self.freedoms.of(node as u32);
             if first.is_empty() {
@@ -224,5 +230,22 @@ impl Mass {
                 }
             }
         }
+    }
+}
+
+/// [`Mass::add_alike`] of packed vectors, with the widest vectors that the processor has.
+struct Alike<'a> {
+    mass: &'a Mass,
+    x: &'a [Lanes],
+    y: &'a mut [Lanes],
+}
+
+impl WithSimd for Alike<'_> {
+    type Output = ();
+
+    // code for the processor comes of what is inlined here
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.mass.add_solid(self.x, self.y);
     }
 }

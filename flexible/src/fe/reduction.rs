@@ -250,12 +250,34 @@ impl Reduction {
             }),
         );
         let back = Transposed::new(self.size(), thin.iter().map(|sum| sum.iter().copied()));
-        let (mut column_start, mut row, mut value) = (vec![0usize], Vec::new(), Vec::new());
+        let mut column_start = Vec::with_capacity(self.size() + 1);
+        column_start.push(0usize);
+        let entries = matrix.rows().len();
+        let (mut row, mut value) = (Vec::with_capacity(entries), Vec::with_capacity(entries));
         let mut sums = vec![0.0; self.size()];
         let mut seen = vec![u32::MAX; self.size()];
         let mut touched: Vec<u32> = Vec::new();
         for (column, &freedom) in self.free.iter().enumerate() {
             let column = column as u32;
+            let tied = lead.of(column).next().is_some() || back.of(column).next().is_some();
+            if let (false, Some(own)) = (tied, plain[freedom as usize])
+                && own == column
+            {
+                // far from ties the columns are those of the matrix, in the same order
+                let (rows, values) = matrix.column(freedom as usize);
+                if rows.first() != Some(&freedom) {
+                    row.push(column);
+                    value.push(0.0);
+                }
+                for (r, x) in rows.iter().zip(values) {
+                    if let Some(r) = plain[*r as usize] {
+                        row.push(r);
+                        value.push(*x);
+                    }
+                }
+                column_start.push(row.len());
+                continue;
+            }
             let mut add = |r: u32, x: f64| {
                 if r < column {
                     return;

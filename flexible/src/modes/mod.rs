@@ -19,9 +19,11 @@ pub use rigid::Rigid;
 pub use set::{Candidate, Dropped, ModeSet};
 
 use crate::error::FlexibleError;
+use crate::solve::{Analysis, shifted};
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
+use std::sync::{Arc, OnceLock};
 
 /// Stiffness and mass over free freedoms, and the rigid motions that nothing holds.
 #[derive(Debug)]
@@ -32,6 +34,7 @@ pub struct Structure<'a> {
     pub mass: &'a SymmetricMatrix,
     /// The six rigid motions of a body that nothing holds; `None` for a supported one.
     pub rigid: Option<Rigid>,
+    analysis: OnceLock<Arc<Analysis>>,
 }
 
 impl<'a> Structure<'a> {
@@ -41,6 +44,7 @@ impl<'a> Structure<'a> {
             stiffness,
             mass,
             rigid: None,
+            analysis: OnceLock::new(),
         }
     }
 
@@ -59,7 +63,18 @@ impl<'a> Structure<'a> {
             stiffness,
             mass,
             rigid: Some(rigid),
+            analysis: OnceLock::new(),
         })
+    }
+
+    /// Order and structure of the factors of `K − σ M`, worked out when they are first needed.
+    pub(crate) fn analysis(&self) -> Result<Arc<Analysis>, FlexibleError> {
+        if let Some(analysis) = self.analysis.get() {
+            return Ok(analysis.clone());
+        }
+        let pattern = shifted(self.stiffness, self.mass, 0.0)?;
+        let found = Arc::new(Analysis::fill_reducing(&pattern)?);
+        Ok(self.analysis.get_or_init(|| found).clone())
     }
 
     /// Number of free freedoms.

@@ -4,7 +4,7 @@ use super::interface::{Interface, independent};
 use super::{Load, Structure, applied};
 use crate::error::FlexibleError;
 use crate::solve::factor::diagonal;
-use crate::solve::{EigenOptions, Modes, SturmCount, lowest_modes};
+use crate::solve::{EigenOptions, Modes, Shifted, SturmCount, lowest_modes, lowest_modes_from};
 
 /// An elastic mode's eigenvalue below this part of the typical ratio of the diagonals of stiffness and mass is rounding.
 const LOOSE: f64 = 1e-12;
@@ -39,6 +39,19 @@ pub fn normal_modes(
     request: Modes,
     boundary: &Boundary,
 ) -> Result<NormalModes, FlexibleError> {
+    normal_modes_from(None, structure, request, boundary)
+}
+
+/// As [`normal_modes`], with a factor of the structure that is there already.
+///
+/// # Errors
+/// As [`lowest_modes`](crate::solve::lowest_modes).
+pub(crate) fn normal_modes_from(
+    start: Option<Shifted>,
+    structure: &Structure,
+    request: Modes,
+    boundary: &Boundary,
+) -> Result<NormalModes, FlexibleError> {
     let size = structure.size();
     match boundary {
         Boundary::AsIs => {
@@ -47,19 +60,20 @@ pub fn normal_modes(
                 Modes::Count(count) => Modes::Count(count + rigid),
                 other => other,
             };
-            let found = lowest_modes(
-                structure.stiffness,
-                structure.mass,
-                request,
-                &EigenOptions::default(),
-            )?;
+            let options = EigenOptions {
+                analysis: Some(structure.analysis()?),
+                ..EigenOptions::default()
+            };
+            let (stiffness, mass) = (structure.stiffness, structure.mass);
+            let found = lowest_modes_from(start, stiffness, mass, request, &options)?;
             let first = rigid.min(found.eigenvalues.len());
             loose(
                 structure,
                 &found.eigenvalues[first..],
                 &found.vectors[first * size..],
             )?;
-            let mut vectors = found.vectors[first * size..].to_vec();
+            let mut vectors = found.vectors;
+            vectors.drain(..first * size);
             if let Some(rigid) = &structure.rigid {
                 rigid.remove(&mut vectors);
                 normalise(structure, &mut vectors);
@@ -70,7 +84,10 @@ pub fn normal_modes(
                 sturm: found.sturm,
             })
         }
-        Boundary::Fixed(rows) => fixed(structure, request, rows),
+        Boundary::Fixed(rows) => {
+            drop(start);
+            fixed(structure, request, rows)
+        }
     }
 }
 

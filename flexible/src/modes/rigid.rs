@@ -3,7 +3,7 @@
 use super::{applied, products, subtract};
 use crate::error::FlexibleError;
 use crate::solve::dense::symmetric_eigen;
-use crate::sparse::{SymmetricMatrix, SymmetricOperator};
+use crate::sparse::SymmetricMatrix;
 
 /// Rigid motions R, orthonormal in the mass.
 #[derive(Clone, Debug)]
@@ -38,32 +38,31 @@ impl Rigid {
         let residual = check_stretch(stiffness, &motions)?;
         let count = motions.len() / size;
         // Gram–Schmidt in the mass, twice for the digits
-        let mut inertial = applied(mass, &motions);
-        for column in 0..count {
-            for _ in 0..2 {
+        let mut inertial = Vec::new();
+        for _ in 0..2 {
+            inertial = applied(mass, &motions);
+            for column in 0..count {
                 let (before, rest) = motions.split_at_mut(column * size);
-                let own = &mut rest[..size];
-                let coefficients = products(size, &inertial[..column * size], own);
+                let (inertial_before, inertial_rest) = inertial.split_at_mut(column * size);
+                let (own, own_inertial) = (&mut rest[..size], &mut inertial_rest[..size]);
+                let coefficients = products(size, inertial_before, own);
                 subtract(size, before, &coefficients, own);
-                let mut turned = vec![0.0; size];
-                mass.apply(1, own, &mut turned);
-                inertial[column * size..(column + 1) * size].copy_from_slice(&turned);
-            }
-            let own = column * size..(column + 1) * size;
-            let square: f64 = motions[own.clone()]
-                .iter()
-                .zip(&inertial[own.clone()])
-                .map(|(x, y)| x * y)
-                .sum();
-            if !(square > 0.0 && square.is_finite()) {
-                return Err(FlexibleError::Structure {
-                    problem: "a rigid motion of the structure has no mass".into(),
-                    advice: "give the materials their density".into(),
-                });
-            }
-            let scale = 1.0 / libm::sqrt(square);
-            for x in motions[own.clone()].iter_mut().chain(&mut inertial[own]) {
-                *x *= scale;
+                subtract(size, inertial_before, &coefficients, own_inertial);
+                let square: f64 = own
+                    .iter()
+                    .zip(own_inertial.iter())
+                    .map(|(x, y)| x * y)
+                    .sum();
+                if !(square > 0.0 && square.is_finite()) {
+                    return Err(FlexibleError::Structure {
+                        problem: "a rigid motion of the structure has no mass".into(),
+                        advice: "give the materials their density".into(),
+                    });
+                }
+                let scale = 1.0 / libm::sqrt(square);
+                for x in own.iter_mut().chain(own_inertial) {
+                    *x *= scale;
+                }
             }
         }
         let resisted = products(size, &motions, &applied(stiffness, &motions));
@@ -157,16 +156,13 @@ pub fn residuals(stiffness: &SymmetricMatrix, motions: &[f64]) -> Vec<f64> {
     let size = stiffness.size();
     let mut sizes = stiffness.clone();
     sizes.values_mut().iter_mut().for_each(|x| *x = x.abs());
-    let (mut force, mut bound) = (vec![0.0; size], vec![0.0; size]);
+    let positive: Vec<f64> = motions.iter().map(|x| x.abs()).collect();
+    let (forces, bounds) = (applied(stiffness, motions), applied(&sizes, &positive));
     let norm = |x: &[f64]| libm::sqrt(x.iter().map(|x| x * x).sum());
-    motions
+    forces
         .chunks_exact(size.max(1))
-        .map(|motion| {
-            let positive: Vec<f64> = motion.iter().map(|x| x.abs()).collect();
-            stiffness.apply(1, motion, &mut force);
-            sizes.apply(1, &positive, &mut bound);
-            norm(&force) / norm(&bound)
-        })
+        .zip(bounds.chunks_exact(size.max(1)))
+        .map(|(force, bound)| norm(force) / norm(bound))
         .collect()
 }
 

@@ -3,10 +3,14 @@
 use super::{Structure, applied, products, subtract};
 use crate::error::FlexibleError;
 use crate::solve::dense::symmetric_eigen;
+use crate::solve::product::TOGETHER;
 use crate::sparse::SymmetricOperator;
 
 /// A vector is dropped when what the vectors before it leave of it has less than this part of its K-norm.
 const DEPENDENCE: f64 = 1e-8;
+
+/// A vector of which less than this share of its energy is left is projected anew.
+const SHRUNK: f64 = 1e-4;
 
 /// A vector is rigid when no more than this part of its largest component is left without its rigid motion.
 const RIGID: f64 = 1e-9;
@@ -38,6 +42,8 @@ pub struct ModeSet {
     pub vectors: Vec<f64>,
     /// ω² (rad²/s²), ascending.
     pub eigenvalues: Vec<f64>,
+    /// ΦᵀKΦ (rad²/s²) as it came out, by rows: diagonal but for rounding.
+    pub stiffness: Vec<f64>,
     /// Labels of the modes that went into the set.
     pub sources: Vec<String>,
     /// For each mode (one row each) its amplitudes in the sources, each of unit strain energy as the mode is: φ = Σ cⱼ vⱼ. A row's squares
@@ -76,78 +82,26 @@ impl ModeSet {
         structure: &Structure,
         candidates: Vec<Candidate>,
     ) -> Result<ModeSet, FlexibleError> {
-        let size = structure.size();
+        let size = structure.size().max(1);
+        let mut basis = Basis::default();
         let mut set = ModeSet::default();
-        // K-orthonormal vectors and their products with K
-        let (mut basis, mut forces): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
-        // each source at unit energy, in the basis up to itself
-        let mut triangle: Vec<Vec<f64>> = Vec::new();
-        for Candidate {
-            label,
-            mut vector,
-            noise,
-        } in candidates
-        {
-            let largest = |vector: &[f64]| vector.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
-            if vector.len() != size || vector.iter().any(|x| !x.is_finite()) {
-                return Err(FlexibleError::Matrix {
-                    problem: format!("the mode {label} is not finite or of another size"),
-                    advice: String::new(),
-                });
+        let mut candidates = candidates.into_iter();
+        loop {
+            let group: Vec<Candidate> = candidates.by_ref().take(TOGETHER).collect();
+            if group.is_empty() {
+                break;
             }
-            if let Some(rigid) = &structure.rigid {
-                let before = largest(&vector);
-                rigid.remove(&mut vector);
-                // what is left of a rigid motion is rounding
-                if largest(&vector) <= RIGID.max(10.0 * noise) * before {
-                    set.dropped.push(Dropped {
-                        label,
-                        remains: 0.0,
-                    });
-                    continue;
-                }
-            }
-            let mut force = vec![0.0; size];
-            let norm = |vector: &[f64], force: &mut [f64]| -> f64 {
-                structure.stiffness.apply(1, vector, force);
-                let energy: f64 = vector.iter().zip(force.iter()).map(|(x, f)| x * f).sum();
-                libm::sqrt(energy.max(0.0))
-            };
-            let first = norm(&vector, &mut force);
-            if first == 0.0 {
-                set.dropped.push(Dropped {
-                    label,
-                    remains: 0.0,
-                });
-                continue;
-            }
-            vector.iter_mut().for_each(|x| *x /= first);
-            let before = largest(&vector);
-            let mut along = vec![0.0; set.sources.len()];
-            for _ in 0..2 {
-                let coefficients = products(size, &forces, &vector);
-                subtract(size, &basis, &coefficients, &mut vector);
-                for (sum, x) in along.iter_mut().zip(&coefficients) {
-                    *sum += x;
-                }
-            }
-            let remains = norm(&vector, &mut force);
-            if remains < DEPENDENCE || largest(&vector) <= 10.0 * noise * before {
-                set.dropped.push(Dropped { label, remains });
-                continue;
-            }
-            vector.iter_mut().for_each(|x| *x /= remains);
-            force.iter_mut().for_each(|x| *x /= remains);
-            basis.extend(vector);
-            forces.extend(force);
-            along.push(remains);
-            triangle.push(along);
-            set.sources.push(label);
+            basis.take_up(structure, group, &mut set)?;
         }
         let count = set.sources.len();
         // m y = μ y in a basis where k = I: ω² = 1/μ
-        let reduced = products(size, &basis, &applied(structure.mass, &basis));
+        let reduced = products(
+            size,
+            &basis.vectors,
+            &applied(structure.mass, &basis.vectors),
+        );
         let (values, vectors) = symmetric_eigen(count, reduced)?;
+        let mut coefficients = Vec::with_capacity(count * count);
         for (value, small) in values.iter().zip(vectors.chunks_exact(count.max(1))).rev() {
             if *value <= 0.0 {
                 return Err(FlexibleError::Structure {
@@ -155,10 +109,18 @@ impl ModeSet {
                     advice: "a static mode of massless parts needs some mass there".into(),
                 });
             }
-            let mut mode = vec![0.0; size];
-            let scale = -1.0 / libm::sqrt(*value);
-            let coefficients: Vec<f64> = small.iter().map(|x| x * scale).collect();
-            subtract(size, &basis, &coefficients, &mut mode);
+            let scale = 1.0 / libm::sqrt(*value);
+            coefficients.extend(small.iter().map(|x| x * scale));
+            set.amplitudes.extend(in_sources(&basis.triangle, small));
+            set.eigenvalues.push(1.0 / value);
+        }
+        let negative: Vec<f64> = coefficients.iter().map(|x| -x).collect();
+        set.vectors = vec![0.0; size * count];
+        subtract(size, &basis.vectors, &negative, &mut set.vectors);
+        let strain = products(size, &basis.vectors, &basis.forces);
+        let half = products(count, &strain, &coefficients);
+        set.stiffness = products(count, &coefficients, &half);
+        for (index, mode) in set.vectors.chunks_exact_mut(size).enumerate() {
             let largest = mode.iter().fold(0.0_f64, |w, x| {
                 if x.abs() > w.abs() * (1.0 + 1e-6) {
                     *x
@@ -168,12 +130,242 @@ impl ModeSet {
             });
             if largest < 0.0 {
                 mode.iter_mut().for_each(|x| *x = -*x);
+                for other in (0..count).filter(|other| *other != index) {
+                    for place in [index * count + other, other * count + index] {
+                        if let Some(x) = set.stiffness.get_mut(place) {
+                            *x = -*x;
+                        }
+                    }
+                }
             }
-            set.amplitudes.extend(in_sources(&triangle, small));
-            set.eigenvalues.push(1.0 / value);
-            set.vectors.extend(mode);
         }
         Ok(set)
+    }
+}
+
+/// K-orthonormal vectors, as they are gathered.
+#[derive(Default)]
+struct Basis {
+    vectors: Vec<f64>,
+    /// Their products with K.
+    forces: Vec<f64>,
+    /// Each source at unit energy, in the basis up to itself.
+    triangle: Vec<Vec<f64>>,
+}
+
+/// A candidate on its way into the basis.
+struct Entering {
+    label: String,
+    noise: f64,
+    /// Largest entry at unit energy.
+    largest: f64,
+    /// Amplitudes along the basis.
+    along: Vec<f64>,
+}
+
+impl Basis {
+    /// Takes up what a group of candidates adds, in their order. Products with K and with the basis are
+    /// those of the whole group at once; forces go with the vectors, as long as these keep enough of themselves.
+    fn take_up(
+        &mut self,
+        structure: &Structure,
+        group: Vec<Candidate>,
+        set: &mut ModeSet,
+    ) -> Result<(), FlexibleError> {
+        let size = structure.size().max(1);
+        let (mut entering, mut vectors) = elastic(structure, group, set)?;
+        let mut forces = applied(structure.stiffness, &vectors);
+        scale_to_unit_energy(size, &mut entering, &mut vectors, &mut forces, set);
+        for _ in 0..2 {
+            let coefficients = products(size, &self.forces, &vectors);
+            subtract(size, &self.vectors, &coefficients, &mut vectors);
+            subtract(size, &self.forces, &coefficients, &mut forces);
+            let known = self.triangle.len();
+            for (entering, own) in entering
+                .iter_mut()
+                .zip(coefficients.chunks_exact(known.max(1)))
+            {
+                add_to(&mut entering.along, own);
+            }
+        }
+        let first = self.triangle.len();
+        let columns = vectors
+            .chunks_exact_mut(size)
+            .zip(forces.chunks_exact_mut(size));
+        for (mut entering, (vector, force)) in entering.into_iter().zip(columns) {
+            self.project(size, first, vector, force, &mut entering.along);
+            let mut left = energy(vector, force);
+            if left < SHRUNK {
+                // what is left may be rounding of what was taken: once more, against all
+                structure.stiffness.apply(1, vector, force);
+                self.project(size, 0, vector, force, &mut entering.along);
+                structure.stiffness.apply(1, vector, force);
+                left = energy(vector, force);
+            }
+            let remains = libm::sqrt(left);
+            let Entering {
+                label,
+                noise,
+                largest: whole,
+                mut along,
+            } = entering;
+            if remains.is_nan() || remains < DEPENDENCE || largest(vector) <= 10.0 * noise * whole {
+                set.dropped.push(Dropped { label, remains });
+                continue;
+            }
+            self.vectors.extend(vector.iter().map(|x| x / remains));
+            self.forces.extend(force.iter().map(|x| x / remains));
+            along.push(remains);
+            self.triangle.push(along);
+            set.sources.push(label);
+        }
+        Ok(())
+    }
+
+    /// Takes out of a vector, and of its force, what lies along the basis from `first` on, twice for the digits.
+    fn project(
+        &self,
+        size: usize,
+        first: usize,
+        vector: &mut [f64],
+        force: &mut [f64],
+        along: &mut Vec<f64>,
+    ) {
+        along.resize(self.triangle.len(), 0.0);
+        let (Some(vectors), Some(forces)) = (
+            self.vectors.get(first * size..),
+            self.forces.get(first * size..),
+        ) else {
+            return;
+        };
+        for _ in 0..2 {
+            let coefficients = products(size, forces, vector);
+            subtract(size, vectors, &coefficients, vector);
+            subtract(size, forces, &coefficients, force);
+            if let Some(along) = along.get_mut(first..) {
+                for (sum, x) in along.iter_mut().zip(&coefficients) {
+                    *sum += x;
+                }
+            }
+        }
+    }
+}
+
+/// Candidates without their rigid motion, one after the other; those that are nothing else are dropped.
+fn elastic(
+    structure: &Structure,
+    group: Vec<Candidate>,
+    set: &mut ModeSet,
+) -> Result<(Vec<Entering>, Vec<f64>), FlexibleError> {
+    let size = structure.size();
+    let mut vectors = Vec::with_capacity(group.len() * size);
+    let mut entering = Vec::with_capacity(group.len());
+    for Candidate {
+        label,
+        vector,
+        noise,
+    } in group
+    {
+        if vector.len() != size || vector.iter().any(|x| !x.is_finite()) {
+            return Err(FlexibleError::Matrix {
+                problem: format!("the mode {label} is not finite or of another size"),
+                advice: String::new(),
+            });
+        }
+        entering.push(Entering {
+            label,
+            noise,
+            largest: largest(&vector),
+            along: Vec::new(),
+        });
+        vectors.extend(vector);
+    }
+    if let Some(rigid) = &structure.rigid {
+        rigid.remove(&mut vectors);
+        keep(
+            size,
+            &mut entering,
+            &mut vectors,
+            set,
+            |entering, vector| {
+                // what is left of a rigid motion is rounding
+                largest(vector) > RIGID.max(10.0 * entering.noise) * entering.largest
+            },
+        );
+    }
+    Ok((entering, vectors))
+}
+
+/// Scales vectors and their forces to unit strain energy; what does not strain the structure is dropped.
+fn scale_to_unit_energy(
+    size: usize,
+    entering: &mut Vec<Entering>,
+    vectors: &mut Vec<f64>,
+    forces: &mut Vec<f64>,
+    set: &mut ModeSet,
+) {
+    let mut kept = Vec::with_capacity(forces.len());
+    let mut every = forces.chunks_exact(size);
+    keep(size, entering, vectors, set, |entering, vector| {
+        let Some(force) = every.next() else {
+            return false;
+        };
+        let length = libm::sqrt(energy(vector, force));
+        if length > 0.0 {
+            vector.iter_mut().for_each(|x| *x /= length);
+            kept.extend(force.iter().map(|x| x / length));
+            entering.largest = largest(vector);
+        }
+        length > 0.0
+    });
+    *forces = kept;
+}
+
+/// Keeps those candidates and their vectors that a test says, in their order; the others are dropped without remains.
+fn keep(
+    size: usize,
+    entering: &mut Vec<Entering>,
+    vectors: &mut Vec<f64>,
+    set: &mut ModeSet,
+    mut test: impl FnMut(&mut Entering, &mut [f64]) -> bool,
+) {
+    let mut kept = 0;
+    let mut index = 0;
+    entering.retain_mut(|entering| {
+        let own = index * size..(index + 1) * size;
+        index += 1;
+        let keep = vectors
+            .get_mut(own.clone())
+            .is_some_and(|vector| test(entering, vector));
+        if keep {
+            vectors.copy_within(own, kept * size);
+            kept += 1;
+        } else {
+            set.dropped.push(Dropped {
+                label: std::mem::take(&mut entering.label),
+                remains: 0.0,
+            });
+        }
+        keep
+    });
+    vectors.truncate(kept * size);
+}
+
+/// `x·f`, not below zero.
+fn energy(vector: &[f64], force: &[f64]) -> f64 {
+    let energy: f64 = vector.iter().zip(force).map(|(x, f)| x * f).sum();
+    energy.max(0.0)
+}
+
+fn largest(vector: &[f64]) -> f64 {
+    vector.iter().fold(0.0_f64, |w, x| w.max(x.abs()))
+}
+
+/// `sum += x`, the sum as long as x.
+fn add_to(sum: &mut Vec<f64>, x: &[f64]) {
+    sum.resize(x.len(), 0.0);
+    for (sum, x) in sum.iter_mut().zip(x) {
+        *sum += x;
     }
 }
 

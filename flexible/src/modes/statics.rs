@@ -3,9 +3,15 @@
 use super::interface::Interface;
 use super::{Load, Structure, applied};
 use crate::error::FlexibleError;
-use crate::solve::{Analysis, Definiteness, Factorization};
+use crate::solve::lanczos::dot;
+use crate::solve::{Analysis, Definiteness, Factorization, Shifted};
 use crate::sparse::SymmetricMatrix;
 use std::sync::Arc;
+
+/// Steps of [`corrected`], at most.
+const MOST_STEPS: usize = 7;
+/// Energy of what is missing, of the first step's, at which one more step is the last.
+const ENOUGH: f64 = 1e-18;
 
 /// Solves `K u = f` for several loads, one after the other in `vectors`, which become the displacements. Freedoms in `held` stay
 /// at zero.
@@ -55,23 +61,115 @@ fn solve(
 /// # Errors
 /// [`FlexibleError::Singular`] when the structure is a mechanism.
 pub fn attachment_modes(structure: &Structure, loads: &[Load]) -> Result<Vec<f64>, FlexibleError> {
+    attachment_modes_by(&mut None, structure, loads)
+}
+
+/// As [`attachment_modes`], by a factor of `K − σ M` where it is near enough to K; it is gone where it is not.
+///
+/// # Errors
+/// As [`attachment_modes`].
+pub(crate) fn attachment_modes_by(
+    near: &mut Option<Shifted>,
+    structure: &Structure,
+    loads: &[Load],
+) -> Result<Vec<f64>, FlexibleError> {
     let size = structure.size();
     let mut vectors = vec![0.0; size * loads.len()];
     for (vector, load) in vectors.chunks_exact_mut(size.max(1)).zip(loads) {
         load.add_to(vector)?;
     }
-    let mut held = vec![false; size];
     if let Some(rigid) = &structure.rigid {
         rigid.balance(&mut vectors);
-        for freedom in rigid.holding_freedoms() {
-            held[freedom] = true;
+    }
+    let solved = match near {
+        Some(near) => corrected(structure, near, &vectors)?,
+        None => None,
+    };
+    match solved {
+        Some(solved) => vectors = solved,
+        None => {
+            *near = None;
+            let mut held = vec![false; size];
+            if let Some(rigid) = &structure.rigid {
+                for freedom in rigid.holding_freedoms() {
+                    held[freedom] = true;
+                }
+            }
+            solve(structure.stiffness, &held, &mut vectors)?;
         }
     }
-    solve(structure.stiffness, &held, &mut vectors)?;
     if let Some(rigid) = &structure.rigid {
         rigid.remove(&mut vectors);
     }
     Ok(vectors)
+}
+
+/// Solves `K u = f` for loads one after the other with a factor of `A = K − σ M`: conjugate gradients preconditioned by A, each load for itself.
+/// The eigenvalues of `A⁻¹K` over elastic motions are λ/(λ + |σ|), so that a step gains about the factor 4 λ₁/|σ|. With the
+/// remainder r of the loads, `rᵀA⁻¹r` is about the energy of what is missing: below 1e-18 of the first one a last step by A alone takes all
+/// of it but the part |σ|/λ₁. None where the steps don't suffice: σ is not small enough, or a load meets no resistance.
+fn corrected(
+    structure: &Structure,
+    near: &Shifted,
+    loads: &[f64],
+) -> Result<Option<Vec<f64>>, FlexibleError> {
+    let size = structure.size().max(1);
+    let columns = |x: &[f64], y: &[f64]| -> Vec<f64> {
+        x.chunks_exact(size)
+            .zip(y.chunks_exact(size))
+            .map(|(x, y)| dot(x, y))
+            .collect()
+    };
+    let mut rest = loads.to_vec();
+    let mut found = vec![0.0; loads.len()];
+    let mut step = rest.clone();
+    near.factor.solve_in_place(&mut step)?;
+    let first = columns(&rest, &step);
+    let mut missing = first.clone();
+    for _ in 0..MOST_STEPS {
+        let forces = applied(structure.stiffness, &step);
+        let resisted = columns(&step, &forces);
+        for (index, (missing, resisted)) in missing.iter().zip(&resisted).enumerate() {
+            // nothing is missing of an empty load
+            let length = if *missing > 0.0 {
+                missing / resisted
+            } else {
+                0.0
+            };
+            let own = index * size..(index + 1) * size;
+            add(&mut found[own.clone()], length, &step[own.clone()]);
+            add(&mut rest[own.clone()], -length, &forces[own]);
+        }
+        drop(forces);
+        if let Some(rigid) = &structure.rigid {
+            rigid.balance(&mut rest);
+        }
+        let mut next = rest.clone();
+        near.factor.solve_in_place(&mut next)?;
+        let left = columns(&rest, &next);
+        if left
+            .iter()
+            .zip(&first)
+            .all(|(left, first)| *left <= ENOUGH * first)
+        {
+            add(&mut found, 1.0, &next);
+            return Ok(Some(found));
+        }
+        for (index, (left, missing)) in left.iter().zip(&missing).enumerate() {
+            let share = if *missing > 0.0 { left / missing } else { 0.0 };
+            let own = index * size..(index + 1) * size;
+            add(&mut next[own.clone()], share, &step[own]);
+        }
+        (step, missing) = (next, left);
+    }
+    Ok(None)
+}
+
+/// `y += factor · x`.
+fn add(y: &mut [f64], factor: f64, x: &[f64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += factor * x;
+    }
 }
 
 /// Constraint modes: the displacement for a unit displacement of each row of `interface`, the others of them held and all else

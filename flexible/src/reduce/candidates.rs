@@ -7,9 +7,10 @@ use crate::error::FlexibleError;
 use crate::fe::Reduction;
 use crate::mesh::Mesh;
 use crate::modes::interface::Interface as Hold;
-use crate::modes::normal::normal_modes;
-use crate::modes::statics::{attachment_modes, constraint_modes};
+use crate::modes::normal::normal_modes_from;
+use crate::modes::statics::{attachment_modes_by, constraint_modes};
 use crate::modes::{Boundary, Candidate, Load, ModeSet, Structure, given};
+use crate::solve::Shifted;
 
 /// What modes are looked for in.
 pub(super) struct Candidates<'a> {
@@ -87,10 +88,20 @@ impl Candidates<'_> {
         let (asked, asked_loads) = self.markers.loads("", asked, self.reduction)?;
         let first_asked = loads.len();
         loads.extend(asked_loads);
+        // one factor serves static and normal modes
+        let mut factor = None;
+        let shares = terms
+            .iter()
+            .any(|term| matches!(term, Term::Normal { fixed, .. } if fixed.is_empty()));
         let answers = if loads.is_empty() {
             Vec::new()
         } else {
-            attachment_modes(self.structure, &loads)?
+            if shares {
+                let (stiffness, mass) = (self.structure.stiffness, self.structure.mass);
+                // what is wrong where it fails is told by who can't do without
+                factor = Shifted::new(stiffness, mass, &self.structure.analysis()?).ok();
+            }
+            attachment_modes_by(&mut factor, self.structure, &loads)?
         };
         let answer = |index: usize| answers.get(index * size..(index + 1) * size).unwrap_or(&[]);
         let asked = asked
@@ -105,7 +116,7 @@ impl Candidates<'_> {
         let mut candidates = Vec::new();
         for (term, job) in terms.iter().zip(jobs) {
             let Some((freedoms, rows, first)) = job else {
-                candidates.extend(self.dynamic(term)?);
+                candidates.extend(self.dynamic(term, &mut factor)?);
                 continue;
             };
             let vectors = match (term, first) {
@@ -139,7 +150,11 @@ impl Candidates<'_> {
     }
 
     /// Normal modes, found or given.
-    fn dynamic(&mut self, term: &Term) -> Result<Vec<Candidate>, FlexibleError> {
+    fn dynamic(
+        &mut self,
+        term: &Term,
+        factor: &mut Option<Shifted>,
+    ) -> Result<Vec<Candidate>, FlexibleError> {
         let size = self.structure.size().max(1);
         match term {
             Term::Static(_) | Term::Constraint(_) => Ok(Vec::new()),
@@ -150,7 +165,7 @@ impl Candidates<'_> {
                     let (_, rows) = self.markers.loads("", fixed, self.reduction)?;
                     (Boundary::Fixed(rows), "fixed normal")
                 };
-                let found = normal_modes(self.structure, *modes, &boundary)?;
+                let found = normal_modes_from(factor.take(), self.structure, *modes, &boundary)?;
                 self.report.sturm.push(found.sturm);
                 let labels = (1..=found.eigenvalues.len()).map(|i| format!("{kind} {i}"));
                 Ok(named(labels, &found.vectors, size, 0.0))

@@ -6,7 +6,8 @@
 //! pivots is the number of eigenvalues below s, whatever the iteration found.
 
 use super::factor::Analysis;
-use super::search::Search;
+use super::positive::Shifted;
+use super::search::{Search, Start};
 use crate::error::FlexibleError;
 use crate::sparse::SymmetricMatrix;
 use std::sync::Arc;
@@ -96,10 +97,24 @@ pub fn lowest_modes(
     request: Modes,
     options: &EigenOptions,
 ) -> Result<EigenSolution, FlexibleError> {
+    lowest_modes_from(None, stiffness, mass, request, options)
+}
+
+/// As [`lowest_modes`], with a factor that is there already, of these matrices and of the analysis among the options.
+///
+/// # Errors
+/// As [`lowest_modes`].
+pub(crate) fn lowest_modes_from(
+    start: Option<Shifted>,
+    stiffness: &SymmetricMatrix,
+    mass: &SymmetricMatrix,
+    request: Modes,
+    options: &EigenOptions,
+) -> Result<EigenSolution, FlexibleError> {
     let mut search = Search::new(stiffness, mass, options)?;
     match request {
         Modes::Count(0) => Ok(search.nothing(0.0)),
-        Modes::Count(count) => search.run(count, None, None),
+        Modes::Count(count) => search.run(count, None, start.map(Start::Positive)),
         Modes::UpTo(limit) => {
             if !limit.is_finite() || limit <= 0.0 {
                 return Err(FlexibleError::Matrix {
@@ -107,11 +122,12 @@ pub fn lowest_modes(
                     advice: "give a positive frequency".into(),
                 });
             }
-            let (count, _, factor) = search.inertia(None, limit)?;
+            let (count, _, factor) = search.inertia(start.map(|start| start.factor), limit)?;
             if count == 0 {
                 Ok(search.nothing(limit))
             } else {
-                search.run(count, Some(limit), Some(factor))
+                let memory = Start::Memory(factor.into_factor());
+                search.run(count, Some(limit), Some(memory))
             }
         }
     }

@@ -21,6 +21,10 @@ const DEPENDENT: f64 = 1e-11;
 const UNIT_LOST: f64 = 1e-2;
 /// A column of which less than this share of its square is left has its Gram matrix worked out anew.
 const SHRUNK: f64 = 1e-4;
+/// Columns of which more than this share of the square is left by a projection need no second one for the digits…
+const KEPT: f64 = 0.25;
+/// …when of none less than this share is left without the others of its block.
+const INDEPENDENT: f64 = 1e-3;
 /// What may be left to project out when a block counts as orthonormal.
 const ORTHOGONAL: f64 = 1e-12;
 
@@ -152,7 +156,7 @@ impl<'a> Lanczos<'a> {
         // one application removes what has no mass
         factor.solve_in_place(&mut image)?;
         self.solves += 1;
-        self.append(image);
+        self.append(image, Vec::new());
         Ok(())
     }
 
@@ -161,14 +165,17 @@ impl<'a> Lanczos<'a> {
     /// # Errors
     /// When memory runs out.
     pub(crate) fn step(&mut self, factor: &Restrained) -> Result<(), FlexibleError> {
-        let mut image = std::mem::take(&mut self.mass_next);
+        let mass_block = std::mem::take(&mut self.mass_next);
+        let mut image = mass_block.clone();
         factor.solve_in_place(&mut image)?;
         self.solves += 1;
         let (first, columns) = (self.processed, self.next);
+        let known = self.known_components(&mass_block, &mut image);
+        drop(mass_block);
         self.processed += columns;
         self.next = 0;
         self.coupled = first;
-        let (along, coupling) = self.append(image);
+        let (along, coupling) = self.append(image, known);
         let rows = self.processed;
         for column in first..rows {
             let own = &along[(column - first) * rows..][..rows];
@@ -186,12 +193,52 @@ impl<'a> Lanczos<'a> {
         Ok(())
     }
 
+    /// Takes out of the image `Z = A⁻¹ M W` of the next block what is known of it without a product with the mass: along W it is
+    /// `(M W)ᵀ Z`, along the columns before it `Vᵀ M A⁻¹ M W = (A⁻¹ M V)ᵀ M W = Cᵀ`. What is left is small or rounding, so that
+    /// one projection on the whole basis mostly is enough. Gives these components, over the basis with the block, by columns.
+    fn known_components(&self, mass_block: &[f64], image: &mut [f64]) -> Vec<f64> {
+        let (size, next) = (self.size, self.next);
+        let rows = self.processed + next;
+        let mut known = vec![0.0; rows * next];
+        for (index, c) in self.coupling.iter().enumerate() {
+            let (column, row) = (self.coupled + index / next.max(1), index % next.max(1));
+            known[row * rows + column] = *c;
+        }
+        let own = self.gram(mass_block, image);
+        for column in 0..next {
+            for row in 0..next {
+                // the mean, as the matrix is symmetric
+                known[column * rows + self.processed + row] =
+                    0.5 * (own[column * next + row] + own[row * next + column]);
+            }
+        }
+        let tail = self.coupled;
+        matmul(
+            MatMut::from_column_major_slice_mut(image, size, next),
+            Accum::Add,
+            MatRef::from_column_major_slice(&self.basis[tail * size..], size, rows - tail),
+            MatRef::from_column_major_slice(&known, rows, next).subrows(tail, rows - tail),
+            -1.0,
+            Par::Seq,
+        );
+        known
+    }
+
     /// Orthonormalises a block against the basis and in itself, and appends it as the next block. Gives the components of the
-    /// block along the basis (by columns) and along the new columns: `block = V H + W R`.
-    fn append(&mut self, mut block: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+    /// block along the basis (by columns), added to those that were taken out of it before, and along the new columns:
+    /// `block = V H + W R`.
+    fn append(&mut self, mut block: Vec<f64>, mut along: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
         let (size, known) = (self.size, self.processed);
         let columns = block.len() / size.max(1);
-        let mut along = vec![0.0; known * columns];
+        along.resize(known * columns, 0.0);
+        // squared lengths: what was taken out before, and what came in
+        let taken: Vec<f64> = (0..columns)
+            .map(|column| {
+                let own = along.get(column * known..(column + 1) * known);
+                own.map_or(0.0, |own| dot(own, own))
+            })
+            .collect();
+        let mut lengths = Vec::new();
         // rows: the block's columns now; columns: as they came in
         let mut upper = identity(columns);
         let mut mass_block = vec![0.0; block.len()];
@@ -201,17 +248,16 @@ impl<'a> Lanczos<'a> {
             mass_block.truncate(block.len());
             multiply(self.mass, &block, &mut mass_block);
             // columns are of unit length after the first pass; one that still shrinks was rounding
-            let floors: Vec<f64> = block
-                .chunks_exact(size)
-                .zip(mass_block.chunks_exact(size))
-                .map(|(x, y)| {
-                    if pass == 0 {
-                        DEPENDENT * dot(x, y).max(0.0).sqrt()
-                    } else {
-                        UNIT_LOST
-                    }
-                })
-                .collect();
+            let floors = if pass == 0 {
+                let columns = block.chunks_exact(size).zip(mass_block.chunks_exact(size));
+                lengths = columns.map(|(x, y)| dot(x, y).max(0.0)).collect();
+                let whole = lengths.iter().zip(&taken);
+                whole
+                    .map(|(length, taken)| DEPENDENT * (length + taken).sqrt())
+                    .collect()
+            } else {
+                vec![UNIT_LOST; width]
+            };
             let basis = MatRef::from_column_major_slice(&self.basis, size, known);
             let mut part = vec![0.0; known * width];
             matmul(
@@ -240,10 +286,13 @@ impl<'a> Lanczos<'a> {
             );
             // (W − V h)ᵀ M W is the Gram matrix of what is left, but for rounding of the size of what was taken away
             let mut gram = self.gram(&block, &mass_block);
-            let shrunk = floors.iter().enumerate().any(|(index, floor)| {
-                gram[index * (width + 1)] < SHRUNK * (floor / DEPENDENT).powi(2)
-            });
-            if pass == 0 && shrunk {
+            let kept = |gram: &[f64]| {
+                let shares = lengths.iter().enumerate();
+                shares.fold(1.0f64, |least, (index, length)| {
+                    least.min(gram[index * (width + 1)] / length)
+                })
+            };
+            if pass == 0 && kept(&gram) < SHRUNK {
                 multiply(self.mass, &block, &mut mass_block);
                 gram = self.gram(&block, &mass_block);
             }
@@ -257,7 +306,9 @@ impl<'a> Lanczos<'a> {
             let moved = part
                 .iter()
                 .fold(0.0f64, |worst, part| worst.max(part.abs()));
-            let (factor, inverse, rank) = pivoted_cholesky(&gram, width, &floors);
+            let (factor, inverse, rank, least) = pivoted_cholesky(&gram, width, &floors);
+            // columns that keep their length, and are not nearly dependent, are orthonormal at once
+            let clean = pass == 0 && rank == width && kept(&gram) > KEPT && least > INDEPENDENT;
             let apply = |old: &[f64]| {
                 let mut new = vec![0.0; size * rank];
                 matmul(
@@ -285,7 +336,7 @@ impl<'a> Lanczos<'a> {
                 mass_block = apply(&mass_block);
                 done = true;
             }
-            if done || rank == 0 {
+            if done || clean || rank == 0 {
                 break;
             }
         }
@@ -372,6 +423,19 @@ impl<'a> Lanczos<'a> {
         self.processed = keep;
         self.coupled = 0;
         self.coupling = ritz.leak[..self.next * keep].to_vec();
+    }
+
+    /// As [`Lanczos::restart`], giving back the memory of the other columns; the pairs kept are as before.
+    pub(crate) fn settle(&mut self, ritz: &Ritz, keep: usize) -> Ritz {
+        self.restart(ritz, keep);
+        self.basis.shrink_to_fit();
+        let keep = self.processed;
+        Ritz {
+            values: ritz.values.iter().take(keep).copied().collect(),
+            vectors: identity(keep),
+            leak: ritz.leak[..self.next * keep].to_vec(),
+            residuals: ritz.residuals.iter().take(keep).copied().collect(),
+        }
     }
 
     /// Replaces the first columns of the basis by combinations of the processed ones, some rows at a time.
@@ -463,8 +527,14 @@ fn identity(size: usize) -> Vec<f64> {
 }
 
 /// `G ≈ Rᵀ R` with as many rows of `R` as there are independent columns: those of which more than their floor is left when
-/// the columns before them are projected out. Gives `R` (rank × width), `B` (width × rank) with `R B = 1`, the rank.
-fn pivoted_cholesky(gram: &[f64], width: usize, floors: &[f64]) -> (Vec<f64>, Vec<f64>, usize) {
+/// the columns before them are projected out. Gives `R` (rank × width), `B` (width × rank) with `R B = 1`, the rank, and the
+/// least share of a column's square that was left of it.
+fn pivoted_cholesky(
+    gram: &[f64],
+    width: usize,
+    floors: &[f64],
+) -> (Vec<f64>, Vec<f64>, usize, f64) {
+    let mut least = 1.0f64;
     let mut rows: Vec<Vec<f64>> = Vec::new();
     let mut pivots: Vec<usize> = Vec::new();
     let mut left: Vec<f64> = (0..width).map(|index| gram[index * (width + 1)]).collect();
@@ -481,6 +551,7 @@ fn pivoted_cholesky(gram: &[f64], width: usize, floors: &[f64]) -> (Vec<f64>, Ve
         let Some((most, pivot)) = best else {
             break;
         };
+        least = least.min(most / gram[pivot * (width + 1)]);
         let root = most.sqrt();
         let row: Vec<f64> = (0..width)
             .map(|column| {
@@ -515,5 +586,5 @@ fn pivoted_cholesky(gram: &[f64], width: usize, floors: &[f64]) -> (Vec<f64>, Ve
             inverse[column * width + pivots[index]] = sum / rows[index][pivots[index]];
         }
     }
-    (factor, inverse, rank)
+    (factor, inverse, rank, least)
 }

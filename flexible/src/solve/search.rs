@@ -5,6 +5,7 @@ use super::eigen::{EigenOptions, EigenSolution, SturmCount};
 use super::factor::{Analysis, Definiteness, Factorization, diagonal, norm};
 use super::lanczos::{Lanczos, Ritz, dot};
 use super::pencil::shifted;
+use super::positive::{Shifted, first_shift, typical_ratio};
 use super::product::multiply;
 use super::restrained::{self, Combination, Restrained};
 use super::sturm::{BORDER, Pairs, Place, agree, miscounted};
@@ -12,8 +13,6 @@ use crate::error::FlexibleError;
 use crate::sparse::SymmetricMatrix;
 use std::sync::Arc;
 
-/// First guess of |σ| over the typical ratio of the diagonals, itself about the largest eigenvalue.
-pub(super) const FIRST_SHIFT: f64 = 1e-9;
 /// The same where all eigenvalues are found densely: rounding is even over all of them.
 const DENSE_SHIFT: f64 = 1e-3;
 /// Up to this size the eigenvalues are found densely.
@@ -46,6 +45,23 @@ pub(super) struct Search<'a> {
     solves: usize,
 }
 
+/// What there is before a search.
+pub(super) enum Start {
+    /// The memory of a factor that is not needed any more.
+    Memory(Factorization),
+    /// A factor to iterate with.
+    Positive(Shifted),
+}
+
+impl Start {
+    fn memory(self) -> Factorization {
+        match self {
+            Start::Memory(factor) => factor,
+            Start::Positive(shifted) => shifted.factor,
+        }
+    }
+}
+
 /// How an iteration went.
 enum Progress {
     /// The wanted pairs are there.
@@ -60,8 +76,7 @@ impl<'a> Search<'a> {
         mass: &'a SymmetricMatrix,
         options: &'a EigenOptions,
     ) -> Result<Self, FlexibleError> {
-        let both = shifted(stiffness, mass, 0.0)?;
-        if both.size() == 0 {
+        if stiffness.size() == 0 && mass.size() == 0 {
             return Err(FlexibleError::Matrix {
                 problem: "modes of matrices without rows".into(),
                 advice: "does the mesh have free nodes?".into(),
@@ -74,23 +89,11 @@ impl<'a> Search<'a> {
                 advice: "a mass matrix is positive semidefinite".into(),
             });
         }
-        let mut ratios: Vec<f64> = diagonal(stiffness)
-            .iter()
-            .zip(&masses)
-            .map(|(stiffness, mass)| stiffness / mass)
-            .filter(|ratio| ratio.is_finite() && *ratio > 0.0)
-            .collect();
-        ratios.sort_unstable_by(f64::total_cmp);
-        let Some(&typical) = ratios.get(ratios.len() / 2) else {
-            return Err(FlexibleError::Matrix {
-                problem: "no row has both mass and stiffness: there are no modes".into(),
-                advice: "do the materials have densities?".into(),
-            });
-        };
         let analysis = match &options.analysis {
             Some(analysis) => analysis.clone(),
-            None => Arc::new(Analysis::fill_reducing(&both)?),
+            None => Arc::new(Analysis::fill_reducing(&shifted(stiffness, mass, 0.0)?)?),
         };
+        let typical = typical_ratio(stiffness, mass)?;
         Ok(Search {
             stiffness,
             mass,
@@ -120,7 +123,7 @@ impl<'a> Search<'a> {
         &mut self,
         count: usize,
         limit: Option<f64>,
-        spare: Option<Restrained>,
+        start: Option<Start>,
     ) -> Result<EigenSolution, FlexibleError> {
         let size = self.mass.size();
         let most = size.saturating_sub(self.held.len());
@@ -129,9 +132,9 @@ impl<'a> Search<'a> {
         }
         let dense = size <= DENSE || (size <= DENSE_MANY && count >= size / 3);
         if dense && self.held.is_empty() {
-            self.run_dense(count, limit, spare)
+            self.run_dense(count, limit, start)
         } else {
-            self.run_lanczos(count, limit, spare)
+            self.run_lanczos(count, limit, start)
         }
     }
 
@@ -139,7 +142,7 @@ impl<'a> Search<'a> {
         &mut self,
         count: usize,
         limit: Option<f64>,
-        spare: Option<Restrained>,
+        start: Option<Start>,
     ) -> Result<EigenSolution, FlexibleError> {
         let size = self.mass.size();
         let shift = self.options.shift.unwrap_or(-DENSE_SHIFT * self.typical);
@@ -154,7 +157,7 @@ impl<'a> Search<'a> {
                     below,
                     gap,
                 } => self
-                    .prove(spare, expected, below, gap)?
+                    .prove(start.map(Start::memory), expected, below, gap)?
                     .0
                     .map_err(|(counted, at)| miscounted(expected, counted, at))?,
                 Place::After(more) => return Err(too_few(pairs.eigenvalues.len(), more)),
@@ -168,9 +171,16 @@ impl<'a> Search<'a> {
         &mut self,
         count: usize,
         limit: Option<f64>,
-        spare: Option<Restrained>,
+        start: Option<Start>,
     ) -> Result<EigenSolution, FlexibleError> {
-        let (mut shift, mut factor) = self.positive(spare)?;
+        let (mut shift, mut factor) = match start {
+            Some(Start::Positive(Shifted { shift, factor }))
+                if self.options.shift.is_none() && self.held.is_empty() =>
+            {
+                (shift, Restrained::new(factor, &[], Definiteness::Positive)?)
+            }
+            other => self.positive(other.map(Start::memory))?,
+        };
         let mut lanczos = self.start(&factor, count)?;
         let mut moves = if self.options.shift.is_some() {
             0
@@ -187,7 +197,7 @@ impl<'a> Search<'a> {
                         moves -= 1;
                         self.solves += lanczos.solves;
                         shift = better;
-                        factor = self.factor_positive(Some(factor), shift)?;
+                        factor = self.factor_positive(Some(factor.into_factor()), shift)?;
                         lanczos = self.start(&factor, wanted)?;
                     }
                 }
@@ -210,7 +220,10 @@ impl<'a> Search<'a> {
                     below,
                     gap,
                 } => {
-                    let (proof, used) = self.prove(Some(factor), expected, below, gap)?;
+                    // the count needs memory, and only these columns any more
+                    let ritz = lanczos.settle(&ritz, expected);
+                    let (proof, used) =
+                        self.prove(Some(factor.into_factor()), expected, below, gap)?;
                     match proof {
                         Ok(sturm) => {
                             return self.finish(&lanczos, &ritz, &pairs, count, sturm, shift);
@@ -218,7 +231,7 @@ impl<'a> Search<'a> {
                         Err((counted, at)) if counted > expected => {
                             wanted = counted;
                             limit = Some(at);
-                            factor = self.factor_positive(Some(used), shift)?;
+                            factor = self.factor_positive(Some(used.into_factor()), shift)?;
                             lanczos.restart(&ritz, expected);
                             lanczos.inject(&factor)?;
                         }
@@ -238,40 +251,34 @@ impl<'a> Search<'a> {
     /// A factor of `K − σ M`, with a σ low enough.
     fn positive(
         &mut self,
-        mut spare: Option<Restrained>,
+        mut memory: Option<Factorization>,
     ) -> Result<(f64, Restrained), FlexibleError> {
         if let Some(shift) = self.options.shift {
-            return Ok((shift, self.factor_positive(spare, shift)?));
+            return Ok((shift, self.factor_positive(memory, shift)?));
         }
-        let mut shift = -FIRST_SHIFT * self.typical;
-        loop {
-            match self.factor_positive(spare.take(), shift) {
-                Err(FlexibleError::Singular { .. }) if shift > -1e-3 * self.typical => {
-                    shift *= 1e3;
-                }
-                result => return Ok((shift, result?)),
-            }
-        }
+        first_shift(self.typical, |shift| {
+            Ok((shift, self.factor_positive(memory.take(), shift)?))
+        })
     }
 
     fn factor_positive(
         &mut self,
-        spare: Option<Restrained>,
+        memory: Option<Factorization>,
         shift: f64,
     ) -> Result<Restrained, FlexibleError> {
-        self.factor(spare, shift, Definiteness::Positive)
+        self.factor(memory, shift, Definiteness::Positive)
     }
 
     pub(super) fn factor(
         &mut self,
-        spare: Option<Restrained>,
+        memory: Option<Factorization>,
         shift: f64,
         kind: Definiteness,
     ) -> Result<Restrained, FlexibleError> {
         let matrix = shifted(self.stiffness, self.mass, shift)?;
         self.factorizations += 1;
-        let factor = match spare {
-            Some(spare) => spare.into_factor().replace(&matrix, kind),
+        let factor = match memory {
+            Some(memory) => memory.replace(&matrix, kind),
             None => Factorization::new(&self.analysis, &matrix, kind),
         }?;
         Restrained::new(factor, &self.held, kind)

@@ -1,11 +1,12 @@
 //! Proof by Sturm count that no mode is missing.
 
 use super::eigen::SturmCount;
-use super::factor::Definiteness;
+use super::factor::{Definiteness, Factorization};
+use super::positive::FIRST_SHIFT;
 use super::product::multiply;
 use super::random::Random;
 use super::restrained::Restrained;
-use super::search::{FIRST_SHIFT, Search};
+use super::search::Search;
 use crate::error::FlexibleError;
 
 /// Neighbours closer than this share of the eigenvalue are one cluster…
@@ -86,13 +87,13 @@ impl Search<'_> {
     /// when it hits an eigenvalue, or the factor turns out inexact.
     pub(super) fn inertia(
         &mut self,
-        mut spare: Option<Restrained>,
+        mut memory: Option<Factorization>,
         place: f64,
     ) -> Result<(usize, f64, Restrained), FlexibleError> {
         let mut offset = 0.0;
         loop {
             let place = place + offset * place.abs();
-            let result = self.factor(spare.take(), place, Definiteness::Indefinite);
+            let result = self.factor(memory.take(), place, Definiteness::Indefinite);
             let factor = match result {
                 Err(FlexibleError::Singular { .. }) if offset < NUDGES => None,
                 result => Some(result?),
@@ -101,7 +102,7 @@ impl Search<'_> {
                 if self.trusted(&factor, place)? {
                     return Ok((factor.negative(), place, factor));
                 }
-                spare = Some(factor);
+                memory = Some(factor.into_factor());
             }
             if offset >= NUDGES {
                 return Err(FlexibleError::Numerical {
@@ -144,14 +145,15 @@ impl Search<'_> {
     /// Counts, a second time further away when fewer are counted than were found.
     pub(super) fn prove(
         &mut self,
-        spare: Option<Restrained>,
+        memory: Option<Factorization>,
         expected: usize,
         below: f64,
         gap: f64,
     ) -> Result<(Proof, Restrained), FlexibleError> {
-        let (mut count, mut below, mut factor) = self.inertia(spare, below)?;
+        let (mut count, mut below, mut factor) = self.inertia(memory, below)?;
         if count < expected {
-            (count, below, factor) = self.inertia(Some(factor), below + 0.25 * gap)?;
+            (count, below, factor) =
+                self.inertia(Some(factor.into_factor()), below + 0.25 * gap)?;
         }
         let proof = if count == expected {
             Ok(SturmCount { count, below })

@@ -1,0 +1,84 @@
+//! A first factor of `K − σ M`: positive definite, with σ below all eigenvalues and near them.
+
+use super::factor::{Analysis, Definiteness, Factorization, diagonal};
+use super::pencil::shifted;
+use crate::error::FlexibleError;
+use crate::sparse::SymmetricMatrix;
+use std::sync::Arc;
+
+/// First guess of |σ| over the typical ratio of the diagonals, itself about the largest eigenvalue.
+pub(super) const FIRST_SHIFT: f64 = 1e-9;
+/// How much larger |σ| becomes where the factor is not positive definite: stiffnesses written with few digits have slightly negative
+/// eigenvalues in place of their zeros.
+const LARGER: f64 = 1e3;
+/// |σ| over the typical ratio is not raised from here.
+const LARGEST: f64 = 1e-3;
+
+/// A positive definite `K − σ M`, factored.
+#[derive(Debug)]
+pub(crate) struct Shifted {
+    /// σ (rad²/s²), negative.
+    pub(crate) shift: f64,
+    pub(crate) factor: Factorization,
+}
+
+impl Shifted {
+    /// With a σ low enough, as near zero as the digits of the matrices allow.
+    ///
+    /// # Errors
+    /// As [`Factorization::new`]; when no row has both mass and stiffness.
+    pub(crate) fn new(
+        stiffness: &SymmetricMatrix,
+        mass: &SymmetricMatrix,
+        analysis: &Arc<Analysis>,
+    ) -> Result<Self, FlexibleError> {
+        let typical = typical_ratio(stiffness, mass)?;
+        first_shift(typical, |shift| {
+            let matrix = shifted(stiffness, mass, shift)?;
+            let factor = Factorization::new(analysis, &matrix, Definiteness::Positive)?;
+            Ok(Shifted { shift, factor })
+        })
+    }
+}
+
+/// What a σ gives, tried from the nearest to zero on.
+///
+/// # Errors
+/// The last one's.
+pub(super) fn first_shift<T>(
+    typical: f64,
+    mut factor: impl FnMut(f64) -> Result<T, FlexibleError>,
+) -> Result<T, FlexibleError> {
+    let mut shift = -FIRST_SHIFT * typical;
+    loop {
+        match factor(shift) {
+            Err(FlexibleError::Singular { .. }) if shift > -LARGEST * typical => shift *= LARGER,
+            result => return result,
+        }
+    }
+}
+
+/// The median of the ratios of the diagonals of stiffness and mass (rad²/s²), over rows that have both.
+///
+/// # Errors
+/// When there is no such row.
+pub(super) fn typical_ratio(
+    stiffness: &SymmetricMatrix,
+    mass: &SymmetricMatrix,
+) -> Result<f64, FlexibleError> {
+    let mut ratios: Vec<f64> = diagonal(stiffness)
+        .iter()
+        .zip(diagonal(mass))
+        .map(|(stiffness, mass)| stiffness / mass)
+        .filter(|ratio| ratio.is_finite() && *ratio > 0.0)
+        .collect();
+    let middle = ratios.len() / 2;
+    if ratios.is_empty() {
+        return Err(FlexibleError::Matrix {
+            problem: "no row has both mass and stiffness: there are no modes".into(),
+            advice: "do the materials have densities?".into(),
+        });
+    }
+    let (_, typical, _) = ratios.select_nth_unstable_by(middle, f64::total_cmp);
+    Ok(*typical)
+}
