@@ -28,6 +28,7 @@
 //! flexible bodies with ωh > 1 ([`RESOLVED`]): the series holds for none of these. Global errors of second order follow as the tolerance to 2/3.
 
 mod dense;
+mod nearest;
 mod newton;
 
 pub use newton::constraints_along;

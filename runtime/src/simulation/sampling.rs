@@ -56,7 +56,13 @@ impl Simulation {
             cycle_angle: self.cycle_now.map(|c| c[0]),
         };
         self.system
-            .complete(&self.model, &mut self.dynamics, &mut self.completed, moment)
+            .complete(
+                &self.model,
+                &mut self.dynamics,
+                &mut self.integrator,
+                &mut self.completed,
+                moment,
+            )
             .and_then(|()| {
                 self.outputs
                     .evaluate(&self.model, &self.dynamics, &self.completed)
@@ -116,7 +122,13 @@ impl Simulation {
             cycle_angle: Some(angle),
         };
         self.system
-            .finish(&self.model, &mut self.dynamics, &mut self.completed, moment)
+            .finish(
+                &self.model,
+                &mut self.dynamics,
+                &mut self.integrator,
+                &mut self.completed,
+                moment,
+            )
             .and_then(|()| {
                 self.outputs
                     .evaluate(&self.model, &self.dynamics, &self.completed)
