@@ -520,7 +520,7 @@ fn a_steady_motion_that_is_unstable_is_told() {
                     guess position = [0, {y:e}, 0] mm
                     guess rotation = [0 rad, 0 rad, {begin:e} rad]
                 }}
-                drive turn = ConstantSpeed(post.foot, stand, speed: 1 rad/s)
+                drive turn = ConstantSpeed(post.foot, stand, speed: 100 rad/s)
                 joint pin = Revolute(bob.top, post.pivot)
                 start pin.angle = {begin:e} rad
                 start pin.speed = 0 rad/s

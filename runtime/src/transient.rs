@@ -23,7 +23,7 @@ pub struct Sample<'a> {
     pub cycle_rate: Option<f64>,
     /// Channels (SI).
     pub values: &'a [f64],
-    /// Energy at the end of the step in which the sample lies.
+    /// Energy at the sample.
     pub energy: Energy,
     /// e of every journal (m): the pin's origin from the shell's, along the shell's x and y.
     pub eccentricities: &'a [[f64; 2]],
@@ -329,7 +329,7 @@ impl Run<'_> {
             cycle_angle: cycle.map(|c| c.0),
             cycle_rate: cycle.map(|c| c.1),
             values: &self.values,
-            energy: simulation.energy(),
+            energy: simulation.sampled_energy(),
             eccentricities: &simulation.eccentricities(),
             pose: simulation.sampled_pose(),
         })

@@ -10,11 +10,12 @@
 //! has them as its largest eigenvalues `1/(λ − σ)`; K is not lost in it beside C, for σC is as small as K where σ is as slow as what is
 //! sought. The shift σ goes down in steps of the root of the rounding error until nothing is left.
 //!
-//! **Zeros** are told by the forces of a motion, not by its pace: where `K x − S z` and `R x + U z` are no more than the rounding
+//! **Zeros** are told by the forces of a motion, not by its pace: where `x*(K x − S z)` and `R x + U z` are no more than the rounding
 //! of the terms they are made of, nothing holds it. Its λ is zero then, but for the second pole `λ = −c` of what is damped and
 //! free, whose inertia balances its damping.
 
 use super::eigen::{Eigenpair, spectrum};
+use super::energies::parts;
 use super::equations::Equations;
 use crate::error::RuntimeError;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -83,8 +84,19 @@ fn inverse(equations: &Equations, shift: f64) -> Option<DMatrix<f64>> {
     out.iter().all(|x| x.is_finite()).then_some(out)
 }
 
-/// Whether a motion of the pace found is held by nothing but rounding.
-fn is_zero(equations: &Equations, pair: &Eigenpair) -> bool {
+/// What makes an eigenvalue near zero.
+enum Kind {
+    /// Springs, films or states: it is as found.
+    Held,
+    /// Nothing: it is zero.
+    Free,
+    /// Nothing holds the motion, and its inertia balances its damping alone at this λ.
+    Damped(Complex<f64>),
+}
+
+/// What holds the motion of an eigenpair, by the work of its forces along itself: a rounding error of x in a stiff direction counts
+/// there with its square.
+fn kind(equations: &Equations, pair: &Eigenpair) -> Kind {
     let e = equations;
     let p = e.freedoms();
     let x = pair.vector.rows(0, p).into_owned();
@@ -92,26 +104,31 @@ fn is_zero(equations: &Equations, pair: &Eigenpair) -> bool {
         .vector
         .rows(2 * p, pair.vector.len() - 2 * p)
         .into_owned();
-    let product =
-        |matrix: &DMatrix<f64>, x: &DVector<Complex<f64>>| matrix.map(|k| Complex::new(k, 0.0)) * x;
+    let product = |matrix: &DMatrix<f64>, x: &DVector<Complex<f64>>| {
+        let [re, im] = parts(x);
+        (matrix * re).zip_map(&(matrix * im), Complex::new)
+    };
     let sizes = |x: &DVector<Complex<f64>>| x.map(|x| x.norm());
     let (size_x, size_z) = (sizes(&x), sizes(&z));
+    let square = size_x.norm_squared();
     let rounding = (2 * p + z.len()) as f64 * f64::EPSILON;
-    let held = (product(&e.stiffness, &x) - product(&e.by_states, &z)).norm();
-    let terms = &e.stiffness_terms * &size_x + e.by_states.abs() * &size_z;
-    if held > rounding * (terms.norm() + e.own_terms * size_x.norm()) {
-        return false;
+    let held = x.dotc(&(product(&e.stiffness, &x) - product(&e.by_states, &z)));
+    let terms = size_x.dot(&(&e.stiffness_terms * &size_x + e.by_states.abs() * &size_z));
+    if held.norm() > rounding * (terms + e.own_terms * square) {
+        return Kind::Held;
     }
     let changed = (product(&e.rates_by_place, &x) + product(&e.rates_by_states, &z)).norm();
-    let terms = e.rates_by_place.abs() * &size_x + e.rates_by_states.abs() * &size_z;
-    if changed > rounding * terms.norm() {
-        return false;
+    let terms = e.rates_by_place.norm() * size_x.norm() + e.rates_by_states.norm() * size_z.norm();
+    if changed > rounding * terms {
+        return Kind::Held;
     }
-    // free, and damped: the motion dies out by its inertia
-    let damped = product(&e.damping, &x).norm();
-    let dies = damped > rounding * (&e.damping_terms * &size_x).norm()
-        && pair.value.norm() * size_x.norm() > 0.5 * damped;
-    !dies
+    let damped = x.dotc(&product(&e.damping, &x));
+    let terms = size_x.dot(&(&e.damping_terms * &size_x));
+    if damped.norm() > rounding * (terms + libm::sqrt(e.own_terms) * square) {
+        Kind::Damped(-damped / square)
+    } else {
+        Kind::Free
+    }
 }
 
 /// The `wanted` slowest eigenvalues, all of them below `resolution` (rad/s).
@@ -158,10 +175,23 @@ pub(super) fn resolve(
             taken += count(&pair);
             if pair.value.norm() <= finer {
                 left += count(&pair);
-            } else if is_zero(equations, &pair) {
-                found.zeros += count(&pair);
-            } else {
-                found.pairs.push(pair);
+                continue;
+            }
+            match kind(equations, &pair) {
+                Kind::Held => found.pairs.push(pair),
+                Kind::Free => found.zeros += count(&pair),
+                Kind::Damped(pole) if (pair.value - pole).norm() <= 0.5 * pole.norm() => {
+                    found.pairs.push(pair);
+                }
+                // the zero and the pole of one direction, which rounding has made a pair
+                Kind::Damped(pole) if count(&pair) == 2 => {
+                    found.zeros += 1;
+                    found.pairs.push(Eigenpair {
+                        value: Complex::new(pole.re, 0.0),
+                        ..pair
+                    });
+                }
+                Kind::Damped(_) => found.zeros += 1,
             }
         }
         wanted = left;

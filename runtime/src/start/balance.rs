@@ -42,6 +42,8 @@ const ITERATIONS: usize = 25;
 const PORTION: f64 = 1e-3;
 /// Scaled effort above which a freedom without stiffness is loaded.
 const UNHELD: f64 = 1e-6;
+/// Move (m, or of a quaternion) up to which a balance was stated.
+const STAYS: f64 = 1e-6;
 /// Rounds of velocities and accelerations.
 const ROUNDS: usize = 8;
 
@@ -67,6 +69,15 @@ impl From<RuntimeError> for Stop {
             other => Stop::Error(other),
         }
     }
+}
+
+/// Whether a balance is the place itself that it was sought from.
+fn stays(begin: &State, end: &State) -> bool {
+    begin
+        .pose
+        .iter()
+        .zip(&end.pose)
+        .all(|(a, b)| (a - b).abs() <= STAYS)
 }
 
 /// The search for the balance of one model.
@@ -275,9 +286,9 @@ impl<'a> Balance<'a> {
         }
         let begin = state.clone();
         match self.search(state) {
-            Ok(found) if found.unstable.is_none() => Ok(found),
+            Ok(found) if found.unstable.is_none() || stays(&begin, state) => Ok(found),
             Ok(found) => {
-                // Newton's method goes to any balance: there may be one that stands
+                // Newton's method has gone to a balance beside: there may be one that stands
                 let mut other = begin;
                 match self.descend(&mut other) {
                     Ok(Some(stable)) if stable.unstable.is_none() => {

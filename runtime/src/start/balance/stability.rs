@@ -12,8 +12,8 @@
 //! (M σ + K) δ = −r        σ = |M⁻¹r|/reach, and twice |κ| where K has a κ < 0
 //! ```
 //!
-//! which is steepest descent of the energy where σ is large and Newton's method where r vanishes. It stays in an upside-down balance
-//! only if it begins there to the last digit. (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508.)
+//! which is steepest descent of the energy where σ is large and Newton's method where r vanishes. A balance that is
+//! stated upside down is kept, and told. (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508.)
 
 use super::telling::not_finite;
 use super::{Balance, NEUTRAL, Place, REACH, Stop};
@@ -23,7 +23,7 @@ use crate::state::{State, move_pose};
 use nalgebra::{DMatrix, DVector};
 
 /// Steps of pseudo-time.
-const STEPS: usize = 300;
+const STEPS: usize = 200;
 /// Least σ as a share of the largest stiffness.
 const LEAST: f64 = 1e-10;
 /// An eigenvalue of the stiffness below this share of the largest is rounding.
