@@ -83,6 +83,9 @@ eng_grammar::codes! {
     WHIRL = "W0714", "a journal whirls at about half speed",
         "The pin moves at about half the shaft's speed and does not come back after a cycle: a film that carries little load is unstable so. Load it, widen the clearance, take thinner oil or a shorter bearing, or see whether the load of the model is too small.",
         "", "";
+    UPSIDE_DOWN = "W0715", "a balance or a steady motion is unstable",
+        "The forces are in balance, but the least push leads away from it: a pendulum above its pivot, a column pressed beyond its load. The run stays there until rounding or a load moves it. Where that is not meant, begin beside it with `guess`; the message names the body that leaves it and how fast.",
+        "", "";
     PARAMETER_ADVISED = "W0720", "parameters do not follow an `advise`",
         "The run goes on, but the class takes these parameters for doubtful: a clearance that may be diametral instead of radial. The text is its author's.",
         "", "";

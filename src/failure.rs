@@ -2,7 +2,7 @@
 
 use crate::codes;
 use eng_grammar::{Diagnostic, SourceId, Span};
-use eng_runtime::{PeriodicSummary, RuntimeError, StartReport};
+use eng_runtime::{PeriodicSummary, RuntimeError, StartReport, Unstable};
 use eng_system::code::BindError;
 use eng_system::system::{Location, Origin, System};
 use eng_system::table::Outside;
@@ -233,8 +233,15 @@ pub(crate) fn advice(warning: &eng_runtime::Warning) -> Diagnostic {
 
 /// A start that is not the one wanted.
 pub(crate) fn start_advice(start: &StartReport) -> Option<Diagnostic> {
-    let StartReport::NoBalance(obstacle) = start else {
-        return None;
+    let obstacle = match start {
+        StartReport::NoBalance(obstacle) => obstacle,
+        StartReport::QuasiStatic(found) => {
+            return found
+                .unstable
+                .as_ref()
+                .map(|unstable| upside_down(unstable, "the balance of the start"));
+        }
+        StartReport::Assembled | StartReport::Resumed => return None,
     };
     let message = Diagnostic::warning(
         codes::NO_BALANCE,
@@ -253,6 +260,18 @@ pub(crate) fn start_advice(start: &StartReport) -> Option<Diagnostic> {
     )
 }
 
+/// A balance that the least push leads away from.
+fn upside_down(unstable: &Unstable, what: &str) -> Diagnostic {
+    let message = Diagnostic::warning(
+        codes::UPSIDE_DOWN,
+        format!("{what} is unstable: {} leaves it", unstable.origin.path),
+    );
+    place(message, &unstable.origin, "leaves the balance").with_note(format!(
+        "a small deviation grows e-fold in {:.3e} s",
+        unstable.time
+    ))
+}
+
 /// Share of the clearance below which a motion that does not repeat is no whirl.
 const NO_WHIRL: f64 = 2e-3;
 
@@ -265,7 +284,11 @@ pub(crate) fn periodic(
     let system = &analysis.model().compiled().system;
     let name = |channel: usize| system.channels.get(channel).map_or("", |c| c.path.as_str());
     let mut facts = Vec::new();
-    let mut warnings = Vec::new();
+    let mut warnings: Vec<Diagnostic> = found
+        .unstable
+        .iter()
+        .map(|unstable| upside_down(unstable, "the steady motion"))
+        .collect();
     if let Some(slowest) = &found.slowest {
         facts.push(format!(
             "{} after {} cycles; the last differs by {:.2e} of its swing in {}",

@@ -1,7 +1,7 @@
 //! Linear analyses against closed forms, published bearing coefficients, and the decay of the same models in time.
 
 use eng::{LinearModes, Outcome, Program, Quantity, Sources};
-use nalgebra::{DMatrix, Matrix4};
+use nalgebra::{Complex, DMatrix};
 use std::f64::consts::{PI, TAU};
 
 fn program(text: &str) -> Program {
@@ -120,6 +120,56 @@ fn a_mass_on_a_spring() {
     near(found.modes[0].value.re, -80.0 + root, 1e-12);
     near(found.modes[1].value.re, -80.0 - root, 1e-12);
     assert!(!found.modes[0].oscillates());
+}
+
+/// A mass on a spring behind ever heavier dampers: the slow pole, `−2k/(c + √(c² − 4mk))`, stays beside a fast one of up to 10¹⁶ times
+/// its pace.
+#[test]
+fn what_creeps_behind_a_damper_is_no_zero() {
+    let program = program(SPRING);
+    let (m, k) = (2.5_f64, 9000.0_f64);
+    for c in [1e5_f64, 1e7, 1e9, 1e11] {
+        let found = modes(&program, "modes", &[("damping", &format!("{c:e} N*s/m"))]);
+        assert_eq!((found.zeros, found.modes.len()), (0, 2), "{c:e}");
+        let root = (c * c - 4.0 * m * k).sqrt();
+        near(found.modes[0].value.re, -2.0 * k / (c + root), 1e-9);
+        near(found.modes[1].value.re, -(c + root) / (2.0 * m), 1e-9);
+    }
+}
+
+/// Two masses, free together, one slowed by a whiff of air: a stiff spring between them, a true zero of the place, and the slow
+/// pole `−c/(m₁ + m₂)` nine decades below the oscillation.
+#[test]
+fn a_free_motion_has_a_zero_and_dies_out() {
+    let text = "
+        use std.joints.Translational
+        use std.forces.Bushing
+        model Pair {
+            gravity = [0, 0, 0] m/s^2
+            marker wall = [0, 0, 0] mm
+            body one { mass = 2 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+            body two { mass = 3 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+            joint rail_one = Translational(one.eye, wall)
+            joint rail_two = Translational(two.eye, wall)
+            force spring = Bushing(one.eye, two.eye, stiffness: [0, 0, 4e8] N/m, damping: [0, 0, 0] N*s/m,
+                torsional_stiffness: [0, 0, 0] N*m/rad, torsional_damping: [0, 0, 0] N*m*s/rad)
+            force air = Bushing(one.eye, wall, stiffness: [0, 0, 0] N/m, damping: [0, 0, 1e-4] N*s/m,
+                torsional_stiffness: [0, 0, 0] N*m/rad, torsional_damping: [0, 0, 0] N*m*s/rad)
+        }
+        analysis modes = linear(Pair(), start: assembled)";
+    let found = modes(&program(text), "modes", &[]);
+    assert_eq!(
+        (found.zeros, found.modes.len()),
+        (1, 2),
+        "{:?}",
+        found.modes
+    );
+    near(
+        circular(&found)[0],
+        (4e8_f64 * (0.5 + 1.0 / 3.0)).sqrt(),
+        1e-9,
+    );
+    near(found.modes[1].value.re, -1e-4 / 5.0, 1e-7);
 }
 
 /// A pendulum on a hub that turns about the vertical at a constant speed, at its outward balance, and hanging.
@@ -444,14 +494,8 @@ fn journal_rotor(threshold: f64) -> JournalRotor {
 #[test]
 fn a_rotor_on_a_short_bearing_has_the_published_stiffness_and_damping() {
     for threshold in [0.3, 0.9] {
-        let JournalRotor {
-            program,
-            mass,
-            stiffness: k,
-            damping: c,
-            ..
-        } = journal_rotor(threshold);
-        let outcome = run(&program, "modes", &[]);
+        let rotor = journal_rotor(threshold);
+        let outcome = run(&rotor.program, "modes", &[]);
         let found = outcome.modes.expect("modes");
         assert_eq!((found.freedoms, found.zeros), (2, 0), "{:?}", outcome.start);
         assert!(
@@ -459,54 +503,54 @@ fn a_rotor_on_a_short_bearing_has_the_published_stiffness_and_damping() {
             "{:?}",
             outcome.start
         );
-        let due = Matrix4::new(
-            0.0,
-            0.0,
-            1.0,
-            0.0, //
-            0.0,
-            0.0,
-            0.0,
-            1.0, //
-            -k[0][0] / mass,
-            -k[0][1] / mass,
-            -c[0][0] / mass,
-            -c[0][1] / mass, //
-            -k[1][0] / mass,
-            -k[1][1] / mass,
-            -c[1][0] / mass,
-            -c[1][1] / mass,
-        );
-        let due = DMatrix::from_column_slice(4, 4, due.as_slice()).complex_eigenvalues();
         assert!(!found.modes.is_empty());
+        let due = published(&rotor);
         for mode in &found.modes {
-            let nearest = due
-                .iter()
-                .map(|x| (x - mode.value).norm() / mode.value.norm())
-                .fold(f64::INFINITY, f64::min);
-            assert!(nearest < 1e-5, "{} {due} {nearest:e}", mode.value);
+            let off = distance(mode.value, &due);
+            assert!(off < 1e-5, "{} {due:?} {off:e}", mode.value);
         }
     }
 }
 
-/// The threshold of whirl of a rigid rotor on short bearings, and the whirl there, against the published chart.
+/// λ of the rotor with the published coefficients.
+fn published(rotor: &JournalRotor) -> Vec<Complex<f64>> {
+    let (k, c, mass) = (rotor.stiffness, rotor.damping, rotor.mass);
+    let matrix = DMatrix::from_fn(4, 4, |i, j| match (i, j) {
+        (0..2, _) => f64::from(u8::from(j == i + 2)),
+        (_, 0..2) => -k[i - 2][j] / mass,
+        _ => -c[i - 2][j - 2] / mass,
+    });
+    matrix.complex_eigenvalues().iter().copied().collect()
+}
+
+/// How far λ is from the nearest of others, of its own size.
+fn distance(value: Complex<f64>, others: &[Complex<f64>]) -> f64 {
+    others
+        .iter()
+        .map(|x| (x - value).norm() / value.norm())
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// The threshold of whirl of a rigid rotor on short bearings, and the whirl there, against the published chart. Beside the threshold
+/// the whirl is not the chart's (at 2 % it is off by 0.7 %): it is that of the published coefficients with the rotor's mass.
 #[test]
 fn a_rotor_begins_to_whirl_at_the_published_threshold() {
     for (threshold, grows) in [(0.98, false), (1.02, true)] {
-        let JournalRotor {
-            program,
-            speed,
-            whirl,
-            ..
-        } = journal_rotor(threshold);
-        let found = modes(&program, "modes", &[]);
+        let rotor = journal_rotor(threshold);
+        let found = modes(&rotor.program, "modes", &[]);
         let slow = found.oscillations().next().expect("a whirl");
         assert_eq!(slow.grows(), grows, "{}", slow.value);
         assert_eq!(
             found.modes.iter().filter(|m| m.grows()).count(),
             usize::from(grows)
         );
-        near(slow.value.im / speed, whirl, 1e-2);
+        let off = distance(slow.value, &published(&rotor));
+        println!(
+            "whirl at {threshold} of the threshold: {} of the speed, {off:.1e} from the published coefficients' ({} at the threshold)",
+            slow.value.im / rotor.speed,
+            rotor.whirl
+        );
+        assert!(off < 1e-5, "{} {off:e}", slow.value);
         // what feeds it is the film
         assert_eq!(slow.shares.lost[0] < 0.0, grows);
     }

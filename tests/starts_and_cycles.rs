@@ -417,3 +417,126 @@ fn nothing_moves_and_rounding_is_no_change() {
     );
     assert_eq!(run(&program, "no_modes").results.samples(), 0);
 }
+
+/// A pendulum, begun beside its balances: its angle from hanging down.
+fn pendulum(begin: f64) -> Outcome {
+    let (x, y) = (300.0 * begin.sin(), -300.0 * begin.cos());
+    let program = program(
+        Sources::from_text(
+            "pendulum.eng",
+            format!(
+                "use std.joints.Revolute
+                model Pendulum {{
+                    gravity = [0, -9.81, 0] m/s^2
+                    marker pivot = [0, 0, 0] mm
+                    body bob {{
+                        mass = 1 kg; inertia = [2, 2, 2] g*m^2; marker top = [0, 300, 0] mm
+                        guess position = [{x:e}, {y:e}, 0] mm
+                        guess rotation = [0 rad, 0 rad, {begin:e} rad]
+                    }}
+                    joint pin = Revolute(bob.top, pivot)
+                    output angle: Angle = pin.angle
+                }}
+                analysis balance = transient(Pendulum(), duration: 1 us, sample: 1 us, start: quasi_static)"
+            ),
+        ),
+        "pendulum.eng",
+    );
+    run(&program, "balance")
+}
+
+/// Gravity holds a pendulum though it has no stiffness where it is level; from any place but the very top it comes to hang; at
+/// the top it is said to stand upside down, and how fast it leaves.
+#[test]
+fn a_pendulum_comes_to_hang_and_is_told_to_stand_upside_down() {
+    for degrees in [30.0_f64, 90.0, 100.0, 170.0, -120.0] {
+        let found = pendulum(degrees.to_radians());
+        let Some(StartReport::QuasiStatic(balance)) = &found.start else {
+            panic!("{degrees}: {:?}", found.start);
+        };
+        assert_eq!(
+            (balance.freedoms, &balance.unstable),
+            (1, &None),
+            "{degrees}"
+        );
+        let angle = found.results.column("angle").expect("a channel").values[0];
+        assert!(angle.abs() < 1e-9, "{degrees}: {angle}");
+    }
+    let found = pendulum(std::f64::consts::PI);
+    let Some(StartReport::QuasiStatic(balance)) = &found.start else {
+        panic!("{:?}", found.start);
+    };
+    let unstable = balance.unstable.as_ref().expect("upside down");
+    assert_eq!(unstable.origin.path, "bob");
+    // √(J/(m g l))
+    let due = ((2e-3 + 0.3 * 0.3) / (9.81 * 0.3_f64)).sqrt();
+    assert!(
+        (unstable.time / due - 1.0).abs() < 1e-6,
+        "{}",
+        unstable.time
+    );
+}
+
+/// A body that gravity lets fall is held by nothing, wherever it is sought.
+#[test]
+fn what_falls_is_held_by_nothing() {
+    let program = program(
+        Sources::from_text(
+            "stone.eng",
+            "model Stone {
+                gravity = [0, 0, -9.81] m/s^2
+                body stone { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }
+            }
+            analysis falls = transient(Stone(), duration: 1 us, sample: 1 us, start: quasi_static)",
+        ),
+        "stone.eng",
+    );
+    let Some(StartReport::NoBalance(obstacle)) = run(&program, "falls").start else {
+        panic!("a balance");
+    };
+    assert!(
+        obstacle.message.contains("nothing holds it"),
+        "{obstacle:?}"
+    );
+}
+
+/// A pendulum carried round by a turning post repeats every turn also above its pivot, and is said to be unstable there.
+#[test]
+fn a_steady_motion_that_is_unstable_is_told() {
+    let text = |begin: f64| {
+        format!(
+            "use std.joints.Revolute
+            use std.drives.ConstantSpeed
+            model Post {{
+                gravity = [0, -9.81, 0] m/s^2
+                marker stand = at([0, 0, 0] mm, z: [0, 1, 0], x: [1, 0, 0])
+                body post {{
+                    mass = 2 kg; inertia = [2, 2, 2] g*m^2
+                    marker foot = at(origin, z: [0, 1, 0], x: [1, 0, 0])
+                    marker pivot = origin
+                }}
+                body bob {{
+                    mass = 1 kg; inertia = [2, 2, 2] g*m^2; marker top = [0, 300, 0] mm
+                    guess position = [0, {y:e}, 0] mm
+                    guess rotation = [0 rad, 0 rad, {begin:e} rad]
+                }}
+                drive turn = ConstantSpeed(post.foot, stand, speed: 100 rad/s)
+                joint pin = Revolute(bob.top, post.pivot)
+                start pin.angle = {begin:e} rad
+                start pin.speed = 0 rad/s
+                cycle angle = rotation(post.foot, stand) {{ period = 360 deg }}
+            }}
+            analysis steady = periodic(Post(), start: assembled, sample: 10 deg)",
+            y = -300.0 * begin.cos(),
+        )
+    };
+    for (begin, upright) in [(0.0, false), (std::f64::consts::PI, true)] {
+        let program = program(Sources::from_text("post.eng", text(begin)), "post.eng");
+        let found = run(&program, "steady").periodic.expect("a cycle");
+        assert_eq!(
+            found.unstable.as_ref().map(|u| u.origin.path.as_str()),
+            upright.then_some("bob"),
+            "{found:?}"
+        );
+    }
+}

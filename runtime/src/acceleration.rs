@@ -2,9 +2,18 @@
 //!
 //! All three have one matrix: with `[0; −Φ]` it gives the smallest move (in the mass norm) back to the constraints, with
 //! `[0; −Φ̇]` the smallest change of velocity. Scaled as the step's matrix, with the model's length and largest mass.
+//!
+//! **Outputs of a step.** The integrator's velocity misses `Φ̇ = 0` by `C h² v̈` along the constraints' normals (see
+//! [`crate::integrator::Integrator::set_defect`]); its equations of motion hold at that velocity, and there alone are its forces
+//! those of second order without a large factor. The change that brings it back to the constraints, x, is microns a second beside
+//! metres a second, but a film of damping d answers it by d x: beside the inertia of what the film carries, m, that is as an error
+//! of d/m x in the acceleration, and d/m is 10⁵ to 10⁷ 1/s in a bearing. Hence forces and γ are taken apart: Q at the velocity as the
+//! integrator has it, γ and all that is recorded at the projected one, and most of x by the matrix of the step, which knows the
+//! films ([`crate::integrator::Integrator::nearest_change`]), so that their recorded forces are those in the balance.
 
 use crate::dynamics::Dynamics;
 use crate::error::{Moment, RuntimeError};
+use crate::integrator::Integrator;
 use crate::linear::{Block, BlockLu, LinearSolver, Pattern, PatternBuilder};
 use crate::model::Model;
 use crate::state::{State, move_pose};
@@ -15,6 +24,8 @@ pub const POSITION_LIMIT: f64 = 1e-9;
 const POSITION_GOAL: f64 = 1e-12;
 /// Most corrections of a position.
 const ATTEMPTS: usize = 12;
+/// Corrections of a velocity: one that spares the films, two that leave rounding alone.
+const VELOCITY_ROUNDS: usize = 3;
 /// Most refinements of a solution with factors of a place beside.
 const REFINEMENTS: usize = 6;
 
@@ -30,6 +41,10 @@ pub struct AccelerationSystem {
     scales: Vec<f64>,
     moved: Vec<f64>,
     zeros: Vec<f64>,
+    /// −Q, the forces and what of the inertia goes with velocities.
+    forces: Vec<f64>,
+    wanted_rates: Vec<f64>,
+    change: Vec<f64>,
     wanted: Vec<f64>,
     correction: Vec<f64>,
     /// Whether the matrix is of a later place than its factors.
@@ -77,6 +92,9 @@ impl AccelerationSystem {
             scales,
             moved: vec![0.0; model.poses],
             zeros: vec![0.0; model.velocities],
+            forces: vec![0.0; model.velocities],
+            wanted_rates: vec![0.0; model.rows],
+            change: vec![0.0; model.velocities],
             wanted: vec![0.0; size],
             correction: vec![0.0; size],
             stale: false,
@@ -186,11 +204,12 @@ impl AccelerationSystem {
         &mut self,
         model: &Model,
         dynamics: &mut Dynamics,
+        integrator: &mut Integrator,
         state: &mut State,
         moment: Moment,
     ) -> Result<(), RuntimeError> {
         self.project(model, dynamics, state, moment, true)?;
-        self.finish(model, dynamics, state, moment)
+        self.finish(model, dynamics, integrator, state, moment)
     }
 
     /// Brings positions back to Φ = 0; `dynamics` stands there afterwards. The factors are made at the state as it comes, or
@@ -251,30 +270,44 @@ impl AccelerationSystem {
 
     /// After [`AccelerationSystem::project`]: velocities with |Φ̇| below 1e-9 of the model's speed, accelerations, multipliers
     /// and rates.
+    ///
+    /// Forces are those of the velocity as it comes, at which `dynamics` was evaluated: see the head of this module.
     pub fn finish(
         &mut self,
         model: &Model,
         dynamics: &mut Dynamics,
+        integrator: &mut Integrator,
         state: &mut State,
         moment: Moment,
     ) -> Result<(), RuntimeError> {
         let n = model.velocities;
+        self.take_forces(model, dynamics, state);
         self.fill(model, dynamics)?;
-        // Twice, so that rounding of large velocities goes as well.
-        for _ in 0..2 {
+        for round in 0..VELOCITY_ROUNDS {
             dynamics.velocity_level(model, &state.velocity)?;
-            self.rhs[..n].fill(0.0);
-            for i in 0..model.rows {
-                self.rhs[n + i] = -dynamics.constraint_rates[i] * self.scales[n + i];
+            for (wanted, rate) in self.wanted_rates.iter_mut().zip(&dynamics.constraint_rates) {
+                *wanted = -rate;
             }
-            self.solve(moment)?;
-            for i in 0..n {
-                state.velocity[i] += self.rhs[i] * self.scales[i];
+            let kept = round == 0
+                && integrator.nearest_change(model, &self.wanted_rates, &mut self.change);
+            if !kept {
+                self.rhs[..n].fill(0.0);
+                for (i, wanted) in self.wanted_rates.iter().enumerate() {
+                    self.rhs[n + i] = wanted * self.scales[n + i];
+                }
+                self.solve(moment)?;
+                for ((x, y), s) in self.change.iter_mut().zip(&self.rhs).zip(&self.scales) {
+                    *x = y * s;
+                }
+            }
+            for (v, x) in state.velocity.iter_mut().zip(&self.change) {
+                *v += x;
             }
             dynamics.place(model, state.time, &state.pose, &state.velocity);
             dynamics.gather(model, &state.states, &[], &state.rotations);
         }
-        self.accelerate(model, dynamics, state, moment)
+        dynamics.velocity_level(model, &state.velocity)?;
+        self.balance(model, dynamics, state, moment)
     }
 
     /// Accelerations, multipliers and state rates at a state, without moving it.
@@ -332,15 +365,32 @@ impl AccelerationSystem {
         state: &mut State,
         moment: Moment,
     ) -> Result<(), RuntimeError> {
-        let n = model.velocities;
         dynamics.evaluate(model)?;
         dynamics.velocity_level(model, &state.velocity)?;
-        self.rhs.fill(0.0);
-        dynamics.add_forces(model, -1.0, &mut self.rhs[..n]);
-        dynamics.add_inertia(model, &state.velocity, &self.zeros, &mut self.rhs[..n]);
+        self.take_forces(model, dynamics, state);
+        self.balance(model, dynamics, state, moment)
+    }
+
+    /// Forces and rates of the state as `dynamics` was evaluated there, multipliers zero.
+    fn take_forces(&mut self, model: &Model, dynamics: &mut Dynamics, state: &mut State) {
+        self.forces.fill(0.0);
+        dynamics.add_forces(model, -1.0, &mut self.forces);
+        dynamics.add_inertia(model, &state.velocity, &self.zeros, &mut self.forces);
+        state.rates.copy_from_slice(&dynamics.rates);
+    }
+
+    /// Solves for accelerations and multipliers with `self.forces`, which are −Q, and the γ of `dynamics`.
+    fn balance(
+        &mut self,
+        model: &Model,
+        dynamics: &Dynamics,
+        state: &mut State,
+        moment: Moment,
+    ) -> Result<(), RuntimeError> {
+        let n = model.velocities;
         let unit = model.mass * model.length * model.length;
         for i in 0..n {
-            self.rhs[i] *= -self.scales[i] / unit;
+            self.rhs[i] = -self.forces[i] * self.scales[i] / unit;
         }
         for i in 0..model.rows {
             self.rhs[n + i] = dynamics.constraint_accelerations[i] * self.scales[n + i];
@@ -352,7 +402,6 @@ impl AccelerationSystem {
         for i in 0..model.rows {
             state.multipliers[i] = self.rhs[n + i] * self.scales[n + i] * unit;
         }
-        state.rates.copy_from_slice(&dynamics.rates);
         Ok(())
     }
 }

@@ -28,6 +28,7 @@
 //! flexible bodies with ωh > 1 ([`RESOLVED`]): the series holds for none of these. Global errors of second order follow as the tolerance to 2/3.
 
 mod dense;
+mod nearest;
 mod newton;
 
 pub use newton::constraints_along;
@@ -40,6 +41,9 @@ use crate::linear::{BlockLu, LinearSolver};
 use crate::model::Model;
 use crate::state::{State, move_pose};
 
+/// Share of the position tolerance that the error of one step may have. Accelerations and small reactions are two derivatives of the
+/// positions: in an engine of film bearings they are then good to a per cent of their own swing, positions to far more.
+pub const STEP_SHARE: f64 = 0.1;
 /// A mode is in the error norm while ωh stays below this (rad): six steps a period. Beyond, the series of the estimate says nothing
 /// about it; the scheme's numerical damping takes what rings there, and the mode follows its load.
 pub const RESOLVED: f64 = 1.0;

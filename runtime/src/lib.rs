@@ -51,6 +51,6 @@ pub use integrator::Statistics;
 pub use linearised::{LinearModes, run_linear};
 pub use periodic::{CycleReport, PeriodicSummary, run_periodic};
 pub use simulation::{CscView, Energy, Options, Simulation, StepReport, Warning};
-pub use start::StartReport;
+pub use start::{StartReport, Unstable};
 pub use topology::{TopologyReport, topology};
 pub use transient::{Observer, RunSummary, Sample, run_transient};

@@ -8,10 +8,12 @@
 pub mod repetition;
 pub mod whirl;
 
+use crate::body::BodyModel;
 use crate::error::RuntimeError;
+use crate::linearised::Wanted;
 use crate::model::Model;
-use crate::simulation::{Energy, Warning};
-use crate::start::StartReport;
+use crate::simulation::{Energy, Simulation, Warning};
+use crate::start::{StartReport, Unstable};
 use crate::transient::{Observer, RunSummary, Sample, run_by_cycles};
 use eng_system::code::Compiled;
 use eng_system::system::{Extent, Periodic, Transient};
@@ -28,6 +30,8 @@ const PLAIN: f64 = 1e-2;
 const TOLERANCES: f64 = 1e3;
 /// A change this far above what is asked for tells of the engine, not of the steps' error.
 const ABOVE: f64 = 3.0;
+/// Growth a cycle of a small deviation, as an exponent, below which a steady motion counts as stable.
+const GROWTH: f64 = 1e-3;
 /// Samples of a cycle, at most.
 const MOST_SAMPLES: f64 = 1e6;
 
@@ -57,6 +61,9 @@ pub struct PeriodicSummary {
     pub growing: Vec<Growth>,
     /// Motion of pins at about half the shaft's speed that does not repeat, by journal; empty after few cycles.
     pub whirl: Vec<Whirl>,
+    /// How a motion is left in which nothing but the cycle's angle changes, if a small deviation from it grows: it repeats as long
+    /// as nothing pushes it.
+    pub unstable: Option<Unstable>,
 }
 
 /// Runs until the cycle repeats, or the most cycles are done; the observer gets the samples of the last cycle, of a run that fails
@@ -123,7 +130,12 @@ pub fn run_periodic(
     };
     let run = run_by_cycles(compiled, overrides, &transient, &mut cycles, period);
     cycles.give();
-    let run = run?;
+    let (run, mut simulation) = run?;
+    let unstable = if cycles.repeats && cycles.comparison.stands() {
+        left_by(&mut simulation, period)?
+    } else {
+        None
+    };
     Ok(PeriodicSummary {
         run: RunSummary {
             interrupted: false,
@@ -135,7 +147,33 @@ pub fn run_periodic(
         decay: cycles.decay,
         growing: cycles.growing,
         whirl: whirl::find(cycles.orbits.make_contiguous(), period),
+        unstable,
     })
+}
+
+/// How a steady motion is left whose linearised modes grow: in it their coefficients are constant.
+fn left_by(simulation: &mut Simulation, period: f64) -> Result<Option<Unstable>, RuntimeError> {
+    let Some(rate) = simulation.cycle_rate() else {
+        return Ok(None);
+    };
+    let modes = simulation.sampled_modes(Wanted::default())?;
+    let fastest = modes
+        .modes
+        .iter()
+        .max_by(|a, b| a.value.re.total_cmp(&b.value.re))
+        .filter(|mode| mode.value.re * (period / rate).abs() > GROWTH);
+    let model = simulation.model();
+    Ok(fastest.and_then(|mode| {
+        let share = |body: &BodyModel| mode.place.rows(body.velocity, body.width()).norm();
+        let body = model
+            .bodies
+            .iter()
+            .max_by(|a, b| share(a).total_cmp(&share(b)))?;
+        Some(Unstable {
+            origin: body.origin.clone(),
+            time: 1.0 / mode.value.re,
+        })
+    }))
 }
 
 /// Samples of a cycle, both ends among them.

@@ -130,11 +130,17 @@ pub struct Simulation {
     /// Time of the state in `completed` whose outputs are evaluated.
     evaluated: Option<u64>,
     work: Vec<f64>,
+    rest: Vec<f64>,
+    rows: Vec<f64>,
     size: StepSize,
     grid: FixedGrid,
     /// The last failure at a table's end, until a step succeeds at once.
     outside: Option<Box<RuntimeError>>,
     energy: Energy,
+    /// Works of loads and constraints and what was lost in flexible bodies (J) at the begin of the last step.
+    energy_before: [f64; 3],
+    /// At the state of the last outputs.
+    sampled_energy: Energy,
     /// Powers of loads, of constraints and lost in flexible bodies at the last accepted state and at the one before.
     powers: [f64; 3],
     earlier_powers: [f64; 3],
@@ -215,10 +221,14 @@ impl Simulation {
             cycle,
             watch: Watch::new(&model, |e| matches!(roles[e], Role::Dynamic | Role::Output)),
             work: vec![0.0; model.velocities],
+            rest: vec![0.0; model.velocities],
+            rows: vec![0.0; model.rows],
             size: StepSize::default(),
             grid: FixedGrid::default(),
             outside: None,
             energy: Energy::default(),
+            energy_before: [0.0; 3],
+            sampled_energy: Energy::default(),
             powers: [0.0; 3],
             earlier_powers: [0.0; 3],
             earlier_step: 0.0,
@@ -274,6 +284,11 @@ impl Simulation {
     /// Energy and work at the last accepted state.
     pub fn energy(&self) -> Energy {
         self.energy
+    }
+
+    /// Energy and work at the state of the last outputs.
+    pub fn sampled_energy(&self) -> Energy {
+        self.sampled_energy
     }
 
     /// How it began.

@@ -52,6 +52,17 @@ pub struct Equilibrium {
     pub journals: Vec<JournalStart>,
     /// What is held at its place, with the force that would hold it: it is not in balance.
     pub held: Vec<Held>,
+    /// How a balance at rest is left: it stands upside down. Not judged where something moves or is held.
+    pub unstable: Option<Unstable>,
+}
+
+/// A balance at rest from which the least push leads away.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unstable {
+    /// The body that moves most.
+    pub origin: Origin,
+    /// Time (s) in which a small deviation grows e-fold.
+    pub time: f64,
 }
 
 /// A journal at the start.
@@ -111,6 +122,13 @@ impl std::fmt::Display for StartReport {
                         f,
                         "; {} held with {:.4} {unit}",
                         held.origin.path, held.effort
+                    )?;
+                }
+                if let Some(unstable) = &e.unstable {
+                    write!(
+                        f,
+                        "; upside down: {} leaves it, e-fold in {:.3e} s",
+                        unstable.origin.path, unstable.time
                     )?;
                 }
                 Ok(())

@@ -23,7 +23,7 @@ pub struct Sample<'a> {
     pub cycle_rate: Option<f64>,
     /// Channels (SI).
     pub values: &'a [f64],
-    /// Energy at the end of the step in which the sample lies.
+    /// Energy at the sample.
     pub energy: Energy,
     /// e of every journal (m): the pin's origin from the shell's, along the shell's x and y.
     pub eccentricities: &'a [[f64; 2]],
@@ -114,18 +114,18 @@ pub fn run_transient(
     observer: &mut dyn Observer,
     resume: Option<&[u8]>,
 ) -> Result<RunSummary, RuntimeError> {
-    run(compiled, overrides, transient, observer, resume, None)
+    run(compiled, overrides, transient, observer, resume, None).map(|(summary, _)| summary)
 }
 
 /// A transient whose steps begin anew with each cycle of a period (rad): where the motion repeats, the steps and their errors
-/// repeat with it.
+/// repeat with it. Gives the simulation back as it stands at the last sample.
 pub(crate) fn run_by_cycles(
     compiled: &Compiled,
     overrides: &[Option<f64>],
     transient: &Transient,
     observer: &mut dyn Observer,
     period: f64,
-) -> Result<RunSummary, RuntimeError> {
+) -> Result<(RunSummary, Simulation), RuntimeError> {
     run(compiled, overrides, transient, observer, None, Some(period))
 }
 
@@ -136,7 +136,7 @@ fn run(
     observer: &mut dyn Observer,
     resume: Option<&[u8]>,
     period: Option<f64>,
-) -> Result<RunSummary, RuntimeError> {
+) -> Result<(RunSummary, Simulation), RuntimeError> {
     let options = Options {
         step: transient.step,
         rho_infinity: transient.rho_infinity,
@@ -195,7 +195,7 @@ fn run(
         let cycle = simulation.cycle_angle().zip(simulation.cycle_rate());
         run.give_warnings(&mut simulation);
         if run.give(&simulation, simulation.time(), cycle).is_break() {
-            return Ok(run.summary(&simulation, true));
+            return Ok((run.summary(&simulation, true), simulation));
         }
     } else {
         // Points up to the checkpoint were given before it.
@@ -284,7 +284,7 @@ fn run(
                 .give(&simulation, time, cycle.map(|c| (c[0], c[1])))
                 .is_break()
             {
-                return Ok(run.summary(&simulation, true));
+                return Ok((run.summary(&simulation, true), simulation));
             }
         }
         run.observer
@@ -299,7 +299,7 @@ fn run(
                 }
             };
             let _ = run.give(&simulation, end, cycle.map(|c| (c[0], c[1])));
-            return Ok(run.summary(&simulation, false));
+            return Ok((run.summary(&simulation, false), simulation));
         }
         if run.observer.wants_checkpoint() {
             let bytes = simulation.checkpoint();
@@ -329,7 +329,7 @@ impl Run<'_> {
             cycle_angle: cycle.map(|c| c.0),
             cycle_rate: cycle.map(|c| c.1),
             values: &self.values,
-            energy: simulation.energy(),
+            energy: simulation.sampled_energy(),
             eccentricities: &simulation.eccentricities(),
             pose: simulation.sampled_pose(),
         })

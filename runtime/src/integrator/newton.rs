@@ -1,6 +1,6 @@
 //! One step: Newton's iteration with a kept matrix, the estimate of the local error, and what failed.
 
-use super::{Integrator, RESOLVED, Trial};
+use super::{Integrator, RESOLVED, STEP_SHARE, Trial};
 use crate::dynamics::Dynamics;
 use crate::elements;
 use crate::error::{Moment, RuntimeError};
@@ -306,7 +306,7 @@ impl Integrator {
             *x *= factor;
         }
         self.solver.solve(&mut self.correction);
-        let unit = model.length / (model.tolerance * factor);
+        let unit = model.length / (STEP_SHARE * model.tolerance * factor);
         let mut worst = 0.0_f64;
         for (x, frequency) in self.correction[..n].iter().zip(&model.frequencies) {
             if !x.is_finite() {

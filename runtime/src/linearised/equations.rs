@@ -45,6 +45,12 @@ pub struct Equations {
     /// How fast a motion is that the largest terms of K and C, or the state's own motion and weight, would make alone (rad/s): where
     /// they cancel, their rounding stays.
     pub pace: f64,
+    /// Sums of the absolute terms of K (1/s²) and C (1/s): n roundings of them are what the entries are uncertain by.
+    pub stiffness_terms: DMatrix<f64>,
+    /// See `stiffness_terms`.
+    pub damping_terms: DMatrix<f64>,
+    /// What the motion and the weight of the state itself add to the terms of K (1/s²).
+    pub own_terms: f64,
     axes: GroundAxes,
 }
 
@@ -320,23 +326,28 @@ impl Equations {
 
         let scales = model.velocity_scales();
         let sizes = basis.abs();
-        let largest = |left: &DMatrix<f64>, block: &DMatrix<f64>, right: &DMatrix<f64>| {
-            (left.transpose() * block.abs() * right).amax()
+        let terms = |left: &DMatrix<f64>, block: &DMatrix<f64>, right: &DMatrix<f64>| {
+            left.transpose() * block.abs() * right
         };
         let rates_of_sizes = basis_rate.abs();
-        let terms = largest(&sizes, &blocks.stiffness, &sizes)
-            + largest(&sizes, &blocks.damping, &rates_of_sizes)
-            + largest(&rates_of_sizes, &blocks.mass, &rates_of_sizes)
-            + largest(&sizes, &mass_rate, &rates_of_sizes);
+        let stiffness_terms = terms(&sizes, &blocks.stiffness, &sizes)
+            + terms(&sizes, &blocks.damping, &rates_of_sizes)
+            + terms(&rates_of_sizes, &blocks.mass, &rates_of_sizes)
+            + terms(&sizes, &mass_rate, &rates_of_sizes);
+        let of_damping = terms(&sizes, &blocks.damping, &sizes);
         // what holds the state itself comes with rounding errors of its motion
         let own = |x: &[f64]| {
             let scaled = x.iter().zip(&scales).map(|(x, s)| (x / s).abs());
             scaled.fold(0.0_f64, f64::max)
         };
         let held = own(&state.acceleration) + model.gravity.norm() / model.length;
-        let pace = largest(&sizes, &blocks.damping, &sizes)
-            .max(libm::sqrt(terms + held))
-            .max(own(&state.velocity));
+        let turning = own(&state.velocity);
+        let largest = |matrix: &DMatrix<f64>| matrix.iter().fold(0.0_f64, |w, x| w.max(*x));
+        let pace = largest(&of_damping)
+            .max(libm::sqrt(largest(&stiffness_terms) + held))
+            .max(turning);
+        // blocks are told apart at a pace, beside the stiffness
+        let damping_terms = of_damping + terms(&sizes, &blocks.stiffness, &sizes) / PACE;
         let across = basis.transpose();
         let damping = &across * &blocks.damping * &basis;
         let stiffness = &across * &blocks.stiffness * &basis
@@ -355,6 +366,9 @@ impl Equations {
             stiffness,
             damping,
             pace,
+            stiffness_terms,
+            damping_terms,
+            own_terms: held + turning * turning,
             axes,
         })
     }
@@ -362,6 +376,11 @@ impl Equations {
     /// Freedoms.
     pub fn freedoms(&self) -> usize {
         self.basis.ncols()
+    }
+
+    /// Numbers of ξ.
+    pub fn first_order_size(&self) -> usize {
+        2 * self.freedoms() + self.rates_by_states.nrows()
     }
 
     /// Constraints let go, `ξ̇ = A ξ` with `ξ = (x, ẋ, z)`.

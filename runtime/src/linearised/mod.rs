@@ -25,7 +25,8 @@
 //! shaft that turns at Ω is seen from its body, shifted by up to ±Ω.
 //!
 //! **Eigenvalues** `λ = −δ ± iω`: damped frequency ω/2π, undamped |λ|/2π, damping ratio −Re λ/|λ|. A double zero, such as that of a
-//! rotation that nothing holds, splits by the root of the rounding error; all below that ([`LinearModes::resolution`]) count as zeros.
+//! rotation that nothing holds, splits by the root of the rounding error; all below that ([`LinearModes::resolution`]) are sought again
+//! about zero, and those that nothing but rounding holds count as zeros (`slow`).
 
 mod axes;
 mod eigen;
@@ -33,6 +34,7 @@ mod energies;
 mod equations;
 mod outputs;
 mod run;
+mod slow;
 
 pub use energies::{Part, Shares, parts_of, stores};
 pub use equations::Equations;
@@ -131,7 +133,7 @@ pub struct LinearModes {
     pub left_out: [usize; 2],
     /// Eigenvalues that are zero: of drifting and turning that nothing holds or drives.
     pub zeros: usize,
-    /// |λ| (rad/s) below which an eigenvalue counts as zero.
+    /// |λ| (rad/s) below which an eigenvalue is found about zero, and counts as zero where nothing but rounding holds it.
     pub resolution: f64,
 }
 
@@ -159,15 +161,20 @@ pub fn linearise(
     let spectrum = eigen::spectrum(matrix)?;
     let size = spectrum.size.max(equations.pace);
     let resolution = libm::sqrt(unknowns as f64 * f64::EPSILON) * size;
-    let mut zeros = 0;
-    let mut kinds: [Vec<eigen::Eigenpair>; 2] = [Vec::new(), Vec::new()];
-    for pair in spectrum.pairs {
-        if pair.value.norm() <= resolution {
-            zeros += if pair.value.im > 0.0 { 2 } else { 1 };
-        } else {
-            kinds[usize::from(pair.value.im == 0.0)].push(pair);
-        }
-    }
+    let (unresolved, mut pairs): (Vec<_>, Vec<_>) = spectrum
+        .pairs
+        .into_iter()
+        .partition(|pair| pair.value.norm() <= resolution);
+    let unresolved = unresolved
+        .iter()
+        .map(|pair| if pair.value.im > 0.0 { 2 } else { 1 })
+        .sum();
+    let slow = slow::resolve(&equations, unresolved, resolution)?;
+    let zeros = slow.zeros;
+    pairs.extend(slow.pairs);
+    let (oscillations, others): (Vec<_>, Vec<_>) =
+        pairs.into_iter().partition(|pair| pair.value.im > 0.0);
+    let mut kinds: [Vec<eigen::Eigenpair>; 2] = [oscillations, others];
     let ledger = Ledger::new(model, state)?;
     let mut probe = Probe::new(model, state, moment)?;
     let mut modes = Vec::new();

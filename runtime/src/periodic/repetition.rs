@@ -16,6 +16,8 @@ const ROUNDING: f64 = 1e-9;
 const SUSTAINED: f64 = 1.02;
 /// Share of a growth by which it may differ within a cycle and from the last cycle's.
 const STEADY: f64 = 1e-3;
+/// Share of a swing that counts below which a channel stands still.
+const STANDING: f64 = 1e-3;
 /// Squared sine between two differences below which they are one direction.
 const PARALLEL: f64 = 1e-3;
 
@@ -166,12 +168,23 @@ impl Comparison {
         })
     }
 
-    /// Swing of each channel within a cycle: largest less smallest, of an angle that goes round less the line through its ends; at
-    /// least a small share of the largest value of its dimension, of lengths a stated length.
-    fn swings(&self, values: &[f64]) -> Vec<f64> {
+    /// Whether nothing but angles that go round changes within the last cycle, beyond a small share of the swings that count.
+    pub fn stands(&self) -> bool {
+        let values = &self.before;
+        !self.dimensions.is_empty()
+            && values.len() >= self.dimensions.len()
+            && self
+                .own_swings(values)
+                .iter()
+                .zip(self.swings(values))
+                .all(|(own, counted)| *own <= STANDING * counted)
+    }
+
+    /// Largest less smallest of each channel within a cycle, of an angle that goes round less the line through its ends.
+    fn own_swings(&self, values: &[f64]) -> Vec<f64> {
         let count = self.dimensions.len();
         let samples = values.len() / count;
-        let mut swings: Vec<f64> = (0..count)
+        (0..count)
             .map(|channel| {
                 let at = |i: usize| values[i * count + channel];
                 let whole = at(samples - 1) - at(0);
@@ -186,7 +199,13 @@ impl Comparison {
                 });
                 high - low
             })
-            .collect();
+            .collect()
+    }
+
+    /// [`Comparison::own_swings`], at least a small share of the largest value of their dimension, of lengths a stated length.
+    fn swings(&self, values: &[f64]) -> Vec<f64> {
+        let count = self.dimensions.len();
+        let mut swings = self.own_swings(values);
         let floors: Vec<f64> = (0..count)
             .map(|channel| {
                 let dimension = self.dimensions[channel];

@@ -1,6 +1,6 @@
 //! Outputs of a simulation: at the last accepted state, and within the last step at times and cycle angles.
 
-use super::Simulation;
+use super::{Energy, Simulation};
 use crate::error::{Moment, RuntimeError};
 use crate::state::State;
 
@@ -56,12 +56,56 @@ impl Simulation {
             cycle_angle: self.cycle_now.map(|c| c[0]),
         };
         self.system
-            .complete(&self.model, &mut self.dynamics, &mut self.completed, moment)
+            .complete(
+                &self.model,
+                &mut self.dynamics,
+                &mut self.integrator,
+                &mut self.completed,
+                moment,
+            )
             .and_then(|()| {
                 self.outputs
                     .evaluate(&self.model, &self.dynamics, &self.completed)
             })
-            .map_err(|error| self.at_moment(error))
+            .map_err(|error| self.at_moment(error))?;
+        self.take_sampled_energy();
+        Ok(())
+    }
+
+    /// Energies of the completed state, at which the dynamics stand. Works are Hermite's cubics over the last step, with the powers
+    /// at its ends.
+    fn take_sampled_energy(&mut self) {
+        let [kinetic, gravity, strain, _] =
+            self.dynamics.energy(&self.model, &self.completed.velocity);
+        let to = self.integrator.current.time;
+        let h = self.earlier_step;
+        let s = if h > 0.0 {
+            ((self.completed.time - (to - h)) / h).clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
+        let value = s * s * (3.0 - 2.0 * s);
+        let now = [
+            self.energy.loads,
+            self.energy.constraints,
+            self.energy.damping,
+        ];
+        let [loads, constraints, damping] = std::array::from_fn(|i| {
+            let before = self.energy_before[i];
+            before
+                + value * (now[i] - before)
+                + h * s * (1.0 - s) * (1.0 - s) * self.earlier_powers[i]
+                - h * s * s * (1.0 - s) * self.powers[i]
+        });
+        self.sampled_energy = Energy {
+            kinetic,
+            gravity,
+            strain,
+            damping,
+            loads,
+            constraints,
+            start: self.energy.start,
+        };
     }
 
     /// Values of all channels at a time within the last step, from the dense output; returns cycle angle and rate there.
@@ -116,12 +160,19 @@ impl Simulation {
             cycle_angle: Some(angle),
         };
         self.system
-            .finish(&self.model, &mut self.dynamics, &mut self.completed, moment)
+            .finish(
+                &self.model,
+                &mut self.dynamics,
+                &mut self.integrator,
+                &mut self.completed,
+                moment,
+            )
             .and_then(|()| {
                 self.outputs
                     .evaluate(&self.model, &self.dynamics, &self.completed)
             })
             .map_err(|error| self.at_moment(error))?;
+        self.take_sampled_energy();
         self.copy_channels(out)?;
         let cycle = self.cycle_of_completed()?.ok_or(RuntimeError::NoCycle)?;
         Ok((self.completed.time, cycle))

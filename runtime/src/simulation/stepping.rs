@@ -4,10 +4,17 @@ use super::{Simulation, StepReport, Warning};
 use crate::control::{FixedGrid, StepSize};
 use crate::elements::Inputs;
 use crate::error::RuntimeError;
-use crate::integrator::{Trial, constraints_along};
+use crate::integrator::{STEP_SHARE, Trial, constraints_along};
 use crate::rotation::V3;
 use crate::state::move_pose;
 use eng_system::system::{ConditionKind, Origin, StepControl};
+
+/// Change of an acceleration in the first step, of its own size.
+const FOLLOWED: f64 = 0.2;
+/// Size of an acceleration that is nothing, as a share of the largest.
+const REST: f64 = 1e-4;
+/// Least first step, as a share of what the error allows.
+const LAYER: f64 = 1e-4;
 
 impl Simulation {
     /// Consistent accelerations, their rates, first step, first look at conditions.
@@ -92,12 +99,22 @@ impl Simulation {
         if let StepControl::Tolerance(factor) = self.options.step {
             let error =
                 self.integrator.coefficients.error.abs() * largest(&jerk) * self.model.length
-                    / (self.model.tolerance * factor);
+                    / (STEP_SHARE * self.model.tolerance * factor);
             let mut h = if pace > 0.0 { 0.02 / pace } else { 1e-5 };
             if error > 0.0 {
                 h = h.min(0.5 * libm::cbrt(1.0 / error));
             }
-            self.size = StepSize::new(h);
+            // What films and stiff modes do at once moves nothing, but the acceleration would ring of it for many steps: the first
+            // ones are short enough to follow it.
+            let least = LAYER * h;
+            let accelerations = &self.integrator.current.acceleration;
+            for (a, (j, scale)) in accelerations.iter().zip(jerk.iter().zip(&scales)) {
+                let (a, j) = ((a / scale).abs(), (j / scale).abs());
+                if j > 0.0 {
+                    h = h.min(FOLLOWED * (a + REST * acceleration) / j);
+                }
+            }
+            self.size = StepSize::new(h.max(least));
         }
         self.grid = FixedGrid::new(self.integrator.current.time);
         self.stand()?;
@@ -257,6 +274,11 @@ impl Simulation {
             work_of_step(h, powers, self.earlier_step)
         };
         let (loads, constraints, damping) = (work(0), work(1), work(2));
+        self.energy_before = [
+            self.energy.loads,
+            self.energy.constraints,
+            self.energy.damping,
+        ];
         self.energy.loads += loads;
         self.energy.constraints += constraints;
         self.energy.damping += damping;
@@ -265,16 +287,47 @@ impl Simulation {
         Ok(StepReport { time, step: h })
     }
 
+    /// What of the current velocity misses the constraints, into `work`, as the kept matrix of the step measures it: the step has
+    /// put it there so. `false` where no factors are kept.
+    fn defect_of_step(&mut self) -> Result<bool, RuntimeError> {
+        let state = &self.integrator.current;
+        let (model, dynamics) = (&self.model, &mut self.dynamics);
+        dynamics.place(model, state.time, &state.pose, &state.velocity);
+        dynamics.gather(model, &state.states, &[], &state.rotations);
+        dynamics.velocity_level(model, &state.velocity)?;
+        let rates = &dynamics.constraint_rates;
+        if !self.integrator.nearest_change(model, rates, &mut self.work) {
+            return Ok(false);
+        }
+        // the kept gradients are those of a place beside: once more with what is left
+        constraints_along(model, dynamics, &self.work, &mut self.rows)?;
+        for (left, rate) in self.rows.iter_mut().zip(&dynamics.constraint_rates) {
+            *left = rate - *left;
+        }
+        if !self
+            .integrator
+            .nearest_change(model, &self.rows, &mut self.rest)
+        {
+            return Ok(false);
+        }
+        for (x, more) in self.work.iter_mut().zip(&self.rest) {
+            *x += more;
+        }
+        Ok(true)
+    }
+
     fn trial(&mut self, h: f64, tolerance: Option<f64>) -> Result<Trial, RuntimeError> {
         let mut moment = self.moment();
         if self.integrator.needs_defect(h) {
-            self.system.velocity_defect(
-                &self.model,
-                &mut self.dynamics,
-                &self.integrator.current,
-                moment,
-                &mut self.work,
-            )?;
+            if !self.defect_of_step()? {
+                self.system.velocity_defect(
+                    &self.model,
+                    &mut self.dynamics,
+                    &self.integrator.current,
+                    moment,
+                    &mut self.work,
+                )?;
+            }
             self.integrator.set_defect(&self.work);
         }
         moment.time += h;

@@ -9,23 +9,26 @@
 //!
 //! with the velocities and accelerations of the steady motion, s from 0 to 1 and r₀ the residual of the assembled place, so
 //! that s = 0 is solved there. The portions of s are halved where Newton's method fails. No iterate comes nearer to a shell than a
-//! quarter of the film that is left.
+//! quarter of the film that is left. At rest, a place without stiffness is no end of the search, and a balance that stands upside
+//! down is told apart (`stability`).
 
-use super::motion::{NoMotion, SteadyMotion, film_ratios};
+mod holding;
+mod stability;
+mod telling;
+
+use super::motion::{SteadyMotion, film_ratios};
 use super::picking::{split, unit_rows};
-use super::{Equilibrium, Held, JournalStart, Obstacle};
-use crate::assembly::at;
-use crate::assembly::rows::{Along, Rows};
-use crate::body::{BodyModel, Weights};
+use super::{Equilibrium, JournalStart, Obstacle};
+use crate::assembly::rows::Rows;
+use crate::body::Weights;
 use crate::dynamics::Dynamics;
 use crate::dynamics::matrix::MatrixPlan;
 use crate::error::RuntimeError;
 use crate::model::Model;
-use crate::outputs::Outputs;
 use crate::state::{State, move_pose};
 use eng_system::system::{Origin, Role};
-use eng_system::table::Outside;
 use nalgebra::{DMatrix, DVector};
+use telling::{locked, no_number, not_finite};
 
 /// A freedom whose stiffness is below this share of its inertia times the square of the engine's pace is held by nothing.
 const NEUTRAL: f64 = 1e-6;
@@ -39,6 +42,8 @@ const ITERATIONS: usize = 25;
 const PORTION: f64 = 1e-3;
 /// Scaled effort above which a freedom without stiffness is loaded.
 const UNHELD: f64 = 1e-6;
+/// Move (m, or of a quaternion) up to which a balance was stated.
+const STAYS: f64 = 1e-6;
 /// Rounds of velocities and accelerations.
 const ROUNDS: usize = 8;
 
@@ -66,6 +71,15 @@ impl From<RuntimeError> for Stop {
     }
 }
 
+/// Whether a balance is the place itself that it was sought from.
+fn stays(begin: &State, end: &State) -> bool {
+    begin
+        .pose
+        .iter()
+        .zip(&end.pose)
+        .all(|(a, b)| (a - b).abs() <= STAYS)
+}
+
 /// The search for the balance of one model.
 #[derive(Debug)]
 pub struct Balance<'a> {
@@ -85,6 +99,8 @@ pub struct Balance<'a> {
     /// Rows of freedoms that nothing holds.
     neutral: DMatrix<f64>,
     freedoms: usize,
+    /// Pace of the motion (1/s), 1 at rest.
+    pace: f64,
     /// Force times length against which residuals are measured.
     unit: f64,
     velocity: Vec<f64>,
@@ -128,6 +144,7 @@ impl<'a> Balance<'a> {
             factors: Vec::new(),
             neutral: DMatrix::zeros(0, model.velocities),
             freedoms: 0,
+            pace,
             unit: model.mass * model.length * model.length * pace * pace,
             velocity,
             acceleration,
@@ -147,153 +164,6 @@ impl<'a> Balance<'a> {
         balance.freedoms = free.ncols();
         balance.find_neutral(state, &free, pace)?;
         Ok(balance)
-    }
-
-    /// Rows of what is stated to move, and of the cycle's angle.
-    fn hold_what_moves(&mut self, state: &State) -> Result<(), Stop> {
-        let model = self.model;
-        let system = &model.compiled.system;
-        let mut rows: Vec<(Vec<f64>, Origin, bool)> = Vec::new();
-        let starts = Rows::new(
-            model,
-            (0..model.elements.len())
-                .filter(|e| {
-                    system.elements[*e].role == Role::StartVelocity { exact: true }
-                        && !model.class(*e).rows.is_empty()
-                })
-                .collect(),
-        );
-        let mut resting = state.clone();
-        resting.velocity.fill(0.0);
-        let (values, mut matrix) = starts.evaluate(model, &at(&resting), Along::Velocity)?;
-        for (mut column, scale) in matrix.column_iter_mut().zip(self.motion.scales()) {
-            column.scale_mut(*scale);
-        }
-        if let Some(cycle) = &system.cycle {
-            let row = self.cycle_rate(cycle.element as usize, state)?;
-            rows.push((row, cycle.origin.clone(), false));
-        }
-        for (i, (element, row)) in starts.owners.iter().enumerate() {
-            if values[i] != 0.0 {
-                let length = model.class(*element).rows[*row].dimension
-                    == eng_system::Dimension::LENGTH.over(eng_system::Dimension::TIME);
-                rows.push((
-                    matrix.row(i).iter().copied().collect(),
-                    system.elements[*element].origin.clone(),
-                    length,
-                ));
-            }
-        }
-        self.fixed = DMatrix::from_fn(rows.len(), model.velocities, |i, j| rows[i].0[j]);
-        self.fixed_names = rows.into_iter().map(|(_, o, l)| (o, l)).collect();
-        Ok(())
-    }
-
-    /// The cycle's rate by scaled velocities: it is affine in them.
-    fn cycle_rate(&mut self, element: usize, state: &State) -> Result<Vec<f64>, Stop> {
-        let model = self.model;
-        let mut watch = Outputs::watching(model, element)?;
-        let mut moving = state.clone();
-        moving.velocity.fill(0.0);
-        moving.acceleration.fill(0.0);
-        let mut rate = |dynamics: &mut Dynamics, moving: &State| -> Result<f64, RuntimeError> {
-            dynamics.place(model, moving.time, &moving.pose, &moving.velocity);
-            watch.evaluate(model, dynamics, moving)?;
-            Ok(watch.watched_values[1])
-        };
-        let still = rate(&mut self.dynamics, &moving)?;
-        let mut row = Vec::with_capacity(model.velocities);
-        for i in 0..model.velocities {
-            let scale = self.motion.scales()[i];
-            moving.velocity[i] = scale;
-            row.push(rate(&mut self.dynamics, &moving)? - still);
-            moving.velocity[i] = 0.0;
-        }
-        Ok(row)
-    }
-
-    /// Values and rows (scaled velocities) of everything that may be held.
-    fn holds(&self, state: &State) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
-        let n = self.model.velocities;
-        let (values, matrix) = self.stated.evaluate(self.model, &at(state), Along::Pose)?;
-        let count = matrix.nrows();
-        let rows = DMatrix::from_fn(count + self.fixed.nrows(), n, |i, j| {
-            if i < count {
-                matrix[(i, j)] * self.motion.scales()[j]
-            } else {
-                self.fixed[(i - count, j)]
-            }
-        });
-        let values = DVector::from_fn(rows.nrows(), |i, _| if i < count { values[i] } else { 0.0 });
-        Ok((values, rows))
-    }
-
-    /// What is held at a place: values and rows.
-    fn held(&self, state: &State) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
-        let (mut values, mut rows) = self.holds(state)?;
-        for (i, factor) in self.factors.iter().enumerate() {
-            values[i] *= factor;
-            rows.row_mut(i).scale_mut(*factor);
-        }
-        let (values, rows) = (
-            values.select_rows(&self.holding),
-            rows.select_rows(&self.holding),
-        );
-        let count = rows.nrows();
-        let all = DMatrix::from_fn(count + self.neutral.nrows(), rows.ncols(), |i, j| {
-            if i < count {
-                rows[(i, j)]
-            } else {
-                self.neutral[(i - count, j)]
-            }
-        });
-        let values = DVector::from_fn(all.nrows(), |i, _| if i < count { values[i] } else { 0.0 });
-        Ok((values, all))
-    }
-
-    /// Freedoms without stiffness: in mass-normalised coordinates of the free space, small singular values of the stiffness.
-    fn find_neutral(&mut self, state: &State, free: &DMatrix<f64>, pace: f64) -> Result<(), Stop> {
-        let model = self.model;
-        let n = model.velocities;
-        if free.ncols() == 0 {
-            return Ok(());
-        }
-        let place = Place {
-            state: state.clone(),
-            efforts: DVector::zeros(0),
-        };
-        self.residual(&place)?;
-        let matrix = self.matrix(&place.state)?;
-        let stiffness = free.transpose() * matrix.view((0, 0), (n, n)) * free * self.unit;
-        let mass = free.transpose() * self.motion.mass(model, state) * free;
-        let floor = 1e-12 * mass.diagonal().amax();
-        let count = mass.nrows();
-        let mass = mass + DMatrix::identity(count, count) * floor;
-        let root = mass
-            .cholesky()
-            .map(|c| c.l())
-            .and_then(|l| l.try_inverse())
-            .ok_or_else(|| not_finite(model))?;
-        let normal = &root * stiffness * root.transpose() / (pace * pace);
-        let svd = normal
-            .try_svd(false, true, f64::EPSILON, 10_000)
-            .ok_or_else(|| not_finite(model))?;
-        let right = svd.v_t.ok_or_else(|| not_finite(model))?;
-        let weak: Vec<usize> = (0..count)
-            .filter(|i| svd.singular_values[*i] <= NEUTRAL)
-            .collect();
-        self.neutral = DMatrix::from_fn(weak.len(), n, |i, j| {
-            // coordinates z = L⁻ᵀ right: directions free · L⁻ᵀ · right
-            (0..count)
-                .map(|a| {
-                    let inner: f64 = (0..count).map(|b| root[(b, a)] * right[(weak[i], b)]).sum();
-                    free[(j, a)] * inner
-                })
-                .sum()
-        });
-        unit_rows(&mut self.neutral, 0.0);
-        self.freedoms -= weak.len();
-        Ok(())
     }
 
     /// Scaled residual: balance, constraints, holds.
@@ -411,6 +281,38 @@ impl<'a> Balance<'a> {
 
     /// Brings a state into balance: its places, velocities and multipliers.
     pub fn solve(&mut self, state: &mut State) -> Result<Equilibrium, Stop> {
+        if !self.rests() {
+            return self.search(state);
+        }
+        let begin = state.clone();
+        match self.search(state) {
+            Ok(found) if found.unstable.is_none() || stays(&begin, state) => Ok(found),
+            Ok(found) => {
+                // Newton's method has gone to a balance beside: there may be one that stands
+                let mut other = begin;
+                match self.descend(&mut other) {
+                    Ok(Some(stable)) if stable.unstable.is_none() => {
+                        state.copy_from(&other);
+                        Ok(stable)
+                    }
+                    Ok(_) | Err(Stop::Obstacle(_)) => Ok(found),
+                    Err(error) => Err(error),
+                }
+            }
+            Err(Stop::Obstacle(obstacle)) => {
+                state.copy_from(&begin);
+                match self.descend(state) {
+                    Ok(Some(found)) => Ok(found),
+                    Ok(None) | Err(Stop::Obstacle(_)) => Err(Stop::Obstacle(obstacle)),
+                    Err(error) => Err(error),
+                }
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// By the load in portions; velocities follow.
+    fn search(&mut self, state: &mut State) -> Result<Equilibrium, Stop> {
         let model = self.model;
         let mut place = Place {
             state: state.clone(),
@@ -421,7 +323,7 @@ impl<'a> Balance<'a> {
             freedoms: self.freedoms,
             ..Equilibrium::default()
         };
-        let goal = (1e-5 * model.tolerance / model.length).max(1e-14);
+        let goal = self.goal();
         for round in 0..ROUNDS {
             let before = place.state.pose.clone();
             self.load(&mut place, goal, &mut found, round == 0)?;
@@ -439,7 +341,40 @@ impl<'a> Balance<'a> {
                 break;
             }
         }
-        place.state.velocity.copy_from_slice(&self.velocity);
+        self.told_of(state, &place, found)
+    }
+
+    /// By following the motion at rest; `None` where that comes to no balance.
+    fn descend(&mut self, state: &mut State) -> Result<Option<Equilibrium>, Stop> {
+        let mut place = Place {
+            state: state.clone(),
+            efforts: DVector::zeros(0),
+        };
+        let mut found = Equilibrium {
+            portions: 1,
+            ..Equilibrium::default()
+        };
+        let goal = self.goal();
+        if !self.settle(&mut place, goal, &mut found)? {
+            return Ok(None);
+        }
+        found.freedoms = self.freedoms;
+        self.told_of(state, &place, found).map(Some)
+    }
+
+    /// Largest scaled move of the last iteration.
+    fn goal(&self) -> f64 {
+        (1e-5 * self.model.tolerance / self.model.length).max(1e-14)
+    }
+
+    /// Takes a balance as the state, and tells of it.
+    fn told_of(
+        &mut self,
+        state: &mut State,
+        place: &Place,
+        mut found: Equilibrium,
+    ) -> Result<Equilibrium, Stop> {
+        let model = self.model;
         found.journals = model
             .compiled
             .system
@@ -454,11 +389,16 @@ impl<'a> Balance<'a> {
                 ratio,
             })
             .collect();
-        if let Some(obstacle) = self.unheld(&place) {
+        if let Some(obstacle) = self.unheld(place) {
             return Err(Stop::Obstacle(obstacle));
         }
-        found.held = self.told(&place);
+        found.held = self.told(place);
+        if self.rests() && found.held.is_empty() {
+            found.unstable = self.unstable(place)?;
+        }
+        let velocity = self.velocity.clone();
         state.copy_from(&place.state);
+        state.velocity.copy_from_slice(&velocity);
         Ok(found)
     }
 
@@ -599,117 +539,4 @@ impl<'a> Balance<'a> {
         }
         factor
     }
-
-    /// The body or constraint whose residual is largest.
-    fn worst(&self, residual: &DVector<f64>) -> (Origin, String) {
-        let model = self.model;
-        let n = model.velocities;
-        let row =
-            residual
-                .iter()
-                .take(n + model.rows)
-                .enumerate()
-                .fold((0, 0.0_f64), |best, (i, r)| {
-                    if r.abs() > best.1 { (i, r.abs()) } else { best }
-                });
-        if row.0 < n {
-            for body in &model.bodies {
-                if (body.velocity..body.velocity + body.width()).contains(&row.0) {
-                    let what = match row.0 - body.velocity {
-                        0..3 => "forces",
-                        3..6 => "torques",
-                        _ => "bending",
-                    };
-                    return (body.origin.clone(), format!("its {what} find no balance"));
-                }
-            }
-        } else if let Some((element, local)) = model.row_owner(row.0 - n) {
-            let named = model.named_row(element, local, row.1);
-            return (named.origin, format!("{} does not close", named.equation));
-        }
-        (Origin::default(), "nothing moves".to_owned())
-    }
-
-    /// A body that nothing holds against its load: it has no steady motion.
-    fn unheld(&self, place: &Place) -> Option<Obstacle> {
-        let first = self.holding.len();
-        (0..self.neutral.nrows()).find_map(|k| {
-            let effort = place.efforts.get(first + k)?;
-            let row = self.neutral.row(k);
-            let share = |body: &BodyModel| row.columns(body.velocity, body.width()).norm();
-            let body = self
-                .model
-                .bodies
-                .iter()
-                .max_by(|a, b| share(a).total_cmp(&share(b)))?;
-            (effort.abs() > UNHELD).then(|| Obstacle {
-                origin: body.origin.clone(),
-                message: "nothing holds it against its load".to_owned(),
-                carried: 0.0,
-            })
-        })
-    }
-
-    /// What is held against a force, by the rows it was made of.
-    fn told(&self, place: &Place) -> Vec<Held> {
-        let model = self.model;
-        let owners: Vec<(Origin, bool)> = self
-            .stated
-            .owners
-            .iter()
-            .map(|(element, row)| {
-                let named = model.named_row(*element, *row, 0.0);
-                (named.origin, named.is_length)
-            })
-            .chain(self.fixed_names.iter().cloned())
-            .collect();
-        let mut held: Vec<Held> = Vec::new();
-        for (k, i) in self.holding.iter().enumerate() {
-            let Some((origin, is_length)) = owners.get(*i).cloned() else {
-                continue;
-            };
-            let effort = -place.efforts[k] * self.factors[*i] * self.unit;
-            if effort.abs() * (if is_length { model.length } else { 1.0 }) > 1e-6 * self.unit {
-                held.push(Held {
-                    origin,
-                    effort,
-                    is_length,
-                });
-            }
-        }
-        held
-    }
-}
-
-fn locked(model: &Model, error: NoMotion) -> Stop {
-    match error {
-        NoMotion::Singular => Stop::Obstacle(Obstacle {
-            origin: Origin {
-                path: model.compiled.system.name.clone(),
-                ..Origin::default()
-            },
-            message: "its velocities are not determined at the start: the mechanism stands where it locks".to_owned(),
-            carried: 0.0,
-        }),
-        NoMotion::Error(error) => error.into(),
-    }
-}
-
-/// Why an element's force is no number.
-fn no_number(outside: &Option<Box<Outside>>) -> String {
-    match outside {
-        Some(outside) => outside.to_string(),
-        None => "its force is no number here".to_owned(),
-    }
-}
-
-fn not_finite(model: &Model) -> Stop {
-    Stop::Obstacle(Obstacle {
-        origin: Origin {
-            path: model.compiled.system.name.clone(),
-            ..Origin::default()
-        },
-        message: "its stiffness at the start is no number".to_owned(),
-        carried: 0.0,
-    })
 }

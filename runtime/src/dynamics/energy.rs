@@ -1,0 +1,94 @@
+//! Energies of the bodies, powers of loads and constraints.
+
+use super::{Dynamics, frame_of};
+use crate::elements;
+use crate::error::RuntimeError;
+use crate::model::Model;
+use eng_system::code::Function;
+
+impl Dynamics {
+    /// Kinetic energy, gravity's potential, strain energy (J), power lost in the bodies' own damping (W).
+    pub fn energy(&mut self, model: &Model, velocity: &[f64]) -> [f64; 4] {
+        let mut total = [0.0; 4];
+        for (index, body) in model.bodies.iter().enumerate() {
+            let own = body.energy(
+                &frame_of(&self.pose, &self.frames, body, index),
+                &velocity[body.velocity..],
+                &model.gravity,
+                &mut self.bending,
+            );
+            for (t, x) in total.iter_mut().zip(own) {
+                *t += x;
+            }
+        }
+        total
+    }
+
+    /// Power of the loads and of the constraints on the bodies (W) at the last evaluation. With Φ̇ = 0 the constraints'
+    /// is `−λᵀ G twist = λᵀ Φ_t`: that of drives alone. The second form is taken, with `Φ_t = Φ̇ − G twist`, so that what
+    /// velocities miss the constraints by counts for nothing.
+    pub fn powers(
+        &mut self,
+        model: &Model,
+        multipliers: &[f64],
+    ) -> Result<(f64, f64), RuntimeError> {
+        let (mut loads, mut constraints) = (0.0, 0.0);
+        for element in model.elements.iter().filter(|e| e.dynamic) {
+            for (k, marker) in element.markers.iter().enumerate() {
+                let m = &self.markers[*marker];
+                let w = &self.wrenches[element.wrench + 6 * k..element.wrench + 6 * k + 6];
+                for i in 0..3 {
+                    loads += w[i] * m.velocity[i] + w[3 + i] * m.angular_velocity[i];
+                }
+            }
+        }
+        for batch in &self.batches {
+            let class = &model.compiled.system.classes[batch.class];
+            let layout = &class.layout;
+            let rows = layout.rows as usize;
+            if rows == 0 {
+                continue;
+            }
+            let tape = class.tape as usize;
+            let directions = layout.directions() as usize;
+            let length = layout.residual_len() as usize;
+            for pair in 0..batch.pairs.len() {
+                let inputs = batch.inputs(pair);
+                elements::call(
+                    model,
+                    batch.class,
+                    Function::Linearize,
+                    inputs,
+                    &mut self.scratch.tape[..tape],
+                )?;
+                self.scratch.tape[tape..tape + directions].fill([0.0; 2]);
+                for k in 0..layout.markers {
+                    let at = layout.marker(k) as usize + 12;
+                    for i in 0..6 {
+                        self.scratch.tape[tape + layout.pose_direction(k) as usize + i] =
+                            inputs[at + i];
+                    }
+                }
+                elements::call(
+                    model,
+                    batch.class,
+                    Function::Tangent,
+                    &self.scratch.tape[..tape + directions],
+                    &mut self.scratch.outputs[..length],
+                )?;
+                let along = &self.scratch.outputs[..rows];
+                let rates = &mut self.scratch.tangents[..2 * rows];
+                elements::call(model, batch.class, Function::Velocity, inputs, rates)?;
+                for lane in 0..batch.lanes(pair) {
+                    let element = &model.elements[batch.pairs[pair][lane]];
+                    for i in 0..rows {
+                        let multiplier = multipliers[element.row + i];
+                        loads += multiplier * along[i][lane];
+                        constraints += multiplier * (rates[i][lane] - along[i][lane]);
+                    }
+                }
+            }
+        }
+        Ok((loads, constraints))
+    }
+}

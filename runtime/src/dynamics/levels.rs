@@ -1,0 +1,166 @@
+//! Constraints at velocity and acceleration level: their gradients, Φ̇ and γ.
+
+use super::{Dynamics, frame_of, not_finite, shape_rows, undefined};
+use crate::chain::{self, CURVED_REACH, Motion};
+use crate::dense::{add_scaled, dot};
+use crate::elements;
+use crate::error::RuntimeError;
+use crate::model::Model;
+use eng_system::code::Function;
+
+impl Dynamics {
+    /// Φ̇ and γ at the gathered inputs. γ needs [`Dynamics::constraint_gradients`] of the same pose.
+    pub fn velocity_level(&mut self, model: &Model, velocity: &[f64]) -> Result<(), RuntimeError> {
+        for batch in &self.batches {
+            let layout = model.compiled.system.classes[batch.class].layout;
+            let rows = layout.rows as usize;
+            if rows == 0 {
+                continue;
+            }
+            for pair in 0..batch.pairs.len() {
+                let out = &mut self.scratch.outputs[..2 * rows];
+                elements::call(
+                    model,
+                    batch.class,
+                    Function::Velocity,
+                    batch.inputs(pair),
+                    out,
+                )?;
+                for lane in 0..batch.lanes(pair) {
+                    let index = batch.pairs[pair][lane];
+                    let element = &model.elements[index];
+                    if out.iter().any(|o| !o[lane].is_finite()) {
+                        let inputs = batch.inputs(pair);
+                        return Err(undefined(
+                            model,
+                            index,
+                            self.time,
+                            Function::Velocity,
+                            inputs,
+                            lane,
+                        ));
+                    }
+                    for i in 0..rows {
+                        self.constraint_rates[element.row + i] = out[i][lane];
+                        self.constraint_accelerations[element.row + i] = out[rows + i][lane];
+                    }
+                    // The class's γ is for zero accelerations of the markers; those at v̇ = 0 come off.
+                    let columns = 6 * element.markers.len();
+                    for (k, marker) in element.markers.iter().enumerate() {
+                        let Some(b) = model.markers[*marker].body else {
+                            continue;
+                        };
+                        let body = &model.bodies[b];
+                        let bias = chain::bias(
+                            &frame_of(&self.pose, &self.frames, body, b),
+                            &model.markers[*marker],
+                            &velocity[body.velocity..],
+                        );
+                        for i in 0..rows {
+                            let at = element.gradient + i * columns + 6 * k;
+                            let g = &self.gradients[at..at + 6];
+                            let share: f64 = g.iter().zip(&bias).map(|(g, x)| g * x).sum();
+                            self.constraint_accelerations[element.row + i] -= share;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// G of every element at its markers, at the gathered inputs.
+    pub fn constraint_gradients(&mut self, model: &Model) -> Result<(), RuntimeError> {
+        for batch in &self.batches {
+            let layout = model.compiled.system.classes[batch.class].layout;
+            let rows = layout.rows as usize;
+            if rows == 0 {
+                continue;
+            }
+            let columns = 6 * layout.markers as usize;
+            let length = layout.residual_len() as usize;
+            for pair in 0..batch.pairs.len() {
+                elements::differentiate(
+                    model,
+                    batch,
+                    pair,
+                    std::slice::from_ref(&(0..columns)),
+                    &mut self.scratch,
+                )?;
+                for lane in 0..batch.lanes(pair) {
+                    let index = batch.pairs[pair][lane];
+                    let at = model.elements[index].gradient;
+                    for i in 0..rows {
+                        for d in 0..columns {
+                            let g = self.scratch.tangents[d * length + i][lane];
+                            if !g.is_finite() {
+                                return Err(not_finite(model, index, self.time));
+                            }
+                            self.gradients[at + i * columns + d] = g;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// J x of a marker for a vector of its body's velocities; zeros on ground.
+    pub fn marker_along(&self, model: &Model, marker: usize, x: &[f64]) -> [f64; 6] {
+        let model_marker = &model.markers[marker];
+        let Some(body) = model_marker.body else {
+            return [0.0; 6];
+        };
+        let reach = model_marker.reach();
+        let at = self.jacobian_at[marker];
+        let frame = self.frame(model, body);
+        let along = Motion::new(&frame, model_marker, x).numbers();
+        std::array::from_fn(|d| {
+            let row = &self.jacobians[at + d * reach..at + (d + 1) * reach];
+            dot(row, &along)
+        })
+    }
+
+    /// J̇ v of a marker for its body's velocities `v`; zeros on ground.
+    pub fn marker_bias(&self, model: &Model, marker: usize, v: &[f64]) -> [f64; 6] {
+        match model.markers[marker].body {
+            Some(body) => chain::bias(&self.frame(model, body), &model.markers[marker], v),
+            None => [0.0; 6],
+        }
+    }
+
+    /// Calls `put(row, first velocity, block row)` for each row and body of the stored gradients: G J, width long.
+    pub fn body_gradients(&mut self, model: &Model, mut put: impl FnMut(usize, usize, &[f64])) {
+        for element in model.elements.iter().filter(|e| e.dynamic) {
+            let rows = model.compiled.system.classes[element.class].rows.len();
+            let columns = 6 * element.markers.len();
+            for (k, marker) in element.markers.iter().enumerate() {
+                let Some(b) = model.markers[*marker].body else {
+                    continue;
+                };
+                let body = &model.bodies[b];
+                let marker_model = &model.markers[*marker];
+                let reach = marker_model.reach();
+                let at = self.jacobian_at[*marker];
+                for i in 0..rows {
+                    let mut seen = [0.0; CURVED_REACH];
+                    for d in 0..6 {
+                        let g = self.gradients[element.gradient + i * columns + 6 * k + d];
+                        let row = &self.jacobians[at + d * reach..at + (d + 1) * reach];
+                        add_scaled(&mut seen, g, row);
+                    }
+                    self.line.clear();
+                    self.line.resize(body.width(), 0.0);
+                    chain::expand(
+                        shape_rows(marker_model, &self.shapes, self.shape_at[*marker]),
+                        &seen[..reach],
+                        reach,
+                        body.width(),
+                        &mut self.line,
+                    );
+                    put(element.row + i, body.velocity, &self.line);
+                }
+            }
+        }
+    }
+}

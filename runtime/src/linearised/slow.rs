@@ -1,0 +1,202 @@
+//! Slow motions among fast ones: poles far below the largest, and true zeros.
+//!
+//! The eigenvalues of `A` come with errors of a rounding of the largest, double zeros of its root. What creeps, `λ = −k/c` of a spring
+//! behind a heavy damper, may lie far below. Such λ are those nearest to zero, and the matrix
+//!
+//! ```text
+//! (A − σ)⁻¹,   of x, y, z:   [K + σC + σ², −S; R + σT, U − σ] [x; z] = …,   y = σx + …
+//! ```
+//!
+//! has them as its largest eigenvalues `1/(λ − σ)`; K is not lost in it beside C, for σC is as small as K where σ is as slow as what is
+//! sought. The shift σ goes down in steps of the root of the rounding error until nothing is left.
+//!
+//! **Zeros** are told by the forces of a motion, not by its pace: where `x*(K x − S z)` and `R x + U z` are no more than the rounding
+//! of the terms they are made of, nothing holds it. Its λ is zero then, but for the second pole `λ = −c` of what is damped and
+//! free, whose inertia balances its damping.
+
+use super::eigen::{Eigenpair, spectrum};
+use super::energies::parts;
+use super::equations::Equations;
+use crate::error::RuntimeError;
+use nalgebra::{Complex, DMatrix, DVector};
+
+/// Shifts that are tried: each is eight decades below the one before.
+const SHIFTS: usize = 4;
+
+/// What the slowest eigenvalues of a system are.
+pub(super) struct Slow {
+    /// Those that are not zero, of conjugate pairs the first.
+    pub pairs: Vec<Eigenpair>,
+    /// Count of zeros.
+    pub zeros: usize,
+}
+
+fn count(pair: &Eigenpair) -> usize {
+    if pair.value.im > 0.0 { 2 } else { 1 }
+}
+
+/// `(A − σ)⁻¹` of the first-order system; `None` where it has none.
+fn inverse(equations: &Equations, shift: f64) -> Option<DMatrix<f64>> {
+    let (p, s) = (equations.freedoms(), equations.rates_by_states.nrows());
+    let e = equations;
+    let mut place = DMatrix::zeros(p + s, p + s);
+    let own = &e.stiffness + &e.damping * shift + DMatrix::identity(p, p) * (shift * shift);
+    place.view_mut((0, 0), (p, p)).copy_from(&own);
+    place.view_mut((0, p), (p, s)).copy_from(&-&e.by_states);
+    place
+        .view_mut((p, 0), (s, p))
+        .copy_from(&(&e.rates_by_place + &e.rates_by_velocity * shift));
+    place
+        .view_mut((p, p), (s, s))
+        .copy_from(&(&e.rates_by_states - DMatrix::identity(s, s) * shift));
+    // rows of one size: K and 1/s of states may differ by many decades
+    let mut right = DMatrix::zeros(p + s, 2 * p + s);
+    right
+        .view_mut((0, 0), (p, p))
+        .copy_from(&-(&e.damping + DMatrix::identity(p, p) * shift));
+    right
+        .view_mut((0, p), (p, p))
+        .copy_from(&-DMatrix::identity(p, p));
+    right
+        .view_mut((p, 0), (s, p))
+        .copy_from(&-&e.rates_by_velocity);
+    right
+        .view_mut((p, 2 * p), (s, s))
+        .copy_from(&DMatrix::identity(s, s));
+    for i in 0..p + s {
+        let size = place.row(i).amax();
+        if size > 0.0 && size.is_finite() {
+            place.row_mut(i).scale_mut(1.0 / size);
+            right.row_mut(i).scale_mut(1.0 / size);
+        }
+    }
+    let solved = place.full_piv_lu().solve(&right)?;
+    let mut out = DMatrix::zeros(2 * p + s, 2 * p + s);
+    out.view_mut((0, 0), (p, 2 * p + s))
+        .copy_from(&solved.rows(0, p));
+    out.view_mut((p, 0), (p, 2 * p + s))
+        .copy_from(&(solved.rows(0, p) * shift));
+    for i in 0..p {
+        out[(p + i, i)] += 1.0;
+    }
+    out.view_mut((2 * p, 0), (s, 2 * p + s))
+        .copy_from(&solved.rows(p, s));
+    out.iter().all(|x| x.is_finite()).then_some(out)
+}
+
+/// What makes an eigenvalue near zero.
+enum Kind {
+    /// Springs, films or states: it is as found.
+    Held,
+    /// Nothing: it is zero.
+    Free,
+    /// Nothing holds the motion, and its inertia balances its damping alone at this λ.
+    Damped(Complex<f64>),
+}
+
+/// What holds the motion of an eigenpair, by the work of its forces along itself: a rounding error of x in a stiff direction counts
+/// there with its square.
+fn kind(equations: &Equations, pair: &Eigenpair) -> Kind {
+    let e = equations;
+    let p = e.freedoms();
+    let x = pair.vector.rows(0, p).into_owned();
+    let z = pair
+        .vector
+        .rows(2 * p, pair.vector.len() - 2 * p)
+        .into_owned();
+    let product = |matrix: &DMatrix<f64>, x: &DVector<Complex<f64>>| {
+        let [re, im] = parts(x);
+        (matrix * re).zip_map(&(matrix * im), Complex::new)
+    };
+    let sizes = |x: &DVector<Complex<f64>>| x.map(|x| x.norm());
+    let (size_x, size_z) = (sizes(&x), sizes(&z));
+    let square = size_x.norm_squared();
+    let rounding = (2 * p + z.len()) as f64 * f64::EPSILON;
+    let held = x.dotc(&(product(&e.stiffness, &x) - product(&e.by_states, &z)));
+    let terms = size_x.dot(&(&e.stiffness_terms * &size_x + e.by_states.abs() * &size_z));
+    if held.norm() > rounding * (terms + e.own_terms * square) {
+        return Kind::Held;
+    }
+    let changed = (product(&e.rates_by_place, &x) + product(&e.rates_by_states, &z)).norm();
+    let terms = e.rates_by_place.norm() * size_x.norm() + e.rates_by_states.norm() * size_z.norm();
+    if changed > rounding * terms {
+        return Kind::Held;
+    }
+    let damped = x.dotc(&product(&e.damping, &x));
+    let terms = size_x.dot(&(&e.damping_terms * &size_x));
+    if damped.norm() > rounding * (terms + libm::sqrt(e.own_terms) * square) {
+        Kind::Damped(-damped / square)
+    } else {
+        Kind::Free
+    }
+}
+
+/// The `wanted` slowest eigenvalues, all of them below `resolution` (rad/s).
+pub(super) fn resolve(
+    equations: &Equations,
+    mut wanted: usize,
+    mut resolution: f64,
+) -> Result<Slow, RuntimeError> {
+    let mut found = Slow {
+        pairs: Vec::new(),
+        zeros: 0,
+    };
+    for _ in 0..SHIFTS {
+        if wanted == 0 || resolution <= 0.0 {
+            break;
+        }
+        let Some(matrix) = inverse(equations, resolution) else {
+            break;
+        };
+        let mut pairs: Vec<Eigenpair> = spectrum(matrix)?
+            .pairs
+            .into_iter()
+            .map(|pair| {
+                let value = Complex::new(resolution, 0.0) + pair.value.inv();
+                // the inverse turns the sign of the imaginary part
+                if value.im < 0.0 {
+                    Eigenpair {
+                        value: value.conj(),
+                        vector: pair.vector.map(|x| x.conj()),
+                    }
+                } else {
+                    Eigenpair { value, ..pair }
+                }
+            })
+            .collect();
+        pairs.sort_by(|a, b| a.value.norm().total_cmp(&b.value.norm()));
+        let finer = resolution * libm::sqrt(equations.first_order_size() as f64 * f64::EPSILON);
+        let mut left = 0;
+        let mut taken = 0;
+        for pair in pairs {
+            if taken >= wanted {
+                break;
+            }
+            taken += count(&pair);
+            if pair.value.norm() <= finer {
+                left += count(&pair);
+                continue;
+            }
+            match kind(equations, &pair) {
+                Kind::Held => found.pairs.push(pair),
+                Kind::Free => found.zeros += count(&pair),
+                Kind::Damped(pole) if (pair.value - pole).norm() <= 0.5 * pole.norm() => {
+                    found.pairs.push(pair);
+                }
+                // the zero and the pole of one direction, which rounding has made a pair
+                Kind::Damped(pole) if count(&pair) == 2 => {
+                    found.zeros += 1;
+                    found.pairs.push(Eigenpair {
+                        value: Complex::new(pole.re, 0.0),
+                        ..pair
+                    });
+                }
+                Kind::Damped(_) => found.zeros += 1,
+            }
+        }
+        wanted = left;
+        resolution = finer;
+    }
+    found.zeros += wanted;
+    Ok(found)
+}

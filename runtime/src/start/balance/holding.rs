@@ -1,0 +1,151 @@
+//! What is held in a balance: what the text states, what moves, and what nothing holds.
+
+use super::telling::not_finite;
+use super::{Balance, NEUTRAL, Place, Stop};
+use crate::assembly::at;
+use crate::assembly::rows::{Along, Rows};
+use crate::dynamics::Dynamics;
+use crate::error::RuntimeError;
+use crate::outputs::Outputs;
+use crate::start::picking::unit_rows;
+use crate::state::State;
+use eng_system::system::{Origin, Role};
+use nalgebra::{DMatrix, DVector};
+
+impl Balance<'_> {
+    /// Rows of what is stated to move, and of the cycle's angle.
+    pub(super) fn hold_what_moves(&mut self, state: &State) -> Result<(), Stop> {
+        let model = self.model;
+        let system = &model.compiled.system;
+        let mut rows: Vec<(Vec<f64>, Origin, bool)> = Vec::new();
+        let starts = Rows::new(
+            model,
+            (0..model.elements.len())
+                .filter(|e| {
+                    system.elements[*e].role == Role::StartVelocity { exact: true }
+                        && !model.class(*e).rows.is_empty()
+                })
+                .collect(),
+        );
+        let mut resting = state.clone();
+        resting.velocity.fill(0.0);
+        let (values, mut matrix) = starts.evaluate(model, &at(&resting), Along::Velocity)?;
+        for (mut column, scale) in matrix.column_iter_mut().zip(self.motion.scales()) {
+            column.scale_mut(*scale);
+        }
+        if let Some(cycle) = &system.cycle {
+            let row = self.cycle_rate(cycle.element as usize, state)?;
+            rows.push((row, cycle.origin.clone(), false));
+        }
+        for (i, (element, row)) in starts.owners.iter().enumerate() {
+            if values[i] != 0.0 {
+                let length = model.class(*element).rows[*row].dimension
+                    == eng_system::Dimension::LENGTH.over(eng_system::Dimension::TIME);
+                rows.push((
+                    matrix.row(i).iter().copied().collect(),
+                    system.elements[*element].origin.clone(),
+                    length,
+                ));
+            }
+        }
+        self.fixed = DMatrix::from_fn(rows.len(), model.velocities, |i, j| rows[i].0[j]);
+        self.fixed_names = rows.into_iter().map(|(_, o, l)| (o, l)).collect();
+        Ok(())
+    }
+
+    /// The cycle's rate by scaled velocities: it is affine in them.
+    fn cycle_rate(&mut self, element: usize, state: &State) -> Result<Vec<f64>, Stop> {
+        let model = self.model;
+        let mut watch = Outputs::watching(model, element)?;
+        let mut moving = state.clone();
+        moving.velocity.fill(0.0);
+        moving.acceleration.fill(0.0);
+        let mut rate = |dynamics: &mut Dynamics, moving: &State| -> Result<f64, RuntimeError> {
+            dynamics.place(model, moving.time, &moving.pose, &moving.velocity);
+            watch.evaluate(model, dynamics, moving)?;
+            Ok(watch.watched_values[1])
+        };
+        let still = rate(&mut self.dynamics, &moving)?;
+        let mut row = Vec::with_capacity(model.velocities);
+        for i in 0..model.velocities {
+            let scale = self.motion.scales()[i];
+            moving.velocity[i] = scale;
+            row.push(rate(&mut self.dynamics, &moving)? - still);
+            moving.velocity[i] = 0.0;
+        }
+        Ok(row)
+    }
+
+    /// Values and rows (scaled velocities) of everything that may be held.
+    pub(super) fn holds(
+        &self,
+        state: &State,
+    ) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
+        let n = self.model.velocities;
+        let (values, matrix) = self.stated.evaluate(self.model, &at(state), Along::Pose)?;
+        let count = matrix.nrows();
+        let rows = DMatrix::from_fn(count + self.fixed.nrows(), n, |i, j| {
+            if i < count {
+                matrix[(i, j)] * self.motion.scales()[j]
+            } else {
+                self.fixed[(i - count, j)]
+            }
+        });
+        let values = DVector::from_fn(rows.nrows(), |i, _| if i < count { values[i] } else { 0.0 });
+        Ok((values, rows))
+    }
+
+    /// What is held at a place: values and rows.
+    pub(super) fn held(&self, state: &State) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
+        let (mut values, mut rows) = self.holds(state)?;
+        for (i, factor) in self.factors.iter().enumerate() {
+            values[i] *= factor;
+            rows.row_mut(i).scale_mut(*factor);
+        }
+        let (values, rows) = (
+            values.select_rows(&self.holding),
+            rows.select_rows(&self.holding),
+        );
+        let count = rows.nrows();
+        let all = DMatrix::from_fn(count + self.neutral.nrows(), rows.ncols(), |i, j| {
+            if i < count {
+                rows[(i, j)]
+            } else {
+                self.neutral[(i - count, j)]
+            }
+        });
+        let values = DVector::from_fn(all.nrows(), |i, _| if i < count { values[i] } else { 0.0 });
+        Ok((values, all))
+    }
+
+    /// Freedoms without stiffness: in mass-normalised coordinates of the free space, small singular values of the stiffness.
+    pub(super) fn find_neutral(
+        &mut self,
+        state: &State,
+        free: &DMatrix<f64>,
+        pace: f64,
+    ) -> Result<(), Stop> {
+        let model = self.model;
+        if free.ncols() == 0 {
+            return Ok(());
+        }
+        let place = Place {
+            state: state.clone(),
+            efforts: DVector::zeros(0),
+        };
+        self.residual(&place)?;
+        let matrix = self.matrix(&place.state)?;
+        let free = self.free_stiffness(&place.state, &matrix, free)?;
+        let svd = (free.stiffness / (pace * pace))
+            .try_svd(false, true, f64::EPSILON, 10_000)
+            .ok_or_else(|| not_finite(model))?;
+        let right = svd.v_t.ok_or_else(|| not_finite(model))?;
+        let weak: Vec<usize> = (0..right.nrows())
+            .filter(|i| svd.singular_values[*i] <= NEUTRAL)
+            .collect();
+        self.neutral = right.select_rows(&weak) * free.moves.transpose();
+        unit_rows(&mut self.neutral, 0.0);
+        self.freedoms -= weak.len();
+        Ok(())
+    }
+}

@@ -1,0 +1,193 @@
+//! Balances at rest: which way they stand, and how one is found that Newton's method misses.
+//!
+//! At rest the free moves of a balance obey `ẍ + K x = 0` with the mass-normalised stiffness K of what is neither constrained nor
+//! held. A real eigenvalue κ < 0 of K is a move that goes away as `exp(√−κ t)`: the balance stands upside down. (A complex κ, which
+//! only forces without potential can make, is not judged here.)
+//!
+//! Newton's method goes to any balance, and stops where K has no inverse: a pendulum held out level has no stiffness there,
+//! though gravity holds it further down. From such places the balance is found by following the motion in steps of pseudo-time, each
+//! solved implicitly,
+//!
+//! ```text
+//! (M σ + K) δ = −r        σ = |M⁻¹r|/reach, and twice |κ| where K has a κ < 0
+//! ```
+//!
+//! which is steepest descent of the energy where σ is large and Newton's method where r vanishes. A balance that is
+//! stated upside down is kept, and told. (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508.)
+
+use super::telling::not_finite;
+use super::{Balance, NEUTRAL, Place, REACH, Stop};
+use crate::start::picking::split;
+use crate::start::{Equilibrium, Unstable};
+use crate::state::{State, move_pose};
+use nalgebra::{DMatrix, DVector};
+
+/// Steps of pseudo-time.
+const STEPS: usize = 200;
+/// Least σ as a share of the largest stiffness.
+const LEAST: f64 = 1e-10;
+/// An eigenvalue of the stiffness below this share of the largest is rounding.
+const ROUNDING: f64 = 1e-10;
+
+/// Stiffness of the free moves.
+pub(super) struct FreeStiffness {
+    /// Mass-normalised, freedoms × freedoms (1/s²).
+    pub stiffness: DMatrix<f64>,
+    /// Moves in scaled velocities, velocities × freedoms.
+    pub moves: DMatrix<f64>,
+}
+
+impl Balance<'_> {
+    /// Whether nothing moves in the motion whose balance is sought.
+    pub(super) fn rests(&self) -> bool {
+        self.velocity.iter().all(|v| *v == 0.0)
+    }
+
+    /// Along the columns of `free` (scaled velocities) at the place of the last residual, from the matrix there.
+    pub(super) fn free_stiffness(
+        &self,
+        state: &State,
+        matrix: &DMatrix<f64>,
+        free: &DMatrix<f64>,
+    ) -> Result<FreeStiffness, Stop> {
+        let model = self.model;
+        let n = model.velocities;
+        let stiffness = free.transpose() * matrix.view((0, 0), (n, n)) * free * self.unit;
+        let mass = free.transpose() * self.motion.mass(model, state) * free;
+        let floor = 1e-12 * mass.diagonal().amax();
+        let count = mass.nrows();
+        let root = (mass + DMatrix::identity(count, count) * floor)
+            .cholesky()
+            .and_then(|c| c.l().try_inverse())
+            .ok_or_else(|| not_finite(model))?;
+        Ok(FreeStiffness {
+            stiffness: &root * stiffness * root.transpose(),
+            moves: free * root.transpose(),
+        })
+    }
+
+    /// Along the moves that neither constraints nor what is held forbid there; `None` where there are none.
+    fn own_stiffness(
+        &self,
+        state: &State,
+        matrix: &DMatrix<f64>,
+    ) -> Result<Option<FreeStiffness>, Stop> {
+        let n = self.model.velocities;
+        let rows = matrix
+            .rows(n, matrix.nrows() - n)
+            .columns(0, n)
+            .into_owned();
+        let free = split(&rows).ok_or_else(|| not_finite(self.model))?.free;
+        if free.ncols() == 0 {
+            return Ok(None);
+        }
+        self.free_stiffness(state, matrix, &free).map(Some)
+    }
+
+    /// The move by which a balance at rest is left, if it stands upside down.
+    pub(super) fn unstable(&mut self, place: &Place) -> Result<Option<Unstable>, Stop> {
+        let model = self.model;
+        self.residual(place)?;
+        let matrix = self.matrix(&place.state)?;
+        let Some(free) = self.own_stiffness(&place.state, &matrix)? else {
+            return Ok(None);
+        };
+        let values = free.stiffness.complex_eigenvalues();
+        let largest = values.iter().fold(0.0_f64, |w, k| w.max(k.norm()));
+        let least = values
+            .iter()
+            .filter(|k| k.im.abs() <= ROUNDING * largest)
+            .fold(0.0_f64, |w, k| w.min(k.re));
+        let rounding = (ROUNDING * largest).max(NEUTRAL * self.pace * self.pace);
+        if least >= -rounding || !least.is_finite() {
+            return Ok(None);
+        }
+        let count = free.stiffness.nrows();
+        let shifted = &free.stiffness - DMatrix::identity(count, count) * least;
+        let svd = shifted
+            .try_svd(false, true, f64::EPSILON, 10_000)
+            .ok_or_else(|| not_finite(model))?;
+        let right = svd.v_t.ok_or_else(|| not_finite(model))?;
+        let weakest = (0..count).fold(0, |best, i| {
+            if svd.singular_values[i] < svd.singular_values[best] {
+                i
+            } else {
+                best
+            }
+        });
+        let away = &free.moves * right.row(weakest).transpose();
+        let share = |first: usize, width: usize| away.rows(first, width).norm();
+        let body = model
+            .bodies
+            .iter()
+            .max_by(|a, b| share(a.velocity, a.width()).total_cmp(&share(b.velocity, b.width())));
+        Ok(body.map(|body| Unstable {
+            origin: body.origin.clone(),
+            time: 1.0 / libm::sqrt(-least),
+        }))
+    }
+
+    /// Follows the motion at rest from a place to a balance; `false` where it finds none. What nothing held at the place is let go.
+    pub(super) fn settle(
+        &mut self,
+        place: &mut Place,
+        goal: f64,
+        found: &mut Equilibrium,
+    ) -> Result<bool, Stop> {
+        let model = self.model;
+        let (n, m) = (model.velocities, model.rows);
+        self.freedoms += self.neutral.nrows();
+        self.neutral = DMatrix::zeros(0, n);
+        place.efforts = DVector::zeros(self.holding.len());
+        place.state.multipliers.fill(0.0);
+        let scales = self.motion.scales().to_vec();
+        let row_scales = model.row_scales();
+        let mut pose = place.state.pose.clone();
+        for _ in 0..STEPS {
+            let residual = match self.residual(place) {
+                Ok(residual) => residual,
+                Err(Stop::Obstacle(_)) => return Ok(false),
+                Err(error) => return Err(error),
+            };
+            let mut matrix = self.matrix(&place.state)?;
+            let mass = self.motion.mass(model, &place.state) / self.unit;
+            let Some(free) = self.own_stiffness(&place.state, &matrix)? else {
+                return Ok(false);
+            };
+            let load = free.moves.transpose() * residual.rows(0, n) * self.unit;
+            let speeding = (&free.moves * load).amax();
+            let symmetric = (&free.stiffness + free.stiffness.transpose()) * 0.5;
+            let values = symmetric.symmetric_eigenvalues();
+            let sigma = speeding / REACH
+                + (-2.0 * values.min()).max(0.0)
+                + LEAST * values.amax().max(self.pace * self.pace);
+            for i in 0..n {
+                for j in 0..n {
+                    matrix[(i, j)] += sigma * mass[(i, j)];
+                }
+            }
+            let Some(step) = matrix.lu().solve(&(-residual)) else {
+                return Ok(false);
+            };
+            let size = step.rows(0, n).amax();
+            if !size.is_finite() {
+                return Ok(false);
+            }
+            found.iterations += 1;
+            let increment: Vec<f64> = (0..n).map(|i| step[i] * scales[i]).collect();
+            let factor = self.allowed(&place.state.pose, &increment, size, &mut pose);
+            move_pose(model, &place.state.pose, &increment, factor, &mut pose);
+            place.state.pose.copy_from_slice(&pose);
+            for i in 0..m {
+                place.state.multipliers[i] += factor * step[n + i] * self.unit / row_scales[i];
+            }
+            for i in 0..place.efforts.len() {
+                place.efforts[i] += factor * step[n + m + i];
+            }
+            if factor == 1.0 && size <= goal {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+}
