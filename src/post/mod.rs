@@ -146,7 +146,7 @@ impl RunModel {
             journals: crate::local::journals(system, &bound),
             cycle_period: crate::analysis::cycle_period(compiled, &bound),
             upright: crate::local::upright(system, &bound),
-            firing: Vec::new(),
+            firing: crate::report::firing(system, &bound),
         })
     }
 }
@@ -157,7 +157,7 @@ impl From<&RunOutcome> for RunModel {
             journals: outcome.journals.clone(),
             cycle_period: outcome.cycle_period,
             upright: outcome.upright,
-            firing: Vec::new(),
+            firing: outcome.firing.clone(),
         }
     }
 }

@@ -239,7 +239,8 @@
     const home = () => {
       state.azimuth = Math.atan2(first[0], first[2]);
       state.height = Math.asin(first[1]);
-      state.distance = model.radius * 2.6;
+      // all of it, on a narrow screen, too
+      state.distance = model.radius * 2.6 * Math.max(1, (1.25 * canvas.clientHeight) / (canvas.clientWidth || 1));
       state.target = model.center.slice();
     };
     home();

@@ -163,7 +163,16 @@ impl Cell {
             Cell::Number { value, digits } => significant(*value, *digits),
             Cell::Short { value, digits } => shortened(&significant(*value, *digits)),
             Cell::Fixed { value, .. } if !value.is_finite() => "–".to_owned(),
-            Cell::Fixed { value, decimals } => minus(&format!("{value:.*}", (*decimals).min(17))),
+            Cell::Fixed { value, decimals } => {
+                let text = format!("{value:.*}", (*decimals).min(17));
+                // a zero has no sign
+                let zero = text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
+                minus(if zero {
+                    text.trim_start_matches('-')
+                } else {
+                    &text
+                })
+            }
             Cell::Code(text) => format!("<code>{}</code>", escaped(text)),
             Cell::Empty => "–".to_owned(),
         }
