@@ -38,7 +38,7 @@ impl Mark {
             at: angle,
             label: cylinder.map_or_else(|| "TDC".to_owned(), |n| format!("TDC {n}")),
             period: Some(period),
-            meaning: "firing dead centre (TDC) of a cylinder".to_owned(),
+            meaning: "TDC: firing dead centre of the cylinder".to_owned(),
         }
     }
 

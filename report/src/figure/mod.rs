@@ -31,6 +31,8 @@ pub use polar::{FixedTo, Polar, PolarCurve};
 pub use spectra::spectra;
 pub use sweep::{Campbell, SweepFigure, Waterfall};
 
+pub(crate) use ticks::significant;
+
 use palette::Theme;
 use svg::Target;
 
