@@ -2,7 +2,8 @@
 
 GLB is what `eng report --gltf` wrote, PVD what `--vtu` did, of the same analysis. The Khronos validator reads the first (Node.js and
 gltf-validator, found by NODE_PATH), meshio and VTK the second. Then both must show the same motion: nodes of the glTF file, moved by
-its morph targets and weights, are nodes of the VTU files with their displacements. What is not installed is skipped with a message.
+its morph targets and weights, are nodes of the VTU files with their displacements, and the body `crank`, which turns about its z, stands at
+the crank angle. What is not installed is skipped with a message.
 Exits with 1 where anything is wrong.
 """
 
@@ -83,6 +84,19 @@ def shown(node, moment):
     moved = sum(w * array(t["POSITION"]).astype(float) for w, t in zip(weights, targets))
     return origin + array(primitive["attributes"]["POSITION"]).astype(float) @ turn.T, moved @ turn.T
 
+
+# times are slowed down, and the crank stands where its angle says: its frame turns with it, but for its twist
+clock = numpy.array([array(s["input"]) for s in animation["samplers"]])
+moments = numpy.array(extras["times"])
+assert abs(clock - (moments - extras["start"]) * extras["slowdown"]).max() <= 1e-5 * clock.max()
+turning = next((i for i, node in enumerate(document["nodes"]) if node.get("name") == "crank"), None)
+if turning is not None and extras["crank_angles"] and "rotation" in tracks.get(turning, {}):
+    turns = [rotation(q.astype(float)) for q in tracks[turning]["rotation"]]
+    about = [numpy.degrees(numpy.arctan2(*(turns[0].T @ turn)[[1, 0], 0])) for turn in turns]
+    angles = numpy.array(extras["crank_angles"]) - extras["crank_angles"][0]
+    off = (numpy.array(about) - angles + 180) % 360 - 180
+    assert abs(off).max() < 0.5, f"the crank stands {abs(off).max():.2f} degrees from its angle"
+    print(f"{glb}: the crank stands at its angle within {abs(off).max():.2f} degrees at {len(turns)} times")
 
 # ---- VTU, by each reader that is here
 

@@ -354,6 +354,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         },
         cycle_period: crate::analysis::cycle_period(analysis.model().compiled(), &bound),
         upright: upright(system, &bound),
+        firing: crate::report::firing(system, &bound),
         diagnostics,
         facts,
         point: analysis.point().to_vec(),

@@ -106,6 +106,7 @@ fn outcome(analysis: &str) -> RunOutcome {
         }],
         cycle_period: Some(4.0 * PI),
         upright: Upright::X,
+        firing: vec![(Some(1), 0.0)],
         diagnostics: Diagnostics::new(),
         facts: vec!["1440 steps".to_owned()],
         point: Vec::new(),

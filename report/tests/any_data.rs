@@ -87,7 +87,7 @@ proptest! {
             abscissa: Abscissa::CrankAngle,
             ordinate: Ordinate { quantity: name.clone(), unit: "N".to_owned(), frame: name.clone() },
             scale: if log { Scale::Logarithmic } else { Scale::Linear },
-            marks: vec![Mark { at, label: name.clone(), period: Some(period) }],
+            marks: vec![Mark { at, label: name.clone(), period: Some(period), meaning: name.clone() }],
             panels: vec![Panel { title: name.clone(), x, curves: vec![Curve { name, values: y }] }],
         })?;
     }

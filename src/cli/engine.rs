@@ -142,6 +142,8 @@ pub struct RunOutcome {
     pub cycle_period: Option<f64>,
     /// Which shell axis is drawn upwards.
     pub upright: Upright,
+    /// Firing dead centres: number of the cylinder, if it has one, and angle of the cycle (rad).
+    pub firing: Vec<(Option<usize>, f64)>,
     /// Warnings of the run (an `advise` that did not hold) with the texts of the check.
     pub diagnostics: Diagnostics,
     /// Facts worth a line each: steps, Newton iterations, computing time.

@@ -1,7 +1,8 @@
 //! Which pictures belong to an analysis.
 
-use super::RunOutcome;
+use super::{JournalGeometry, RunOutcome};
 use crate::plot::{Abscissa, Curve, History, Orbit, Orbits, Ordinate, Panel, Scale};
+use crate::report::firing_marks;
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
 use eng_report::figure::journal_letter;
 use eng_report::readable_unit;
@@ -40,7 +41,7 @@ pub(crate) fn histories(outcome: &RunOutcome) -> Vec<Pictured> {
         .iter()
         .filter_map(|family| {
             let dimension = family.columns(results).first()?.dimension;
-            let figure = history(&about(results), family, &one, &letters(outcome))?;
+            let figure = history(&about(results), family, &one, outcome)?;
             Some(Pictured {
                 dimension,
                 name: format!("{}-{}", results.analysis(), family.name),
@@ -96,7 +97,7 @@ pub(crate) fn compared(outcomes: &[&RunOutcome]) -> Vec<Pictured> {
                 dimension: family.columns(&first.results).first()?.dimension,
                 name: format!("{}-{}", names.join("-"), family.name),
                 paths: family.paths.clone(),
-                figure: history(&subtitle, family, &panels, &letters(first))?,
+                figure: history(&subtitle, family, &panels, first)?,
             })
         })
         .collect()
@@ -170,14 +171,13 @@ pub(crate) fn about(results: &Results) -> String {
 }
 
 /// Letters of the journals, as a paper has them, by the axes that their forces are in.
-fn letters(outcome: &RunOutcome) -> Vec<(String, String)> {
-    let all: Vec<(String, String)> = outcome
-        .journals
+pub(crate) fn letters(results: &Results, journals: &[JournalGeometry]) -> Vec<(String, String)> {
+    let all: Vec<(String, String)> = journals
         .iter()
         .enumerate()
         .filter_map(|(index, journal)| {
             let force = format!("{}.force.x", journal.path);
-            let frame = outcome.results.column(&force)?.frame.clone();
+            let frame = results.column(&force)?.frame.clone();
             Some((frame, journal_letter(index)))
         })
         .collect();
@@ -190,13 +190,14 @@ fn letters(outcome: &RunOutcome) -> Vec<(String, String)> {
 }
 
 /// A history of a family, a panel for each of the results; `None` where there is nothing to draw. Curves in the axes of a journal's
-/// shell have its letter.
+/// shell have its letter. Journals and firing dead centres are those of one outcome: one model has one firing order.
 fn history(
     subtitle: &str,
     family: &Family,
     panels: &[(String, &Results)],
-    letters: &[(String, String)],
+    of: &RunOutcome,
 ) -> Option<History> {
+    let letters = letters(&of.results, &of.journals);
     let columns: Vec<&Column> = panels.iter().flat_map(|(_, r)| family.columns(r)).collect();
     let display = &columns.first()?.display;
     let with_angle = panels.iter().all(|(_, r)| r.column(CYCLE_ANGLE).is_some());
@@ -234,7 +235,10 @@ fn history(
             frame: common_frame(&frames),
         },
         scale: Scale::Linear,
-        marks: Vec::new(),
+        marks: match of.cycle_period.filter(|_| with_angle) {
+            Some(period) => firing_marks(&of.firing, period),
+            None => Vec::new(),
+        },
         panels: drawn,
     })
 }

@@ -261,7 +261,7 @@ impl RunModel {
             cycle_period: crate::analysis::cycle_period(compiled, &bound),
             periodic: matches!(analysis.kind(), AnalysisKind::Periodic(_)),
             upright: crate::local::upright(system, &bound),
-            firing: Vec::new(),
+            firing: crate::report::firing(system, &bound),
         })
     }
 }
@@ -273,7 +273,7 @@ impl From<&RunOutcome> for RunModel {
             cycle_period: outcome.cycle_period,
             periodic: outcome.periodic.is_some(),
             upright: outcome.upright,
-            firing: Vec::new(),
+            firing: outcome.firing.clone(),
         }
     }
 }

@@ -19,12 +19,16 @@ pub(crate) fn section(report: &EvaluatedReport) -> Section {
     for entry in &report.entries {
         match &entry.outcome {
             Ok(Outcome::Figure(figure)) => {
-                let caption = if entry.text.is_empty() {
-                    format!("{}: {}", entry.title, entry.written)
-                } else {
-                    entry.text.clone()
+                let caption = match entry.text.is_empty() {
+                    true => format!("{}.", entry.title),
+                    false => entry.text.clone(),
                 };
-                section = section.figure((**figure).clone(), caption);
+                section = section.figure_named(
+                    (**figure).clone(),
+                    caption,
+                    format!("{}-{}", report.name, entry.name),
+                    entry.written.as_str(),
+                );
             }
             Ok(Outcome::Value(numbers, display)) => {
                 for number in numbers {

@@ -4,7 +4,7 @@ use super::{Entry, ReportError, loads, spectra::spectra_of, tables};
 use crate::cli::RunOutcome;
 use crate::cli::figures::{Pictured, histories, orbits};
 use crate::results::Results;
-use eng_report::figure::{History, Mark};
+use eng_report::figure::Mark;
 use eng_report::page::Section;
 use eng_system::Dimension;
 
@@ -21,23 +21,10 @@ pub(super) fn acceleration() -> Dimension {
 /// Marks of firing dead centres in a cycle (rad).
 pub(crate) fn firing_marks(firing: &[(Option<usize>, f64)], period: f64) -> Vec<Mark> {
     let period = period.to_degrees();
-    let mark = |(cylinder, angle): &(Option<usize>, f64)| match cylinder {
-        Some(cylinder) => Mark::firing_tdc(*cylinder, angle.to_degrees(), period),
-        None => Mark {
-            at: angle.to_degrees(),
-            label: "TDC".to_owned(),
-            period: Some(period),
-        },
-    };
-    firing.iter().map(mark).collect()
-}
-
-/// A history from 0 on with the firing dead centres.
-pub(super) fn marked(mut history: History, entry: &Entry) -> History {
-    if let Some(period) = entry.described.cycle_period {
-        history.marks = firing_marks(&entry.described.firing, period);
-    }
-    history
+    firing
+        .iter()
+        .map(|(cylinder, angle)| Mark::firing_tdc(*cylinder, angle.to_degrees(), period))
+        .collect()
 }
 
 /// Whether two figures show the same columns' values.
@@ -124,7 +111,7 @@ pub(super) fn section(
                 spectra.extend(spectra_of(&history, results, entry.described.periodic));
             }
             let caption = format!("{}, {}. {span}.", history.title, entry.name());
-            section = section.figure(marked(history, entry), caption);
+            section = section.figure(history, caption);
         }
         if let Some(orbits) = orbits(&entry.outcome) {
             let caption = format!(

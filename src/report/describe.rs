@@ -180,7 +180,7 @@ fn stated(texts: &SourceMap, place: Option<Location>) -> (String, bool) {
 }
 
 /// The angles `firing` of elements such as `gas[3]`.
-fn firing(system: &System, bound: &Bound) -> Vec<(Option<usize>, f64)> {
+pub(crate) fn firing(system: &System, bound: &Bound) -> Vec<(Option<usize>, f64)> {
     system
         .parameters
         .iter()

@@ -19,6 +19,7 @@ mod sweeps;
 mod tables;
 
 pub(crate) use analyses::firing_marks;
+pub(crate) use describe::firing;
 pub use describe::{BodyPicture, Described, InputValue, JournalAxes, MarkerAxes, Matter, Spot};
 pub use page::{Drawn, Made, Request, make};
 pub(crate) use scene::shifted;
@@ -93,7 +94,10 @@ impl Entry {
             .metadata()
             .iter()
             .filter_map(|(key, value)| {
-                Some((key.strip_prefix("point.")?.to_owned(), value.clone()))
+                let name = key.strip_prefix("point.")?;
+                // a number without unit
+                let value = value.strip_suffix(" 1").unwrap_or(value);
+                Some((name.to_owned(), value.to_owned()))
             })
             .collect();
         Entry {
@@ -101,6 +105,7 @@ impl Entry {
                 journals: described.journals.clone(),
                 cycle_period: described.cycle_period,
                 upright: described.upright,
+                firing: described.firing.clone(),
                 diagnostics: Default::default(),
                 facts: Vec::new(),
                 point: described.point.clone(),

@@ -1,6 +1,6 @@
 //! The page: which sections, in which order.
 
-use super::analyses::{Detail, distinct, marked};
+use super::analyses::{Detail, distinct};
 use super::describe::Matter;
 use super::scene::{Scene, scene};
 use super::spectra::of_last_cycle;
@@ -166,8 +166,9 @@ fn files(page: &Page) -> Vec<Drawn> {
     page.figures()
         .into_iter()
         .map(|figure| {
-            // what it is called, as far as the caption's first stop
-            let said = figure.caption.split(". ").next().unwrap_or_default();
+            // what it is called, as far as the caption's first stop, where it has no name
+            let caption = figure.caption.split(". ").next().unwrap_or_default();
+            let said = figure.name.as_deref().unwrap_or(caption);
             let mut name = format!("figure-{:02}", figure.number);
             for word in said.split(|c: char| !c.is_ascii_alphanumeric()) {
                 if !word.is_empty() && name.len() + word.len() < 100 {
@@ -274,20 +275,20 @@ struct Compared {
 
 /// Analyses of a model beside each other; and the points of a short sweep.
 fn comparisons(entries: &[Entry], cut: &[RunOutcome]) -> Vec<Compared> {
-    let mut groups: Vec<(&str, &Entry, Vec<&RunOutcome>)> = Vec::new();
+    let mut groups: Vec<(&str, Vec<&RunOutcome>)> = Vec::new();
     for (entry, cut) in entries.iter().zip(cut) {
         let group = if entry.point.is_empty() {
             ""
         } else {
             entry.name().split('[').next().unwrap_or_default()
         };
-        match groups.iter_mut().find(|(name, ..)| *name == group) {
-            Some((_, _, members)) => members.push(cut),
-            None => groups.push((group, entry, vec![cut])),
+        match groups.iter_mut().find(|(name, _)| *name == group) {
+            Some((_, members)) => members.push(cut),
+            None => groups.push((group, vec![cut])),
         }
     }
     let mut found = Vec::new();
-    for (_, first, members) in groups {
+    for (_, members) in groups {
         let Some(results) = members.first().map(|m| &m.results) else {
             continue;
         };
@@ -298,8 +299,7 @@ fn comparisons(entries: &[Entry], cut: &[RunOutcome]) -> Vec<Compared> {
                     .filter(|m| m.results.model() == results.model())
                     .map(|m| m.results.analysis().to_owned())
                     .collect(),
-                // one model has one firing order
-                figure: marked(pictured.figure, first),
+                figure: pictured.figure,
             });
         }
     }

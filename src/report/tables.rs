@@ -25,7 +25,7 @@ pub(super) fn analyses(entries: &[Entry]) -> Table {
             Column::new("Samples"),
             Column::with_unit("End", "ms"),
             Column::with_unit("Mean speed", "rpm"),
-            Column::new("Begin"),
+            Column::new("Start"),
         ],
         rows: entries
             .iter()
@@ -47,10 +47,9 @@ pub(super) fn analyses(entries: &[Entry]) -> Table {
                     results.samples().to_string().into(),
                     end.map_or(Cell::Empty, |t| Cell::number(1e3 * t)),
                     speed.map_or(Cell::Empty, |value| Cell::Number { value, digits: 6 }),
-                    results
-                        .metadata()
-                        .get("start")
-                        .map_or(Cell::Empty, |text| text.as_str().into()),
+                    results.metadata().get("start").map_or(Cell::Empty, |text| {
+                        text.strip_prefix("start: ").unwrap_or(text).into()
+                    }),
                 ]
             })
             .collect(),

@@ -3,13 +3,13 @@
 
 use super::quaternion::{nearer, normalised, rotated};
 use super::solid::Solid;
-use super::{Animation, AnimationError, FlexibleBody, Pose, Surface, Up};
+use super::{Animation, AnimationError, FlexibleBody, Pose, Surface, Up, kind_of};
 use serde_json::{Map, Value, json};
 
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 const LINES: u32 = 1;
-/// Colours of bodies in turn, linear; distinct in lightness, too.
+/// Colours of kinds of bodies in turn, linear; distinct in lightness, too.
 const COLORS: [[f32; 4]; 6] = [
     [0.27, 0.42, 0.60, 1.0],
     [0.62, 0.62, 0.62, 1.0],
@@ -29,7 +29,10 @@ impl Animation {
     /// Data that don't fit together, or more than 4 GiB of them.
     pub fn to_glb(&self) -> Result<Vec<u8>, AnimationError> {
         self.check()?;
-        let mut file = File::default();
+        let mut file = File {
+            kinds: self.kinds().into_iter().map(str::to_owned).collect(),
+            ..File::default()
+        };
         let time = self.times.first().copied().unwrap_or_default();
         let times: Vec<f32> = self
             .times
@@ -129,6 +132,8 @@ struct File {
     nodes: Vec<Value>,
     samplers: Vec<Value>,
     channels: Vec<Value>,
+    /// Kinds of bodies, which have a colour each.
+    kinds: Vec<String>,
 }
 
 impl File {
@@ -204,7 +209,8 @@ impl File {
     }
 
     fn material(&mut self, name: &str) -> usize {
-        let color = COLORS[self.materials.len() % COLORS.len()];
+        let kind = self.kinds.iter().position(|kind| kind == kind_of(name));
+        let color = COLORS[kind.unwrap_or(0) % COLORS.len()];
         self.materials.push(json!({
             "name": name,
             "doubleSided": true,

@@ -210,6 +210,26 @@ pub enum AnimationError {
     },
 }
 
+/// What a body is one of: `piston` of `piston[3]`.
+fn kind_of(name: &str) -> &str {
+    name.split('[').next().unwrap_or(name)
+}
+
+impl Animation {
+    /// Kinds of bodies in a fixed order; those of one kind have one colour.
+    fn kinds(&self) -> Vec<&str> {
+        let flexible = self.flexible.iter().map(|body| body.name.as_str());
+        let rigid = self.rigid.iter().map(|body| body.name.as_str());
+        let mut kinds: Vec<&str> = Vec::new();
+        for kind in flexible.chain(rigid).map(kind_of) {
+            if !kinds.contains(&kind) {
+                kinds.push(kind);
+            }
+        }
+        kinds
+    }
+}
+
 impl FlexibleBody {
     /// Displacements of the nodes at a time (by index), not scaled, in the body's axes (m): Σ amplitude·shape.
     pub fn displacements(&self, time: usize) -> Vec<[f64; 3]> {

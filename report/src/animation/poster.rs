@@ -3,7 +3,7 @@
 use super::image::{Canvas, Vertex};
 use super::quaternion::{cross, direction, dot, minus, rotated};
 use super::solid::Solid;
-use super::{Animation, Pose, Surface};
+use super::{Animation, NodeField, Pose, Surface, kind_of};
 
 /// Pixels.
 const WIDTH: usize = 1200;
@@ -12,7 +12,7 @@ const HEIGHT: usize = 675;
 const FILL: f64 = 0.94;
 /// Towards the viewer, y up; the viewer of a page starts here, too.
 pub(super) const VIEW: [f64; 3] = [0.75, 0.45, 1.0];
-/// Shades of the bodies, in the order of the glTF file's colours.
+/// Shades of the kinds of bodies, in the order of the glTF file's colours.
 const SHADES: [[f64; 3]; 6] = [
     [142.0, 175.0, 205.0],
     [205.0, 205.0, 205.0],
@@ -24,14 +24,85 @@ const SHADES: [[f64; 3]; 6] = [
 /// Lines of rigid bodies.
 const LINES: [u8; 3] = [110, 110, 110];
 
+/// Colours of a field from its low to its high end, those of the page's viewer: cividis (Nuñez, Anderton and Renslow 2018).
+const LEVELS: [[f64; 3]; 5] = [
+    [0.0, 34.0, 78.0],
+    [65.0, 77.0, 107.0],
+    [124.0, 123.0, 120.0],
+    [188.0, 173.0, 108.0],
+    [254.0, 232.0, 56.0],
+];
+
+/// The values that a field's colours stand for, in its unit.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Range {
+    pub name: String,
+    pub unit: String,
+    pub low: f64,
+    /// Where the colours end.
+    pub high: f64,
+    /// Above `high` where a few sharp edges would take the colours from all the rest.
+    pub largest: f64,
+}
+
+impl Range {
+    /// From 0 to 1.
+    fn share(&self, value: f64) -> f64 {
+        let width = self.high - self.low;
+        if width > 0.0 {
+            ((value - self.low) / width).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The colour of a share of the range; a share that is no number has the lowest.
+fn level(share: f64) -> [f64; 3] {
+    let last = LEVELS.len() - 1;
+    let place = share.clamp(0.0, 1.0) * last as f64;
+    let below = (place as usize).min(last - 1);
+    let part = place - below as f64;
+    let (from, to) = (LEVELS[below], LEVELS[below + 1]);
+    let part = if part.is_finite() { part } else { 0.0 };
+    [0, 1, 2].map(|i| from[i] + part * (to[i] - from[i]))
+}
+
 struct Facet {
     corners: [[f64; 3]; 3],
     shade: [u8; 3],
 }
 
 impl Animation {
-    /// All bodies at the first time, deformed at the scale, as a PNG with transparent ground.
-    pub fn to_poster(&self) -> Vec<u8> {
+    /// The range of the first field of the flexible bodies, whose colours end where a hundredth of the nodes has more than twice.
+    pub(super) fn first_field(&self) -> Option<Range> {
+        let first = self.flexible.iter().flat_map(|b| &b.fields).next()?;
+        let mut values: Vec<f64> = self
+            .flexible
+            .iter()
+            .filter_map(|body| body.fields.iter().find(|f| f.name == first.name))
+            .flat_map(|field| field.values.iter().copied())
+            .filter(|value| value.is_finite())
+            .collect();
+        values.sort_by(f64::total_cmp);
+        let (low, largest) = (*values.first()?, *values.last()?);
+        let most = *values.get((0.99 * (values.len() - 1) as f64) as usize)?;
+        Some(Range {
+            name: first.name.clone(),
+            unit: first.unit.clone(),
+            low,
+            high: if most > 0.0 && most < 0.5 * largest {
+                most
+            } else {
+                largest
+            },
+            largest,
+        })
+    }
+
+    /// All bodies at the first time, deformed at the scale, as a PNG with transparent ground: each kind in its colour, or those that
+    /// have the field in the field's.
+    pub(super) fn to_poster(&self, colored: Option<&Range>) -> Vec<u8> {
         let towards = direction(VIEW);
         let right = direction(cross([0.0, 1.0, 0.0], towards));
         let up = cross(towards, right);
@@ -43,7 +114,16 @@ impl Animation {
         };
         let mut facets: Vec<Facet> = Vec::new();
         let mut lines: Vec<[[f64; 3]; 2]> = Vec::new();
-        let mut add = |surface: &Surface, moved: &[[f64; 3]], pose: &Pose, shade: [f64; 3]| {
+        let kinds = self.kinds();
+        let shade_of = |name: &str| {
+            let kind = kinds.iter().position(|kind| *kind == kind_of(name));
+            SHADES[kind.unwrap_or(0) % SHADES.len()]
+        };
+        let mut add = |surface: &Surface,
+                       moved: &[[f64; 3]],
+                       pose: &Pose,
+                       shade: [f64; 3],
+                       field: Option<(&NodeField, &Range)>| {
             let seen: Vec<[f64; 3]> = moved.iter().map(|point| view(pose, *point)).collect();
             for triangle in &surface.triangles {
                 let corner = |index: usize| {
@@ -54,14 +134,21 @@ impl Animation {
                     continue;
                 };
                 let [_, _, light] = direction(cross(minus(b, a), minus(c, a)));
+                let shade = match field {
+                    Some((field, range)) => {
+                        let value = |node: &u32| field.values.get(*node as usize).copied();
+                        let sum: f64 = triangle.iter().filter_map(value).sum();
+                        level(range.share(sum / 3.0))
+                    }
+                    None => shade,
+                };
                 facets.push(Facet {
                     corners: [a, b, c],
                     shade: shade.map(|s| (s * (0.45 + 0.55 * light.abs())) as u8),
                 });
             }
         };
-        let bodies = self.flexible.len();
-        for (index, body) in self.flexible.iter().enumerate() {
+        for body in &self.flexible {
             let moved: Vec<[f64; 3]> = body
                 .surface
                 .nodes
@@ -70,13 +157,17 @@ impl Animation {
                 .map(|(node, d)| [0, 1, 2].map(|i| node[i] + self.scale * d[i]))
                 .collect();
             let pose = body.poses.first().copied().unwrap_or(Pose::HOME);
-            add(&body.surface, &moved, &pose, SHADES[index % SHADES.len()]);
+            let field = colored.and_then(|range| {
+                let field = body.fields.iter().find(|f| f.name == range.name)?;
+                Some((field, range))
+            });
+            add(&body.surface, &moved, &pose, shade_of(&body.name), field);
         }
-        for (index, body) in self.rigid.iter().enumerate() {
+        for body in &self.rigid {
             let solid = Solid::of(&body.parts);
             let pose = body.poses.first().copied().unwrap_or(Pose::HOME);
-            let shade = SHADES[(bodies + index) % SHADES.len()];
-            add(&solid.surface, &solid.surface.nodes, &pose, shade);
+            let shade = shade_of(&body.name);
+            add(&solid.surface, &solid.surface.nodes, &pose, shade, None);
             for pair in solid.segments.chunks_exact(2) {
                 if let [from, to] = pair {
                     lines.push([view(&pose, *from), view(&pose, *to)]);
@@ -136,5 +227,28 @@ impl Frame {
             y: HEIGHT as f64 / 2.0 + self.scale * (y - self.middle[1]),
             near,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_run_from_blue_to_yellow() {
+        assert_eq!(level(0.0), LEVELS[0]);
+        assert_eq!(level(1.0), LEVELS[4]);
+        assert_eq!(level(0.5), LEVELS[2]);
+        assert_eq!(level(f64::NAN), LEVELS[0]);
+        let range = |high| Range {
+            name: String::new(),
+            unit: String::new(),
+            low: 1.0,
+            high,
+            largest: 9.0,
+        };
+        assert_eq!(range(3.0).share(2.0), 0.5);
+        assert_eq!(range(3.0).share(9.0), 1.0);
+        assert_eq!(range(1.0).share(9.0), 0.0);
     }
 }

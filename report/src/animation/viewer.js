@@ -231,6 +231,17 @@
       option.textContent = name;
       select.append(option);
     }
+    // bodies of one kind have one colour
+    const kinds = new Map(model.bodies.map((b) => [b.name.split("[")[0], b.color]));
+    if (kinds.size > 1) {
+      find("kinds").append(...[...kinds].map(([name, color]) => {
+        const entry = document.createElement("span");
+        const patch = document.createElement("i");
+        patch.style.background = `rgb(${color.map((c) => Math.round(255 * c))})`;
+        entry.append(patch, name);
+        return entry;
+      }));
+    }
     const largest = Math.max(0, ...model.bodies.map((b) => b.largest));
 
     const last = model.times.length - 1;
@@ -239,7 +250,8 @@
     const home = () => {
       state.azimuth = Math.atan2(first[0], first[2]);
       state.height = Math.asin(first[1]);
-      state.distance = model.radius * 2.6;
+      // all of it, on a narrow screen, too
+      state.distance = model.radius * 2.6 * Math.max(1, (1.25 * canvas.clientHeight) / (canvas.clientWidth || 1));
       state.target = model.center.slice();
     };
     home();
@@ -358,6 +370,7 @@
       find("rate-value").textContent = "1 : " + number(model.slowdown / state.rate);
       const range = scaleOf(state.color);
       find("colors").hidden = !range;
+      find("kinds").hidden = Boolean(range) || kinds.size < 2;
       if (range) {
         const micro = range.unit === "m";
         const text = (v) => number(micro ? v * 1e6 : v) + (micro ? " µm" : " " + range.unit);

@@ -1,5 +1,7 @@
 //! What stands on the horizontal axis of a history.
 
+use super::ticks::significant;
+
 /// What stands on the horizontal axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Abscissa {
@@ -9,6 +11,11 @@ pub enum Abscissa {
     Time,
     /// Frequency (Hz).
     Frequency,
+    /// Frequency (Hz) with the orders above the panels: frequency over the shaft's mean speed.
+    FrequencyAt {
+        /// Mean speed (revolutions a second).
+        speed: f64,
+    },
     /// Order of the shaft: cycles a revolution.
     Order,
     /// The same with the frequency (Hz) above the panels: order times the shaft's mean speed.
@@ -27,12 +34,40 @@ pub enum Abscissa {
     },
 }
 
+/// A second axis, whose numbers are those of the first times a factor.
+pub(super) struct Second {
+    /// What it is, with the speed it holds for.
+    pub title: String,
+    pub factor: f64,
+    /// What the page's script calls the factor.
+    pub key: &'static str,
+}
+
 impl Abscissa {
+    /// What stands above the panels; nothing for a shaft that stands.
+    pub(super) fn second(&self) -> Option<Second> {
+        let (name, speed, factor, key) = match self {
+            Abscissa::OrderAt { speed } => ("Frequency (Hz)", *speed, *speed, "data-speed"),
+            Abscissa::FrequencyAt { speed } => (
+                "Order (cycles a revolution)",
+                *speed,
+                1.0 / speed,
+                "data-turn",
+            ),
+            _ => return None,
+        };
+        (speed > 0.0 && speed.is_finite() && factor.is_finite()).then(|| Second {
+            title: format!("{name} at {} 1/min", significant(60.0 * speed)),
+            factor,
+            key,
+        })
+    }
+
     pub(super) fn name_and_unit(&self) -> (&str, &str) {
         match self {
             Abscissa::CrankAngle => ("Crank angle", "°CA"),
             Abscissa::Time => ("Time", "s"),
-            Abscissa::Frequency => ("Frequency", "Hz"),
+            Abscissa::Frequency | Abscissa::FrequencyAt { .. } => ("Frequency", "Hz"),
             Abscissa::Order | Abscissa::OrderAt { .. } => ("Order", "cycles a revolution"),
             Abscissa::Speed => ("Speed", "1/min"),
             Abscissa::Other { name, unit } => (name, unit),

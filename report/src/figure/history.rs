@@ -1,12 +1,11 @@
 //! Curves against crank angle, time, frequency, order or speed, one panel or several above each other.
 
-use super::abscissa::Abscissa;
+use super::abscissa::{Abscissa, Second};
 use super::axes::{Area, Scale, Scaled};
 
 use super::font::text_width;
-use super::legend::{curve_stroke, draw_legend, legend_rows};
+use super::legend::{curve_stroke, draw_legend, legend_rows, mark_stroke};
 use super::palette::Color;
-use super::plane::significant;
 use super::svg::{Anchor, CurveTag, Stroke, Svg, Target, TextStyle, coordinate};
 use super::{decimate, ticks};
 
@@ -27,15 +26,19 @@ pub struct Mark {
     pub label: String,
     /// The mark stands again after each of these, as far as the axis goes.
     pub period: Option<f64>,
+    /// What marks of this kind are, in the legend; may be empty.
+    pub meaning: String,
 }
 
 impl Mark {
-    /// Where a cylinder fires: its top dead centre at `angle` (°), again after each `period` (°; 720 for four-strokes).
-    pub fn firing_tdc(cylinder: usize, angle: f64, period: f64) -> Self {
+    /// Where a cylinder fires: its top dead centre at `angle` (°), again after each `period` (°; 720 for four-strokes). Cylinders
+    /// without a number are one.
+    pub fn firing_tdc(cylinder: Option<usize>, angle: f64, period: f64) -> Self {
         Mark {
             at: angle,
-            label: format!("TDC {cylinder}"),
+            label: cylinder.map_or_else(|| "TDC".to_owned(), |n| format!("TDC {n}")),
             period: Some(period),
+            meaning: "TDC: firing dead centre of the cylinder".to_owned(),
         }
     }
 
@@ -131,14 +134,15 @@ impl History {
             .fold(0.0, f64::max);
         let left = 24.0 + LABEL + 18.0 + widest + 12.0;
         let names = self.names();
-        let legend = legend_rows(&names, WIDTH - left - RIGHT);
+        let meanings = self.meanings();
+        let legend = legend_rows(&names, &meanings, WIDTH - left - RIGHT);
         let top = 92.0 + 26.0 * legend.len() as f64;
         let titled = self.panels.iter().any(|p| !p.title.is_empty());
         let count = self.panels.len().max(1) as f64;
         let panel_height = if self.panels.len() <= 1 { 500.0 } else { 360.0 };
         let room = if self.marks.is_empty() { 0.0 } else { 18.0 };
         let gap = room + if titled { 46.0 } else { 28.0 };
-        let above = self.above();
+        let above = self.abscissa.second();
         let head = if above.is_some() { 48.0 } else { 0.0 };
         let first = top + head + room + if titled { 30.0 } else { 0.0 };
         let bottom = first + count * panel_height + (count - 1.0) * gap;
@@ -167,7 +171,11 @@ impl History {
             };
             let last = index + 1 == self.panels.len();
             let mut known = vec![("data-title", panel.title.clone())];
-            known.extend(above.map(|speed| ("data-speed", format!("{speed}"))));
+            known.extend(
+                above
+                    .as_ref()
+                    .map(|second| (second.key, format!("{}", second.factor))),
+            );
             area.begin_panel(&mut svg, &horizontal, &vertical, &known);
             area.draw(&mut svg, &horizontal, &vertical, last);
             if !panel.title.is_empty() {
@@ -179,8 +187,8 @@ impl History {
                 );
             }
             self.draw_marks(&mut svg, &area, &horizontal);
-            if let (0, Some(speed)) = (index, above) {
-                draw_frequencies(&mut svg, &area, &horizontal, speed);
+            if let (0, Some(second)) = (index, &above) {
+                draw_second(&mut svg, &area, &horizontal, second);
             }
             draw_curves(&mut svg, &area, panel, &names, (&horizontal, &vertical));
             svg.end_group();
@@ -214,14 +222,6 @@ impl History {
                 ..Scaled::plain(ticks::crank_angle(low, high, 14), name, unit)
             },
             _ => Scaled::plain(ticks::inside(low, high, 10), name, unit),
-        }
-    }
-
-    /// The speed (1/s) by which orders are frequencies, where these stand above the panels.
-    fn above(&self) -> Option<f64> {
-        match self.abscissa {
-            Abscissa::OrderAt { speed } if speed > 0.0 && speed.is_finite() => Some(speed),
-            _ => None,
         }
     }
 
@@ -266,20 +266,25 @@ impl History {
         names
     }
 
+    /// What the marks that are shown are, each once.
+    fn meanings(&self) -> Vec<&str> {
+        let range = self.horizontal().ticks.range;
+        let mut meanings: Vec<&str> = Vec::new();
+        for mark in &self.marks {
+            let shown = !mark.meaning.is_empty() && !mark.places(range).is_empty();
+            if shown && !meanings.contains(&mark.meaning.as_str()) {
+                meanings.push(&mark.meaning);
+            }
+        }
+        meanings
+    }
+
     fn draw_marks(&self, svg: &mut Svg<'_>, area: &Area, horizontal: &Scaled) {
         for mark in &self.marks {
             for place in mark.places(horizontal.ticks.range) {
                 let at = area.x(place, &horizontal.ticks);
                 svg.begin_group("mark", &[("data-x", coordinate(at))]);
-                svg.line(
-                    (at, area.top - 4.0),
-                    (at, area.bottom()),
-                    Stroke {
-                        color: Color::Rule,
-                        width: 1.2,
-                        dash: "2 4",
-                    },
-                );
+                svg.line((at, area.top - 4.0), (at, area.bottom()), mark_stroke());
                 svg.text(
                     at,
                     area.top - 8.0,
@@ -292,12 +297,17 @@ impl History {
     }
 }
 
-/// Numbers of a second axis above the panel: orders times `speed` (1/s), in Hz. They move with the curves.
-fn draw_frequencies(svg: &mut Svg<'_>, area: &Area, horizontal: &Scaled, speed: f64) {
+/// Numbers of a second axis above the panel. They move with the curves.
+fn draw_second(svg: &mut Svg<'_>, area: &Area, horizontal: &Scaled, second: &Second) {
     let (low, high) = horizontal.ticks.range;
-    let frequencies = ticks::inside(speed * low, speed * high, 10);
-    for value in &frequencies.values {
-        let at = area.x(value / speed, &horizontal.ticks);
+    let factor = second.factor;
+    let numbers = ticks::inside(factor * low, factor * high, 10);
+    for value in &numbers.values {
+        let place = value / factor;
+        if !(low..=high).contains(&place) {
+            continue;
+        }
+        let at = area.x(place, &horizontal.ticks);
         svg.begin_group("mark", &[("data-x", coordinate(at))]);
         svg.line(
             (at, area.top - 6.0),
@@ -307,7 +317,7 @@ fn draw_frequencies(svg: &mut Svg<'_>, area: &Area, horizontal: &Scaled, speed: 
         svg.text(
             at,
             area.top - 11.0,
-            &ticks::number(*value, frequencies.step),
+            &ticks::number(*value, numbers.step),
             TextStyle::new(SMALL, Anchor::Middle),
         );
         svg.end_group();
@@ -315,7 +325,7 @@ fn draw_frequencies(svg: &mut Svg<'_>, area: &Area, horizontal: &Scaled, speed: 
     svg.text(
         area.left + area.width / 2.0,
         area.top - 32.0,
-        &format!("Frequency (Hz) at {} 1/min", significant(60.0 * speed)),
+        &second.title,
         TextStyle::new(SMALL + 1.0, Anchor::Middle),
     );
 }
@@ -435,6 +445,12 @@ mod tests {
         };
         // 250 Hz are the fifth order of 3000 1/min
         assert!(left("250").is_some() && left("250") == left("5"), "{svg}");
+        figure.abscissa = Abscissa::FrequencyAt { speed: 0.5 };
+        assert!(
+            figure
+                .to_svg()
+                .contains("Order (cycles a revolution) at 30 1/min")
+        );
         figure.abscissa = Abscissa::OrderAt { speed: f64::NAN };
         assert!(!figure.to_svg().contains("NaN"));
     }
@@ -454,8 +470,8 @@ mod tests {
         let mut figure = small();
         figure.panels[0].x = vec![0.0, 700.0, 1440.0];
         figure.marks = vec![
-            Mark::firing_tdc(1, 0.0, 720.0),
-            Mark::firing_tdc(3, 180.0, 720.0),
+            Mark::firing_tdc(Some(1), 0.0, 720.0),
+            Mark::firing_tdc(Some(3), 180.0, 720.0),
         ];
         let svg = figure.to_svg();
         assert_eq!(svg.matches(">TDC 1<").count(), 3, "0, 720 and 1440");

@@ -9,7 +9,9 @@ mod axes;
 mod decimate;
 mod font;
 mod history;
+mod key;
 mod legend;
+mod marks;
 mod orbit;
 pub(crate) mod palette;
 mod plane;
@@ -28,6 +30,8 @@ pub use plane::Upright;
 pub use polar::{FixedTo, Polar, PolarCurve};
 pub use spectra::spectra;
 pub use sweep::{Campbell, SweepFigure, Waterfall};
+
+pub(crate) use ticks::significant;
 
 use palette::Theme;
 use svg::Target;

@@ -1,7 +1,9 @@
 //! Paths of pins in their clearance circles, one small picture a journal.
 
-use super::plane::{Cell, KeyKind, Sheet, Upright, clearance_stroke, half_stroke, significant};
+use super::key::{KeyKind, clearance_stroke, half_stroke};
+use super::plane::{Cell, Sheet, Upright};
 use super::svg::Target;
+use super::ticks::significant;
 
 /// The circle's share of the square.
 const FILL: f64 = 0.88;
@@ -106,7 +108,7 @@ impl Orbit {
 
 #[cfg(test)]
 mod tests {
-    use super::super::plane::{last_cycle, marks};
+    use super::super::marks::{last_cycle, marks};
     use super::*;
 
     fn small(samples: u32, upright: Upright) -> Orbits {

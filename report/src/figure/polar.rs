@@ -1,7 +1,8 @@
 //! Polar diagrams: the vector of a force over a cycle, in axes that stand with the housing or turn with the journal.
 
+use super::key::{KeyKind, limit_stroke};
 use super::palette::Color;
-use super::plane::{Cell, KeyKind, Sheet, Upright, limit_stroke, significant};
+use super::plane::{Cell, Sheet, Upright};
 use super::svg::{Stroke, Target};
 use super::ticks;
 
@@ -131,7 +132,7 @@ impl Polar {
                     facts: format!(
                         "{} ≤ {} {}",
                         self.quantity,
-                        significant(curve.largest()),
+                        ticks::significant(curve.largest()),
                         self.unit
                     ),
                     frame: if curve.frame.is_empty() {

@@ -43,7 +43,8 @@ pub(crate) fn inside(low: f64, high: f64, count: usize) -> Ticks {
     within(low, high, step)
 }
 
-/// Marks of a crank angle (°): steps that divide a revolution, or whole revolutions; at most `count` of them.
+/// Marks of a crank angle (°): steps that divide a revolution, or whole revolutions; at most `count` of them, but for two cycles of
+/// a four-stroke engine, which have the 90° of one.
 pub(crate) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
     const STEPS: [f64; 11] = [
         1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0, 720.0,
@@ -54,14 +55,24 @@ pub(crate) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
         .into_iter()
         .find(|step| (high - low) / step <= most)
         .unwrap_or_else(|| 720.0 * nice_step((high - low) / most / 720.0).ceil());
+    let quarters = (high - low) / 90.0;
+    let step = if step == 180.0 && most >= 12.0 && quarters <= 16.0 * (1.0 + 1e-6) {
+        90.0
+    } else {
+        step
+    };
     within(low, high, step)
 }
 
+/// Share of an axis by which it is lengthened to end at a mark: samples end a step before 720° or 4 kHz.
+const NEAR: f64 = 0.005;
+
 fn within(low: f64, high: f64, step: f64) -> Ticks {
-    let first = (low / step - 1e-6).ceil();
-    let last = (high / step + 1e-6).floor();
+    let slack = NEAR * (high - low) / step + 1e-6;
+    let first = (low / step - slack).ceil();
+    let last = (high / step + slack).floor();
     Ticks {
-        range: (low, high),
+        range: (low.min(first * step), high.max(last * step)),
         values: marks(first, last, step),
         step,
     }
@@ -124,6 +135,21 @@ pub(crate) fn number(value: f64, step: f64) -> String {
     }
 }
 
+/// Three digits, without trailing zeros.
+pub(crate) fn significant(value: f64) -> String {
+    let decimals = match value.abs() {
+        v if v >= 100.0 => 0,
+        v if v >= 10.0 => 1,
+        _ => 2,
+    };
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
 /// `10³`.
 pub(crate) fn power_of_ten(exponent: i32) -> String {
     let digits: String = exponent
@@ -165,7 +191,12 @@ mod tests {
             ticks.values,
             (0..=8).map(|i| f64::from(i) * 90.0).collect::<Vec<_>>()
         );
-        assert_eq!(crank_angle(0.0, 1440.0, 13).step, 180.0);
+        assert_eq!(crank_angle(0.0, 1440.0, 13).step, 90.0);
+        assert_eq!(crank_angle(0.0, 2160.0, 13).step, 180.0);
+        // samples that end a step early
+        assert_eq!(crank_angle(0.0, 719.5, 13).range, (0.0, 720.0));
+        assert_eq!(inside(0.0, 3985.0, 10).range, (0.0, 4000.0));
+        assert_eq!(inside(0.0, 3900.0, 10).range, (0.0, 3900.0));
         assert_eq!(crank_angle(0.0, 72_000.0, 13).step % 720.0, 0.0);
     }
 
@@ -187,7 +218,7 @@ mod tests {
             prop_assert!(ticks.values.len() >= 2 && ticks.values.len() <= 2 * count + 4);
             prop_assert!(ticks.range.0 <= a + 1e-6 * ticks.step && ticks.range.1 >= a + width - 1e-6 * ticks.step);
             let angle = crank_angle(a, a + width, count);
-            prop_assert!(angle.values.len() <= count.max(2) + 1);
+            prop_assert!(angle.values.len() <= count.max(2) + 1 || angle.step == 90.0 && angle.values.len() <= 17);
         }
 
         #[test]

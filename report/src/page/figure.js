@@ -222,7 +222,8 @@
       const own = this.data.title ? this.data.title + ", " : "";
       const place = found.length ? found[0].x : this.valueX(x);
       const frequency = this.data.speed ? `, ${short(Number((place * this.data.speed).toPrecision(5)))} Hz` : "";
-      const here = `${own}${this.data.xName} ${short(place)} ${this.data.xUnit}${frequency}`;
+      const order = this.data.turn ? `, order ${short(Number((place * this.data.turn).toPrecision(3)))}` : "";
+      const here = `${own}${this.data.xName} ${short(place)} ${this.data.xUnit}${frequency}${order}`;
       return { hair: this.shownX(this.pixelX(place)), dots, parts: [{ text: here }, ...found] };
     }
 

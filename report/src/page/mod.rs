@@ -28,10 +28,30 @@ enum Block {
     List(Vec<String>),
     Code(String),
     Table(Table),
-    Figure(Box<Figure>, String),
+    Figure(Box<Plot>),
     Drawing(Box<Drawing>),
     Animation(Box<Animation>),
     Section(Section),
+}
+
+/// A figure with what stands below it.
+#[derive(Clone, Debug, PartialEq)]
+struct Plot {
+    figure: Figure,
+    caption: String,
+    /// For a file; empty for one made of the caption.
+    name: String,
+    /// The text that asks for the figure; may be empty.
+    written: String,
+}
+
+impl Plot {
+    fn caption(&self) -> &str {
+        match self.caption.is_empty() {
+            true => self.figure.title(),
+            false => &self.caption,
+        }
+    }
 }
 
 /// A picture that was drawn elsewhere.
@@ -59,6 +79,8 @@ pub struct NumberedFigure {
     pub number: usize,
     /// What stands below it.
     pub caption: String,
+    /// What its file is called, where that was said.
+    pub name: Option<String>,
     /// The picture.
     pub svg: String,
 }
@@ -132,7 +154,23 @@ impl Section {
 
     /// A figure with what it shows, in words: the caption, which also tells those who cannot see it.
     pub fn figure(self, figure: impl Into<Figure>, caption: impl Into<String>) -> Section {
-        self.with(Block::Figure(Box::new(figure.into()), caption.into()))
+        self.figure_named(figure, caption, "", "")
+    }
+
+    /// A figure that a text asks for: the name of its file, and how it is written.
+    pub fn figure_named(
+        self,
+        figure: impl Into<Figure>,
+        caption: impl Into<String>,
+        name: impl Into<String>,
+        written: impl Into<String>,
+    ) -> Section {
+        self.with(Block::Figure(Box::new(Plot {
+            figure: figure.into(),
+            caption: caption.into(),
+            name: name.into(),
+            written: written.into(),
+        })))
     }
 
     /// A picture of its own, as the text of an SVG file: shown as it is, without the script's help. `title` is what it is called
@@ -196,17 +234,16 @@ impl Page {
             for block in &section.blocks {
                 let number = found.len() + 1;
                 match block {
-                    Block::Figure(figure, caption) => found.push(NumberedFigure {
+                    Block::Figure(plot) => found.push(NumberedFigure {
                         number,
-                        caption: match caption.is_empty() {
-                            true => figure.title().to_owned(),
-                            false => caption.clone(),
-                        },
-                        svg: figure.to_svg(),
+                        caption: plot.caption().to_owned(),
+                        name: Some(plot.name.clone()).filter(|name| !name.is_empty()),
+                        svg: plot.figure.to_svg(),
                     }),
                     Block::Drawing(drawing) => found.push(NumberedFigure {
                         number,
                         caption: drawing.caption().to_owned(),
+                        name: None,
                         svg: drawing.svg.clone(),
                     }),
                     Block::Section(section) => gather(section, found),
@@ -360,7 +397,7 @@ impl Writer {
                 ));
             }
             Block::Table(table) => self.text.push_str(&table.to_html()),
-            Block::Figure(figure, caption) => self.figure(figure, caption),
+            Block::Figure(plot) => self.figure(plot),
             Block::Drawing(drawing) => self.drawing(drawing),
             Block::Animation(animation) => {
                 self.animations += 1;
@@ -385,17 +422,19 @@ impl Writer {
         ));
     }
 
-    fn figure(&mut self, figure: &Figure, caption: &str) {
+    fn figure(&mut self, plot: &Plot) {
         self.figures += 1;
         self.plots += 1;
         let number = self.figures;
         let id = format!("figure-{number}");
-        let drawing = figure.in_page(&format!("{id}-"));
-        let title = figure.title();
-        let caption = if caption.is_empty() { title } else { caption };
+        let drawing = plot.figure.in_page(&format!("{id}-"));
+        let written = match plot.written.is_empty() {
+            true => String::new(),
+            false => format!("<br><code>{}</code>", escaped(&plot.written)),
+        };
         self.put(format_args!(
-            "<figure class=\"plot\" id=\"{id}\" aria-labelledby=\"{id}-caption\">\n<div class=\"sheet\">\n{drawing}</div>\n<div class=\"tools\" hidden><button type=\"button\" class=\"reset\" disabled>Show all</button> <span class=\"hint\">Drag to zoom, shift and drag to move; click the drawing to zoom by the wheel or + and −.</span></div>\n<output class=\"readout\" aria-live=\"off\"></output>\n<figcaption id=\"{id}-caption\"><b>Figure {number}.</b> {}</figcaption>\n</figure>\n",
-            escaped(caption)
+            "<figure class=\"plot\" id=\"{id}\" aria-labelledby=\"{id}-caption\">\n<div class=\"sheet\">\n{drawing}</div>\n<div class=\"tools\" hidden><button type=\"button\" class=\"reset\" disabled>Show all</button> <span class=\"hint\">Drag to zoom, shift and drag to move; click the drawing to zoom by the wheel or + and −.</span></div>\n<output class=\"readout\" aria-live=\"off\"></output>\n<figcaption id=\"{id}-caption\"><b>Figure {number}.</b> {}{written}</figcaption>\n</figure>\n",
+            escaped(plot.caption())
         ));
     }
 }

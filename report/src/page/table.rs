@@ -95,6 +95,9 @@ pub struct Table {
     pub rows: Vec<Vec<Cell>>,
 }
 
+/// Tables of so many rows stay on one sheet of paper.
+const SHORT: usize = 14;
+
 impl Table {
     /// The markup; long tables scroll within themselves.
     pub(super) fn to_html(&self) -> String {
@@ -102,7 +105,12 @@ impl Table {
         // writing to a String cannot fail
         let _ = write!(
             text,
-            "<div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n<caption>{caption}</caption>\n<thead><tr>",
+            "<div class=\"table{short}\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n<caption>{caption}</caption>\n<thead><tr>",
+            short = if self.rows.len() <= SHORT {
+                " short"
+            } else {
+                ""
+            },
             caption = escaped(&self.caption)
         );
         let numeric: Vec<bool> = (0..self.columns.len())
@@ -163,7 +171,16 @@ impl Cell {
             Cell::Number { value, digits } => significant(*value, *digits),
             Cell::Short { value, digits } => shortened(&significant(*value, *digits)),
             Cell::Fixed { value, .. } if !value.is_finite() => "–".to_owned(),
-            Cell::Fixed { value, decimals } => minus(&format!("{value:.*}", (*decimals).min(17))),
+            Cell::Fixed { value, decimals } => {
+                let text = format!("{value:.*}", (*decimals).min(17));
+                // a zero has no sign
+                let zero = text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
+                minus(if zero {
+                    text.trim_start_matches('-')
+                } else {
+                    &text
+                })
+            }
             Cell::Code(text) => format!("<code>{}</code>", escaped(text)),
             Cell::Empty => "–".to_owned(),
         }

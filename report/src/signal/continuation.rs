@@ -157,7 +157,7 @@ fn predicted(x: &[f64], coefficients: &[f64], stride: usize) -> Vec<f64> {
             .enumerate()
             .map(|(k, a)| a * get(&whole, n - (k + 1) * stride))
             .sum();
-        if !(next.abs() <= GROWTH) {
+        if next.is_nan() || next.abs() > GROWTH {
             break;
         }
         whole.push(next);

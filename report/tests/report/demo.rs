@@ -73,7 +73,7 @@ pub fn history() -> History {
         },
         scale: Scale::Linear,
         marks: [(1, 0.0), (3, 180.0), (4, 360.0), (2, 540.0)]
-            .map(|(cylinder, angle)| Mark::firing_tdc(cylinder, angle, 720.0))
+            .map(|(cylinder, angle)| Mark::firing_tdc(Some(cylinder), angle, 720.0))
             .to_vec(),
         panels: vec![panel("unfired", false), panel("fired", true)],
     }

@@ -1,0 +1,327 @@
+//! Figures of reports.
+
+mod orders;
+mod plane;
+
+use super::evaluate::{Evaluator, filter_of};
+use super::track::{Track, told_apart};
+use super::{PostError, Run};
+use crate::cli::figures::{common_frame, letters};
+use crate::report::firing_marks;
+use eng_report::figure::{
+    Abscissa, Curve, Figure, History, Mark, Ordinate, Panel, Scale, Waterfall,
+};
+use eng_report::readable_unit;
+use eng_system::DisplayUnit;
+use eng_system::report::{self as plan, Expression, Member, Picture};
+
+/// Draws a figure.
+pub(super) fn figure(
+    figure: &plan::Figure,
+    title: &str,
+    evaluator: &Evaluator<'_>,
+) -> Result<Figure, PostError> {
+    let drawer = Drawer {
+        title,
+        figure,
+        evaluator,
+    };
+    match &figure.picture {
+        Picture::History(panels, by_time) => drawer.history(panels, *by_time),
+        Picture::Spectrum(members, settings) => drawer.spectrum(members, settings),
+        Picture::Orbit(journals, cycles) => drawer.orbit(journals, *cycles),
+        Picture::Polar(vectors, cycles) => drawer.polar(vectors, *cycles),
+        Picture::OrderTrack {
+            members,
+            orders,
+            window,
+            block,
+        } => drawer.order_track(members, orders, *window, *block),
+        Picture::Waterfall(members, settings) => Ok(Waterfall {
+            figure: drawer.map(members, settings)?,
+        }
+        .into()),
+        Picture::Campbell {
+            members,
+            settings,
+            orders,
+            modes,
+        } => drawer.campbell(members, settings, orders, modes),
+    }
+}
+
+struct Drawer<'d> {
+    title: &'d str,
+    figure: &'d plan::Figure,
+    evaluator: &'d Evaluator<'d>,
+}
+
+impl Drawer<'_> {
+    fn display(&self) -> &DisplayUnit {
+        &self.figure.display
+    }
+
+    /// Model and analyses of what is drawn.
+    fn about(&self, analyses: &[&str]) -> Result<String, PostError> {
+        let mut names: Vec<&str> = Vec::new();
+        for name in analyses {
+            if !names.contains(name) {
+                names.push(name);
+            }
+        }
+        let mut models: Vec<&str> = Vec::new();
+        for name in &names {
+            let model = self.evaluator.run(name)?.results.model();
+            if !models.contains(&model) {
+                models.push(model);
+            }
+        }
+        let shown = match names.as_slice() {
+            [] => String::new(),
+            [one] => format!("analysis {one}"),
+            [first, .., last] if names.len() > 4 => {
+                format!("analyses {first} to {last} ({} runs)", names.len())
+            }
+            names => format!("analyses {}", names.join(", ")),
+        };
+        Ok(format!("{}, {shown}", models.join(" and ")))
+    }
+
+    /// What stands under the title of signals: model, analyses, filters.
+    fn subtitle(&self, members: &[&Member]) -> Result<String, PostError> {
+        let mut analyses = Vec::new();
+        let mut filters: Vec<String> = Vec::new();
+        for member in members {
+            member
+                .expression
+                .channels(&mut |analysis, _| analyses.push(analysis));
+            self.filters(&member.expression, &mut filters)?;
+        }
+        let filters = if filters.is_empty() {
+            "not filtered".to_owned()
+        } else {
+            filters.join("; ")
+        };
+        Ok(format!("{}, {filters}", self.about(&analyses)?))
+    }
+
+    /// What the filters of an expression do, each once.
+    fn filters(&self, expression: &Expression, found: &mut Vec<String>) -> Result<(), PostError> {
+        match expression {
+            Expression::Filter(filter, of) => {
+                self.filters(of, found)?;
+                let track = self.evaluator.track(of)?;
+                if let Some((made, sampled)) = filter_of(filter, &track)? {
+                    let text = made.description(sampled.sampling);
+                    if !found.contains(&text) {
+                        found.push(text);
+                    }
+                }
+                Ok(())
+            }
+            Expression::Map(_, of)
+            | Expression::Last(_, of)
+            | Expression::Decibel(_, of)
+            | Expression::Reduce(_, of)
+            | Expression::Amplitude(_, _, of) => self.filters(of, found),
+            Expression::Binary(_, left, right) | Expression::Resample(left, right) => {
+                self.filters(left, found)?;
+                self.filters(right, found)
+            }
+            Expression::Fold(_, members) => members.iter().try_for_each(|m| self.filters(m, found)),
+            _ => Ok(()),
+        }
+    }
+
+    /// The axes that components are along.
+    fn frame(&self, members: &[&Member]) -> String {
+        let mut frames = Vec::new();
+        for member in members {
+            member.expression.channels(&mut |analysis, path| {
+                let run = self.evaluator.run(analysis).ok();
+                if let Some(column) = run.and_then(|run| run.results.column(path)) {
+                    frames.push(column.frame.as_str());
+                }
+            });
+        }
+        common_frame(&frames)
+    }
+
+    fn ordinate(&self, members: &[&Member]) -> Ordinate {
+        Ordinate {
+            quantity: capital(&self.figure.quantity),
+            unit: readable_unit(&self.display().symbol),
+            frame: self.frame(members),
+        }
+    }
+
+    /// The journal's letter of each of some signals, where they are in the axes of different journals: those of one tell none apart.
+    fn lettered<'m>(&self, members: &[&'m Member]) -> Vec<(&'m Member, String)> {
+        let found: Vec<(&Member, String)> = members
+            .iter()
+            .filter_map(|member| Some((*member, self.letter(&member.expression)?)))
+            .collect();
+        match found.first() {
+            Some((_, first)) if found.iter().any(|(_, letter)| letter != first) => found,
+            _ => Vec::new(),
+        }
+    }
+
+    /// The letter of the journal in whose axes an expression is.
+    fn letter(&self, of: &Expression) -> Option<String> {
+        let mut found: Vec<String> = Vec::new();
+        let mut known = true;
+        of.channels(&mut |analysis, path| {
+            let letter = self.evaluator.run(analysis).ok().and_then(|run| {
+                let frame = &run.results.column(path)?.frame;
+                let letters = letters(run.results, &run.model.journals);
+                let own = letters.into_iter().find(|(axes, _)| axes == frame)?;
+                Some(own.1)
+            });
+            match letter {
+                Some(letter) => found.push(letter),
+                None => known = false,
+            }
+        });
+        let first = found.first()?.clone();
+        (known && found.iter().all(|letter| *letter == first)).then_some(first)
+    }
+
+    /// Firing dead centres, where all runs have the same.
+    fn marks(&self, members: &[&Member]) -> Result<Vec<Mark>, PostError> {
+        let mut runs: Vec<Run<'_>> = Vec::new();
+        for member in members {
+            runs.push(self.evaluator.run(&member.analysis)?);
+        }
+        let Some(first) = runs.first().map(|run| run.model) else {
+            return Ok(Vec::new());
+        };
+        let same = runs.iter().all(|run| {
+            run.model.firing == first.firing && run.model.cycle_period == first.cycle_period
+        });
+        let Some(period) = first.cycle_period.filter(|_| same) else {
+            return Ok(Vec::new());
+        };
+        Ok(firing_marks(&first.firing, period))
+    }
+
+    fn history(&self, panels: &[Vec<Member>], by_time: bool) -> Result<Figure, PostError> {
+        let all: Vec<&Member> = panels.iter().flatten().collect();
+        let mut drawn = Vec::new();
+        let lettered = self.lettered(&all);
+        for members in panels {
+            let names = named(told_apart(pairs(members)), members, &lettered);
+            let title = match members.first() {
+                Some(first)
+                    if panels.len() > 1 && members.iter().all(|m| m.analysis == first.analysis) =>
+                {
+                    first.analysis.clone()
+                }
+                Some(first) if members.len() > 1 => {
+                    let same = members.iter().all(|m| m.channel == first.channel);
+                    if same {
+                        first.channel.clone()
+                    } else {
+                        String::new()
+                    }
+                }
+                _ => String::new(),
+            };
+            // curves over samples of their own stand in panels of their own
+            let mut own: Vec<(Vec<f64>, Vec<Curve>)> = Vec::new();
+            for (member, name) in members.iter().zip(names) {
+                let track = self.evaluator.track(&member.expression)?;
+                let x = abscissa(&track, by_time);
+                let curve = Curve {
+                    name,
+                    values: shown(&track.values, self.display()),
+                };
+                let alike = own.iter_mut().find(|(other, _)| alike(other, &x));
+                match alike {
+                    Some((_, curves)) => curves.push(curve),
+                    None => own.push((x, vec![curve])),
+                }
+            }
+            drawn.extend(own.into_iter().map(|(x, curves)| Panel {
+                title: title.clone(),
+                x,
+                curves,
+            }));
+        }
+        Ok(History {
+            title: self.title.to_owned(),
+            subtitle: self.subtitle(&all)?,
+            abscissa: if by_time {
+                Abscissa::Time
+            } else {
+                Abscissa::CrankAngle
+            },
+            ordinate: self.ordinate(&all),
+            scale: Scale::Linear,
+            marks: if by_time {
+                Vec::new()
+            } else {
+                self.marks(&all)?
+            },
+            panels: drawn,
+        }
+        .into())
+    }
+}
+
+/// Names with the letters before them.
+fn named(names: Vec<String>, members: &[Member], lettered: &[(&Member, String)]) -> Vec<String> {
+    names
+        .into_iter()
+        .zip(members)
+        .map(|(name, member)| {
+            let letter = lettered
+                .iter()
+                .find(|(other, _)| std::ptr::eq(*other, member));
+            match letter {
+                Some((_, letter)) => format!("{letter} {name}"),
+                None => name,
+            }
+        })
+        .collect()
+}
+
+fn pairs(members: &[Member]) -> impl Iterator<Item = (&str, &str)> + Clone {
+    members
+        .iter()
+        .map(|m| (m.analysis.as_str(), m.channel.as_str()))
+}
+
+/// Crank angle (°) or time (s) of the samples.
+fn abscissa(track: &Track, by_time: bool) -> Vec<f64> {
+    match (&track.samples.angle, by_time) {
+        (Some(_), false) => degrees(track),
+        _ => track.samples.time.clone(),
+    }
+}
+
+/// Cycle angle (°) of the samples; empty without a cycle.
+fn degrees(track: &Track) -> Vec<f64> {
+    let angle = track.samples.angle.as_deref().unwrap_or_default();
+    angle.iter().map(|a| a.to_degrees()).collect()
+}
+
+/// Whether two rows can share an axis: the same but for rounding.
+fn alike(a: &[f64], b: &[f64]) -> bool {
+    let span = match (a.first(), a.last()) {
+        (Some(first), Some(last)) => (last - first).abs(),
+        _ => 0.0,
+    };
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6 * span)
+}
+
+fn shown(values: &[f64], display: &DisplayUnit) -> Vec<f64> {
+    values.iter().map(|value| display.from_si(*value)).collect()
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}

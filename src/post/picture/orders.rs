@@ -1,0 +1,242 @@
+//! Spectra, their maps over speed, and orders.
+
+use super::{Drawer, named, pairs};
+use crate::post::PostError;
+use crate::post::evaluate::window_of;
+use crate::post::natural::Natural;
+use crate::post::reach::limit_text;
+use crate::post::spectra::{map_of, orders_along, orders_of, spectrum_of};
+use crate::post::track::{Track, told_apart};
+use eng_report::figure::{
+    Abscissa, Campbell, Curve, Figure, History, Ordinate, Panel, Scale, SweepFigure, spectra,
+};
+use eng_report::readable_unit;
+use eng_report::signal::{Level, OrderTrack};
+use eng_system::report::{self as plan, Limit, Member};
+
+/// Share of a mean speed by which those of runs in one figure may differ.
+const ALIKE: f64 = 1e-3;
+
+impl Drawer<'_> {
+    /// What stands under the title of spectra: analyses, and filters where there are any; the line is long enough with what made
+    /// the spectra.
+    fn short_subtitle(&self, members: &[&Member]) -> Result<String, PostError> {
+        let mut parts: Vec<String> = Vec::new();
+        match members {
+            [] => {}
+            [one] => parts.push(one.analysis.clone()),
+            [first, .., last] if first.analysis == last.analysis => {
+                parts.push(first.analysis.clone());
+            }
+            [first, .., last] => parts.push(format!("{} to {}", first.analysis, last.analysis)),
+        }
+        for member in members {
+            self.filters(&member.expression, &mut parts)?;
+        }
+        Ok(parts.join("; "))
+    }
+
+    pub(super) fn spectrum(
+        &self,
+        members: &[Member],
+        settings: &plan::SpectrumSettings,
+    ) -> Result<Figure, PostError> {
+        let all: Vec<&Member> = members.iter().collect();
+        let names = named(told_apart(pairs(members)), members, &self.lettered(&all));
+        let mut found = Vec::new();
+        let mut speeds = Vec::new();
+        for (member, name) in members.iter().zip(names) {
+            let track = self.evaluator.track(&member.expression)?;
+            let (spectrum, speed) = spectrum_of(&track, settings, self.display())?;
+            found.push((name, spectrum));
+            speeds.push(speed.map(|speed| speed / 60.0));
+        }
+        let mut subtitle = vec![self.short_subtitle(&all)?];
+        let reach = found.iter().map(|(_, s)| s.reach());
+        subtitle.extend(not_held(settings, reach.fold(f64::INFINITY, f64::min)));
+        let curves: Vec<_> = found.iter().map(|(name, s)| (name.clone(), s)).collect();
+        let scale = if settings.logarithmic && settings.reference.is_none() {
+            Scale::Logarithmic
+        } else {
+            Scale::Linear
+        };
+        let mut drawn = spectra(
+            self.title,
+            &subtitle.join("; "),
+            self.amplitudes(&all, settings)?,
+            scale,
+            settings.up_to,
+            &curves,
+        );
+        // orders and frequencies stand for each other where all shafts turn alike
+        if let Some(Some(speed)) = speeds.first().copied()
+            && speeds
+                .iter()
+                .all(|s| s.is_some_and(|s| (s - speed).abs() <= ALIKE * speed))
+        {
+            drawn.abscissa = match drawn.abscissa {
+                Abscissa::Frequency => Abscissa::FrequencyAt { speed },
+                Abscissa::Order => Abscissa::OrderAt { speed },
+                other => other,
+            };
+        }
+        Ok(drawn.into())
+    }
+
+    /// The ordinate of amplitudes, or of their levels.
+    fn amplitudes(
+        &self,
+        members: &[&Member],
+        settings: &plan::SpectrumSettings,
+    ) -> Result<Ordinate, PostError> {
+        let mut ordinate = self.ordinate(members);
+        ordinate.quantity.push_str(", 0-peak");
+        if let Some(reference) = settings.reference {
+            let display = self.display();
+            let level = Level::new(reference / display.scale, readable_unit(&display.symbol))
+                .map_err(|source| PostError::Signal {
+                    analysis: self.title.to_owned(),
+                    source,
+                })?;
+            ordinate.unit = level.label();
+        }
+        Ok(ordinate)
+    }
+
+    /// Spectra over speed, with the natural frequencies of linear analyses: of one speed lines across, of several a mark each.
+    pub(super) fn campbell(
+        &self,
+        members: &[Member],
+        settings: &plan::SpectrumSettings,
+        orders: &[f64],
+        modes: &[String],
+    ) -> Result<Figure, PostError> {
+        let mut figure = self.map(members, settings)?;
+        let natural = Natural::of(modes, self.evaluator)?;
+        if let Some(said) = natural.said() {
+            figure.subtitle = format!("{}; {said}", figure.subtitle);
+        }
+        Ok(Campbell {
+            figure,
+            orders: orders.to_vec(),
+            natural_frequencies: natural.lines(),
+            modes: natural.marks(),
+        }
+        .into())
+    }
+
+    pub(super) fn map(
+        &self,
+        members: &[Member],
+        settings: &plan::SpectrumSettings,
+    ) -> Result<SweepFigure, PostError> {
+        let all: Vec<&Member> = members.iter().collect();
+        let (map, description) = map_of(members, settings, self.display(), self.evaluator)?;
+        let ordinate = self.amplitudes(&all, settings)?;
+        let mut subtitle = vec![self.short_subtitle(&all)?, description];
+        // beyond the samples of a run its row is empty
+        let filled = |row: &Vec<f64>| row.iter().take_while(|a| !a.is_nan()).count();
+        let held = map.amplitudes.iter().map(filled).min().unwrap_or(0);
+        let reach = held.checked_sub(1).and_then(|last| map.positions.get(last));
+        subtitle.extend(not_held(settings, reach.copied().unwrap_or_default()));
+        Ok(SweepFigure {
+            title: self.title.to_owned(),
+            subtitle: subtitle.join("; "),
+            quantity: ordinate.quantity,
+            unit: ordinate.unit,
+            frame: ordinate.frame,
+            map,
+            limit: settings.up_to,
+        })
+    }
+
+    pub(super) fn order_track(
+        &self,
+        members: &[Member],
+        orders: &[f64],
+        window: plan::Window,
+        block: Option<(f64, f64)>,
+    ) -> Result<Figure, PostError> {
+        let all: Vec<&Member> = members.iter().collect();
+        let mut panels = Vec::new();
+        match block {
+            Some(block) => {
+                let names = told_apart(pairs(members));
+                for (member, name) in members.iter().zip(names) {
+                    let track = self.evaluator.track(&member.expression)?;
+                    let found = orders_along(&track, orders, window, block)?;
+                    panels.push(self.panel(name, &found));
+                }
+            }
+            None => {
+                let mut channels: Vec<(&str, Vec<Track>)> = Vec::new();
+                for member in members {
+                    let track = self.evaluator.track(&member.expression)?;
+                    match channels
+                        .iter_mut()
+                        .find(|(name, _)| *name == member.channel)
+                    {
+                        Some((_, tracks)) => tracks.push(track),
+                        None => channels.push((&member.channel, vec![track])),
+                    }
+                }
+                for (name, tracks) in &channels {
+                    let found = orders_of(tracks, orders, window)?;
+                    panels.push(self.panel((*name).to_owned(), &found));
+                }
+            }
+        }
+        let mut ordinate = self.ordinate(&all);
+        ordinate.quantity.push_str(", 0-peak");
+        let blocks = match block {
+            Some((revolutions, overlap)) => format!(
+                ", blocks of {revolutions} revolutions, overlap {:.0} %",
+                100.0 * overlap
+            ),
+            None => String::new(),
+        };
+        Ok(History {
+            title: self.title.to_owned(),
+            subtitle: format!(
+                "{}; {} window{blocks}",
+                self.subtitle(&all)?,
+                window_of(window).name()
+            ),
+            abscissa: Abscissa::Speed,
+            ordinate,
+            scale: Scale::Linear,
+            marks: Vec::new(),
+            panels,
+        }
+        .into())
+    }
+
+    fn panel(&self, title: String, found: &OrderTrack) -> Panel {
+        let scale = self.display().scale;
+        Panel {
+            title,
+            x: found.speeds.clone(),
+            curves: found
+                .orders
+                .iter()
+                .zip(&found.components)
+                .map(|(order, components)| Curve {
+                    name: format!("order {order}"),
+                    values: components.iter().map(|c| c.amplitude / scale).collect(),
+                })
+                .collect(),
+        }
+    }
+}
+
+/// What is said where an axis is asked to go on beyond what samples hold, up to `reach` (Hz, or orders).
+fn not_held(settings: &plan::SpectrumSettings, reach: f64) -> Option<String> {
+    let limit = |place| match settings.axis {
+        plan::Axis::Frequency => Limit::Frequency(place),
+        plan::Axis::Order => Limit::Order(place),
+    };
+    let beyond = settings
+        .up_to
+        .is_some_and(|up_to| up_to > reach * (1.0 + 1e-6));
+    beyond.then(|| format!("the samples hold no more than {}", limit_text(limit(reach))))
+}

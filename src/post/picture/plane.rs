@@ -1,0 +1,161 @@
+//! Orbits and polar diagrams.
+
+use super::{Drawer, capital, degrees};
+use crate::cli::figures::common_frame;
+use crate::plot::Upright;
+use crate::post::PostError;
+use crate::post::track::{Track, told_apart};
+use eng_report::figure::{Figure, FixedTo, Orbit, Orbits, Polar, PolarCurve, journal_letter};
+use eng_report::readable_unit;
+use eng_system::report::{Expression, Part, Vector};
+
+impl Drawer<'_> {
+    pub(super) fn orbit(
+        &self,
+        journals: &[(String, String)],
+        cycles: Option<u32>,
+    ) -> Result<Figure, PostError> {
+        let names = told_apart(journals.iter().map(|(a, p)| (a.as_str(), p.as_str())));
+        let mut orbits = Vec::new();
+        for ((analysis, path), name) in journals.iter().zip(names) {
+            let run = self.evaluator.run(analysis)?;
+            let geometry = run
+                .model
+                .journals
+                .iter()
+                .find(|journal| journal.path == *path)
+                .ok_or_else(|| PostError::NoJournal {
+                    analysis: analysis.clone(),
+                    path: path.clone(),
+                })?;
+            let axis = |axis: &str| Expression::Channel {
+                analysis: analysis.clone(),
+                path: format!("{path}.eccentricity.{axis}"),
+            };
+            let (x, y) = self.plane(&axis("x"), &axis("y"), cycles)?;
+            let frame = run
+                .results
+                .column(&format!("{path}.eccentricity.x"))
+                .map_or("", |column| column.frame.as_str());
+            let place = run.model.journals.iter().position(|j| j.path == *path);
+            orbits.push(Orbit {
+                name: match place.filter(|_| run.model.journals.len() > 1) {
+                    Some(place) => format!("{} {name}", journal_letter(place)),
+                    None => name,
+                },
+                frame: frame.to_owned(),
+                clearance: geometry.radial_clearance,
+                angle: degrees(&x),
+                x: x.values,
+                y: y.values,
+            });
+        }
+        let analyses: Vec<&str> = journals.iter().map(|(a, _)| a.as_str()).collect();
+        let (period, upright) = self.view(&analyses)?;
+        Ok(Orbits {
+            title: self.title.to_owned(),
+            subtitle: format!("{}, not filtered", self.about(&analyses)?),
+            period,
+            upright,
+            orbits,
+        }
+        .into())
+    }
+
+    pub(super) fn polar(
+        &self,
+        vectors: &[Vector],
+        cycles: Option<u32>,
+    ) -> Result<Figure, PostError> {
+        let names = told_apart(
+            vectors
+                .iter()
+                .map(|v| (v.analysis.as_str(), v.path.as_str())),
+        );
+        let display = self.display();
+        let mut fixed_to = FixedTo::Housing;
+        let mut curves = Vec::new();
+        for (vector, name) in vectors.iter().zip(names) {
+            let (x, y) = self.plane(&vector.x, &vector.y, cycles)?;
+            let mut frames = Vec::new();
+            vector.x.channels(&mut |analysis, path| {
+                let run = self.evaluator.run(analysis).ok();
+                if let Some(column) = run.and_then(|run| run.results.column(path)) {
+                    frames.push(column.frame.as_str());
+                }
+            });
+            let frame = common_frame(&frames);
+            let mut curve = PolarCurve {
+                name: match self.letter(&vector.x).filter(|_| vectors.len() > 1) {
+                    Some(letter) => format!("{letter} {name}"),
+                    None => name,
+                },
+                frame,
+                angle: degrees(&x),
+                // a vector has no shifted zero
+                x: x.values.iter().map(|v| v / display.scale).collect(),
+                y: y.values.iter().map(|v| v / display.scale).collect(),
+            };
+            if let Some(turned_by) = &vector.turned_by {
+                let turn = self.part(turned_by, cycles)?;
+                if let Some(detail) = x.samples.differ(&turn.samples) {
+                    return Err(PostError::Samples {
+                        first: x.samples.analysis.clone(),
+                        second: turn.samples.analysis.clone(),
+                        detail,
+                    });
+                }
+                let turn: Vec<f64> = turn.values.iter().map(|v| v.to_degrees()).collect();
+                let frame = format!("{}, turned about z", curve.frame);
+                curve = curve.turned(&turn, frame);
+                fixed_to = FixedTo::Journal;
+            }
+            curves.push(curve);
+        }
+        let analyses: Vec<&str> = vectors.iter().map(|v| v.analysis.as_str()).collect();
+        let (period, upright) = self.view(&analyses)?;
+        let said = if vectors.iter().any(|vector| vector.load) {
+            "load of the pins on their shells: the tip points at the side that carries it"
+        } else {
+            "as recorded: forces of joints and journals are those on the first marker"
+        };
+        Ok(Polar {
+            title: self.title.to_owned(),
+            subtitle: format!("{}, not filtered; {said}", self.about(&analyses)?),
+            quantity: capital(&self.figure.quantity),
+            unit: readable_unit(&display.symbol),
+            fixed_to,
+            period,
+            upright,
+            limit: None,
+            curves,
+        }
+        .into())
+    }
+
+    /// A signal, or its last cycles.
+    fn part(&self, expression: &Expression, cycles: Option<u32>) -> Result<Track, PostError> {
+        let track = self.evaluator.track(expression)?;
+        match cycles {
+            Some(count) => self.evaluator.last(Part::Cycles(count), track),
+            None => Ok(track),
+        }
+    }
+
+    fn plane(
+        &self,
+        x: &Expression,
+        y: &Expression,
+        cycles: Option<u32>,
+    ) -> Result<(Track, Track), PostError> {
+        Ok((self.part(x, cycles)?, self.part(y, cycles)?))
+    }
+
+    /// The period (°) and the upward axis of the first run; 360° without a cycle.
+    fn view(&self, analyses: &[&str]) -> Result<(f64, Upright), PostError> {
+        let first = analyses.first().copied().unwrap_or_default();
+        let model = self.evaluator.run(first)?.model;
+        let period = model.cycle_period.map_or(360.0, f64::to_degrees);
+        Ok((period, model.upright))
+    }
+}
