@@ -1,13 +1,15 @@
 //! Which loads the elements of a model can put on a marker: what the static modes of a flexible body are made for.
 
-use super::flexible::TermKind;
+use super::flexible::{TermDraft, TermKind};
 use super::{Elaborated, Elaborator};
 use crate::codes;
 use crate::ir::interpret::Interpreter;
 use crate::resolve::suggest::listing;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::code::{BindCode, Pair};
-use eng_system::flexible::{ALL_FREEDOMS, Freedoms, Interface, ModeTerm, freedom_text};
+use eng_system::flexible::{
+    ALL_FREEDOMS, FlexibleSource, Freedoms, Interface, ModeTerm, freedom_text,
+};
 use eng_system::layout::{InputLayout, MARKER_WIDTH};
 use eng_system::system::{BodyInertia, BodyRef, Element, Role};
 
@@ -241,38 +243,10 @@ impl Elaborator<'_, '_> {
                 .map(|m| transmitted(elaborated, &slots, *m))
                 .collect();
             let mut served = vec![0; loads.len()];
-            let mut idle: Vec<Span> = Vec::new();
+            for message in idle_terms(&draft.terms, &loads, &source) {
+                self.diagnostics.push(message);
+            }
             for term in draft.terms {
-                let loaded = |marker: &u32| loads[*marker as usize].freedoms != 0;
-                if term.freedoms.is_none()
-                    && !term.at.is_empty()
-                    && !term.at.iter().any(loaded)
-                    // the constraint modes and the held ones of `craig_bampton` are one term of the text
-                    && !idle.contains(&term.span)
-                {
-                    idle.push(term.span);
-                    let place = term.span;
-                    let names = term
-                        .at
-                        .iter()
-                        .map(|m| source.markers[*m as usize].name.as_str());
-                    let term = match term.kind {
-                        TermKind::Normal(_) => "these modes are not held there",
-                        _ => "this term has no mode",
-                    };
-                    self.diagnostics.push(
-                        Diagnostic::warning(
-                            codes::UNSERVED,
-                            format!(
-                                "{}: no element loads {}, so that {term}",
-                                source.origin.path,
-                                listing(names, 5)
-                            ),
-                        )
-                        .at(place, "taken without freedoms")
-                        .with_help("say which by `freedoms: [x, y, z]`, put a joint, force or journal on the marker, or leave the term out"),
-                    );
-                }
                 let at: Vec<Interface> = term
                     .at
                     .iter()
@@ -335,6 +309,55 @@ impl Elaborator<'_, '_> {
         }
         elaborated.flexible = sources;
     }
+}
+
+/// The messages for terms without freedoms whose markers nothing loads: they have none.
+fn idle_terms(
+    terms: &[TermDraft],
+    loads: &[Transmitted],
+    source: &FlexibleSource,
+) -> Vec<Diagnostic> {
+    let free = |marker: &u32| {
+        let load = loads.get(*marker as usize);
+        load.is_some_and(|load| load.freedoms == 0)
+    };
+    let idle = |term: &&TermDraft| {
+        term.freedoms.is_none() && !term.at.is_empty() && term.at.iter().all(free)
+    };
+    let mut told: Vec<Span> = Vec::new();
+    let mut messages = Vec::new();
+    for term in terms.iter().filter(idle) {
+        if told.contains(&term.span) {
+            continue;
+        }
+        told.push(term.span);
+        // the constraint modes and the held ones of `craig_bampton` are one term of the text
+        let is_normal = |t: &TermDraft| matches!(t.kind, TermKind::Normal(_));
+        let of_text = |normal: bool| {
+            let same = |t: &TermDraft| t.span == term.span && is_normal(t) == normal;
+            terms.iter().any(same)
+        };
+        let effect = match (of_text(false), of_text(true)) {
+            (true, true) => "it has no constraint modes, and its normal modes are not held there",
+            (_, true) => "its modes are not held there",
+            _ => "it has no mode",
+        };
+        let names = term.at.iter();
+        let names = names.filter_map(|m| source.markers.get(*m as usize).map(|m| m.name.as_str()));
+        messages.push(
+            Diagnostic::warning(
+                codes::UNSERVED,
+                format!(
+                    "{}: this term is taken without freedoms: {effect}",
+                    source.origin.path
+                ),
+            )
+            .at(term.span, "no element loads its markers")
+            .with_note(format!("these are {}", listing(names, 5)))
+            .with_help("state `freedoms: [x, y, z]`, put a joint, force or journal on a marker, or leave the term out"),
+        );
+    }
+    messages
 }
 
 impl Elaborated {
