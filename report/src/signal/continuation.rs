@@ -4,9 +4,9 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Most coefficients of a prediction.
 const LARGEST_ORDER: usize = 400;
-/// Share of the mean square that is added to the diagonal of the normal equations: of the many solutions of a signal of few
-/// sinusoids it takes that of the smallest coefficients.
-const RIDGE: f64 = 1e-12;
+/// Shares of the mean square that are added to the diagonal of the normal equations, the first with which they can be solved: of the
+/// many solutions of a signal of few sinusoids it takes that of the smallest coefficients.
+const RIDGES: [f64; 4] = [1e-12, 1e-11, 1e-10, 1e-8];
 /// A continuation ends where it outgrows the signal by this: what decays forwards grows backwards.
 const GROWTH: f64 = 4.0;
 
@@ -90,11 +90,17 @@ fn coefficients(x: &[f64], order: usize, stride: usize) -> Vec<f64> {
         .map(|i| get(&matrix, i * (order + 1)))
         .sum::<f64>()
         / order as f64;
-    for i in 0..order {
-        let value = get(&matrix, i * (order + 1)) + RIDGE * mean;
-        set(&mut matrix, i * (order + 1), value);
-    }
-    solved(matrix, right).unwrap_or(hold)
+    RIDGES
+        .into_iter()
+        .find_map(|ridge| {
+            let mut matrix = matrix.clone();
+            for i in 0..order {
+                let value = get(&matrix, i * (order + 1)) + ridge * mean;
+                set(&mut matrix, i * (order + 1), value);
+            }
+            solved(matrix, right.clone())
+        })
+        .unwrap_or(hold)
 }
 
 fn get(values: &[f64], place: usize) -> f64 {

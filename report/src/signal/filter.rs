@@ -389,6 +389,28 @@ mod tests {
         assert!(ends < 1e-4, "{ends:e} {middle:e}");
     }
 
+    /// Many samples, whose law is that of a few.
+    #[test]
+    fn long_signals_are_continued_by_strides() {
+        for noise in [0.0, 1e-9, 1e-6] {
+            let values: Vec<f64> = (0..14_401)
+                .map(|n| {
+                    let angle = f64::from(n).to_radians();
+                    libm::cos(4.0 * angle) + noise * libm::sin(1e5 * libm::sin(f64::from(n)))
+                })
+                .collect();
+            let filter = Filter {
+                band: Band::Between { from: 3.0, to: 5.0 },
+                slope: Slope::BrickWall,
+                ends: Ends::Continued,
+            };
+            let step = 1.0 / 360.0;
+            let (ends, middle) = errors(filter, &values, &values, step);
+            println!("noise {noise:e}: {ends:.1e} {middle:.1e}");
+            assert!(ends < 1e-5 + 3.0 * noise, "{noise:e}: {ends:e} {middle:e}");
+        }
+    }
+
     #[test]
     fn a_line_passes_or_is_stopped_whole() {
         let line: Vec<f64> = (0..200).map(|n| 3.0 - 0.1 * f64::from(n)).collect();
