@@ -397,7 +397,10 @@ fn bands_of_transients_hold_at_the_ends() {
     }
     let subtitle = |name: &str| history(&report, name).subtitle.clone();
     assert!(subtitle("round").ends_with("taken as periodic"));
-    assert!(subtitle("on").ends_with("continued beyond the ends by linear prediction"));
+    assert!(
+        subtitle("on")
+            .ends_with("continued beyond the ends cycle by cycle, the change by linear prediction")
+    );
 }
 
 /// What samples cannot tell is refused, in the units of the text and with what to do.
