@@ -388,23 +388,19 @@ fn bands_of_transients_hold_at_the_ends() {
         &["timed", "turned"],
     );
     let report = ran.report();
-    for (name, most) in [
-        ("low", 1e-3),
-        ("high", 1e-3),
-        ("band", 1e-3),
-        ("smooth", 1e-3),
-        ("part", 1e-2),
-        ("whole", 1e-2),
-        ("cycle", 1e-2),
-        ("after", 1e-2),
+    for name in [
+        "low", "high", "band", "smooth", "part", "whole", "cycle", "after",
     ] {
         let found = value(&report, name);
-        println!("{name}: {found:.1e} N of 3 kN");
-        assert!(found < most, "{name}: {found:e} N");
+        println!("{name}: {found:.1e} N of 4.5 kN");
+        assert!(found < 1e-5 * 4.5e3, "{name}: {found:e} N");
     }
     let subtitle = |name: &str| history(&report, name).subtitle.clone();
     assert!(subtitle("round").ends_with("taken as periodic"));
-    assert!(subtitle("on").ends_with("continued beyond the ends by linear prediction"));
+    assert!(
+        subtitle("on")
+            .ends_with("continued beyond the ends cycle by cycle, the change by linear prediction")
+    );
 }
 
 /// What samples cannot tell is refused, in the units of the text and with what to do.
@@ -539,7 +535,7 @@ fn a_run_up_has_no_frequencies_by_orders() {
         analysis up = transient(Faster(), duration: 40 rev, sample: 1 deg)
         report speeds {
             value frequency = rms(band(up.ripple, 50 Hz, 100 Hz))
-            value order = rms(band(up.ripple, 3, 5))
+            value order = maximum(abs(band(up.ripple, 3, 5) - up.ripple))
             value line = amplitude(up.ripple, 50 Hz)
             figure spectrum = spectrum(up.ripple, axis: frequency)
             figure orders = spectrum(up.ripple, axis: order)
@@ -561,7 +557,8 @@ fn a_run_up_has_no_frequencies_by_orders() {
             "{error}"
         );
     }
-    near(value(&report, "order"), 2e3 / 2f64.sqrt(), 1e-5);
+    // of the angle's law nothing is lost
+    assert!(value(&report, "order") < 0.1, "{}", value(&report, "order"));
     for name in ["orders", "tracks"] {
         let _ = figure(&report, name);
     }
@@ -581,12 +578,12 @@ fn angles_are_of_the_cycle() {
             figure shown = history(steady.ripple)
             value late_begin = minimum(last_cycle(late.cycle.angle))
             value late_end = maximum(last_cycle(late.cycle.angle))
-            value same = rms(steady.ripple - last_cycle(turned.ripple))
+            value same = rms(steady.ripple - last_cycle(coarse.ripple))
             value back_at = maximum_at(last_cycle(2 kN*cos(0.5*back.cycle.angle + 1 rad)))
             value back_order = amplitude(last_cycle(back.ripple), 4, window: rectangular)
             value back_band = rms(band(last_cycle(back.ripple), 3, 5))
         }",
-        &["steady", "late", "turned", "back"],
+        &["steady", "late", "coarse", "back"],
     );
     let report = ran.report();
     near(value(&report, "at"), 2.0, 1e-4);
@@ -863,7 +860,6 @@ report waves \"Two waves\" {
     value turn = amplitude(turned.ripple, 4, window: rectangular)
 }
 report bounds { require maximum(timed.wave[2]) < limit else \"too much\" }
-report idle { value most = limit }
 ";
     let text = format!("{MODEL}{reports}");
     std::fs::write(folder.join("spin.eng"), &text).expect("a file");
@@ -888,10 +884,6 @@ report idle { value most = limit }
         "{first}"
     );
     assert!(!first.contains("waves-both.svg"), "{first}");
-    // one that names no analysis is not left out
-    assert!(first.contains("report idle: Idle\n"), "{first}");
-    let told = |line: &str| line.split_whitespace().eq(["Most", "9000", "N"]);
-    assert!(first.lines().any(told), "{first}");
     // the other run finds the first one's file
     let second = run("turned");
     assert!(
@@ -955,6 +947,30 @@ report idle { value most = limit }
         errors.contains("the results of turned are of another text of the model"),
         "{errors}"
     );
+}
+
+/// A report that names no analysis is warned of, and made all the same.
+#[test]
+fn a_report_without_an_analysis_is_not_left_out() {
+    let folder = folder("report-without-analysis");
+    let text = format!("{MODEL}report idle {{ value most = limit }}\n");
+    std::fs::write(folder.join("spin.eng"), text).expect("a file");
+    let output = command(
+        &folder,
+        &["run", "spin.eng", "--analysis", "coarse", "--no-plots"],
+    );
+    let (told, errors) = (
+        String::from_utf8_lossy(&output.stdout).into_owned(),
+        String::from_utf8_lossy(&output.stderr).into_owned(),
+    );
+    assert_eq!(output.status.code(), Some(0), "{errors}");
+    assert!(
+        errors.contains("warning[W0801]: the report `idle` names no analysis"),
+        "{errors}"
+    );
+    assert!(told.contains("report idle: Idle\n"), "{told}");
+    let row = |line: &str| line.split_whitespace().eq(["Most", "9000", "N"]);
+    assert!(told.lines().any(row), "{told}");
 }
 
 /// The block of the reference is a report of the four-cylinder engine, and the examples' own blocks are checked with them.

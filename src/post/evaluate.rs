@@ -16,8 +16,11 @@ use eng_system::report::{
     self as plan, Chosen, Expression, Function, Limit, Operator, Part, Reduction,
 };
 use eng_system::system::Extent;
+use std::f64::consts::TAU;
 use std::rc::Rc;
 
+/// Share of a sample by which the samples of a cycle may be off a whole number.
+const WHOLE: f64 = 1e-3;
 /// Samples below which nothing is said of how they lie.
 const FEWEST: usize = 4;
 /// Share of a frequency within which a mode counts as near it.
@@ -120,6 +123,7 @@ impl<'r> Evaluator<'r> {
                 .to_vec(),
             angle: kept(CYCLE_ANGLE),
             speed: kept(CYCLE_SPEED),
+            period: run.model.cycle_period,
             whole: false,
         };
         if let Some(period) = run.model.cycle_period.filter(|_| run.model.periodic) {
@@ -434,6 +438,17 @@ fn axis_of(limit: Limit) -> Axis {
     }
 }
 
+/// Samples of a cycle, where it is a whole number of them.
+fn period_of(sampled: &Sampled, track: &Track) -> Option<usize> {
+    let period = track.samples.period?;
+    let count = match sampled.sampling {
+        Sampling::Angle { step } => period.to_degrees() / step,
+        Sampling::Time { step } => period / TAU / sampled.speed?.abs() / step,
+    };
+    let whole = count.round();
+    ((count - whole).abs() <= WHOLE && (1.0..1e9).contains(&whole)).then_some(whole as usize)
+}
+
 /// A filter for a signal, and how the signal's samples lie.
 pub(super) fn filter_of(
     filter: &plan::Filter,
@@ -475,7 +490,9 @@ pub(super) fn filter_of(
         ends: if track.samples.whole {
             Ends::Periodic
         } else {
-            Ends::Continued
+            Ends::Continued {
+                period: period_of(&sampled, track),
+            }
         },
     };
     Ok(Some((made, sampled)))

@@ -16,6 +16,8 @@ pub(super) struct Samples {
     pub angle: Option<Vec<f64>>,
     /// Rate of the cycle angle (rad/s), if there is a cycle.
     pub speed: Option<Vec<f64>>,
+    /// Period of the cycle (rad), if there is a cycle.
+    pub period: Option<f64>,
     /// Whether they are whole cycles: the last sample is the first of the next.
     pub whole: bool,
 }
@@ -32,6 +34,7 @@ impl Samples {
             time: tail(&self.time),
             angle: self.angle.as_ref().map(tail),
             speed: self.speed.as_ref().map(tail),
+            period: self.period,
             whole: false,
         }
     }
@@ -149,6 +152,7 @@ mod tests {
             time: times.to_vec(),
             angle: angles.map(<[f64]>::to_vec),
             speed: None,
+            period: None,
             whole: false,
         }
     }

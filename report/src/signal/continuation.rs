@@ -1,16 +1,18 @@
 //! What a signal would be beyond its ends, by linear prediction.
 
-use std::f64::consts::FRAC_PI_2;
-
 /// Most coefficients of a prediction.
 const LARGEST_ORDER: usize = 400;
-/// Share of the mean square that is added to the diagonal of the normal equations: of the many solutions of a signal of few
-/// sinusoids it takes that of the smallest coefficients.
-const RIDGE: f64 = 1e-12;
+/// Shares of the mean square that are added to the diagonal of the normal equations, the first with which they can be solved: of the
+/// many solutions of a signal of few sinusoids it takes that of the smallest coefficients.
+const RIDGES: [f64; 4] = [1e-12, 1e-11, 1e-10, 1e-8];
 /// A continuation ends where it outgrows the signal by this: what decays forwards grows backwards.
 const GROWTH: f64 = 4.0;
+/// A continuation is as long as the signal this many times, as far as it has not more samples than the second number.
+const LENGTH: (usize, usize) = (4, 65_536);
+/// Samples beyond one period from which on a signal is compared with itself a period before.
+const COMPARED: usize = 8;
 
-/// A signal with what a linear prediction puts before and after it, faded to zero over at most the signal's length.
+/// A signal with what is put before and after it, faded to zero.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Continued {
     /// Before, the signal itself, after.
@@ -21,12 +23,16 @@ pub(super) struct Continued {
 
 /// Continues a signal without trend at both ends.
 ///
-/// Each sample is taken as a sum of earlier ones, x[n] = Σₖ aₖ·x[n − k·s], k = 1…p, and likewise of later ones; the a are those of
-/// the least squares of both over the whole signal (the modified covariance method; Kay, "Modern Spectral Estimation", 1988,
-/// §7.5). p is a third of the samples, at most 400, and s the stride with which p·s reaches over that third. A sum of up to p/2
-/// sinusoids, growing or decaying ones included, obeys such a law exactly. What is predicted is weighted by cos², from 1 at the end of the
-/// signal to 0, so that a transform sees no edge.
-pub(super) fn continued(values: &[f64]) -> Continued {
+/// By linear prediction each sample is taken as a sum of earlier ones, x[n] = Σₖ aₖ·x[n − k·s], k = 1…p, and likewise of later ones; the a
+/// are those of the least squares of both over the whole signal (the modified covariance method; Kay, "Modern Spectral Estimation",
+/// 1988, §7.5). p is a third of the samples, at most 400, and s the stride with which p·s reaches over that third. A sum of up to p/2
+/// sinusoids, growing or decaying ones included, obeys such a law exactly.
+///
+/// With a `period` (samples) a signal longer than it goes on as it was a period before, x[n] = x[n − period] + y[n], and
+/// only the change y is predicted: a cycle may then be of any shape.
+///
+/// What follows is weighted from 1 at the end of the signal to 0 with three continuous derivatives, so that a transform sees no edge.
+pub(super) fn continued(values: &[f64], period: Option<usize>) -> Continued {
     let size = values.iter().fold(0.0f64, |most, x| most.max(x.abs()));
     if size == 0.0 || !size.is_finite() {
         return Continued {
@@ -36,18 +42,66 @@ pub(super) fn continued(values: &[f64]) -> Continued {
     }
     let forwards: Vec<f64> = values.iter().map(|x| x / size).collect();
     let backwards: Vec<f64> = forwards.iter().rev().copied().collect();
-    let reach = forwards.len() / 3;
-    let stride = reach.div_ceil(LARGEST_ORDER).max(1);
-    let coefficients = coefficients(&forwards, reach / stride, stride);
-    let after = predicted(&forwards, &coefficients, stride);
-    let before = predicted(&backwards, &coefficients, stride);
-    let count = before.len();
-    let before = before.into_iter().rev().map(|x| size * x);
-    let after = after.into_iter().map(|x| size * x);
+    let count = values.len();
+    let length = count.saturating_mul(LENGTH.0).min(LENGTH.1.max(count));
+    let period = period.filter(|p| *p > 0 && p.saturating_add(COMPARED) <= count);
+    let side = |x: &[f64]| -> Vec<f64> {
+        let mut after = match period {
+            Some(period) => repeated(x, period, length),
+            None => predicted(x, length),
+        };
+        fade(&mut after);
+        after.iter().map(|x| size * x).collect()
+    };
+    let after = side(&forwards);
+    let mut all = side(&backwards);
+    let before = all.len();
+    all.reverse();
+    all.extend(values);
+    all.extend(after);
     Continued {
-        values: before.chain(values.iter().copied()).chain(after).collect(),
-        before: count,
+        values: all,
+        before,
     }
+}
+
+/// What follows a signal that repeats but for a change from period to period, which is predicted.
+fn repeated(x: &[f64], period: usize, length: usize) -> Vec<f64> {
+    let change: Vec<f64> = x
+        .iter()
+        .skip(period)
+        .zip(x)
+        .map(|(x, old)| x - old)
+        .collect();
+    let size = change.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    let mut coming = if size > 0.0 {
+        let scaled: Vec<f64> = change.iter().map(|x| x / size).collect();
+        predicted(&scaled, length)
+    } else {
+        Vec::new()
+    };
+    fade(&mut coming);
+    let mut whole = x.to_vec();
+    for k in 0..length {
+        let next = get(&whole, x.len() + k - period) + size * get(&coming, k);
+        if !(next.abs() <= GROWTH) {
+            break;
+        }
+        whole.push(next);
+    }
+    whole.split_off(x.len())
+}
+
+/// Weights by 1 − (35t⁴ − 84t⁵ + 70t⁶ − 20t⁷), t from 0 to 1 over the values.
+fn fade(values: &mut [f64]) {
+    let width = (values.len() + 1) as f64;
+    for (k, value) in values.iter_mut().enumerate() {
+        *value *= weight((k + 1) as f64 / width);
+    }
+}
+
+fn weight(t: f64) -> f64 {
+    1.0 - t * t * t * t * (35.0 + t * (-84.0 + t * (70.0 - 20.0 * t)))
 }
 
 /// The coefficients a₁…aₚ; of too few samples those of a signal that stays where it is.
@@ -90,11 +144,17 @@ fn coefficients(x: &[f64], order: usize, stride: usize) -> Vec<f64> {
         .map(|i| get(&matrix, i * (order + 1)))
         .sum::<f64>()
         / order as f64;
-    for i in 0..order {
-        let value = get(&matrix, i * (order + 1)) + RIDGE * mean;
-        set(&mut matrix, i * (order + 1), value);
-    }
-    solved(matrix, right).unwrap_or(hold)
+    RIDGES
+        .into_iter()
+        .find_map(|ridge| {
+            let mut matrix = matrix.clone();
+            for i in 0..order {
+                let value = get(&matrix, i * (order + 1)) + ridge * mean;
+                set(&mut matrix, i * (order + 1), value);
+            }
+            solved(matrix, right.clone())
+        })
+        .unwrap_or(hold)
 }
 
 fn get(values: &[f64], place: usize) -> f64 {
@@ -146,29 +206,30 @@ fn solved(mut matrix: Vec<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
     Some(right)
 }
 
-/// What follows a signal of size 1, faded to zero.
-fn predicted(x: &[f64], coefficients: &[f64], stride: usize) -> Vec<f64> {
+/// What follows a signal of size 1 by linear prediction.
+fn predicted(x: &[f64], length: usize) -> Vec<f64> {
+    let reach = x.len() / 3;
+    let stride = reach.div_ceil(LARGEST_ORDER).max(1);
+    let coefficients = coefficients(x, reach / stride, stride);
     let count = x.len();
     let mut whole = x.to_vec();
-    whole.reserve(count);
-    for n in count..2 * count {
+    whole.reserve(length);
+    for n in count..count + length {
         let next: f64 = coefficients
             .iter()
             .enumerate()
-            .map(|(k, a)| a * get(&whole, n - (k + 1) * stride))
+            .map(|(k, a)| {
+                a * n
+                    .checked_sub((k + 1) * stride)
+                    .map_or(0.0, |n| get(&whole, n))
+            })
             .sum();
         if next.is_nan() || next.abs() > GROWTH {
             break;
         }
         whole.push(next);
     }
-    let mut after = whole.split_off(count);
-    let width = (after.len() + 1) as f64;
-    for (k, value) in after.iter_mut().enumerate() {
-        let weight = libm::cos(FRAC_PI_2 * (k + 1) as f64 / width);
-        *value *= weight * weight;
-    }
-    after
+    whole.split_off(count)
 }
 
 #[cfg(test)]
@@ -180,9 +241,8 @@ mod tests {
     fn unfaded(found: &Continued, count: usize) -> Vec<f64> {
         let after = &found.values[found.before + count..];
         let width = (after.len() + 1) as f64;
-        let weight = |k: usize| libm::cos(FRAC_PI_2 * (k + 1) as f64 / width);
-        (0..after.len() / 2)
-            .map(|k| after[k] / (weight(k) * weight(k)))
+        (0..count.min(after.len()) / 2)
+            .map(|k| after[k] / weight((k + 1) as f64 / width))
             .collect()
     }
 
@@ -196,7 +256,7 @@ mod tests {
         };
         for count in [300, 2000, 3001] {
             let values: Vec<f64> = (0..count).map(law).collect();
-            let found = continued(&values);
+            let found = continued(&values, None);
             let after = unfaded(&found, count);
             assert!(after.len() == count / 2, "{}", after.len());
             for (k, value) in after.iter().enumerate() {
@@ -210,9 +270,24 @@ mod tests {
     fn a_periodic_pulse_comes_again() {
         let law = |n: usize| libm::exp(20.0 * (libm::cos(TAU * n as f64 / 300.0) - 1.0));
         let values: Vec<f64> = (0..2000).map(|n| law(n) - 0.1).collect();
-        let after = unfaded(&continued(&values), 2000);
+        let after = unfaded(&continued(&values, None), 2000);
         for (k, value) in after.iter().enumerate() {
             assert!((value - law(2000 + k) + 0.1).abs() < 1e-5, "{k}");
+        }
+    }
+
+    /// A cycle of any shape, that grows and has something else over it, which dies away.
+    #[test]
+    fn a_cycle_comes_again_with_its_change() {
+        let law = |n: usize| {
+            let t = n as f64;
+            let pulse = f64::from(n % 500 > 250) + libm::fmod(t, 500.0) / 1000.0;
+            pulse + 1e-5 * t + 0.2 * libm::exp(-0.002 * t) * libm::cos(0.05 * t)
+        };
+        let values: Vec<f64> = (0..1501).map(law).collect();
+        let after = unfaded(&continued(&values, Some(500)), 1501);
+        for (k, value) in after.iter().take(250).enumerate() {
+            assert!((value - law(1501 + k)).abs() < 1e-4, "{k}: {value}");
         }
     }
 
@@ -220,7 +295,7 @@ mod tests {
     fn anything_else_stays_of_its_size() {
         for count in [0, 1, 2, 3, 5, 6, 7, 50, 1000] {
             let zeros = vec![0.0; count];
-            assert_eq!(continued(&zeros).values, zeros);
+            assert_eq!(continued(&zeros, None).values, zeros);
             // a chirp, and numbers without any law
             let chirp: Vec<f64> = (0..count)
                 .map(|n| libm::sin(1e-4 * (n * n) as f64))
@@ -230,14 +305,12 @@ mod tests {
                 .collect();
             for values in [chirp, noise] {
                 let size = values.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-                let found = continued(&values);
-                assert!(found.values.len() <= 3 * count && found.before <= count);
-                assert!(
-                    found
-                        .values
-                        .iter()
-                        .all(|x| x.abs() <= 1.000_001 * GROWTH * size)
-                );
+                for period in [None, Some(1), Some(count / 2), Some(count)] {
+                    let found = continued(&values, period);
+                    assert!(found.values.len() <= 9 * count && found.before <= 4 * count);
+                    let most = 1.000_001 * GROWTH * size;
+                    assert!(found.values.iter().all(|x| x.abs() <= most));
+                }
             }
         }
     }
