@@ -11,18 +11,18 @@ use eng_flexible::fe::{Reduction, Rules, assemble};
 use eng_flexible::invariants::{Full, invariants};
 use eng_flexible::markers::{MESH_AXES, MarkerRequest, Place, Selection, Spider, place};
 use eng_flexible::mesh::{Element, ElementKind, Material, Mesh, Node, Property, Section};
-use eng_flexible::modes::normal::normal_modes;
-use eng_flexible::modes::statics::attachment_modes;
+use eng_flexible::modes::normal::normal_modes_from;
+use eng_flexible::modes::statics::attachment_modes_by;
 use eng_flexible::modes::{Boundary, Candidate, Load, ModeSet, Structure};
 use eng_flexible::read::Files;
 use eng_flexible::reduce::{Interface, Request, Term, reduce};
-use eng_flexible::solve::{Analysis, Definiteness, Factorization, Modes, Ordering, shifted};
+use eng_flexible::solve::{Modes, Shifted};
+use eng_flexible::sparse::SymmetricMatrix;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{Read, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 type Failure = Box<dyn std::error::Error>;
@@ -295,7 +295,7 @@ impl Clock {
     }
 }
 
-/// The phases of [`reduce`] one by one, with order and factor also by themselves.
+/// The phases of [`reduce`] one by one.
 fn phases(name: &str) -> Result<(), Failure> {
     let mut clock = Clock::new()?;
     let Case {
@@ -305,31 +305,27 @@ fn phases(name: &str) -> Result<(), Failure> {
     } = Case::new(name)?;
     clock.tell("read, or make")?;
     let places = place(&mut mesh, &markers)?;
-    let full = assemble(&mesh, &Rules::default())?;
+    let mut full = assemble(&mesh, &Rules::default())?;
     clock.tell("assemble")?;
     let reduction = Reduction::new(&mesh, &full, &[])?;
     let stiffness = reduction.reduce_stiffness(&full.stiffness)?;
     let mass = reduction.reduce_mass(&full.mass)?;
+    full.stiffness = SymmetricMatrix::default();
     let motions = rigid_motions(&mesh, &full.freedoms);
     let structure = Structure::free(&stiffness, &mass, reduction.restrict(&motions))?;
     clock.tell("take ties out")?;
-    let matrix = shifted(&stiffness, &mass, -1e4)?;
-    let ordering = Ordering::fill_reducing(&matrix)?;
-    clock.tell("order (alone)")?;
+    let analysis = structure.analysis()?;
+    clock.tell("order, and structure of the factor")?;
+    let ordering = analysis.ordering();
     println!(
-        "    {:?}: {:.1} million entries, {:.0} thousand million operations",
+        "    {:?}: {:.1} million entries in {:.1} million places, {:.0} thousand million operations",
         ordering.method(),
         ordering.entries() / 1e6,
+        analysis.stored() as f64 / 1e6,
         ordering.operations() / 1e9
     );
-    let analysis = Arc::new(Analysis::new(&matrix, ordering)?);
-    let factor = Factorization::new(&analysis, &matrix, Definiteness::Positive)?;
-    clock.tell("factor (alone)")?;
-    println!(
-        "    {:.1} million numbers stored",
-        analysis.stored() as f64 / 1e6
-    );
-    drop((factor, analysis, matrix));
+    let mut factor = Some(Shifted::new(&stiffness, &mass, &analysis)?);
+    clock.tell("factor")?;
     let mut loads = Vec::new();
     for interface in &at {
         for component in (0..6u8).filter(|c| interface.components & (1 << c) != 0) {
@@ -341,9 +337,9 @@ fn phases(name: &str) -> Result<(), Failure> {
             });
         }
     }
-    let answers = attachment_modes(&structure, &loads)?;
+    let answers = attachment_modes_by(&mut factor, &structure, &loads)?;
     clock.tell(&format!("{} static modes", loads.len()))?;
-    let found = normal_modes(&structure, Modes::Count(NORMAL), &Boundary::AsIs)?;
+    let found = normal_modes_from(factor, &structure, Modes::Count(NORMAL), &Boundary::AsIs)?;
     clock.tell(&format!("{NORMAL} normal modes and their count"))?;
     let size = structure.size();
     let vectors = answers
