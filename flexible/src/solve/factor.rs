@@ -4,7 +4,6 @@
 //! of one pattern, as `K − σ M` for all shifts.
 
 use super::ordering::{Ordering, out_of_memory, too_large};
-use super::substitution::solve_positive;
 use crate::error::FlexibleError;
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -12,7 +11,7 @@ use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, IntranodeLbltRef, SymbolicCholesky, SymbolicCholeskyRaw,
+    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
     SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
@@ -119,58 +118,23 @@ impl Analysis {
         self.symbolic.len_val()
     }
 
-    /// The supernodes in the order of their elimination.
-    pub(super) fn blocks(&self) -> impl DoubleEndedIterator<Item = Block<'_>> {
-        let factor = match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Supernodal(factor) => Some(factor),
-            SymbolicCholeskyRaw::Simplicial(_) => None,
-        };
-        factor.into_iter().flat_map(|factor| {
-            let starts = factor.col_ptr_for_val();
-            let row_starts = factor.col_ptr_for_row_idx();
-            (0..factor.n_supernodes()).map(move |index| {
-                let first = factor.supernode_begin()[index] as usize;
-                let row_start = row_starts[index] as usize;
-                let below = factor.nnz_per_super()[index] as usize;
-                Block {
-                    first,
-                    width: factor.supernode_end()[index] as usize - first,
-                    values: starts[index] as usize..starts[index + 1] as usize,
-                    below: &factor.row_idx()[row_start..row_start + below],
-                }
-            })
-        })
-    }
-
     /// Visits the pivots: place in the factor's values, and place in the order, block by block.
     fn each_pivot(&self, mut visit: impl FnMut(usize, usize)) {
-        for block in self.blocks() {
-            for column in 0..block.width {
-                visit(
-                    block.values.start + column * (block.rows() + 1),
-                    block.first + column,
-                );
+        if let SymbolicCholeskyRaw::Supernodal(factor) = self.symbolic.raw() {
+            let blocks = factor
+                .supernode_begin()
+                .iter()
+                .zip(factor.supernode_end())
+                .zip(factor.col_ptr_for_val())
+                .zip(factor.nnz_per_super());
+            for (((&begin, &end), &values), &below) in blocks {
+                let (begin, end) = (begin as usize, end as usize);
+                let rows = end - begin + below as usize;
+                for index in begin..end {
+                    visit(values as usize + (index - begin) * (rows + 1), index);
+                }
             }
         }
-    }
-}
-
-/// A supernode: columns with the same rows, stored as a dense matrix by columns.
-pub(super) struct Block<'a> {
-    /// Its first column, in the order of elimination.
-    pub(super) first: usize,
-    /// How many columns it has; as many rows are its own.
-    pub(super) width: usize,
-    /// Where it stands among the factor's values.
-    pub(super) values: std::ops::Range<usize>,
-    /// The rows below its own.
-    pub(super) below: &'a [u32],
-}
-
-impl Block<'_> {
-    /// Rows, its own and those below.
-    pub(super) fn rows(&self) -> usize {
-        self.width + self.below.len()
     }
 }
 
@@ -388,29 +352,26 @@ impl Factorization {
                 advice: String::new(),
             });
         }
-        let Some((below, forward, inverse)) = &self.indefinite else {
-            solve_positive(&self.analysis, &self.values, right_hand_sides);
-            return Ok(());
-        };
         let together = (right_hand_sides.len() / size).min(TOGETHER);
         let symbolic = &self.analysis.symbolic;
         let mut memory =
             MemBuffer::try_new(symbolic.solve_in_place_scratch::<f64>(together, Par::Seq))
                 .map_err(|_| out_of_memory())?;
-        let factor = IntranodeLbltRef::<'_, u32, f64>::new(
-            symbolic,
-            &self.values,
-            below,
-            PermRef::new_checked(forward, inverse, size),
-        );
         for block in right_hand_sides.chunks_mut(size * together) {
             let columns = block.len() / size;
-            factor.solve_in_place_with_conj(
-                Conj::No,
-                MatMut::from_column_major_slice_mut(block, size, columns),
-                Par::Seq,
-                MemStack::new(&mut memory),
-            );
+            let block = MatMut::from_column_major_slice_mut(block, size, columns);
+            let stack = MemStack::new(&mut memory);
+            match &self.indefinite {
+                None => LltRef::<'_, u32, f64>::new(symbolic, &self.values)
+                    .solve_in_place_with_conj(Conj::No, block, Par::Seq, stack),
+                Some((below, forward, inverse)) => IntranodeLbltRef::<'_, u32, f64>::new(
+                    symbolic,
+                    &self.values,
+                    below,
+                    PermRef::new_checked(forward, inverse, size),
+                )
+                .solve_in_place_with_conj(Conj::No, block, Par::Seq, stack),
+            }
         }
         Ok(())
     }

@@ -24,7 +24,6 @@ pub(crate) mod restrained;
 mod search;
 mod separator;
 mod sturm;
-mod substitution;
 
 pub(crate) use eigen::lowest_modes_from;
 pub use eigen::{EigenOptions, EigenSolution, Modes, SturmCount, lowest_modes};
