@@ -68,7 +68,10 @@ impl<'a> Structure<'a> {
     }
 
     /// Order and structure of the factors of `K − σ M`, worked out when they are first needed.
-    pub(crate) fn analysis(&self) -> Result<Arc<Analysis>, FlexibleError> {
+    ///
+    /// # Errors
+    /// When memory or indices run out.
+    pub fn analysis(&self) -> Result<Arc<Analysis>, FlexibleError> {
         if let Some(analysis) = self.analysis.get() {
             return Ok(analysis.clone());
         }

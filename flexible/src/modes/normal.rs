@@ -46,7 +46,7 @@ pub fn normal_modes(
 ///
 /// # Errors
 /// As [`lowest_modes`](crate::solve::lowest_modes).
-pub(crate) fn normal_modes_from(
+pub fn normal_modes_from(
     start: Option<Shifted>,
     structure: &Structure,
     request: Modes,

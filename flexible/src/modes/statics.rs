@@ -68,7 +68,7 @@ pub fn attachment_modes(structure: &Structure, loads: &[Load]) -> Result<Vec<f64
 ///
 /// # Errors
 /// As [`attachment_modes`].
-pub(crate) fn attachment_modes_by(
+pub fn attachment_modes_by(
     near: &mut Option<Shifted>,
     structure: &Structure,
     loads: &[Load],

@@ -11,6 +11,7 @@ use crate::modes::normal::normal_modes_from;
 use crate::modes::statics::{attachment_modes_by, constraint_modes};
 use crate::modes::{Boundary, Candidate, Load, ModeSet, Structure, given};
 use crate::solve::Shifted;
+use std::borrow::Cow;
 
 /// What modes are looked for in.
 pub(super) struct Candidates<'a> {
@@ -119,17 +120,17 @@ impl Candidates<'_> {
                 candidates.extend(self.dynamic(term, &mut factor)?);
                 continue;
             };
+            let answers_from = |first: usize| {
+                let own = first * size..(first + rows.len()) * size;
+                answers.get(own).unwrap_or(&[])
+            };
             let vectors = match (term, first) {
-                (Term::Static(_), Some(first)) => answers
-                    .get(first * size..(first + rows.len()) * size)
-                    .unwrap_or(&[])
-                    .to_vec(),
-                (_, Some(first)) => Hold::new(self.structure, &rows)?.constraint_modes(
-                    answers
-                        .get(first * size..(first + rows.len()) * size)
-                        .unwrap_or(&[]),
-                )?,
-                (_, None) => constraint_modes(self.structure, &rows)?,
+                (Term::Static(_), Some(first)) => Cow::Borrowed(answers_from(first)),
+                (_, Some(first)) => {
+                    let hold = Hold::new(self.structure, &rows)?;
+                    Cow::Owned(hold.constraint_modes(answers_from(first))?)
+                }
+                (_, None) => Cow::Owned(constraint_modes(self.structure, &rows)?),
             };
             for (place, (freedom, row)) in freedoms.iter().zip(&rows).enumerate() {
                 self.report.served.push(Served {

@@ -183,11 +183,14 @@ impl Factorization {
     ) -> Result<Factorization, FlexibleError> {
         check(analysis, matrix)?;
         let stored = analysis.stored();
-        values.clear();
-        values
-            .try_reserve_exact(stored)
-            .map_err(|_| out_of_memory())?;
-        values.resize(stored, 0.0);
+        // the factorisation overwrites what is there
+        if values.len() != stored {
+            values.clear();
+            values
+                .try_reserve_exact(stored)
+                .map_err(|_| out_of_memory())?;
+            values.resize(stored, 0.0);
+        }
         let mut factor = Factorization {
             analysis: analysis.clone(),
             values,

@@ -16,10 +16,11 @@ const LARGEST: f64 = 1e-3;
 
 /// A positive definite `K − σ M`, factored.
 #[derive(Debug)]
-pub(crate) struct Shifted {
+pub struct Shifted {
     /// σ (rad²/s²), negative.
-    pub(crate) shift: f64,
-    pub(crate) factor: Factorization,
+    pub shift: f64,
+    /// The factor.
+    pub factor: Factorization,
 }
 
 impl Shifted {
@@ -27,7 +28,7 @@ impl Shifted {
     ///
     /// # Errors
     /// As [`Factorization::new`]; when no row has both mass and stiffness.
-    pub(crate) fn new(
+    pub fn new(
         stiffness: &SymmetricMatrix,
         mass: &SymmetricMatrix,
         analysis: &Arc<Analysis>,
