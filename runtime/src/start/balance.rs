@@ -71,13 +71,21 @@ impl From<RuntimeError> for Stop {
     }
 }
 
-/// Whether a balance is the place itself that it was sought from.
-fn stays(begin: &State, end: &State) -> bool {
-    begin
-        .pose
-        .iter()
-        .zip(&end.pose)
-        .all(|(a, b)| (a - b).abs() <= STAYS)
+/// Whether a balance is the place itself that it was sought from; a quaternion and its negative are one orientation.
+fn stays(model: &Model, begin: &State, end: &State) -> bool {
+    let near = |(a, b): (&f64, &f64), sign: f64| (a - sign * b).abs() <= STAYS;
+    model.bodies.iter().all(|body| {
+        let range = body.pose..body.pose + 7 + body.modes();
+        let (Some(from), Some(to)) = (begin.pose.get(range.clone()), end.pose.get(range)) else {
+            return false;
+        };
+        [1.0, -1.0].iter().any(|sign| {
+            from.iter()
+                .zip(to)
+                .enumerate()
+                .all(|(i, pair)| near(pair, if (3..7).contains(&i) { *sign } else { 1.0 }))
+        })
+    })
 }
 
 /// The search for the balance of one model.
@@ -286,7 +294,7 @@ impl<'a> Balance<'a> {
         }
         let begin = state.clone();
         match self.search(state) {
-            Ok(found) if found.unstable.is_none() || stays(&begin, state) => Ok(found),
+            Ok(found) if found.unstable.is_none() || stays(self.model, &begin, state) => Ok(found),
             Ok(found) => {
                 // Newton's method has gone to a balance beside: there may be one that stands
                 let mut other = begin;

@@ -12,6 +12,9 @@ use crate::state::State;
 use eng_system::system::{Origin, Role};
 use nalgebra::{DMatrix, DVector};
 
+/// Singular value of rows, as a share of the largest, below which they depend on each other.
+const LEAST_ROW: f64 = 1e-12;
+
 impl Balance<'_> {
     /// Rows of what is stated to move, and of the cycle's angle.
     pub(super) fn hold_what_moves(&mut self, state: &State) -> Result<(), Stop> {
@@ -118,7 +121,44 @@ impl Balance<'_> {
         Ok((values, all))
     }
 
-    /// Freedoms without stiffness: in mass-normalised coordinates of the free space, small singular values of the stiffness.
+    /// Multipliers that carry the load where it stands: of all that could, those that leave the least acceleration,
+    /// `λ = −(A M⁻¹ Aᵀ)⁻¹ A M⁻¹ r` with the rows A of the constraints and of what is held. What hangs is held by them.
+    fn carry(&mut self, place: &mut Place) -> Result<(), Stop> {
+        let model = self.model;
+        let (n, m) = (model.velocities, model.rows);
+        place.state.multipliers.fill(0.0);
+        let residual = self.residual(place)?.rows(0, n).into_owned();
+        let matrix = self.matrix(&place.state)?;
+        let count = matrix.nrows() - n;
+        if count == 0 {
+            return Ok(());
+        }
+        let rows = matrix.view((n, 0), (count, n)).into_owned();
+        let mut mass = self.motion.mass(model, &place.state);
+        let floor = 1e-12 * mass.diagonal().amax();
+        for i in 0..n {
+            mass[(i, i)] += floor;
+        }
+        let mass = mass.cholesky().ok_or_else(|| not_finite(model))?;
+        let across = mass.solve(&rows.transpose());
+        let wanted = -(across.transpose() * residual);
+        // rows that depend on each other leave a choice: the least multipliers
+        let Some(carried) = (&rows * &across)
+            .try_svd(true, true, f64::EPSILON, 10_000)
+            .and_then(|svd| {
+                svd.solve(&wanted, LEAST_ROW * svd.singular_values.amax())
+                    .ok()
+            })
+        else {
+            return Err(not_finite(model));
+        };
+        for (i, scale) in model.row_scales().iter().enumerate().take(m) {
+            place.state.multipliers[i] = carried[i] * self.unit / scale;
+        }
+        Ok(())
+    }
+
+    /// Freedoms without stiffness where the load stands: in mass-normalised coordinates of the free space, small singular values of the stiffness.
     pub(super) fn find_neutral(
         &mut self,
         state: &State,
@@ -129,10 +169,11 @@ impl Balance<'_> {
         if free.ncols() == 0 {
             return Ok(());
         }
-        let place = Place {
+        let mut place = Place {
             state: state.clone(),
             efforts: DVector::zeros(0),
         };
+        self.carry(&mut place)?;
         self.residual(&place)?;
         let matrix = self.matrix(&place.state)?;
         let free = self.free_stiffness(&place.state, &matrix, free)?;
