@@ -163,9 +163,11 @@ fn files(page: &Page) -> Vec<Drawn> {
     page.figures()
         .into_iter()
         .map(|figure| {
-            // what it is called, as far as the caption's first stop, where it has no name
+            // where it has no name, what it is called and of which analysis: the caption's first two parts
             let caption = figure.caption.split(". ").next().unwrap_or_default();
-            let said = figure.name.as_deref().unwrap_or(caption);
+            let second = caption.match_indices(", ").nth(1);
+            let parts = second.and_then(|(end, _)| caption.get(..end));
+            let said = figure.name.as_deref().or(parts).unwrap_or(caption);
             let mut name = format!("figure-{:02}", figure.number);
             for word in said.split(|c: char| !c.is_ascii_alphanumeric()) {
                 if !word.is_empty() && name.len() + word.len() < 100 {
