@@ -318,10 +318,15 @@ fn motion(scenes: Vec<(&Entry, Scene)>) -> Option<Section> {
     if scenes.is_empty() {
         return None;
     }
-    let mut section = Section::new("Motion and stress");
+    let deforms = |scene: &Scene| !scene.animation.flexible.is_empty();
+    let mut section = Section::new(if scenes.iter().any(|(_, scene)| deforms(scene)) {
+        "Motion and stress"
+    } else {
+        "Motion"
+    });
     for (entry, scene) in scenes {
         let mut own = Section::new(format!("Motion, {}", entry.name()));
-        if !scene.animation.flexible.is_empty() {
+        if deforms(&scene) {
             own = own.paragraph(
                 "Flexible bodies move with the shapes of their modes; the slider scales their displacements only. Stresses are \
                  those of the modes, at nodes the mean of the elements that meet there, and an envelope over the times of the motion.",
