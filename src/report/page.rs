@@ -166,9 +166,11 @@ fn files(page: &Page) -> Vec<Drawn> {
     page.figures()
         .into_iter()
         .map(|figure| {
-            // what it is called, as far as the caption's first stop, where it has no name
+            // where it has no name, what it is called and of which analysis: the caption's first two parts
             let caption = figure.caption.split(". ").next().unwrap_or_default();
-            let said = figure.name.as_deref().unwrap_or(caption);
+            let second = caption.match_indices(", ").nth(1);
+            let parts = second.and_then(|(end, _)| caption.get(..end));
+            let said = figure.name.as_deref().or(parts).unwrap_or(caption);
             let mut name = format!("figure-{:02}", figure.number);
             for word in said.split(|c: char| !c.is_ascii_alphanumeric()) {
                 if !word.is_empty() && name.len() + word.len() < 100 {
@@ -319,10 +321,15 @@ fn motion(scenes: Vec<(&Entry, Scene)>) -> Option<Section> {
     if scenes.is_empty() {
         return None;
     }
-    let mut section = Section::new("Motion and stress");
+    let deforms = |scene: &Scene| !scene.animation.flexible.is_empty();
+    let mut section = Section::new(if scenes.iter().any(|(_, scene)| deforms(scene)) {
+        "Motion and stress"
+    } else {
+        "Motion"
+    });
     for (entry, scene) in scenes {
         let mut own = Section::new(format!("Motion, {}", entry.name()));
-        if !scene.animation.flexible.is_empty() {
+        if deforms(&scene) {
             own = own.paragraph(
                 "Flexible bodies move with the shapes of their modes; the slider scales their displacements only. Stresses are \
                  those of the modes, at nodes the mean of the elements that meet there, and an envelope over the times of the motion.",

@@ -272,7 +272,9 @@ pub(super) fn energy(results: &Results) -> Option<EnergyAudit> {
             ),
             ("drives".to_owned(), gained("work_of_drives")?),
         ],
+        // rigid bodies lose nothing
         losses: gained("damping")
+            .filter(|lost| *lost != 0.0)
             .map(|lost| ("damping of flexible bodies".to_owned(), lost))
             .into_iter()
             .collect(),

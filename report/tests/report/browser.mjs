@@ -42,10 +42,12 @@ await withPage(browser, page, 300000, async ({ call, evaluate, size, mouse, erro
     await mouse("mousePressed", place, { button: "left", buttons: 1, clickCount });
     await mouse("mouseReleased", place, { button: "left", clickCount });
   };
-  // the page answers when it comes to it: an empty readout is asked for again
-  const readout = async (figure) => {
+  // the page answers when it comes to it: while the readout is empty, the pointer goes there again
+  const readout = async (figure, place) => {
     let text = "";
     for (let i = 0; i < 50 && text === ""; i++) {
+      const [x, y] = await place();
+      await mouse("mouseMoved", [x + (i % 2), y]);
       await sleep(100);
       text = await evaluate(`document.querySelector('#${figure} .readout').innerText`);
     }
@@ -60,13 +62,10 @@ await withPage(browser, page, 300000, async ({ call, evaluate, size, mouse, erro
   for (const [name, figure, x, y] of [
     ["history", "figure-1", 0.3, 0.5], ["map", "figure-7", 0.5, 0.5], ["waterfall", "figure-6", 0.1, 0.8],
   ]) {
-    await mouse("mouseMoved", await at(figure, x, y));
-    found["readout_" + name] = await readout(figure);
+    found["readout_" + name] = await readout(figure, () => at(figure, x, y));
   }
   await at("figure-3", 0.5, 0.5);
-  const onOrbit = await evaluate(pointOf("document.querySelector('#figure-3')"));
-  await mouse("mouseMoved", onOrbit);
-  found.readout_orbit = await readout("figure-3");
+  found.readout_orbit = await readout("figure-3", () => evaluate(pointOf("document.querySelector('#figure-3')")));
   await shot("orbit-readout.png");
 
   // wheel, drag, double click
