@@ -23,15 +23,17 @@
 //! **Local error.** With `a = v̇ + Δ v̈`, `Δ = (α_m − α_f) h`, the Taylor series of the update against the motion's leaves
 //! `u − u_exact = (β + ½(α_m − α_f) − 1/6) h³ v̈ + O(h⁴)`, and `h v̈ ≈ a' − a`. (For ρ = 1 this is Zienkiewicz and
 //! Xie's estimate for Newmark's method, 1991.) The estimate e is filtered by the step's matrix,
-//! `S [e_f; μ] = [c M e; G e]`, `c = (1 − α_m)/((1 − α_f)βh²)`: without stiffness this gives e back; modes which the step does not resolve
-//! come out damped, as in Hosea and Shampine (1996). Multipliers and accelerations are not in the norm, and neither are the modes of
+//! `S [e_f; μ] = [(c M + γ/(βh) D) e; G e]`, `c = (1 − α_m)/((1 − α_f)βh²)`: without stiffness this gives e back; modes which the step does not
+//! resolve come out damped, as in Hosea and Shampine (1996). Damping stays on the right as well: a pin whose film's damping outweighs its
+//! inertia goes where its velocity takes it, and no force brings back what a step misses of its place. Multipliers and accelerations are not in the norm, and neither are the modes of
 //! flexible bodies with ωh > 1 ([`RESOLVED`]): the series holds for none of these. Global errors of second order follow as the tolerance to 2/3.
 
 mod dense;
 mod nearest;
 mod newton;
+mod tangents;
 
-pub use newton::constraints_along;
+pub use tangents::constraints_along;
 
 use crate::body::Weights;
 use crate::dynamics::Dynamics;
@@ -192,6 +194,7 @@ pub struct Integrator {
     column_factors: Vec<f64>,
     mass_block: Vec<f64>,
     estimate: Vec<f64>,
+    damping_wrenches: Vec<f64>,
 }
 
 impl Integrator {
@@ -247,6 +250,7 @@ impl Integrator {
             column_factors: vec![0.0; size],
             mass_block: vec![0.0; width * width],
             estimate: vec![0.0; model.velocities],
+            damping_wrenches: vec![0.0; model.wrenches],
         })
     }
 

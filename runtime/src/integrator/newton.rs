@@ -1,11 +1,10 @@
 //! One step: Newton's iteration with a kept matrix, the estimate of the local error, and what failed.
 
+use super::tangents::{constraints_along, wrenches_along};
 use super::{Integrator, RESOLVED, STEP_SHARE, Trial};
 use crate::dynamics::Dynamics;
-use crate::elements;
 use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
-use eng_system::code::Function;
 use eng_system::system::Origin;
 
 /// Contraction above which the matrix is taken anew.
@@ -302,6 +301,13 @@ impl Integrator {
             &self.estimate,
             &mut self.correction[n + s..],
         )?;
+        std::mem::swap(&mut dynamics.wrenches, &mut self.damping_wrenches);
+        let damped = wrenches_along(model, dynamics, &self.estimate);
+        if damped.is_ok() {
+            dynamics.add_forces(model, -c.weights(h).velocity, &mut self.correction[..n]);
+        }
+        std::mem::swap(&mut dynamics.wrenches, &mut self.damping_wrenches);
+        damped?;
         for (x, factor) in self.correction.iter_mut().zip(&self.row_factors) {
             *x *= factor;
         }
@@ -344,63 +350,4 @@ impl Integrator {
         }
         worst.1
     }
-}
-
-/// `G x` for a vector of body velocities, by one tangent an element, at the place and the inputs of `dynamics`.
-pub fn constraints_along(
-    model: &Model,
-    dynamics: &mut Dynamics,
-    along: &[f64],
-    out: &mut [f64],
-) -> Result<(), RuntimeError> {
-    for b in 0..dynamics.batches.len() {
-        let class_index = dynamics.batches[b].class;
-        let class = &model.compiled.system.classes[class_index];
-        let layout = &class.layout;
-        let rows = layout.rows as usize;
-        if rows == 0 {
-            continue;
-        }
-        let tape = class.tape as usize;
-        let directions = layout.directions() as usize;
-        let length = layout.residual_len() as usize;
-        for pair in 0..dynamics.batches[b].pairs.len() {
-            elements::call(
-                model,
-                class_index,
-                Function::Linearize,
-                dynamics.batches[b].inputs(pair),
-                &mut dynamics.scratch.tape[..tape],
-            )?;
-            dynamics.scratch.tape[tape..tape + directions].fill([0.0; 2]);
-            for lane in 0..2 {
-                let element = &model.elements[dynamics.batches[b].pairs[pair][lane]];
-                for (k, marker) in element.markers.iter().enumerate() {
-                    let Some(body) = model.markers[*marker].body else {
-                        continue;
-                    };
-                    let body = &model.bodies[body];
-                    let x = &along[body.velocity..body.velocity + body.width()];
-                    let seeds = tape + layout.pose_direction(k as u32) as usize;
-                    for (d, value) in dynamics.marker_along(model, *marker, x).iter().enumerate() {
-                        dynamics.scratch.tape[seeds + d][lane] = *value;
-                    }
-                }
-            }
-            elements::call(
-                model,
-                class_index,
-                Function::Tangent,
-                &dynamics.scratch.tape[..tape + directions],
-                &mut dynamics.scratch.outputs[..length],
-            )?;
-            for lane in 0..dynamics.batches[b].lanes(pair) {
-                let element = &model.elements[dynamics.batches[b].pairs[pair][lane]];
-                for i in 0..rows {
-                    out[element.row + i] = dynamics.scratch.outputs[i][lane];
-                }
-            }
-        }
-    }
-    Ok(())
 }
