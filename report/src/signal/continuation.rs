@@ -84,7 +84,7 @@ fn repeated(x: &[f64], period: usize, length: usize) -> Vec<f64> {
     let mut whole = x.to_vec();
     for k in 0..length {
         let next = get(&whole, x.len() + k - period) + size * get(&coming, k);
-        if !(next.abs() <= GROWTH) {
+        if next.is_nan() || next.abs() > GROWTH {
             break;
         }
         whole.push(next);
@@ -231,7 +231,7 @@ fn followed(x: &[f64], coefficients: &[f64], stride: usize, length: usize) -> Ve
             .enumerate()
             .map(|(k, a)| a * before(k).map_or(0.0, |n| get(&whole, n)))
             .sum();
-        if !(next.abs() <= GROWTH) {
+        if next.is_nan() || next.abs() > GROWTH {
             break;
         }
         whole.push(next);
