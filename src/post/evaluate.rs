@@ -531,8 +531,8 @@ fn resampled(track: &Track, like: &Track) -> Result<Track, PostError> {
             return Err(PostError::Outside {
                 analysis: track.samples.analysis.clone(),
                 other: like.samples.analysis.clone(),
-                own: [text(own.0), text(own.1)],
-                asked: [text(asked.0), text(asked.1)],
+                own: format!("{} to {}", text(own.0), text(own.1)),
+                asked: format!("{} to {}", text(asked.0), text(asked.1)),
             });
         }
     }

@@ -99,17 +99,15 @@ pub enum PostError {
     NoSpeed(String),
     /// A frequency that the samples do not hold.
     #[error(
-        "{analysis}: {stated} is faster than samples every {step} can tell, which is up to {highest}; run it with `sample: {needed}` or less"
+        "{analysis}: {stated} is faster than samples {held}; run it with `sample: {needed}` or less"
     )]
     TooFast {
         /// The analysis.
         analysis: String,
         /// The frequency or order.
         stated: String,
-        /// Distance of the samples.
-        step: String,
-        /// The highest that they hold.
-        highest: String,
+        /// Distance of the samples, and the highest that they hold.
+        held: String,
         /// A distance that is small enough.
         needed: String,
     },
@@ -125,15 +123,13 @@ pub enum PostError {
     },
     /// A speed that changes too much for frequencies to be orders.
     #[error(
-        "{analysis}: the speed goes from {from} to {to}, so that samples that lie evenly in {lie} tell no {asked}; run it with a `sample:` in {needed}"
+        "{analysis}: the speed goes from {speeds}, so that samples that lie evenly in {lie} tell no {asked}; run it with a `sample:` in {needed}"
     )]
     SpeedChanges {
         /// The analysis.
         analysis: String,
-        /// Lowest speed.
-        from: String,
-        /// Highest speed.
-        to: String,
+        /// Lowest to highest speed.
+        speeds: String,
         /// What the samples lie evenly in.
         lie: &'static str,
         /// What they do not tell.
@@ -163,17 +159,17 @@ pub enum PostError {
     },
     /// Samples that a signal is asked for and does not reach.
     #[error(
-        "{analysis} goes from {} to {}, and `like`, of {other}, from {} to {}: it is asked for what it has not; take parts that agree: `last`, `last_cycle`", .own[0], .own[1], .asked[0], .asked[1]
+        "{analysis} goes from {own}, and `like`, of {other}, from {asked}: it is asked for what it has not; take parts that agree: `last`, `last_cycle`"
     )]
     Outside {
         /// The analysis that is resampled.
         analysis: String,
         /// The one whose samples are asked for.
         other: String,
-        /// Its ends.
-        own: [String; 2],
-        /// The ends of the samples asked for.
-        asked: [String; 2],
+        /// From its first sample to its last.
+        own: String,
+        /// From the first sample asked for to the last.
+        asked: String,
     },
     /// A mode that a linear analysis has not.
     #[error("{analysis} has no mode {number}: it has {count}")]

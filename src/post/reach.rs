@@ -93,8 +93,11 @@ impl Track {
         Err(PostError::TooFast {
             analysis: self.samples.analysis.clone(),
             stated: limit_text(stated),
-            step: extent_text(length(sampled.sampling, 1.0)),
-            highest: limit_text(highest(sampled.sampling)),
+            held: format!(
+                "every {} can tell, which is up to {}",
+                extent_text(length(sampled.sampling, 1.0)),
+                limit_text(highest(sampled.sampling))
+            ),
             needed: extent_text(needed),
         })
     }
@@ -120,7 +123,7 @@ impl Track {
             why,
         };
         let count = steps.round();
-        if !(count >= 2.0) {
+        if count.is_nan() || count < 2.0 {
             let step = extent_text(length(sampled.sampling, 1.0));
             return Err(refused(format!(
                 "shorter than two samples, which lie {step} apart"
@@ -146,8 +149,7 @@ impl Track {
             };
             return Err(PostError::SpeedChanges {
                 analysis: self.samples.analysis.clone(),
-                from: speed_text(low),
-                to: speed_text(high),
+                speeds: format!("{} to {}", speed_text(low), speed_text(high)),
                 lie,
                 asked,
                 needed,

@@ -5,7 +5,7 @@ const LARGEST_ORDER: usize = 400;
 /// Shares of the mean square that are added to the diagonal of the normal equations, the first with which they can be solved: of the
 /// many solutions of a signal of few sinusoids it takes that of the smallest coefficients.
 const RIDGES: [f64; 4] = [1e-12, 1e-11, 1e-10, 1e-8];
-/// A continuation ends where it outgrows the signal by this: what decays forwards grows backwards.
+/// A continuation ends where it outgrows the signal by this.
 const GROWTH: f64 = 4.0;
 /// A continuation is as long as the signal this many times, as far as it has not more samples than the second number.
 const LENGTH: (usize, usize) = (4, 65_536);
@@ -84,7 +84,7 @@ fn repeated(x: &[f64], period: usize, length: usize) -> Vec<f64> {
     let mut whole = x.to_vec();
     for k in 0..length {
         let next = get(&whole, x.len() + k - period) + size * get(&coming, k);
-        if !(next.abs() <= GROWTH) {
+        if next.is_nan() || next.abs() > GROWTH {
             break;
         }
         whole.push(next);
@@ -206,23 +206,30 @@ fn solved(mut matrix: Vec<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
     Some(right)
 }
 
-/// What follows a signal of size 1 by linear prediction.
+/// What follows a signal of size 1 by linear prediction: by the law of least squares, or where that outgrows the signal (what decays
+/// forwards grows backwards) by Burg's, which never grows.
 fn predicted(x: &[f64], length: usize) -> Vec<f64> {
     let reach = x.len() / 3;
     let stride = reach.div_ceil(LARGEST_ORDER).max(1);
-    let coefficients = coefficients(x, reach / stride, stride);
+    let found = followed(x, &coefficients(x, reach / stride, stride), stride, length);
+    // what rounding alone makes grow does so late
+    if found.len() >= length.min(x.len()) {
+        return found;
+    }
+    followed(x, &burg(x, reach.min(LARGEST_ORDER)), 1, length)
+}
+
+/// What follows by x[n] = Σₖ aₖ·x[n − k·s], up to where it outgrows the signal.
+fn followed(x: &[f64], coefficients: &[f64], stride: usize, length: usize) -> Vec<f64> {
     let count = x.len();
     let mut whole = x.to_vec();
     whole.reserve(length);
     for n in count..count + length {
+        let before = |k: usize| n.checked_sub((k + 1) * stride);
         let next: f64 = coefficients
             .iter()
             .enumerate()
-            .map(|(k, a)| {
-                a * n
-                    .checked_sub((k + 1) * stride)
-                    .map_or(0.0, |n| get(&whole, n))
-            })
+            .map(|(k, a)| a * before(k).map_or(0.0, |n| get(&whole, n)))
             .sum();
         if next.is_nan() || next.abs() > GROWTH {
             break;
@@ -230,6 +237,44 @@ fn predicted(x: &[f64], length: usize) -> Vec<f64> {
         whole.push(next);
     }
     whole.split_off(count)
+}
+
+/// Burg's coefficients a₁…aₚ (Kay, §7.6): each order takes the reflection k = 2·Σf·b/Σ(f² + b²) of the errors of prediction forwards
+/// and backwards, |k| ≤ 1, so that what follows does not grow.
+fn burg(x: &[f64], order: usize) -> Vec<f64> {
+    let mut forwards = x.to_vec();
+    let mut backwards = x.to_vec();
+    let mut found: Vec<f64> = Vec::with_capacity(order);
+    let whole: f64 = x.iter().map(|x| x * x).sum();
+    for _ in 0..order {
+        // an error at n beside that at n − 1
+        let ahead = forwards.get(1..).unwrap_or_default().to_vec();
+        backwards.pop();
+        let (product, squares) = ahead
+            .iter()
+            .zip(&backwards)
+            .fold((0.0, 0.0), |(product, squares), (f, b)| {
+                (product + f * b, squares + f * f + b * b)
+            });
+        if squares <= 1e-20 * whole {
+            break;
+        }
+        let reflection = 2.0 * product / squares;
+        let mirrored: Vec<f64> = found.iter().rev().map(|a| reflection * a).collect();
+        for (a, mirrored) in found.iter_mut().zip(mirrored) {
+            *a -= mirrored;
+        }
+        found.push(reflection);
+        forwards = ahead
+            .iter()
+            .zip(&backwards)
+            .map(|(f, b)| f - reflection * b)
+            .collect();
+        for (b, f) in backwards.iter_mut().zip(&ahead) {
+            *b -= reflection * f;
+        }
+    }
+    found
 }
 
 #[cfg(test)]
@@ -289,6 +334,25 @@ mod tests {
         for (k, value) in after.iter().take(250).enumerate() {
             assert!((value - law(1501 + k)).abs() < 1e-4, "{k}: {value}");
         }
+    }
+
+    #[test]
+    fn what_dies_away_is_not_grown_backwards() {
+        let law = |n: usize| {
+            let t = n as f64;
+            libm::sin(0.0337 * t + 0.3) + libm::exp(-0.02 * t) * libm::cos(0.2 * t)
+        };
+        let values: Vec<f64> = (0..2000).map(law).collect();
+        let found = continued(&values, None);
+        let size = values.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        assert_eq!(found.before, 8000);
+        let before = &found.values[..found.before];
+        let most = before.iter().fold(0.0f64, |m, x| m.max(x.abs())) / size;
+        println!("before the signal: at most {most:.2} of its size");
+        assert!(most < 2.0, "{most}");
+        // no edge at the begin
+        let edge = (found.values[8000] - 2.0 * found.values[7999] + found.values[7998]).abs();
+        assert!(edge < 0.1, "{edge}");
     }
 
     #[test]

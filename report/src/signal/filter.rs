@@ -44,8 +44,8 @@ pub enum Ends {
     /// It repeats: whole cycles, of which the last sample is the first of the next. Exact where it does; by what the ends differ is taken as a
     /// drift, even over the signal.
     Periodic,
-    /// It goes on about the line of its least squares, by linear prediction, fading over four times its length. Exact for a line; to 10⁻⁵ of
-    /// the size for sums of sinusoids and decays whose frequencies are two periods in the signal or more away from the limits.
+    /// It goes on about the line of its least squares, by linear prediction, fading over four times its length. Exact for a line; to 10⁻⁶ of
+    /// the size for sums of sinusoids and decays whose frequencies are four periods in the signal or more away from the limits.
     Continued {
         /// Samples after which it comes again, but for a change that is predicted; a signal that is shorter is predicted as a whole.
         period: Option<usize>,
