@@ -7,8 +7,8 @@
 //! [`crate::integrator::Integrator::set_defect`]); its equations of motion hold at that velocity, and there alone are its forces
 //! those of second order without a large factor. The change that brings it back to the constraints, x, is microns a second beside
 //! metres a second, but a film of damping d answers it by d x: beside the inertia of what the film carries, m, that is as an error
-//! of d/m x in the acceleration, and d/m is 10⁵ to 10⁷ 1/s in a bearing. Hence forces and γ are taken apart: Q at the velocity as the
-//! integrator has it, γ and all that is recorded at the projected one, and most of x by the matrix of the step, which knows the
+//! of d/m x in the acceleration, and d/m is 10⁵ to 10⁷ 1/s in a bearing. Hence loads are taken at the velocity as the integrator has it,
+//! γ, the inertia of the motion and all that is recorded at the projected one, and most of x by the matrix of the step, which knows the
 //! films ([`crate::integrator::Integrator::nearest_change`]), so that their recorded forces are those in the balance.
 
 use crate::dynamics::Dynamics;
@@ -271,7 +271,7 @@ impl AccelerationSystem {
     /// After [`AccelerationSystem::project`]: velocities with |Φ̇| below 1e-9 of the model's speed, accelerations, multipliers
     /// and rates.
     ///
-    /// Forces are those of the velocity as it comes, at which `dynamics` was evaluated: see the head of this module.
+    /// Loads are those of the velocity as it comes, at which `dynamics` was evaluated: see the head of this module.
     pub fn finish(
         &mut self,
         model: &Model,
@@ -307,6 +307,7 @@ impl AccelerationSystem {
             dynamics.gather(model, &state.states, &[], &state.rotations);
         }
         dynamics.velocity_level(model, &state.velocity)?;
+        dynamics.add_inertia(model, &state.velocity, &self.zeros, &mut self.forces);
         self.balance(model, dynamics, state, moment)
     }
 
@@ -368,14 +369,14 @@ impl AccelerationSystem {
         dynamics.evaluate(model)?;
         dynamics.velocity_level(model, &state.velocity)?;
         self.take_forces(model, dynamics, state);
+        dynamics.add_inertia(model, &state.velocity, &self.zeros, &mut self.forces);
         self.balance(model, dynamics, state, moment)
     }
 
-    /// Forces and rates of the state as `dynamics` was evaluated there, multipliers zero.
-    fn take_forces(&mut self, model: &Model, dynamics: &mut Dynamics, state: &mut State) {
+    /// Loads and rates of the state as `dynamics` was evaluated there, multipliers zero.
+    fn take_forces(&mut self, model: &Model, dynamics: &Dynamics, state: &mut State) {
         self.forces.fill(0.0);
         dynamics.add_forces(model, -1.0, &mut self.forces);
-        dynamics.add_inertia(model, &state.velocity, &self.zeros, &mut self.forces);
         state.rates.copy_from_slice(&dynamics.rates);
     }
 

@@ -326,7 +326,12 @@ impl<'a> Balance<'a> {
             state: state.clone(),
             efforts: DVector::zeros(self.holding.len() + self.neutral.nrows()),
         };
-        place.state.multipliers.fill(0.0);
+        // what hangs has no stiffness but by what carries it
+        if self.rests() {
+            self.carry(&mut place)?;
+        } else {
+            place.state.multipliers.fill(0.0);
+        }
         let mut found = Equilibrium {
             freedoms: self.freedoms,
             ..Equilibrium::default()

@@ -123,7 +123,7 @@ impl Balance<'_> {
 
     /// Multipliers that carry the load where it stands: of all that could, those that leave the least acceleration,
     /// `λ = −(A M⁻¹ Aᵀ)⁻¹ A M⁻¹ r` with the rows A of the constraints and of what is held. What hangs is held by them.
-    fn carry(&mut self, place: &mut Place) -> Result<(), Stop> {
+    pub(super) fn carry(&mut self, place: &mut Place) -> Result<(), Stop> {
         let model = self.model;
         let (n, m) = (model.velocities, model.rows);
         place.state.multipliers.fill(0.0);
