@@ -230,6 +230,8 @@ fn a_run_writes_files_and_prints_a_table() {
     assert_eq!(engine.settings[0].value, "5000 rpm");
     insta::assert_snapshot!(output.replace(&out, "OUT"));
     assert_eq!(files(&folder).join("\n"), files_of_two_analyses());
+    let picture = std::fs::read_to_string(folder.join("sweep[1]-vertical.svg")).unwrap();
+    assert!(picture.contains(">TDC 1</text>") && picture.contains("firing dead centre"));
     let read = Results::read_parquet(folder.join("sweep[1].parquet")).unwrap();
     assert_eq!(
         read.column("main[1].force.x").unwrap().frame,

@@ -162,8 +162,10 @@ fn figure_9_static_modes_carry_the_journals() {
             let [a, b, c] = [&a, &b, &c].map(|results| last_cycle(results, &path));
             let size = rms(c.iter().copied());
             let (static_modes, normal_modes) = (distance(a, c) / size, distance(b, c) / size);
-            println!("{path}: A-C {static_modes:.4}, B-C {normal_modes:.4} of C");
+            let between = distance(a, b) / size;
+            println!("{path}: A-C {static_modes:.4}, A-B {between:.4}, B-C {normal_modes:.4} of C");
             assert!(normal_modes > 1.15 * static_modes, "{path}");
+            assert!(between > 1.3 * static_modes, "{path}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use eng::post::{EvaluatedReport, Outcome, PostError, Run, RunModel, evaluate};
 use eng::{Program, Results, Sources};
-use eng_report::figure::{Figure, History};
+use eng_report::figure::{Abscissa, Figure, History};
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -1059,6 +1059,43 @@ fn the_examples_and_the_reference_report() {
             .all(|o| o.clearance == 27e-6 && o.angle.len() == 1441)
     );
     assert!((orbits.period - 2.0 * TAU.to_degrees()).abs() < 1e-9);
+    // curves are named by journal, and the cylinders' dead centres are marked
+    assert_eq!(orbits.orbits[4].name, "E main[5]");
+    let forces = history(&made, "forces");
+    let curves = |panel: usize| forces.panels[panel].curves.iter().map(|c| c.name.as_str());
+    for panel in 0..2 {
+        let letters: Vec<&str> = curves(panel)
+            .filter_map(|name| name.split(' ').next())
+            .collect();
+        assert_eq!(
+            letters,
+            ["A", "B", "C", "D", "E"],
+            "{:?}",
+            forces.panels[panel].title
+        );
+    }
+    let mut fires: Vec<(f64, &str)> = forces
+        .marks
+        .iter()
+        .map(|mark| (mark.at.round(), mark.label.as_str()))
+        .collect();
+    fires.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert_eq!(
+        fires,
+        [
+            (0.0, "TDC 1"),
+            (180.0, "TDC 3"),
+            (360.0, "TDC 4"),
+            (540.0, "TDC 2")
+        ]
+    );
+    // an order of a shaft at a known speed is a frequency; one journal alone has no letter
+    let orders = history(&made, "orders");
+    let Abscissa::OrderAt { speed } = orders.abscissa else {
+        panic!("{:?}", orders.abscissa);
+    };
+    near(speed, 4000.0 / 60.0, 2e-3);
+    assert_eq!(orders.panels[0].curves[0].name, "vertical[5]");
 }
 
 /// A line has no part of the mean, whatever the window; what cannot be decided does not pass.
