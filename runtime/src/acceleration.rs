@@ -281,6 +281,9 @@ impl AccelerationSystem {
         moment: Moment,
     ) -> Result<(), RuntimeError> {
         let n = model.velocities;
+        if state.time < integrator.current.time {
+            integrator.settle(model, dynamics, state)?;
+        }
         self.take_forces(model, dynamics, state);
         self.fill(model, dynamics)?;
         for round in 0..VELOCITY_ROUNDS {

@@ -1,7 +1,13 @@
-//! Changes of velocity that leave the forces of stiff films and springs as they are.
+//! Changes of velocity that leave the forces of stiff films as they are, or bring them into balance.
 
 use super::Integrator;
+use crate::dynamics::Dynamics;
+use crate::error::RuntimeError;
 use crate::model::Model;
+use crate::state::State;
+
+/// Corrections of an interpolated velocity.
+const SETTLING_ROUNDS: usize = 3;
 
 impl Integrator {
     /// A change x of the velocities with `G x = rates` (m/s, rad/s), the least one as the kept matrix of the step measures it:
@@ -28,5 +34,47 @@ impl Integrator {
             *x = change * scale;
         }
         true
+    }
+
+    /// Brings a state within the last step into balance by its velocities, for its interpolated accelerations and multipliers.
+    ///
+    /// At the ends of a step `M v̇ + Gᵀλ = Q` holds to Newton's tolerance. In between the place is right to fourth order, but a film
+    /// that outweighs the inertia of its pin answers what the interpolated velocity misses by a force that the pin cannot have. Newton's
+    /// correction of the step there, `S u = −(M v̇ + Gᵀλ − Q)`, `G u = 0`, with the kept matrix, changes velocities by `γ/(βh) u`; where
+    /// inertia prevails that is of third order in the step, as the interpolation is. Positions stay. Nothing is changed where no
+    /// factors are kept or a correction is no number.
+    pub fn settle(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        state: &mut State,
+    ) -> Result<(), RuntimeError> {
+        let Some(step) = self.factored_step else {
+            return Ok(());
+        };
+        let (n, weight) = (model.velocities, self.coefficients.weights(step).velocity);
+        for _ in 0..SETTLING_ROUNDS {
+            dynamics.place(model, state.time, &state.pose, &state.velocity);
+            dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);
+            dynamics.evaluate(model)?;
+            self.correction.fill(0.0);
+            let rest = &mut self.correction[..n];
+            dynamics.add_inertia(model, &state.velocity, &state.acceleration, rest);
+            dynamics.add_forces(model, -1.0, rest);
+            for i in 0..n {
+                self.correction[i] *= -self.row_scale(model, i, step);
+            }
+            self.solver.solve(&mut self.correction);
+            let changes = &self.correction[..n];
+            if changes.iter().any(|x| !x.is_finite()) {
+                break;
+            }
+            for ((v, change), scale) in state.velocity.iter_mut().zip(changes).zip(&self.scales) {
+                *v += weight * scale * change;
+            }
+        }
+        dynamics.place(model, state.time, &state.pose, &state.velocity);
+        dynamics.gather(model, &state.states, &[], &state.rotations);
+        dynamics.evaluate(model)
     }
 }

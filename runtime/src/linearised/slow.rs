@@ -163,6 +163,8 @@ pub(super) fn resolve(
                     Eigenpair { value, ..pair }
                 }
             })
+            // an eigenvalue 0 of the inverse is none of the slow ones
+            .filter(|pair| pair.value.norm().is_finite())
             .collect();
         pairs.sort_by(|a, b| a.value.norm().total_cmp(&b.value.norm()));
         let finer = resolution * libm::sqrt(equations.first_order_size() as f64 * f64::EPSILON);
@@ -194,7 +196,8 @@ pub(super) fn resolve(
                 Kind::Damped(_) => found.zeros += 1,
             }
         }
-        wanted = left;
+        // what was not found is told by a slower shift, or is zero
+        wanted = left + wanted.saturating_sub(taken);
         resolution = finer;
     }
     found.zeros += wanted;
