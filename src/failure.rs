@@ -1,6 +1,7 @@
 //! Failures of the runtime as messages with their places in the text.
 
 use crate::codes;
+use crate::significant::significant;
 use eng_grammar::{Diagnostic, SourceId, Span};
 use eng_runtime::{PeriodicSummary, RuntimeError, StartReport, Unstable};
 use eng_system::code::BindError;
@@ -50,6 +51,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             place(d(codes::STEP_TOO_SMALL), origin, "the largest error is here")
                 .with_help("make forces that jump continuous; give a table that ends here an `extrapolation`")
         }
+        R::TurnsTooFar { origin, step, degrees, .. } => place(d(codes::OPTIONS), origin, "turns this fast")
+            .with_help(format!("state a `step` below {} s, or none: then the error decides", significant(step * 90.0 / degrees, 2))),
         R::Require { origin, value, .. } => {
             condition(d(codes::REQUIRED), origin, "this must hold at every step")
                 .with_note(format!("it is missed by {:.3e} in SI units", -value))

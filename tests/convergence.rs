@@ -268,3 +268,35 @@ fn small_accelerations_and_reactions_are_right_at_the_default_tolerance() {
         );
     }
 }
+
+/// A blow of 4 N s within 0.4 ms, after a tenth of a second in which nothing moves: no step is longer than the distance of samples.
+#[test]
+fn a_load_shorter_than_free_steps_is_seen() {
+    const STRUCK: &str = "
+        use std.joints.Translational
+        use std.forces.Actuator
+        table blow(t: Time) -> Force = points([0, 0.1, 0.1002, 0.1004, 1] s, [0, 0, 20, 0, 0] kN, interpolation: monotone)
+        model Struck {
+            gravity = [0, 0, 0] m/s^2
+            marker wall = [0, 0, 0] mm
+            body block { mass = 2 kg; inertia = [1, 1, 1] g*m^2 }
+            joint rail = Translational(block.origin, wall)
+            force hammer = Actuator(block.origin, wall, thrust: blow)
+        }
+        analysis strike = transient(Struck(), duration: 0.2 s, sample: 0.1 ms)";
+    let program = eng::check(&Sources::from_text("m.eng", STRUCK), "m.eng")
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}"));
+    let outcome = program
+        .analysis("strike")
+        .expect("an analysis")
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error));
+    let speed = outcome
+        .results
+        .column("rail.speed")
+        .expect("a column")
+        .shown();
+    let last = speed.last().expect("samples");
+    assert!((last - 2.0).abs() < 2e-3, "{last} m/s");
+}

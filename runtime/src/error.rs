@@ -206,6 +206,18 @@ pub enum RuntimeError {
         /// The body with the largest error.
         origin: Box<Origin>,
     },
+    /// A stated step turns a body further than angles can be followed.
+    #[error("a step of {step} s turns {} by {degrees:.0}°; angles are followed up to 90° a step", origin.path)]
+    TurnsTooFar {
+        /// When.
+        moment: Moment,
+        /// The step (s).
+        step: f64,
+        /// The turn (°).
+        degrees: f64,
+        /// The body.
+        origin: Box<Origin>,
+    },
     /// A condition that must hold at every state does not.
     #[error("{}: {message} at {moment}", origin.path)]
     Require {

@@ -279,7 +279,7 @@ impl Cycles<'_> {
         }
         self.repeats = match &self.slowest {
             Some(decay) => {
-                decay.change <= PLAIN * self.limit.change
+                (decay.change <= PLAIN * self.limit.change && !decay.grows())
                     || (decay.change <= self.limit.change
                         && decay.known
                         && decay.distance() <= self.limit.change)

@@ -94,6 +94,21 @@ impl Points {
         }
     }
 
+    /// Time between two points as the cycle turns now (s). No step is longer: what samples would show of a short load, steps have seen.
+    fn between(self, simulation: &Simulation) -> f64 {
+        match self {
+            Points::Time { distance } => distance,
+            Points::Angle { distance, .. } => {
+                let rate = simulation.cycle_rate().unwrap_or(0.0).abs();
+                if rate > 0.0 {
+                    distance.abs() / rate
+                } else {
+                    f64::INFINITY
+                }
+            }
+        }
+    }
+
     /// How far a simulation is beyond the point, in the point's unit; negative before it.
     fn passed(self, index: u64, simulation: &Simulation) -> f64 {
         match self {
@@ -216,7 +231,8 @@ fn run(
             let end = renewal
                 .as_mut()
                 .map_or(limit, |renewal| renewal.end(&simulation).min(limit));
-            let step = simulation.step_within(end)?.step;
+            let longest = points.between(&simulation);
+            let step = simulation.step_no_longer(end, longest)?.step;
             if let Some(renewal) = &mut renewal {
                 renewal.after(&mut simulation, step);
             }

@@ -38,6 +38,11 @@ pub struct Decay {
 }
 
 impl Decay {
+    /// Whether the differences are known to grow.
+    pub fn grows(&self) -> bool {
+        self.known && self.factor > SUSTAINED
+    }
+
     /// Estimated distance to the limit, as a share of the swing: the sum of all differences to come, `change |λ/(1 − λ)|` with
     /// `λ = factor·exp(i turn)`. Of a sustained beat (factor 1) it is its amplitude. Infinite for what grows.
     pub fn distance(&self) -> f64 {

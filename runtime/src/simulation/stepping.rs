@@ -16,6 +16,12 @@ const REST: f64 = 1e-4;
 /// Least first step, as a share of what the error allows.
 const LAYER: f64 = 1e-4;
 
+/// Most that a body turns in a step under error control (rad), for the sake of the dense output.
+const TURN: f64 = 0.25;
+/// Most that a body may turn in a stated step (rad): two that turn against each other are then within half a turn, up to which an angle
+/// is followed.
+const MOST_TURN: f64 = std::f64::consts::FRAC_PI_2;
+
 impl Simulation {
     /// Consistent accelerations, their rates, first step, first look at conditions.
     pub(super) fn begin(&mut self) -> Result<(), RuntimeError> {
@@ -253,6 +259,15 @@ impl Simulation {
 
     /// One step that does not go beyond `end` (s) and meets it to the last bit where it comes near.
     pub fn step_within(&mut self, end: f64) -> Result<StepReport, RuntimeError> {
+        self.step_no_longer(end, f64::INFINITY)
+    }
+
+    /// [`Simulation::step_within`], under error control no longer than `longest` (s).
+    pub(crate) fn step_no_longer(
+        &mut self,
+        end: f64,
+        longest: f64,
+    ) -> Result<StepReport, RuntimeError> {
         let begin = self.integrator.current.time;
         if end.is_nan() || end <= begin {
             return Err(RuntimeError::Options {
@@ -261,7 +276,7 @@ impl Simulation {
         }
         let (h, time) = match self.options.step {
             StepControl::Fixed(nominal) => self.fixed_step(nominal, end)?,
-            StepControl::Tolerance(factor) => self.controlled_step(factor, end)?,
+            StepControl::Tolerance(factor) => self.controlled_step(factor, end, longest)?,
         };
         self.integrator.accept(&self.model, h, time);
         self.evaluated = None;
@@ -337,6 +352,15 @@ impl Simulation {
 
     /// A fixed step; halved where Newton fails, back to the grid of whole steps as soon as that is met again.
     fn fixed_step(&mut self, nominal: f64, end: f64) -> Result<(f64, f64), RuntimeError> {
+        let (speed, body) = self.fastest();
+        if speed * nominal > MOST_TURN {
+            return Err(RuntimeError::TurnsTooFar {
+                moment: self.moment(),
+                degrees: (speed * nominal).to_degrees(),
+                step: nominal,
+                origin: Box::new(body.cloned().unwrap_or_default()),
+            });
+        }
         loop {
             let begin = self.integrator.current.time;
             let (mut h, mut time) = self.grid.next(nominal);
@@ -364,19 +388,36 @@ impl Simulation {
         }
     }
 
-    fn controlled_step(&mut self, factor: f64, end: f64) -> Result<(f64, f64), RuntimeError> {
+    /// The fastest turning (rad/s), and what turns so.
+    fn fastest(&self) -> (f64, Option<&Origin>) {
+        self.model
+            .bodies
+            .iter()
+            .map(|body| {
+                let v = &self.integrator.current.velocity[body.velocity + 3..body.velocity + 6];
+                (V3::new(v[0], v[1], v[2]).norm(), Some(&body.origin))
+            })
+            .fold(
+                (0.0, None),
+                |most, next| if next.0 > most.0 { next } else { most },
+            )
+    }
+
+    fn controlled_step(
+        &mut self,
+        factor: f64,
+        end: f64,
+        longest: f64,
+    ) -> Result<(f64, f64), RuntimeError> {
         let begin = self.integrator.current.time;
         let rest = end - begin;
         let mut failures = 0;
-        // The dense output and the unwrapped angles want less than a fraction of a turn a step.
-        let turning = self.model.bodies.iter().fold(0.0_f64, |w, b| {
-            let v = &self.integrator.current.velocity[b.velocity + 3..b.velocity + 6];
-            w.max(V3::new(v[0], v[1], v[2]).norm())
-        });
+        let turning = self.fastest().0;
         self.size.limit(self.options.max_step);
         if turning > 0.0 {
-            self.size.limit(0.25 / turning);
+            self.size.limit(TURN / turning);
         }
+        self.size.limit(longest);
         loop {
             let mut h = self.size.step;
             let last = h >= rest * (1.0 - 1e-9);
