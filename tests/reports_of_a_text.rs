@@ -354,7 +354,7 @@ fn bands_of_a_repeating_cycle() {
     assert!(
         shown
             .subtitle
-            .ends_with("low-pass 3 orders, brick-wall, zero phase, taken as periodic"),
+            .ends_with("low-pass 3 orders, brick-wall, gain ½ at the limits, zero phase, taken as periodic"),
         "{}",
         shown.subtitle
     );
@@ -443,13 +443,13 @@ fn what_samples_cannot_tell_is_refused() {
         }
     };
     let fast =
-        "is faster than samples every 100 us can tell, which is up to 5 kHz; run it with `sample:";
+        "is faster than samples every 100 us can tell, which is below 5 kHz; run it with `sample:";
     for name in ["high", "low", "band"] {
         assert_eq!(error(name), format!("timed: 6 kHz {fast} 83 us` or less"));
     }
     assert_eq!(
         error("order"),
-        "turned: order 400 is faster than samples every 0.5 deg can tell, which is up to order 360; run it with `sample: 0.45 deg` or less"
+        "turned: order 400 is faster than samples every 0.5 deg can tell, which is below order 360; run it with `sample: 0.44 deg` or less"
     );
     // evenly sampled over time, too
     assert!(error("frequency").starts_with("turned: 8 kHz is faster than samples every 69.44 us"));
@@ -478,7 +478,7 @@ fn what_samples_cannot_tell_is_refused() {
     );
     assert_eq!(
         error("orders"),
-        "runup[1]: order 200 is faster than samples every 1 deg can tell, which is up to order 180; run it with `sample: 0.9 deg` or less"
+        "runup[1]: order 200 is faster than samples every 1 deg can tell, which is below order 180; run it with `sample: 0.89 deg` or less"
     );
     assert_eq!(
         error("along"),

@@ -1,7 +1,8 @@
 //! Signals with their samples.
 
 use super::PostError;
-use eng_report::signal::SignalError;
+use crate::report::shifted;
+use eng_report::signal::{Interpolation, SignalError, resample};
 use eng_system::report::Member;
 use std::rc::Rc;
 
@@ -20,6 +21,8 @@ pub(super) struct Samples {
     pub period: Option<f64>,
     /// Whether they are whole cycles: the last sample is the first of the next.
     pub whole: bool,
+    /// Whether the odd sample at the end of the run was left out.
+    pub shortened: bool,
 }
 
 /// Share of the distance of samples by which those of two runs may lie apart.
@@ -28,15 +31,27 @@ const ALIKE: f64 = 1e-4;
 impl Samples {
     /// The samples from one on.
     pub fn from(&self, first: usize) -> Samples {
-        let tail = |values: &Vec<f64>| values.get(first..).unwrap_or_default().to_vec();
+        self.part(|values| values.get(first..).unwrap_or_default())
+    }
+
+    fn part(&self, of: impl Fn(&[f64]) -> &[f64]) -> Samples {
+        let of = |values: &Vec<f64>| of(values).to_vec();
         Samples {
             analysis: self.analysis.clone(),
-            time: tail(&self.time),
-            angle: self.angle.as_ref().map(tail),
-            speed: self.speed.as_ref().map(tail),
+            time: of(&self.time),
+            angle: self.angle.as_ref().map(of),
+            speed: self.speed.as_ref().map(of),
             period: self.period,
             whole: false,
+            shortened: self.shortened,
         }
+    }
+
+    /// The same as whole cycles of a period (rad), `length` (rad) in all: their angle counts from the begin of one.
+    pub fn of_cycles(mut self, period: f64, length: f64) -> Samples {
+        self.angle = self.angle.map(|angle| shifted(angle, Some(period)));
+        self.whole = self.cover(length);
+        self
     }
 
     /// Whether they cover an angle (rad) to a thousandth of their distance.
@@ -99,6 +114,64 @@ pub(super) struct Track {
 }
 
 impl Track {
+    /// The last angle (rad) that was turned through, where no whole number of samples fills it: at as many angles as there are samples,
+    /// evenly from its begin to its end, by cubic Hermite interpolation over the angle (error O(h³) of the distance of samples). `None`
+    /// where the shaft does not turn one way all along it.
+    pub fn last_turned(&self, length: f64) -> Option<Track> {
+        let samples = &self.samples;
+        let angle = samples.angle.as_deref()?;
+        let (first, last) = (angle.first()?, angle.last()?);
+        // a shaft turns either way
+        let sense = if last < first { -1.0 } else { 1.0 };
+        let along: Vec<f64> = angle.iter().map(|angle| sense * angle).collect();
+        let (begin, end) = (sense * last - length, sense * last);
+        // from a sample before the begin and its neighbours on, which the interpolation reads
+        let from = along.iter().rposition(|angle| *angle <= begin).unwrap_or(0);
+        let from = from.saturating_sub(2);
+        let along = along.get(from..)?;
+        let begin = begin.max(*along.first()?);
+        let turned = along.last()? - along.first()?;
+        let steps = (length / turned * along.len().checked_sub(1)? as f64).round();
+        if steps.is_nan() || steps < 2.0 {
+            return None;
+        }
+        let step = (end - begin) / steps;
+        let grid: Vec<f64> = (0..=steps as usize)
+            .map(|k| begin + step * k as f64)
+            .collect();
+        let at = |values: &[f64]| {
+            resample(along, values.get(from..)?, &grid, Interpolation::Cubic).ok()
+        };
+        let filled = Samples {
+            analysis: samples.analysis.clone(),
+            time: at(&samples.time)?,
+            angle: Some(grid.iter().map(|angle| sense * angle).collect()),
+            speed: samples.speed.as_deref().and_then(at),
+            period: samples.period,
+            whole: false,
+            shortened: samples.shortened,
+        };
+        Some(Track {
+            values: at(&self.values)?,
+            samples: Rc::new(filled),
+        })
+    }
+
+    /// The first samples, where there are more: without the odd one at the end of a run.
+    pub fn first(self, count: usize) -> Track {
+        if count >= self.values.len() {
+            return self;
+        }
+        let mut samples = self
+            .samples
+            .part(|values| values.get(..count).unwrap_or(values));
+        samples.shortened = true;
+        Track {
+            samples: Rc::new(samples),
+            values: self.values.get(..count).unwrap_or_default().to_vec(),
+        }
+    }
+
     /// An error of a signal's treatment.
     pub fn refused(&self, source: SignalError) -> PostError {
         PostError::Signal {
@@ -154,6 +227,7 @@ mod tests {
             speed: None,
             period: None,
             whole: false,
+            shortened: false,
         }
     }
 

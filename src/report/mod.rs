@@ -110,6 +110,7 @@ impl Entry {
                 facts: Vec::new(),
                 point: described.point.clone(),
                 periodic: None,
+                whole_cycle: described.periodic,
                 results,
                 motion,
             },
