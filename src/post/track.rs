@@ -139,9 +139,8 @@ impl Track {
         let grid: Vec<f64> = (0..=steps as usize)
             .map(|k| begin + step * k as f64)
             .collect();
-        let at = |values: &[f64]| {
-            resample(along, values.get(from..)?, &grid, Interpolation::Cubic).ok()
-        };
+        let at =
+            |values: &[f64]| resample(along, values.get(from..)?, &grid, Interpolation::Cubic).ok();
         let filled = Samples {
             analysis: samples.analysis.clone(),
             time: at(&samples.time)?,
@@ -193,10 +192,52 @@ pub(super) fn names(members: &[Member]) -> Vec<String> {
     )
 }
 
+/// Of labels that are made of several channels, and are alike but for some of their names, these names, each once: `vertical[2]` of
+/// `a.vertical[2] - b.vertical[2]` beside `a.vertical[1] - b.vertical[1]`. `None` where one is a channel alone, where they are not alike, or
+/// where these names do not tell them apart.
+fn parts_apart(labels: &[&str]) -> Option<Vec<String>> {
+    let made = |label: &&str| label.contains(' ');
+    if labels.len() < 2 || !labels.iter().all(made) {
+        return None;
+    }
+    let names = |label: &str| -> Vec<String> {
+        let between = |c: char| c == '.' || c == ' ' || c == '(' || c == ')';
+        label
+            .split(between)
+            .filter(|name| !name.is_empty())
+            .map(str::to_owned)
+            .collect()
+    };
+    let rows: Vec<Vec<String>> = labels.iter().map(|label| names(label)).collect();
+    let first = rows.first()?;
+    if rows.iter().any(|row| row.len() != first.len()) {
+        return None;
+    }
+    let differs = |at: usize| rows.iter().any(|row| row.get(at) != first.get(at));
+    let mut found: Vec<String> = Vec::with_capacity(rows.len());
+    for row in &rows {
+        let mut own: Vec<&str> = Vec::new();
+        for (at, name) in row.iter().enumerate() {
+            if differs(at) && !own.contains(&name.as_str()) {
+                own.push(name);
+            }
+        }
+        let own = own.join(" ");
+        if own.is_empty() || found.contains(&own) {
+            return None;
+        }
+        found.push(own);
+    }
+    Some(found)
+}
+
 /// Names for analyses and channels, as short as tells them apart.
 pub(super) fn told_apart<'m>(
     members: impl Iterator<Item = (&'m str, &'m str)> + Clone,
 ) -> Vec<String> {
+    if let Some(names) = parts_apart(&members.clone().map(|(_, c)| c).collect::<Vec<_>>()) {
+        return names;
+    }
     let first = members.clone().next();
     let one_analysis = members.clone().all(|(a, _)| Some(a) == first.map(|f| f.0));
     let one_channel = members.clone().all(|(_, c)| Some(c) == first.map(|f| f.1));
@@ -257,5 +298,15 @@ mod tests {
         assert_eq!(pairs(&others), ["m[1].force.x", "m[1].force.y"]);
         assert_eq!(pairs(&[("a", "x"), ("b", "x")]), ["a", "b"]);
         assert_eq!(pairs(&[("a", "x"), ("b", "y")]), ["a x", "b y"]);
+        let made = [
+            ("a[1]", "v[1] (a[1] - a[3]) / a[3].v[1]"),
+            ("a[1]", "v[2] (a[1] - a[3]) / a[3].v[2]"),
+        ];
+        assert_eq!(pairs(&made), ["v[1]", "v[2]"]);
+        let other = [("a", "v (a - b)"), ("a", "v (c - b)")];
+        assert_eq!(pairs(&other), ["a", "c"]);
+        // what is not alike stands as it is
+        let unlike = [("a", "v (a - b)"), ("a", "v - w - z")];
+        assert_eq!(pairs(&unlike), ["v (a - b)", "v - w - z"]);
     }
 }
