@@ -515,7 +515,7 @@ fn what_samples_cannot_tell_is_refused() {
         "{}",
         error("odd")
     );
-    assert_eq!(error("none"), "None is no finite number");
+    assert_eq!(error("none"), "the level of 0 is no finite number");
 }
 
 /// A speed that changes makes no frequencies of orders.

@@ -182,6 +182,9 @@ impl<'r> Evaluator<'r> {
             Expression::Decibel(reference, of) => {
                 let level = |x: f64| 20.0 * libm::log10(x.abs() / reference);
                 match self.value(of)? {
+                    Value::Number(0.0) => {
+                        return Err(PostError::NotFinite("the level of 0".to_owned()));
+                    }
                     Value::Number(x) => Value::Number(level(x)),
                     Value::Signal(mut track) => {
                         track.values.iter_mut().for_each(|x| *x = level(*x));
