@@ -352,9 +352,9 @@ fn bands_of_a_repeating_cycle() {
     assert!(value(&report, "ends") < 1e-3, "{}", value(&report, "ends"));
     let shown = history(&report, "shown");
     assert!(
-        shown
-            .subtitle
-            .ends_with("low-pass 3 orders, brick-wall, zero phase, taken as periodic"),
+        shown.subtitle.ends_with(
+            "low-pass 3 orders, brick-wall, gain ½ at the limits, zero phase, taken as periodic"
+        ),
         "{}",
         shown.subtitle
     );
@@ -443,13 +443,13 @@ fn what_samples_cannot_tell_is_refused() {
         }
     };
     let fast =
-        "is faster than samples every 100 us can tell, which is up to 5 kHz; run it with `sample:";
+        "is faster than samples every 100 us can tell, which is below 5 kHz; run it with `sample:";
     for name in ["high", "low", "band"] {
         assert_eq!(error(name), format!("timed: 6 kHz {fast} 83 us` or less"));
     }
     assert_eq!(
         error("order"),
-        "turned: order 400 is faster than samples every 0.5 deg can tell, which is up to order 360; run it with `sample: 0.45 deg` or less"
+        "turned: order 400 is faster than samples every 0.5 deg can tell, which is below order 360; run it with `sample: 0.44 deg` or less"
     );
     // evenly sampled over time, too
     assert!(error("frequency").starts_with("turned: 8 kHz is faster than samples every 69.44 us"));
@@ -478,7 +478,7 @@ fn what_samples_cannot_tell_is_refused() {
     );
     assert_eq!(
         error("orders"),
-        "runup[1]: order 200 is faster than samples every 1 deg can tell, which is up to order 180; run it with `sample: 0.9 deg` or less"
+        "runup[1]: order 200 is faster than samples every 1 deg can tell, which is below order 180; run it with `sample: 0.89 deg` or less"
     );
     assert_eq!(
         error("along"),
@@ -515,7 +515,7 @@ fn what_samples_cannot_tell_is_refused() {
         "{}",
         error("odd")
     );
-    assert_eq!(error("none"), "None is no finite number");
+    assert_eq!(error("none"), "the level of 0 is no finite number");
 }
 
 /// A speed that changes makes no frequencies of orders.
@@ -1122,4 +1122,238 @@ fn amplitudes_leave_the_mean_out_and_undecided_conditions_fail() {
     );
     let report = ran.report();
     assert!(!report.fails() && report.entries.iter().all(|entry| !entry.undecided));
+}
+
+/// A rotor that is driven at a speed of the text; no engine, no start.
+const RIG: &str = "
+use std.drives.ConstantSpeed
+model Rig {
+    param speed: AngularVelocity = 3000 rpm
+    gravity = [0, 0, 0] m/s^2
+    marker rail = [0, 0, 0] mm
+    body rotor { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker hub = origin }
+    drive turn = ConstantSpeed(rotor.hub, rail, speed: speed)
+    cycle angle = rotation(rotor.hub, rail) { period = 360 deg }
+    let phi = rotation(rotor.hub, rail)
+    output p: Force = 10 N*sin(phi) + 1 N
+    output two: Force = 10 N*sin(phi) + 4 N*cos(3*phi)
+}
+";
+
+fn error(report: &EvaluatedReport, name: &str) -> String {
+    let entry = report.entries.iter().find(|entry| entry.name == name);
+    match &entry.expect("an entry").outcome {
+        Err(error) => error.to_string(),
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+/// A line at a limit is half below and half above it, wherever it is filtered.
+#[test]
+fn a_line_at_a_limit_is_halved() {
+    let ran = Ran::of(
+        RIG,
+        "analysis round = periodic(Rig(), sample: 1 deg)
+        analysis run = transient(Rig(), duration: 10 rev, sample: 1 deg)
+        report exact {
+            value low = rms(low_pass(round.two, 3))
+            value high = rms(high_pass(round.two, 3))
+            value above = rms(low_pass(round.two, 3.2))
+            let parts = low_pass(round.two, 1) + band(round.two, 1, 3) + high_pass(round.two, 3)
+            value sum = maximum(abs(parts - round.two))
+            value last = rms(low_pass(last_cycle(run.two), 1))
+            value share_low = rms(low_pass(run.p - 1 N, 1))/rms(run.p - 1 N)
+            value share_high = rms(high_pass(run.p - 1 N, 1))/rms(run.p - 1 N)
+            value whole = maximum(abs(low_pass(run.two, 2.9) + high_pass(run.two, 2.9) - run.two))
+            value both = maximum(abs(low_pass(run.two, 3) + high_pass(run.two, 3) - run.two))
+        }",
+        &["round", "run"],
+    );
+    let report = ran.report();
+    let root = 2f64.sqrt();
+    near(value(&report, "low"), 104f64.sqrt() / root, 1e-6);
+    near(value(&report, "high"), 2.0 / root, 1e-6);
+    near(value(&report, "above"), 116f64.sqrt() / root, 1e-6);
+    assert!(value(&report, "sum") < 1e-9);
+    near(value(&report, "last"), 5.0 / root, 1e-6);
+    for name in ["share_low", "share_high"] {
+        println!("{name}: {:.4}", value(&report, name));
+        near(value(&report, name), 0.5, 0.04);
+    }
+    assert!(value(&report, "whole") < 1e-9 && value(&report, "both") < 1e-9);
+}
+
+/// The sample that ends a run between two others takes nothing away from the rest.
+#[test]
+fn an_odd_last_sample_is_left_out() {
+    let ran = Ran::of(
+        RIG,
+        "analysis turned = transient(Rig(), duration: 3603 deg + 0.2 deg, sample: 0.5 deg)
+        analysis timed = transient(Rig(), duration: 100.04 ms, sample: 0.1 ms)
+        report odd {
+            value by_angle = amplitude(turned.p, 1)
+            value by_time = amplitude(timed.p, 50 Hz)
+            value passed = maximum(abs(low_pass(turned.p, 10) - turned.p))
+            value other = maximum(abs(turned.p - low_pass(turned.p, 10)))
+            value kept = maximum(turned.time)
+            figure lines = spectrum(timed.p, axis: frequency, up_to: 100 Hz)
+            figure along = order_track(turned.p, orders: 1, block: 2 rev)
+        }",
+        &["turned", "timed"],
+    );
+    let report = ran.report();
+    near(value(&report, "by_angle"), 10.0, 2e-3);
+    near(value(&report, "by_time"), 10.0, 1e-6);
+    for name in ["passed", "other"] {
+        println!("{name}: {:.1e}", value(&report, name));
+        assert!(value(&report, name) < 1e-4, "{}", value(&report, name));
+    }
+    near(value(&report, "kept"), 3603.2 / 18000.0, 1e-9);
+    // 1000 samples give lines every 10 Hz
+    let lines = &history(&report, "lines").panels[0];
+    assert_eq!(lines.x.len(), 11);
+    near(lines.x[5], 50.0, 1e-9);
+    near(lines.curves[0].values[5], 10.0, 1e-6);
+    let along = &history(&report, "along").panels[0];
+    assert!(
+        along.curves[0]
+            .values
+            .iter()
+            .all(|a| (a - 10.0).abs() < 1e-3)
+    );
+}
+
+/// Half of the samples itself is not told: a sine sampled there may be nothing but zeros.
+#[test]
+fn half_of_the_samples_is_refused() {
+    let ran = Ran::of(
+        RIG,
+        "analysis run = transient(Rig(), duration: 2 rev, sample: 1 deg)
+        report half {
+            value at = amplitude(run.p, 180)
+            value below = amplitude(run.p, 179)
+            value passed = rms(high_pass(run.p, 180))
+        }",
+        &["run"],
+    );
+    let report = ran.report();
+    for name in ["at", "passed"] {
+        assert_eq!(
+            error(&report, name),
+            "run: order 180 is faster than samples every 1 deg can tell, which is below order 180; run it with `sample: 0.9 deg` or less"
+        );
+    }
+    assert!(value(&report, "below").abs() < 1e-2);
+}
+
+/// A last cycle is whole, however its samples lie.
+#[test]
+fn a_last_cycle_between_samples_is_whole() {
+    let ran = Ran::of(
+        RIG,
+        "analysis fine = transient(Rig(speed: 3300 rpm), duration: 100 ms, sample: 0.1 ms)
+        analysis coarse = transient(Rig(speed: 3300 rpm), duration: 100 ms, sample: 1 ms)
+        analysis back = transient(Rig(speed: -3300 rpm), duration: 100 ms, sample: 0.1 ms)
+        report last {
+            value mean = [mean(last_cycle(fine.p)), mean(last_cycle(coarse.p)), mean(last_cycle(fine.p, cycles: 3)), mean(last_cycle(back.p))]
+            value effective = [rms(last_cycle(fine.p)), rms(last_cycle(coarse.p)), rms(last_cycle(coarse.p, cycles: 5)), rms(last_cycle(back.p))]
+            value first = [amplitude(last_cycle(fine.p), 1, window: rectangular), amplitude(last_cycle(coarse.p), 1, window: rectangular), amplitude(last_cycle(back.p), 1, window: rectangular)]
+            value passed = maximum(abs(low_pass(last_cycle(fine.two), 2) - 10 N*sin(last_cycle(fine.cycle.angle))))
+            value turned = peak_to_peak(last_cycle(fine.cycle.angle))
+            value begin = minimum(last_cycle(fine.cycle.angle))
+        }",
+        &["fine", "coarse", "back"],
+    );
+    let report = ran.report();
+    for (name, due) in [("mean", 1.0), ("effective", 51f64.sqrt()), ("first", 10.0)] {
+        println!("{name}: {:?}", values(&report, name));
+        for found in values(&report, name) {
+            near(found, due, 1e-3);
+        }
+    }
+    assert!(value(&report, "passed") < 1e-3);
+    near(value(&report, "turned"), TAU, 1e-9);
+    // 5.5 revolutions: the last one begins at half a turn
+    near(value(&report, "begin"), PI, 1e-6);
+}
+
+/// Over the speeds of a sweep each speed is one run.
+#[test]
+fn orders_of_equal_speeds_are_refused() {
+    let ran = Ran::of(
+        RIG,
+        "analysis grid[s in [1000, 2000] rpm, q in [1, 2] deg] = transient(Rig(speed: s), duration: 2 rev, sample: q)
+        report sweep {
+            figure mixed = order_track(grid[*, *].p, orders: 1)
+            figure apart = order_track(grid[*, 1].p, orders: 1)
+        }",
+        &["grid[1,1]", "grid[1,2]", "grid[2,1]", "grid[2,2]"],
+    );
+    let report = ran.report();
+    assert_eq!(
+        error(&report, "mixed"),
+        "grid[1,1] and grid[1,2] both turn at 1000 rpm: over the speed they are one"
+    );
+    assert_eq!(history(&report, "apart").panels[0].x.len(), 2);
+}
+
+/// What is told of a finished cycle is the same when it is read again; other parameters are told of.
+#[test]
+fn results_that_are_not_made_again_say_the_same() {
+    let folder = folder("reports-of-finished-runs");
+    let text = format!(
+        "{RIG}
+analysis round = periodic(Rig(), sample: 1 deg)
+analysis other = transient(Rig(), duration: 1 rev, sample: 1 deg)
+report same {{
+    value place = maximum_at(round.p) as deg
+    value low = rms(low_pass(round.p, 2.5))
+    value apart = maximum(abs(round.p - other.p))
+}}
+report bare {{ let a = maximum(other.p) }}
+"
+    );
+    std::fs::write(folder.join("spin.eng"), text).expect("a file");
+    let run = |arguments: &[&str]| {
+        let output = command(&folder, arguments);
+        let (told, errors) = (
+            String::from_utf8_lossy(&output.stdout).into_owned(),
+            String::from_utf8_lossy(&output.stderr).into_owned(),
+        );
+        assert_eq!(output.status.code(), Some(0), "{errors}");
+        let (_, report) = told.split_once("report same").expect("the report");
+        (report.to_owned(), errors)
+    };
+    let (first, errors) = run(&["run", "spin.eng", "--no-plots"]);
+    assert!(
+        first.contains("Place") && !first.contains("not made"),
+        "{first}"
+    );
+    assert!(
+        errors.contains("warning[W0801]: the report `bare` shows nothing"),
+        "{errors}"
+    );
+    let (again, _) = run(&["run", "spin.eng", "--no-plots", "--resume"]);
+    assert_eq!(first, again);
+    let (_, errors) = run(&[
+        "run",
+        "spin.eng",
+        "--no-plots",
+        "--analysis",
+        "other",
+        "--set",
+        "speed=2000 rpm",
+    ]);
+    assert!(
+        errors.contains(
+            "warning: the results are of different parameters: speed is as the text states in those of round, set to 2000 rpm in those of other; run them again alike"
+        ),
+        "{errors}"
+    );
+    let page = command(&folder, &["report", "spin.eng"]);
+    let errors = String::from_utf8_lossy(&page.stderr).into_owned();
+    assert!(
+        errors.contains("speed is as the text states in those of round, set to 2000 rpm"),
+        "{errors}"
+    );
 }

@@ -4,6 +4,7 @@ use super::arguments::RunArguments;
 use super::run::{draw, explain_error, told_of};
 use super::{CheckOutcome, Console, Engine, RunOutcome, Stop};
 use crate::post::{self, EvaluatedReport, Outcome, Run, RunModel};
+use crate::report::mixed;
 use crate::results::{Results, file_stem};
 use std::path::Path;
 
@@ -42,14 +43,17 @@ pub(super) fn reports(
             earlier.push(told_of(Results::read_parquet(&path), console)?);
         }
     }
-    let described = if earlier.is_empty() {
-        Vec::new()
-    } else {
-        match engine.describe(&earlier.iter().collect::<Vec<_>>()) {
+    let mut described = Vec::new();
+    let mut ran_described = Vec::new();
+    if !earlier.is_empty() {
+        let ran = outcomes.iter().map(|o| &o.results);
+        let all: Vec<&Results> = earlier.iter().chain(ran).collect();
+        described = match engine.describe(&all) {
             Ok(described) => described,
             Err(error) => return Err(explain_error(&error, &checked.sources, console)),
-        }
-    };
+        };
+        ran_described = described.split_off(earlier.len().min(described.len()));
+    }
     for (results, described) in earlier.iter().zip(&described) {
         if results.metadata().get("source_hash") != Some(&described.source_hash) {
             writeln!(
@@ -57,6 +61,21 @@ pub(super) fn reports(
                 "warning: the results of {} are of another text of the model; run it again",
                 results.analysis()
             )?;
+        }
+    }
+    let results = || earlier.iter().chain(outcomes.iter().map(|o| &o.results));
+    let mut told: Vec<String> = Vec::new();
+    for report in &reports {
+        let named: Vec<&str> = report.entries.iter().flat_map(|e| e.analyses()).collect();
+        let runs: Vec<_> = results()
+            .zip(described.iter().chain(&ran_described))
+            .filter(|(results, _)| named.contains(&results.analysis()))
+            .collect();
+        for message in mixed(&runs) {
+            if !told.contains(&message) {
+                writeln!(console.errors, "warning: {message}")?;
+                told.push(message);
+            }
         }
     }
     let models: Vec<RunModel> = outcomes

@@ -1,7 +1,7 @@
 //! Expressions over results.
 
 use super::reach::{extent_text, limit_text};
-use super::sampling::{Sampled, sampled};
+use super::sampling::{FEWEST, Sampled, sampled};
 use super::track::{Samples, Track};
 use super::{PostError, Run};
 use crate::modes::are_modes;
@@ -21,8 +21,6 @@ use std::rc::Rc;
 
 /// Share of a sample by which the samples of a cycle may be off a whole number.
 const WHOLE: f64 = 1e-3;
-/// Samples below which nothing is said of how they lie.
-const FEWEST: usize = 4;
 /// Share of a frequency within which a mode counts as near it.
 const NEAR: f64 = 0.1;
 
@@ -125,6 +123,7 @@ impl<'r> Evaluator<'r> {
             speed: kept(CYCLE_SPEED),
             period: run.model.cycle_period,
             whole: false,
+            shortened: false,
         };
         if let Some(period) = run.model.cycle_period.filter(|_| run.model.periodic) {
             samples.angle = samples.angle.map(|angle| shifted(angle, Some(period)));
@@ -183,6 +182,9 @@ impl<'r> Evaluator<'r> {
             Expression::Decibel(reference, of) => {
                 let level = |x: f64| 20.0 * libm::log10(x.abs() / reference);
                 match self.value(of)? {
+                    Value::Number(0.0) => {
+                        return Err(PostError::NotFinite("the level of 0".to_owned()));
+                    }
                     Value::Number(x) => Value::Number(level(x)),
                     Value::Signal(mut track) => {
                         track.values.iter_mut().for_each(|x| *x = level(*x));
@@ -304,8 +306,14 @@ impl<'r> Evaluator<'r> {
         };
         let mut cut = samples.from(first);
         if let (Part::Cycles(count), Some(period)) = (part, period) {
-            cut.angle = cut.angle.map(|angle| shifted(angle, Some(period)));
-            cut.whole = cut.cover(period * f64::from(count));
+            let length = period * f64::from(count);
+            if !cut.cover(length)
+                && let Some(mut filled) = track.last_turned(length)
+            {
+                filled.samples = Rc::new(Samples::clone(&filled.samples).of_cycles(period, length));
+                return Ok(filled);
+            }
+            cut = cut.of_cycles(period, length);
         }
         Ok(Track {
             samples: Rc::new(cut),
@@ -399,7 +407,12 @@ fn operated(operator: Operator, left: Value, right: Value) -> Result<Value, Post
             track.values.iter_mut().for_each(|b| *b = each(a, *b));
             Value::Signal(track)
         }
-        (Value::Signal(mut left), Value::Signal(right)) => {
+        (Value::Signal(mut left), Value::Signal(mut right)) => {
+            // beside a signal that lost the odd sample at its end the other loses it, too
+            if left.samples.shortened != right.samples.shortened {
+                let both = left.values.len().min(right.values.len());
+                (left, right) = (left.first(both), right.first(both));
+            }
             if !Rc::ptr_eq(&left.samples, &right.samples)
                 && let Some(detail) = left.samples.differ(&right.samples)
             {
@@ -500,6 +513,7 @@ pub(super) fn filter_of(
 
 fn filtered(filter: &plan::Filter, mut track: Track) -> Result<Track, PostError> {
     if let Some((made, sampled)) = filter_of(filter, &track)? {
+        track = track.first(sampled.even);
         let signal = Signal {
             values: &track.values,
             sampling: sampled.sampling,

@@ -267,7 +267,7 @@ impl From<&RunOutcome> for RunModel {
         RunModel {
             journals: outcome.journals.clone(),
             cycle_period: outcome.cycle_period,
-            periodic: outcome.periodic.is_some(),
+            periodic: outcome.whole_cycle,
             upright: outcome.upright,
             firing: outcome.firing.clone(),
         }

@@ -9,7 +9,7 @@ use eng_system::report::Limit;
 use eng_system::system::Extent;
 use std::f64::consts::{PI, TAU};
 
-/// Share by which rounding may put a frequency beyond what samples hold.
+/// Share by which rounding may put a frequency off what samples hold, or off a period.
 const ROUNDING: f64 = 1e-6;
 /// Share of the mean speed by which a speed may be off it where frequencies and orders are taken for each other.
 const STEADY: f64 = 0.1;
@@ -71,17 +71,17 @@ fn cycles_a_sample(sampling: Sampling, place: f64) -> f64 {
     }
 }
 
-/// The nearest number below with two digits.
+/// The nearest number with two digits that is less.
 fn two_digits_below(x: f64) -> f64 {
     let power = libm::pow(10.0, libm::floor(libm::log10(x)) - 1.0);
-    libm::floor(x / power * (1.0 + 1e-12)) * power
+    libm::floor(x / power * (1.0 - ROUNDING)) * power
 }
 
 impl Track {
-    /// Refuses what is faster than half of the samples: they hold nothing of it. `place` is counted as the samples lie.
+    /// Refuses what is as fast as half of the samples or faster: they hold nothing of it. `place` is counted as the samples lie.
     pub fn holds(&self, sampled: &Sampled, place: f64, stated: Limit) -> Result<(), PostError> {
         let cycles = cycles_a_sample(sampled.sampling, place);
-        if cycles <= 0.5 * (1.0 + ROUNDING) {
+        if cycles < 0.5 * (1.0 - ROUNDING) {
             return Ok(());
         }
         let needed = match length(sampled.sampling, 0.5 / cycles) {
@@ -94,7 +94,7 @@ impl Track {
             analysis: self.samples.analysis.clone(),
             stated: limit_text(stated),
             held: format!(
-                "every {} can tell, which is up to {}",
+                "every {} can tell, which is below {}",
                 extent_text(length(sampled.sampling, 1.0)),
                 limit_text(highest(sampled.sampling))
             ),
@@ -183,7 +183,9 @@ mod tests {
         assert_eq!(limit_text(Limit::Order(0.5)), "order 0.5");
         assert_eq!(speed_text(200.0 / 3.0), "4000 rpm");
         assert!((two_digits_below(1.0 / 6.0) - 0.16).abs() < 1e-15);
-        assert!((two_digits_below(0.25) - 0.25).abs() < 1e-15);
-        assert!((two_digits_below(120.0) - 120.0).abs() < 1e-12);
+        // half of the samples itself is not told, so that the hint is less
+        assert!((two_digits_below(0.25) - 0.24).abs() < 1e-15);
+        assert!((two_digits_below(121.0) - 120.0).abs() < 1e-12);
+        assert!((two_digits_below(1.0) - 0.9).abs() < 1e-12);
     }
 }

@@ -3,6 +3,8 @@
 use eng_report::signal::{Axis, Sampling, Spectrum};
 use std::f64::consts::TAU;
 
+/// Samples below which nothing is said of how they lie.
+pub(super) const FEWEST: usize = 4;
 /// Share of the mean distance by which samples of a spectrum may lie off their grid.
 const EVEN: f64 = 1e-4;
 
@@ -11,15 +13,41 @@ const EVEN: f64 = 1e-4;
 pub(crate) struct Sampled {
     /// Evenly in angle or in time.
     pub sampling: Sampling,
-    /// All but the last: of whole cycles that one is the first of the next.
+    /// How many lie so: all, or all but the last, where a run ends between two.
+    pub even: usize,
+    /// All of these but the last: of whole cycles that one is the first of the next.
     pub count: usize,
     /// Turns a second, if there is a cycle.
     pub speed: Option<f64>,
 }
 
 /// How samples lie: evenly in cycle angle (rad), else in time (s); the other way round where an axis of frequencies is
-/// `preferred`. `None` where they lie evenly in neither.
+/// `preferred`. Where they lie evenly in neither, all but the last may: a run that is no whole number of samples long has one at its
+/// end. `None` where not even they do.
 pub(crate) fn sampled(time: &[f64], angle: Option<&[f64]>, preferred: Axis) -> Option<Sampled> {
+    all_sampled(time, angle, preferred).or_else(|| {
+        let even = time.len().checked_sub(1).filter(|n| *n >= FEWEST)?;
+        let but_last = angle.and_then(|angle| angle.get(..even));
+        let found = all_sampled(time.get(..even)?, but_last, preferred)?;
+        let along = match found.sampling {
+            Sampling::Angle { .. } => angle?,
+            Sampling::Time { .. } => time,
+        };
+        // a later one would be a gap, not an end
+        ends_early(along).then_some(found)
+    })
+}
+
+/// Whether the last sample lies nearer to the one before it than that to its own.
+fn ends_early(values: &[f64]) -> bool {
+    match values {
+        [.., a, b, c] => (c - b).abs() < (b - a).abs(),
+        _ => false,
+    }
+}
+
+/// See [`sampled`].
+fn all_sampled(time: &[f64], angle: Option<&[f64]>, preferred: Axis) -> Option<Sampled> {
     let duration = time.last()? - time.first()?;
     let turned = angle.and_then(|a| Some(a.last()? - a.first()?));
     let speed = turned.map(|turned| turned / duration / TAU);
@@ -37,6 +65,7 @@ pub(crate) fn sampled(time: &[f64], angle: Option<&[f64]>, preferred: Axis) -> O
     };
     Some(Sampled {
         sampling,
+        even: time.len(),
         count,
         speed,
     })

@@ -107,23 +107,38 @@ pub(super) fn map_of(
         if description.is_empty() {
             description = found.description();
         }
-        // a shaft's mean speed is told to a hundredth, whatever rounding makes of it
-        let speed = (speed * 100.0).round() / 100.0;
-        if let Some(other) = runs.iter().position(|(known, _)| *known == speed) {
-            return Err(PostError::SameSpeed {
-                first: names.get(other).copied().unwrap_or_default().to_owned(),
-                second: member.analysis.clone(),
-                speed: speed_text(speed / 60.0),
-            });
-        }
+        let speed = told_speed(speed);
         names.push(member.analysis.as_str());
         runs.push((speed, found));
+        of_other_speeds(runs.iter().map(|run| run.0).zip(names.iter().copied()))?;
     }
     let map = sweep_map(&runs).map_err(|source| PostError::Signal {
         analysis: names.join(", "),
         source,
     })?;
     Ok((map, description))
+}
+
+/// A mean speed (1/min) to a hundredth, whatever rounding makes of it.
+fn told_speed(speed: f64) -> f64 {
+    (speed * 100.0).round() / 100.0
+}
+
+/// Refuses that the last of some runs turns as fast as one before it: speed (1/min) and analysis of each.
+fn of_other_speeds<'n>(
+    mut runs: impl DoubleEndedIterator<Item = (f64, &'n str)> + ExactSizeIterator,
+) -> Result<(), PostError> {
+    let Some((speed, second)) = runs.next_back() else {
+        return Ok(());
+    };
+    match runs.find(|(known, _)| *known == speed) {
+        Some((_, first)) => Err(PostError::SameSpeed {
+            first: first.to_owned(),
+            second: second.to_owned(),
+            speed: speed_text(speed / 60.0),
+        }),
+        None => Ok(()),
+    }
 }
 
 /// Orders of one channel over the speeds of its runs, in the order of the speeds.
@@ -133,12 +148,15 @@ pub(super) fn orders_of(
     window: plan::Window,
 ) -> Result<OrderTrack, PostError> {
     let mut runs = Vec::with_capacity(tracks.len());
+    let mut speeds: Vec<(f64, &str)> = Vec::with_capacity(tracks.len());
     for track in tracks {
         let sampled = sampled_track(track, Axis::Order)?;
         let speed = match sampled.sampling {
             Sampling::Angle { .. } => track.mean_speed(&sampled)?,
             Sampling::Time { .. } => track.steady_speed(&sampled)?,
         };
+        speeds.push((told_speed(60.0 * speed), &track.samples.analysis));
+        of_other_speeds(speeds.iter().copied())?;
         for order in orders {
             let place = match sampled.sampling {
                 Sampling::Angle { .. } => *order,
@@ -183,6 +201,7 @@ pub(super) fn orders_along(
         .as_ref()
         .ok_or_else(uneven)?
         .iter()
+        .take(sampled.even)
         .map(|speed| speed.abs() * 60.0 / TAU)
         .collect();
     let block = Extent::Angle(revolutions * TAU);
@@ -196,7 +215,7 @@ pub(super) fn orders_along(
         track.resolves(&of_block, *order, limit_text(Limit::Order(*order)))?;
     }
     let run = RunUp {
-        values: &track.values,
+        values: track.values.get(..sampled.even).unwrap_or_default(),
         speeds: &speeds,
         step,
         revolutions,

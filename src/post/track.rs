@@ -1,7 +1,8 @@
 //! Signals with their samples.
 
 use super::PostError;
-use eng_report::signal::SignalError;
+use crate::report::shifted;
+use eng_report::signal::{Interpolation, SignalError, resample};
 use eng_system::report::Member;
 use std::rc::Rc;
 
@@ -20,6 +21,8 @@ pub(super) struct Samples {
     pub period: Option<f64>,
     /// Whether they are whole cycles: the last sample is the first of the next.
     pub whole: bool,
+    /// Whether the odd sample at the end of the run was left out.
+    pub shortened: bool,
 }
 
 /// Share of the distance of samples by which those of two runs may lie apart.
@@ -28,15 +31,27 @@ const ALIKE: f64 = 1e-4;
 impl Samples {
     /// The samples from one on.
     pub fn from(&self, first: usize) -> Samples {
-        let tail = |values: &Vec<f64>| values.get(first..).unwrap_or_default().to_vec();
+        self.part(|values| values.get(first..).unwrap_or_default())
+    }
+
+    fn part(&self, of: impl Fn(&[f64]) -> &[f64]) -> Samples {
+        let of = |values: &Vec<f64>| of(values).to_vec();
         Samples {
             analysis: self.analysis.clone(),
-            time: tail(&self.time),
-            angle: self.angle.as_ref().map(tail),
-            speed: self.speed.as_ref().map(tail),
+            time: of(&self.time),
+            angle: self.angle.as_ref().map(of),
+            speed: self.speed.as_ref().map(of),
             period: self.period,
             whole: false,
+            shortened: self.shortened,
         }
+    }
+
+    /// The same as whole cycles of a period (rad), `length` (rad) in all: their angle counts from the begin of one.
+    pub fn of_cycles(mut self, period: f64, length: f64) -> Samples {
+        self.angle = self.angle.map(|angle| shifted(angle, Some(period)));
+        self.whole = self.cover(length);
+        self
     }
 
     /// Whether they cover an angle (rad) to a thousandth of their distance.
@@ -99,6 +114,63 @@ pub(super) struct Track {
 }
 
 impl Track {
+    /// The last angle (rad) that was turned through, where no whole number of samples fills it: at as many angles as there are samples,
+    /// evenly from its begin to its end, by cubic Hermite interpolation over the angle (error O(h³) of the distance of samples). `None`
+    /// where the shaft does not turn one way all along it.
+    pub fn last_turned(&self, length: f64) -> Option<Track> {
+        let samples = &self.samples;
+        let angle = samples.angle.as_deref()?;
+        let (first, last) = (angle.first()?, angle.last()?);
+        // a shaft turns either way
+        let sense = if last < first { -1.0 } else { 1.0 };
+        let along: Vec<f64> = angle.iter().map(|angle| sense * angle).collect();
+        let (begin, end) = (sense * last - length, sense * last);
+        // from a sample before the begin and its neighbours on, which the interpolation reads
+        let from = along.iter().rposition(|angle| *angle <= begin).unwrap_or(0);
+        let from = from.saturating_sub(2);
+        let along = along.get(from..)?;
+        let begin = begin.max(*along.first()?);
+        let turned = along.last()? - along.first()?;
+        let steps = (length / turned * along.len().checked_sub(1)? as f64).round();
+        if steps.is_nan() || steps < 2.0 {
+            return None;
+        }
+        let step = (end - begin) / steps;
+        let grid: Vec<f64> = (0..=steps as usize)
+            .map(|k| begin + step * k as f64)
+            .collect();
+        let at =
+            |values: &[f64]| resample(along, values.get(from..)?, &grid, Interpolation::Cubic).ok();
+        let filled = Samples {
+            analysis: samples.analysis.clone(),
+            time: at(&samples.time)?,
+            angle: Some(grid.iter().map(|angle| sense * angle).collect()),
+            speed: samples.speed.as_deref().and_then(at),
+            period: samples.period,
+            whole: false,
+            shortened: samples.shortened,
+        };
+        Some(Track {
+            values: at(&self.values)?,
+            samples: Rc::new(filled),
+        })
+    }
+
+    /// The first samples, where there are more: without the odd one at the end of a run.
+    pub fn first(self, count: usize) -> Track {
+        if count >= self.values.len() {
+            return self;
+        }
+        let mut samples = self
+            .samples
+            .part(|values| values.get(..count).unwrap_or(values));
+        samples.shortened = true;
+        Track {
+            samples: Rc::new(samples),
+            values: self.values.get(..count).unwrap_or_default().to_vec(),
+        }
+    }
+
     /// An error of a signal's treatment.
     pub fn refused(&self, source: SignalError) -> PostError {
         PostError::Signal {
@@ -120,10 +192,52 @@ pub(super) fn names(members: &[Member]) -> Vec<String> {
     )
 }
 
+/// Of labels that are made of several channels, and are alike but for some of their names, these names, each once: `vertical[2]` of
+/// `a.vertical[2] - b.vertical[2]` beside `a.vertical[1] - b.vertical[1]`. `None` where one is a channel alone, where they are not alike, or
+/// where these names do not tell them apart.
+fn parts_apart(labels: &[&str]) -> Option<Vec<String>> {
+    let made = |label: &&str| label.contains(' ');
+    if labels.len() < 2 || !labels.iter().all(made) {
+        return None;
+    }
+    let names = |label: &str| -> Vec<String> {
+        let between = |c: char| c == '.' || c == ' ' || c == '(' || c == ')';
+        label
+            .split(between)
+            .filter(|name| !name.is_empty())
+            .map(str::to_owned)
+            .collect()
+    };
+    let rows: Vec<Vec<String>> = labels.iter().map(|label| names(label)).collect();
+    let first = rows.first()?;
+    if rows.iter().any(|row| row.len() != first.len()) {
+        return None;
+    }
+    let differs = |at: usize| rows.iter().any(|row| row.get(at) != first.get(at));
+    let mut found: Vec<String> = Vec::with_capacity(rows.len());
+    for row in &rows {
+        let mut own: Vec<&str> = Vec::new();
+        for (at, name) in row.iter().enumerate() {
+            if differs(at) && !own.contains(&name.as_str()) {
+                own.push(name);
+            }
+        }
+        let own = own.join(" ");
+        if own.is_empty() || found.contains(&own) {
+            return None;
+        }
+        found.push(own);
+    }
+    Some(found)
+}
+
 /// Names for analyses and channels, as short as tells them apart.
 pub(super) fn told_apart<'m>(
     members: impl Iterator<Item = (&'m str, &'m str)> + Clone,
 ) -> Vec<String> {
+    if let Some(names) = parts_apart(&members.clone().map(|(_, c)| c).collect::<Vec<_>>()) {
+        return names;
+    }
     let first = members.clone().next();
     let one_analysis = members.clone().all(|(a, _)| Some(a) == first.map(|f| f.0));
     let one_channel = members.clone().all(|(_, c)| Some(c) == first.map(|f| f.1));
@@ -154,6 +268,7 @@ mod tests {
             speed: None,
             period: None,
             whole: false,
+            shortened: false,
         }
     }
 
@@ -183,5 +298,15 @@ mod tests {
         assert_eq!(pairs(&others), ["m[1].force.x", "m[1].force.y"]);
         assert_eq!(pairs(&[("a", "x"), ("b", "x")]), ["a", "b"]);
         assert_eq!(pairs(&[("a", "x"), ("b", "y")]), ["a x", "b y"]);
+        let made = [
+            ("a[1]", "v[1] (a[1] - a[3]) / a[3].v[1]"),
+            ("a[1]", "v[2] (a[1] - a[3]) / a[3].v[2]"),
+        ];
+        assert_eq!(pairs(&made), ["v[1]", "v[2]"]);
+        let other = [("a", "v (a - b)"), ("a", "v (c - b)")];
+        assert_eq!(pairs(&other), ["a", "c"]);
+        // what is not alike stands as it is
+        let unlike = [("a", "v (a - b)"), ("a", "v - w - z")];
+        assert_eq!(pairs(&unlike), ["v (a - b)", "v - w - z"]);
     }
 }

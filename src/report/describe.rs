@@ -91,6 +91,8 @@ pub struct BodyPicture {
 pub struct Described {
     /// Hash of the texts as they are now.
     pub source_hash: String,
+    /// Parameters whose values are not those that the text states for the analysis, and what they are: by `--set`, or of another text.
+    pub set: BTreeMap<String, String>,
     /// Parameters in a fixed order.
     pub inputs: Vec<InputValue>,
     /// Journals in the order of the text.
@@ -121,6 +123,7 @@ impl Described {
         metadata: &BTreeMap<String, String>,
     ) -> Result<Described, Error> {
         let source_hash = analysis.source_hash();
+        let stated_values = analysis.bound()?.parameters;
         let analysis = with_parameters(analysis, metadata)?;
         let model = analysis.model().clone();
         let compiled = model.compiled();
@@ -149,9 +152,17 @@ impl Described {
                 }
             })
             .collect();
+        let set = system
+            .parameters
+            .iter()
+            .zip(bound.parameters.iter().zip(stated_values))
+            .filter(|(_, (value, stated))| differ(**value, *stated))
+            .map(|(p, (value, _))| (p.origin.path.clone(), p.display.text(*value)))
+            .collect();
         let firing = firing(system, &bound);
         Ok(Described {
             source_hash,
+            set,
             inputs,
             journals: journals(system, &bound),
             axes: axes(system, &bound),
@@ -226,6 +237,11 @@ fn axes(system: &System, bound: &Bound) -> Vec<JournalAxes> {
         .collect()
 }
 
+/// Whether two values are not the same but for rounding.
+fn differ(a: f64, b: f64) -> bool {
+    (a - b).abs() > 1e-12 * a.abs().max(b.abs())
+}
+
 /// Sets what the metadata say and the analysis does not.
 fn with_parameters(
     mut analysis: Analysis,
@@ -245,7 +261,7 @@ fn with_parameters(
             (other.dimension() == parameter.dimension).then_some(other.value())
         });
         if let Some(value) = stated
-            && (value - now).abs() > 1e-12 * now.abs().max(value.abs())
+            && differ(value, now)
         {
             let handle = analysis.model().parameter(&parameter.path)?;
             analysis = analysis.set(handle, Quantity::si(value, parameter.dimension))?;

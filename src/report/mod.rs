@@ -11,6 +11,7 @@ mod page;
 mod provenance;
 mod scene;
 mod series;
+mod settings;
 mod shapes;
 mod spectra;
 mod stress;
@@ -24,6 +25,7 @@ pub use describe::{BodyPicture, Described, InputValue, JournalAxes, MarkerAxes, 
 pub use page::{Drawn, Made, Request, make};
 pub(crate) use scene::shifted;
 pub use series::write_series;
+pub(crate) use settings::mixed;
 pub use stress::At;
 
 use crate::cli::RunOutcome;
@@ -110,6 +112,7 @@ impl Entry {
                 facts: Vec::new(),
                 point: described.point.clone(),
                 periodic: None,
+                whole_cycle: described.periodic,
                 results,
                 motion,
             },

@@ -5,7 +5,7 @@ use super::describe::Matter;
 use super::scene::{Scene, scene};
 use super::spectra::of_last_cycle;
 use super::stress::At;
-use super::{Entry, ReportError, analyses, provenance, sweeps, tables};
+use super::{Entry, ReportError, analyses, mixed, provenance, sweeps, tables};
 use crate::Reduction;
 use crate::cli::RunOutcome;
 use crate::cli::figures::compared;
@@ -91,6 +91,12 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
             warnings.push(format!("{}: no motion was kept", entry.name()));
         }
     }
+    let all: Vec<_> = entries
+        .iter()
+        .chain(modes)
+        .map(|e| (&e.outcome.results, &e.described))
+        .collect();
+    warnings.extend(mixed(&all));
     let mut scenes: Vec<(&Entry, Scene)> = Vec::new();
     let animated: Vec<&Entry> = entries
         .iter()

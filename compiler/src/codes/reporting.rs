@@ -19,7 +19,7 @@ eng_grammar::codes! {
         "Limits of filters are above zero and in order, an overlap is below 100 %, a cycle counts from 1.",
         "report forces { value level = rms(band(run.force, 2 kHz, 1 kHz)) }",
         "report forces { value level = rms(band(run.force, 1 kHz, 2 kHz)) }";
-    REPORT_IDLE = "W0801", "a report names no analysis",
+    REPORT_IDLE = "W0801", "a report shows nothing, or names no analysis",
         "It is made of results, which are named after their analysis. Without one it says the same whatever was run.",
         "report forces { value bore = 86 mm }",
         "report forces { value peak = maximum(run.force) }";

@@ -64,14 +64,18 @@ pub fn reports(
             let span = report.name.span;
             if let Some(report) = reporter.report(docs, report) {
                 if report.entries.iter().all(|e| e.analyses().is_empty()) {
-                    reporter.tell(
-                        Diagnostic::warning(
-                            codes::REPORT_IDLE,
-                            format!("the report `{}` names no analysis", report.name),
-                        )
-                        .at(span, "nothing of it is made of results")
-                        .with_help("name channels after their analysis: `unfired.main[1].force.x`"),
-                    );
+                    let idle = |title| Diagnostic::warning(codes::REPORT_IDLE, title);
+                    let message = match report.entries.is_empty() {
+                        true => idle(format!("the report `{}` shows nothing", report.name))
+                            .at(span, "it has neither a figure nor a value nor a condition")
+                            .with_help("a `let` only names; write `value` to have it told"),
+                        false => idle(format!("the report `{}` names no analysis", report.name))
+                            .at(span, "nothing of it is made of results")
+                            .with_help(
+                                "name channels after their analysis: `unfired.main[1].force.x`",
+                            ),
+                    };
+                    reporter.tell(message);
                 }
                 made.push(report);
             }
