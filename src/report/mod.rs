@@ -27,6 +27,7 @@ pub use series::write_series;
 pub use stress::At;
 
 use crate::cli::RunOutcome;
+use crate::repetition::Repetition;
 use crate::results::ResultsError;
 use eng_flexible::FlexibleError;
 use eng_report::animation::AnimationError;
@@ -109,7 +110,7 @@ impl Entry {
                 diagnostics: Default::default(),
                 facts: Vec::new(),
                 point: described.point.clone(),
-                periodic: None,
+                periodic: Repetition::of(results.metadata()).map(|r| (r.cycles, r.repeats)),
                 results,
                 motion,
             },
