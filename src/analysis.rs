@@ -2,6 +2,7 @@
 
 use crate::model::{Model, Parameter};
 use crate::motion::Motion;
+use crate::repetition::Repetition;
 use crate::results::{Begun, Column, KeptWarning, Recording, Results, ResultsError, Table};
 use crate::simulation::run_error_with;
 use crate::{Error, Program, Quantity, RuntimeError};
@@ -290,6 +291,13 @@ impl Analysis {
             Ok((summary, periodic)) => (summary, periodic, None),
             Err(cause) => (None, None, Some(cause)),
         };
+        if let Some(found) = &periodic {
+            let found = Repetition::new(found, &compiled.system);
+            for (key, value) in found.metadata() {
+                let stated = recorder.table.set_metadata(key, value);
+                stated.map_err(|error| failed(error.into()))?;
+            }
+        }
         let failure = cause.as_ref().map(ToString::to_string);
         // a run that is killed between its results and its motion has all of the motion on disk
         let saved = recorder.motion.save();

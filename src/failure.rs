@@ -199,7 +199,7 @@ fn place_of(path: &str, system: &System) -> Option<Location> {
         .and_then(|origin| origin.used_at)
 }
 
-fn place(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
+pub(crate) fn place(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
     let message = match origin.used_at {
         Some(at) => message.at(span(at), format!("{}: {label}", origin.path)),
         None => message,
@@ -278,7 +278,7 @@ fn upside_down(unstable: &Unstable, what: &str) -> Diagnostic {
 /// Share of the clearance below which a motion that does not repeat is no whirl.
 const NO_WHIRL: f64 = 2e-3;
 
-/// What is to be told of a periodic analysis: facts, and warnings at its line.
+/// What is to be told of a periodic analysis besides whether it repeats: facts, and warnings.
 pub(crate) fn periodic(
     found: &PeriodicSummary,
     analysis: &crate::Analysis,
@@ -292,52 +292,12 @@ pub(crate) fn periodic(
         .iter()
         .map(|unstable| upside_down(unstable, "the steady motion"))
         .collect();
-    if let Some(slowest) = &found.slowest {
+    if let Some(decay) = &found.decay {
         facts.push(format!(
-            "{} after {} cycles; the last differs by {:.2e} of its swing in {}",
-            if found.repeats {
-                "repeats"
-            } else {
-                "does not repeat"
-            },
-            found.cycles,
-            slowest.change,
-            name(slowest.channel),
+            "slowest decay: the change in {} shrinks by the factor {:.3} a cycle",
+            name(decay.channel),
+            decay.factor,
         ));
-        if let Some(decay) = &found.decay {
-            facts.push(format!(
-                "slowest decay: the change in {} shrinks by the factor {:.3} a cycle",
-                name(decay.channel),
-                decay.factor,
-            ));
-        }
-        if !found.repeats {
-            let message = Diagnostic::warning(
-                codes::NOT_PERIODIC,
-                format!(
-                    "the cycle does not repeat after {} cycles: {} still changes by {:.3} % of its swing",
-                    found.cycles,
-                    name(slowest.channel),
-                    100.0 * slowest.change
-                ),
-            );
-            let message = place(message, analysis.origin(), "the last cycle is kept");
-            warnings.push(if slowest.known && slowest.factor < 0.98 {
-                message
-                    .with_note(format!(
-                        "its change shrinks by the factor {:.3} a cycle",
-                        slowest.factor
-                    ))
-                    .with_help("allow more: `cycles: 100`")
-            } else {
-                message
-                    .with_note(format!(
-                        "its change does not shrink: the factor is {:.3} a cycle",
-                        slowest.factor
-                    ))
-                    .with_help("look for whirl, a resonance or a speed that creeps; if it is small it is the steps' own error, and `tolerance: 0.1` makes less of it; or accept more: `change: 1 %`")
-            });
-        }
     }
     for growth in &found.growing {
         let unit = system

@@ -44,6 +44,7 @@ pub mod motion;
 mod program;
 mod quantity;
 mod reduction;
+mod repetition;
 pub mod report;
 mod significant;
 mod simulation;

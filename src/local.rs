@@ -6,6 +6,7 @@ use crate::cli::{
     RunOutcome, Setting,
 };
 use crate::plot::Upright;
+use crate::repetition::Repetition;
 use crate::report::Described;
 use crate::results::Recording;
 use crate::significant::significant;
@@ -324,6 +325,13 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
             .into_iter()
             .for_each(|d| diagnostics.push(d));
     }
+    let repetition = Repetition::of(outcome.results.metadata());
+    if let Some(found) = &repetition {
+        facts.push(found.text());
+        if let Some(warning) = found.warning(analysis.origin()) {
+            diagnostics.push(warning);
+        }
+    }
     if let Some(periodic) = &outcome.periodic {
         let (told, warnings) = crate::failure::periodic(periodic, analysis, &bound);
         facts.extend(told);
@@ -358,7 +366,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         diagnostics,
         facts,
         point: analysis.point().to_vec(),
-        periodic: outcome.periodic.as_ref().map(|p| (p.cycles, p.repeats)),
+        periodic: repetition.map(|r| (r.cycles, r.repeats)),
         whole_cycle: matches!(analysis.kind(), AnalysisKind::Periodic(_)),
         motion: (outcome.motion.samples() > 0).then_some(outcome.motion),
         results: outcome.results,

@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | `mode` | counted from 1 |
 //! | `frequency`, `undamped_frequency` | ω/2π, \|λ\|/2π (Hz) of λ = growth ± iω; the first is 0 where nothing oscillates |
-//! | `damping_ratio` | −Re λ/\|λ\|: 1 of a decay, −1 of a growth without oscillation |
+//! | `damping_ratio` | −Re λ/\|λ\| (shown and written in %): 1 of a decay, −1 of a growth without oscillation |
 //! | `growth` | Re λ (1/s) |
 //! | `cycle.speed` | at which it was linearised, of a model with a cycle |
 //! | `kinetic.B` | share of body B in the kinetic energy; of a flexible one also `kinetic.B.rigid` and `kinetic.B.mode[k]` |

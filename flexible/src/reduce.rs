@@ -97,6 +97,12 @@ pub struct Reduced {
 /// How far a foreign mass may be from that of the mesh's volumes before it is told.
 const MASS_APART: f64 = 0.05;
 
+/// How far the masses along x, y and z may be apart before it is told, as a part of the largest: files of few digits are nearer.
+const DIRECTED: f64 = 1e-4;
+
+/// How many nodes a message names.
+const NAMED: usize = 5;
+
 /// Forces of a rigid motion above this part don't cancel: something holds the structure.
 const RESISTED: f64 = 1e-6;
 
@@ -282,8 +288,32 @@ fn matrices(
         }
         return Ok((full, Vec::new()));
     };
-    let found = from_matrices(mesh, &stiffness, &mass)?;
+    let found = match from_matrices(mesh, &stiffness, &mass) {
+        Ok(found) => found,
+        Err(_) if is_structure(mesh, &mass, &stiffness) => {
+            return Err(exchanged(&stiffness, &mass));
+        }
+        Err(error) => return Err(error),
+    };
     let full = &found.structure;
+    let resisted = residuals(&full.stiffness, &rigid_motions(mesh, &full.freedoms));
+    let held = resisted.iter().any(|share| *share > RESISTED);
+    if held && is_structure(mesh, &mass, &stiffness) {
+        return Err(exchanged(&stiffness, &mass));
+    }
+    if !held && request.support.is_empty() {
+        check_movable(mesh, &found)?;
+    }
+    let (rigid, along) = full.mass.rigid_along(mesh);
+    let most = along.into_iter().fold(0.0, f64::max);
+    if !held && along.iter().any(|mass| most - mass > DIRECTED * most) {
+        let [x, y, z] = along;
+        report.warnings.push(format!(
+            "{} moves {x:.4e} kg along x, {y:.4e} kg along y, {z:.4e} kg along z: the mass of a body is the same in all directions. It is taken as \
+             {:.4e} kg, the mean, and its centre and inertia from all three; write masses that act along x, y and z alike",
+            mass.title, rigid.mass
+        ));
+    }
     let partly = found.missing.iter().filter(|s| s.components & 0b111 != 0);
     let absent: Vec<u64> = full
         .unused_nodes
@@ -293,13 +323,12 @@ fn matrices(
         .map(|node| node.id)
         .collect();
     if let Some(first) = absent.first() {
-        let resisted = residuals(&full.stiffness, &rigid_motions(mesh, &full.freedoms));
         let nodes = format!(
             "{} has no rows of {} nodes or some of their translations (node {first}, …)",
             stiffness.title,
             absent.len()
         );
-        report.supported = resisted.iter().any(|share| *share > RESISTED);
+        report.supported = held;
         report.warnings.push(if report.supported {
             format!(
                 "{nodes} and resists rigid motion: the body is taken as held to the ground there; write the matrices without supports for a free one"
@@ -309,6 +338,75 @@ fn matrices(
         });
     }
     Ok((found.structure, found.missing))
+}
+
+/// Whether matrices make a structure that rigid motion does not stretch.
+fn is_structure(mesh: &Mesh, stiffness: &NodalMatrix, mass: &NodalMatrix) -> bool {
+    from_matrices(mesh, stiffness, mass).is_ok_and(|found| {
+        let full = &found.structure;
+        let resisted = residuals(&full.stiffness, &rigid_motions(mesh, &full.freedoms));
+        resisted.iter().all(|share| *share <= RESISTED)
+    })
+}
+
+/// Stiffness and mass that fit the other way round.
+fn exchanged(stiffness: &NodalMatrix, mass: &NodalMatrix) -> FlexibleError {
+    FlexibleError::Matrix {
+        problem: format!(
+            "{} and {} make no free structure as stiffness and mass, but they do as mass and stiffness",
+            stiffness.title, mass.title
+        ),
+        advice: "the two were exchanged: give the other one to each of `stiffness` and `mass`"
+            .into(),
+    }
+}
+
+/// Refuses a free structure whose matrices leave out a direction altogether.
+fn check_movable(mesh: &Mesh, found: &fe::ForeignStructure) -> Result<(), FlexibleError> {
+    let freedoms = &found.structure.freedoms;
+    let missing = |node: u32| -> u8 {
+        let own = found.missing.iter().filter(|support| support.node == node);
+        own.fold(0, |mask, support| mask | support.components)
+    };
+    let mut moved = 0u8;
+    let mut absent: Vec<(u64, Vec<&str>)> = Vec::new();
+    for (index, node) in (0u32..).zip(&mesh.nodes) {
+        let count = freedoms.of(index).len();
+        if count == 0 {
+            continue;
+        }
+        let missing = missing(index);
+        // axes of its own mix the directions
+        moved |= match node.frame {
+            Some(_) if missing & 0b111 != 0b111 => 0b111,
+            _ => !missing & 0b111,
+        };
+        if missing & 0b111 != 0 {
+            let names = ["x", "y", "z"].into_iter().enumerate();
+            let own = names.filter(|(k, _)| missing & (1 << k) != 0);
+            absent.push((node.id, own.map(|(_, name)| name).collect()));
+        }
+    }
+    if moved == 0b111 {
+        return Ok(());
+    }
+    let named: Vec<String> = absent
+        .iter()
+        .take(NAMED)
+        .map(|(node, axes)| format!("{} of node {node}", axes.join(" and ")))
+        .collect();
+    let more = match absent.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and of {more} more nodes"),
+    };
+    Err(FlexibleError::Structure {
+        problem: format!(
+            "freedoms without mass and stiffness: {}{more}: the body can't move there, and a free one moves in all directions",
+            named.join(", ")
+        ),
+        advice: "masses and springs along a line make no moving body: write matrices of a structure in space, or state it as `body`s and springs"
+            .into(),
+    })
 }
 
 /// A singular row by its node.

@@ -3,6 +3,7 @@
 use super::arguments::ResultsArguments;
 use super::table::Table;
 use super::{Console, Stop, USAGE_OR_SYSTEM};
+use crate::repetition::Repetition;
 use crate::results::{Kind, Listed, Selection, listed};
 use crate::significant::short;
 
@@ -72,8 +73,11 @@ fn show(found: &Listed, console: &mut Console<'_>) -> Result<(), Stop> {
         span.push_str(&format!(", {} to {} °CA", short(from, 6), short(to, 6)));
     }
     writeln!(output, "  {span}")?;
+    if let Some(found) = Repetition::of(results.metadata()) {
+        writeln!(output, "  {}", found.text())?;
+    }
     for (key, value) in results.metadata() {
-        if key == "identity" || key == "state" {
+        if key == "identity" || key == "state" || Repetition::is_key(key) {
             continue;
         }
         let value = match key.split('.').next() {

@@ -29,6 +29,7 @@ pub(crate) use settings::mixed;
 pub use stress::At;
 
 use crate::cli::RunOutcome;
+use crate::repetition::Repetition;
 use crate::results::ResultsError;
 use eng_flexible::FlexibleError;
 use eng_report::animation::AnimationError;
@@ -111,7 +112,7 @@ impl Entry {
                 diagnostics: Default::default(),
                 facts: Vec::new(),
                 point: described.point.clone(),
-                periodic: None,
+                periodic: Repetition::of(results.metadata()).map(|r| (r.cycles, r.repeats)),
                 whole_cycle: described.periodic,
                 results,
                 motion,

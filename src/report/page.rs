@@ -10,6 +10,7 @@ use crate::Reduction;
 use crate::cli::RunOutcome;
 use crate::cli::figures::compared;
 use crate::post::{self, Run, RunModel};
+use crate::repetition::Repetition;
 use eng_report::figure::History;
 use eng_report::page::{Page, Section};
 use eng_system::report::Report;
@@ -86,6 +87,10 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
                 "{}: the model's text is not that of the results; run it again",
                 entry.name()
             ));
+        }
+        let repetition = Repetition::of(entry.outcome.results.metadata());
+        if let Some(found) = repetition.filter(|found| !found.repeats) {
+            warnings.push(format!("{}: {}", entry.name(), found.text()));
         }
         if entry.outcome.motion.is_none() {
             warnings.push(format!("{}: no motion was kept", entry.name()));

@@ -26,6 +26,7 @@ pub(super) fn analyses(entries: &[Entry]) -> Table {
             Column::with_unit("End", "ms"),
             Column::with_unit("Mean speed", "rpm"),
             Column::new("Start"),
+            Column::new("Cycles"),
         ],
         rows: entries
             .iter()
@@ -50,6 +51,16 @@ pub(super) fn analyses(entries: &[Entry]) -> Table {
                     results.metadata().get("start").map_or(Cell::Empty, |text| {
                         text.strip_prefix("start: ").unwrap_or(text).into()
                     }),
+                    entry
+                        .outcome
+                        .periodic
+                        .map_or(Cell::Empty, |(cycles, repeats)| {
+                            match repeats {
+                                true => format!("repeats after {cycles}"),
+                                false => format!("does not repeat after {cycles}"),
+                            }
+                            .into()
+                        }),
                 ]
             })
             .collect(),

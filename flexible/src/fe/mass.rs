@@ -133,6 +133,12 @@ impl Mass {
     /// Mass properties of the structure moving as a rigid body, exactly as its matrix has them: Rᵀ M R with R of
     /// [`rigid_motions`].
     pub fn rigid(&self, mesh: &Mesh) -> RigidMass {
+        self.rigid_along(mesh).0
+    }
+
+    /// Mass properties as [`Mass::rigid`] gives them, and the mass (kg) that each of the translations along x, y, z moves: one number of
+    /// three alike, but in matrices of models whose masses act along some axes only.
+    pub fn rigid_along(&self, mesh: &Mesh) -> (RigidMass, [f64; 3]) {
         let size = self.freedoms.size();
         let motions = rigid_motions(mesh, &self.freedoms);
         let mut inertial = vec![0.0; motions.len()];
@@ -151,11 +157,13 @@ impl Mass {
                 *x = entry(3 + i.min(j), 3 + i.max(j));
             }
         }
-        RigidMass {
-            mass: (entry(0, 0) + entry(1, 1) + entry(2, 2)) / 3.0,
+        let along = [entry(0, 0), entry(1, 1), entry(2, 2)];
+        let rigid = RigidMass {
+            mass: (along[0] + along[1] + along[2]) / 3.0,
             first_moment: [entry(1, 5), entry(2, 3), entry(0, 4)],
             inertia,
-        }
+        };
+        (rigid, along)
     }
 }
 

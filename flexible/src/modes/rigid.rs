@@ -151,7 +151,7 @@ impl Rigid {
     }
 }
 
-/// `‖K r‖ / ‖|K| |r|‖` of each motion r: the part of the forces, freedom by freedom, that does not cancel.
+/// `‖K r‖ / ‖|K| |r|‖` of each motion r: the part of the forces, freedom by freedom, that does not cancel; zero without forces.
 pub fn residuals(stiffness: &SymmetricMatrix, motions: &[f64]) -> Vec<f64> {
     let size = stiffness.size();
     let mut sizes = stiffness.clone();
@@ -162,7 +162,10 @@ pub fn residuals(stiffness: &SymmetricMatrix, motions: &[f64]) -> Vec<f64> {
     forces
         .chunks_exact(size.max(1))
         .zip(bounds.chunks_exact(size.max(1)))
-        .map(|(force, bound)| norm(force) / norm(bound))
+        .map(|(force, bound)| match norm(bound) {
+            0.0 => 0.0,
+            bound => norm(force) / bound,
+        })
         .collect()
 }
 

@@ -10,6 +10,11 @@ use crate::read::Files;
 /// A diagonal this large stands for a support (Abaqus: 10³⁶).
 const PENALTY: f64 = 1e30;
 
+const MATRIX_MARKET: &str =
+    "lines with % make this a file of the MatrixMarket format, not Abaqus' or CalculiX's text";
+const STRIP: &str = "take out the lines that begin with % and the line of sizes after them: `row column value` of a symmetric matrix, counted \
+     from 1, is what remains and can be read; say by `per_node: 3`, `6` or `freedoms: \".dof\"` which freedoms the rows are";
+
 /// Reads a matrix of Abaqus, in either of its formats.
 ///
 /// # Errors
@@ -23,6 +28,9 @@ pub fn read_abaqus_matrix(files: &dyn Files, file: &str) -> Result<ForeignMatrix
         let line = line.trim();
         if line.is_empty() || line.starts_with("**") {
             continue;
+        }
+        if line.starts_with('%') {
+            return Err(text.problem(MATRIX_MARKET, STRIP));
         }
         if line.starts_with('*') {
             return Err(text.wrong(
@@ -115,6 +123,9 @@ pub fn read_calculix_matrix(files: &dyn Files, file: &str) -> Result<ForeignMatr
     while let Some(line) = text.next_line()? {
         if line.is_empty() {
             continue;
+        }
+        if line.starts_with('%') {
+            return Err(text.problem(MATRIX_MARKET, STRIP));
         }
         let fields = line.split_whitespace().collect::<Vec<_>>();
         let entry = match fields.as_slice() {
