@@ -1357,3 +1357,38 @@ report bare {{ let a = maximum(other.p) }}
         "{errors}"
     );
 }
+
+/// Numbers of a list are told apart by what differs, however they are made.
+#[test]
+fn members_of_a_list_have_short_names() {
+    let ran = Ran::of(
+        RIG.replace(
+            "output p",
+            "output v[k in 1..3]: Force = k*10 N*sin(phi) + speed/(1000 rpm)*1 N\n    output p",
+        )
+        .as_str(),
+        "analysis a[s in [2000, 3000] rpm] = transient(Rig(speed: s), duration: 2 rev, sample: 1 deg)
+        report names {
+            let first = last_cycle(a[1].v[1..3])
+            let second = last_cycle(a[2].v[1..3])
+            value share = rms(first - second)/rms(second) as %
+            value runs = maximum(a[*].v[1] - a[*].v[2])
+        }",
+        &["a[1]", "a[2]"],
+    );
+    let report = ran.report();
+    let names = |name: &str| -> Vec<String> {
+        let numbers = report.values(name).expect("numbers");
+        numbers.iter().map(|number| number.name.clone()).collect()
+    };
+    assert_eq!(names("share"), ["v[1]", "v[2]", "v[3]"]);
+    assert_eq!(names("runs"), ["a[1]", "a[2]"]);
+    for (k, share) in values(&report, "share").into_iter().enumerate() {
+        let amplitude = 10.0 * (k as f64 + 1.0);
+        near(
+            share,
+            1.0 / (9.0 + amplitude * amplitude / 2.0).sqrt(),
+            1e-6,
+        );
+    }
+}

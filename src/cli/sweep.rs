@@ -35,9 +35,9 @@ pub(super) fn name<'o>(family: &[&'o RunOutcome]) -> &'o str {
     family.first().map_or("", |o| base(o))
 }
 
-/// One row a point: the variables; cycles of a periodic analysis, and 1 where the last repeats; of every journal the peak load, the
-/// smallest film and the friction; of every output of the model the smallest and the largest value. Over the last whole cycle where
-/// there is one, else over the whole run.
+/// One row a point: the variables; cycles of a periodic analysis, and 1 where the last repeats, no numbers where it was complete and was
+/// not run again; of every journal the peak load, the smallest film and the friction; of every output of the model the smallest and the
+/// largest value. Over the last whole cycle where there is one, else over the whole run.
 pub(crate) fn table(family: &[&RunOutcome]) -> Results {
     let Some(first) = family.first() else {
         return Results::new("", "");
@@ -63,9 +63,9 @@ pub(crate) fn table(family: &[&RunOutcome]) -> Results {
         );
     }
     let plain = DisplayUnit::si(Dimension::ONE);
-    if first.periodic.is_some() {
+    if family.iter().any(|o| o.periodic.is_some()) {
         let cycles = |o: &&RunOutcome| o.periodic.map_or(f64::NAN, |p| f64::from(p.0));
-        let repeats = |o: &&RunOutcome| o.periodic.map_or(0.0, |p| f64::from(u8::from(p.1)));
+        let repeats = |o: &&RunOutcome| o.periodic.map_or(f64::NAN, |p| f64::from(u8::from(p.1)));
         push(
             "cycles".to_owned(),
             Dimension::ONE,
