@@ -115,6 +115,14 @@ impl Analysis {
         &self.model
     }
 
+    /// The parameter of its model with a path; of a constant it is told that it is one.
+    pub fn parameter(&self, path: &str) -> Result<Parameter, Error> {
+        self.model.parameter(path).map_err(|error| {
+            let constant = self.program.constant(self.model.name(), path);
+            constant.unwrap_or(error)
+        })
+    }
+
     /// What is done.
     pub fn kind(&self) -> &AnalysisKind {
         &self.plan.kind
@@ -194,7 +202,11 @@ impl Analysis {
             RuntimeError::Bind(BindError::Limits { path, .. }) => Some(path.clone()),
             _ => None,
         };
+        let of_analysis = matches!(cause, RuntimeError::Options { .. });
         run_error_with(&self.model, cause, |message| {
+            if of_analysis {
+                return crate::failure::place(message, &self.plan.origin, "of this analysis");
+            }
             let Some(path) = path else {
                 return message;
             };

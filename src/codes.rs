@@ -29,7 +29,7 @@ eng_grammar::codes! {
         "joint left = Revolute(bar.left, block.left)\njoint right = Revolute(bar.right, block.right)",
         "joint left = Revolute(bar.left, block.left)\njoint right = PointOnLine(bar.right, block.right)";
     SINGULAR = "E0707", "accelerations are not determined",
-        "Something can move that has no mass or inertia, or the mechanism stands where it locks.",
+        "Something can move that has no mass or inertia: the message names such bodies. Or the mechanism stands where it locks or can go on in two ways: then the message names the constraint equations that depend on each other there; start a few degrees away.",
         "body rod { mass = 0.6 kg; inertia = [0, 0, 0] g*m^2 }",
         "body rod { mass = 0.6 kg; inertia = [3.1, 0.12, 3] g*m^2 }";
     NOT_FINITE = "E0708", "an element gives something that is no number",

@@ -33,6 +33,24 @@ pub enum Error {
         /// Written alike.
         nearest: Option<String>,
     },
+    /// A constant in place of a parameter.
+    #[error(
+        "{name} is a `const`, not a parameter: the structure is made with it; change it in the text, or state it in an analysis: {model}({name}: …)"
+    )]
+    Constant {
+        /// The constant.
+        name: String,
+        /// The model that states it.
+        model: String,
+    },
+    /// A constant of the file in place of a parameter.
+    #[error(
+        "{name} is a `const` of the file, not a parameter: change it in the text, or make it a `param` of the model"
+    )]
+    FileConstant {
+        /// The constant.
+        name: String,
+    },
     /// No such channel.
     #[error("there is no channel {path}{}", hint(nearest))]
     NoChannel {

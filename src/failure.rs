@@ -67,8 +67,18 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             };
             message.with_help("give the duration as a time, or start the crank turning")
         }
-        R::Singular { .. } => d(codes::SINGULAR)
-            .with_help("give every body that can turn an inertia, and every one that can move a mass"),
+        R::Singular { repeated, .. } if !repeated.is_empty() => {
+            let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {
+                place(message, &group.redundant.origin, "repeats others at this position")
+            });
+            message.with_help("the mechanism is stretched, locks or can go on in two ways there: start a few degrees away, or keep it from getting there")
+        }
+        R::Singular { massless, .. } => {
+            let message = massless.iter().take(3).fold(d(codes::SINGULAR), |message, body| {
+                place(message, &body.origin, &format!("has no {}", body.lacks))
+            });
+            message.with_help("give every body that can turn an inertia, and every one that can move a mass")
+        }
         R::Options { .. } => d(codes::OPTIONS),
         R::Checkpoint { .. } => d(codes::CHECKPOINT),
         // the checker finds an angle without a cycle; the others are faults of the compiler or of the run itself

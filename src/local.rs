@@ -233,7 +233,7 @@ impl Engine for Local {
 fn with_settings(mut analysis: Analysis, settings: &[Setting]) -> Result<Analysis, EngineError> {
     for setting in settings {
         let usage = |e: Error| EngineError::Usage(format!("--set {}: {e}", setting.path));
-        let parameter = analysis.model().parameter(&setting.path).map_err(usage)?;
+        let parameter = analysis.parameter(&setting.path).map_err(usage)?;
         let value: Quantity = setting
             .value
             .parse()
@@ -318,6 +318,17 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     let mut facts = analysis.replaced().to_vec();
     if outcome.made_before {
         facts.push("was complete, and is not run again".to_owned());
+        let gone = |folder: &Path| {
+            let name = format!("{}{}", analysis.name(), crate::motion::SUFFIX);
+            let file = crate::results::file_stem(&name) + ".parquet";
+            !folder.join(file).is_file()
+        };
+        let moves = !system.bodies.is_empty() && !crate::modes::are_modes(&outcome.results);
+        if moves && analysis.recorded_to().is_some_and(gone) {
+            facts.push(
+                "its motion is not there: without --resume it is run again and makes it".to_owned(),
+            );
+        }
     }
     if let Some(start) = &outcome.start {
         facts.push(start.to_string());

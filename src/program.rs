@@ -3,7 +3,7 @@
 use crate::{Model, Sources};
 use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses, elaborate};
 use eng_compiler::program::{DefinitionId, Program as Resolved};
-use eng_grammar::ast::{ItemKind, Kind};
+use eng_grammar::ast::{BindingKind, Block, Declaration, Form, ItemKind, Kind};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::code::Compiled;
 use std::sync::Arc;
@@ -114,6 +114,14 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
         texts,
         diagnostics,
         program,
+    }
+}
+
+/// The block of a declaration.
+fn block_of(declaration: &Declaration) -> Option<&Block> {
+    match &declaration.form {
+        Form::Class { block, .. } | Form::Plain { block } => Some(block),
+        Form::Instance { block, .. } => block.as_ref(),
     }
 }
 
@@ -316,6 +324,32 @@ impl Program {
             (Some(first), Some(second)) => {
                 second != Some(first) || values.any(|value| value != Some(first))
             }
+        }
+    }
+
+    /// Why there is no parameter of this name, where a constant of the model or of the file has it.
+    pub(crate) fn constant(&self, model: &str, name: &str) -> Option<crate::Error> {
+        let is_constant = |item: &eng_grammar::ast::Item| {
+            matches!(&item.kind, ItemKind::Binding(binding)
+                if binding.kind == BindingKind::Const && binding.name.text == name)
+        };
+        let resolved = &self.inner.resolved;
+        let file = &resolved.modules.get(resolved.root() as usize)?.file;
+        let of_model = file.items.iter().any(|item| match &item.kind {
+            ItemKind::Declaration(declaration) if declaration.name.text == model => {
+                let block = block_of(declaration);
+                block.is_some_and(|block| block.items.iter().any(is_constant))
+            }
+            _ => false,
+        });
+        let name = name.to_owned();
+        if of_model {
+            let model = model.to_owned();
+            Some(crate::Error::Constant { name, model })
+        } else if file.items.iter().any(is_constant) {
+            Some(crate::Error::FileConstant { name })
+        } else {
+            None
         }
     }
 

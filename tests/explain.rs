@@ -73,10 +73,15 @@ fn an_unknown_code_is_answered_by_the_nearest() {
         let errors = text(&output.stderr);
         assert!(errors.contains(&format!("did you mean {near}")), "{errors}");
     }
-    let output = eng(&["explain", "nothing"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert_eq!(
-        text(&output.stderr),
-        "error: there is no code nothing\n`eng explain` lists all codes\n"
-    );
+    // another letter may be meant, another number is another code
+    let output = eng(&["explain", "E0713"]);
+    assert!(text(&output.stderr).contains("did you mean W0713"));
+    for asked in ["nothing", "E9999"] {
+        let output = eng(&["explain", asked]);
+        assert_eq!(output.status.code(), Some(2));
+        assert_eq!(
+            text(&output.stderr),
+            format!("error: there is no code {asked}\n`eng explain` lists all codes\n")
+        );
+    }
 }

@@ -999,7 +999,7 @@ fn the_examples_and_the_reference_report() {
         .unwrap_or_else(|report| panic!("{report}"));
     let names: Vec<&str> = program.reports().iter().map(|r| r.name.as_str()).collect();
     assert_eq!(names, ["bearings", "again"]);
-    let runs: Vec<(Results, RunModel)> = ["unfired", "fired"]
+    let runs: Vec<(Results, RunModel)> = ["unfired", "fired", "settled"]
         .iter()
         .map(|name| {
             let analysis = program.analysis(name).expect("an analysis");

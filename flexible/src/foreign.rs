@@ -8,8 +8,12 @@ use crate::read::matrix::{
     read_matrix,
 };
 use crate::read::{Files, matrix::read_op2_basic_nodes};
+use crate::solve::factor::diagonal;
 use crate::sparse::SymmetricMatrix;
 use crate::units::MeshUnits;
+
+/// Part of the largest diagonal below which a negative one is rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// Which freedom each row of foreign matrices is.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
@@ -115,6 +119,9 @@ impl ForeignMatrices {
     ) -> Result<NodalMatrix, FlexibleError> {
         let rows = self.rows(mesh, matrix)?;
         let mut values = matrix.to_symmetric(kind)?;
+        if kind == MatrixKind::Stiffness {
+            resists(&title(matrix), &values, &rows)?;
+        }
         let unit = match kind {
             MatrixKind::Stiffness => self.units.force() / self.units.length,
             MatrixKind::Mass => self.units.mass,
@@ -183,6 +190,37 @@ impl ForeignMatrices {
             })
             .collect()
     }
+}
+
+/// Refuses a stiffness with a negative diagonal, which no positive semi-definite matrix has.
+fn resists(
+    title: &str,
+    stiffness: &SymmetricMatrix,
+    rows: &[(u64, u8)],
+) -> Result<(), FlexibleError> {
+    let diagonal = diagonal(stiffness);
+    let largest = diagonal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let negative = |x: f64| x < -ROUNDING * largest;
+    let count = diagonal.iter().filter(|x| negative(**x)).count();
+    let Some((value, (node, component))) = diagonal.iter().zip(rows).find(|(x, _)| negative(**x))
+    else {
+        return Ok(());
+    };
+    let positive = diagonal.iter().any(|x| *x > ROUNDING * largest);
+    Err(FlexibleError::Matrix {
+        problem: format!(
+            "{title} is a stiffness with {value:e} on the diagonal at freedom {} of node {node}, and {count} of {} diagonals are negative: \
+             it is not positive semi-definite, a displacement there would give energy",
+            component + 1,
+            diagonal.len()
+        ),
+        advice: if positive {
+            "look for negative springs, or a stiffness under a load beyond buckling; ask for the structural stiffness alone"
+        } else {
+            "all of its diagonal is negative: its sign is turned, write −K"
+        }
+        .into(),
+    })
 }
 
 fn title(matrix: &ForeignMatrix) -> String {

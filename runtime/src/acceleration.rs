@@ -17,6 +17,8 @@ use crate::integrator::Integrator;
 use crate::linear::{Block, BlockLu, LinearSolver, Pattern, PatternBuilder};
 use crate::model::Model;
 use crate::state::{State, move_pose};
+use crate::topology::undetermined;
+use nalgebra::DMatrix;
 
 /// Largest |Φ| of an output, in m or rad.
 pub const POSITION_LIMIT: f64 = 1e-9;
@@ -112,9 +114,20 @@ impl AccelerationSystem {
     ) -> Result<(), RuntimeError> {
         self.fill(model, dynamics)?;
         self.stale = false;
-        self.solver
-            .factor(&self.values)
-            .map_err(|_| RuntimeError::Singular { moment })
+        let factored = self.solver.factor(&self.values);
+        factored.map_err(|_| self.undetermined(model, moment))
+    }
+
+    /// Why the matrix has no factors.
+    fn undetermined(&self, model: &Model, moment: Moment) -> RuntimeError {
+        let n = model.velocities;
+        let mut gradients = DMatrix::zeros(model.rows, n);
+        for (row, column, value) in self.pattern.entries(&self.values) {
+            if row >= n && column < n {
+                gradients[(row - n, column)] = value;
+            }
+        }
+        undetermined(model, &gradients, moment)
     }
 
     /// The matrix at the place of `dynamics`; the factors stay those of an earlier place.
@@ -156,7 +169,7 @@ impl AccelerationSystem {
     ///
     /// Factors of a place a little beside are made good by refinement against the matrix as it is; where that does not
     /// settle at once, the matrix is factored.
-    fn solve(&mut self, moment: Moment) -> Result<(), RuntimeError> {
+    fn solve(&mut self, model: &Model, moment: Moment) -> Result<(), RuntimeError> {
         if !self.stale {
             self.solver.solve(&mut self.rhs);
             return Ok(());
@@ -190,9 +203,8 @@ impl AccelerationSystem {
             }
             last = change;
         }
-        self.solver
-            .factor(&self.values)
-            .map_err(|_| RuntimeError::Singular { moment })?;
+        let factored = self.solver.factor(&self.values);
+        factored.map_err(|_| self.undetermined(model, moment))?;
         self.stale = false;
         self.rhs.copy_from_slice(&self.wanted);
         self.solver.solve(&mut self.rhs);
@@ -298,7 +310,7 @@ impl AccelerationSystem {
                 for (i, wanted) in self.wanted_rates.iter().enumerate() {
                     self.rhs[n + i] = wanted * self.scales[n + i];
                 }
-                self.solve(moment)?;
+                self.solve(model, moment)?;
                 for ((x, y), s) in self.change.iter_mut().zip(&self.rhs).zip(&self.scales) {
                     *x = y * s;
                 }
@@ -399,7 +411,7 @@ impl AccelerationSystem {
         for i in 0..model.rows {
             self.rhs[n + i] = dynamics.constraint_accelerations[i] * self.scales[n + i];
         }
-        self.solve(moment)?;
+        self.solve(model, moment)?;
         for i in 0..n {
             state.acceleration[i] = self.rhs[i] * self.scales[i];
         }

@@ -90,6 +90,39 @@ fn gaps(rows: &[NamedRow], per: &str) -> String {
     text
 }
 
+/// A body that resists no motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Massless {
+    /// The body.
+    pub origin: Origin,
+    /// `mass` or `inertia`.
+    pub lacks: &'static str,
+}
+
+fn undetermined(massless: &[Massless], repeated: &[RedundantGroup]) -> String {
+    let more = |count: usize| match count.saturating_sub(MOST_GAPS) {
+        0 => String::new(),
+        more => format!("; and {more} more"),
+    };
+    if !repeated.is_empty() {
+        let first = repeated.get(..MOST_GAPS).unwrap_or(repeated);
+        format!(
+            "constraint equations depend on each other at this position: {}{}",
+            list_groups(first),
+            more(repeated.len())
+        )
+    } else if !massless.is_empty() {
+        let named: Vec<String> = massless
+            .iter()
+            .take(MOST_GAPS)
+            .map(|body| format!("{} has no {}", body.origin.path, body.lacks))
+            .collect();
+        format!("{}{}", named.join("; "), more(massless.len()))
+    } else {
+        "something can move that has no mass or inertia, or the mechanism is locked".to_owned()
+    }
+}
+
 fn list_groups(groups: &[RedundantGroup]) -> String {
     groups
         .iter()
@@ -164,11 +197,16 @@ pub enum RuntimeError {
     },
     /// The system of accelerations has no unique solution.
     #[error(
-        "the accelerations are not determined at {moment}: a movable body has no mass or inertia, or the mechanism is locked"
+        "the accelerations are not determined at {moment}: {}",
+        undetermined(massless, repeated)
     )]
     Singular {
         /// When.
         moment: Moment,
+        /// Bodies without mass or inertia; empty where equations depend on each other.
+        massless: Vec<Massless>,
+        /// Constraint equations that repeat others at this position.
+        repeated: Vec<RedundantGroup>,
     },
     /// An element returned something that is not a number.
     #[error("{}", undefined(origin, outside, moment))]

@@ -110,6 +110,19 @@ impl Pattern {
         Block { starts }
     }
 
+    /// Row, column and value of each place.
+    pub fn entries<'a>(
+        &'a self,
+        values: &'a [f64],
+    ) -> impl Iterator<Item = (usize, usize, f64)> + 'a {
+        let columns = self.columns.windows(2).enumerate();
+        columns
+            .flat_map(|(column, ends)| (ends[0]..ends[1]).map(move |place| (column, place)))
+            .filter_map(|(column, place)| {
+                Some((*self.rows.get(place)?, column, *values.get(place)?))
+            })
+    }
+
     /// `out = A x`.
     pub fn multiply(&self, values: &[f64], x: &[f64], out: &mut [f64]) {
         out.fill(0.0);

@@ -84,8 +84,9 @@ pub fn run_periodic(
     let samples = libm::ceil(period / periodic.sample - 1e-6);
     if !(periodic.sample > 0.0 && (1.0..=MOST_SAMPLES).contains(&samples)) {
         return refuse(format!(
-            "a distance of the samples of {} rad does not fit a cycle of {period} rad",
-            periodic.sample
+            "a distance of the samples of {:.4e}° does not fit a cycle of {:.6}°: it must be above zero, at most the cycle, and at least a millionth of it",
+            periodic.sample.to_degrees(),
+            period.to_degrees()
         ));
     }
     if !(periodic.change > 0.0 && periodic.change.is_finite()) {

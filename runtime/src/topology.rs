@@ -6,7 +6,8 @@
 use crate::assembly::closing::{Numbers, close};
 use crate::assembly::rows::{Along, Rows};
 use crate::assembly::{assemble, at};
-use crate::error::{RedundantGroup, RuntimeError};
+use crate::body::{BodyKind, BodyModel};
+use crate::error::{Massless, Moment, RedundantGroup, RuntimeError};
 use crate::model::Model;
 use crate::state::{State, move_pose};
 use eng_system::code::Compiled;
@@ -16,6 +17,9 @@ use nalgebra::{DMatrix, DVector};
 const RANK_LIMIT: f64 = 1e-8;
 /// A share below this does not name a row.
 const SHARE_LIMIT: f64 = 1e-6;
+
+/// Share of the largest principal moment of inertia below which one is none.
+const NO_INERTIA: f64 = 1e-12;
 
 /// What the constraints leave.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,6 +89,61 @@ pub fn analyze(model: &Model, state: &State) -> Result<TopologyReport, RuntimeEr
         }
     }
     Ok(best.report(model, &rows))
+}
+
+/// Why masses and gradients of constraints (a row an equation, columns scaled as velocities) determine no accelerations.
+pub(crate) fn undetermined(
+    model: &Model,
+    gradients: &DMatrix<f64>,
+    moment: Moment,
+) -> RuntimeError {
+    let name = |row: usize, share: f64| {
+        let mut elements = model.elements.iter().enumerate();
+        let (index, element) = elements.find(|(index, element)| {
+            let rows = element.row..element.row + model.class(*index).rows.len();
+            element.dynamic && rows.contains(&row)
+        })?;
+        Some(model.named_row(index, row - element.row, share))
+    };
+    let repeated: Vec<RedundantGroup> = dependencies(gradients)
+        .into_iter()
+        .filter_map(|(row, shares)| {
+            let others = shares.iter().filter_map(|(r, share)| name(*r, *share));
+            Some(RedundantGroup {
+                redundant: name(row, 1.0)?,
+                repeats: others.collect(),
+            })
+        })
+        .collect();
+    // independent equations leave the masses
+    let massless = match repeated.is_empty() {
+        true => model.bodies.iter().filter_map(massless).collect(),
+        false => Vec::new(),
+    };
+    RuntimeError::Singular {
+        moment,
+        massless,
+        repeated,
+    }
+}
+
+/// What a body lacks that resists motion.
+fn massless(body: &BodyModel) -> Option<Massless> {
+    let BodyKind::Rigid(rigid) = &body.kind else {
+        return None;
+    };
+    let principal = rigid.inertia.symmetric_eigenvalues();
+    let lacks = if rigid.mass <= 0.0 {
+        "mass"
+    } else if principal.min() <= NO_INERTIA * principal.max() {
+        "inertia"
+    } else {
+        return None;
+    };
+    Some(Massless {
+        origin: body.origin.clone(),
+        lacks,
+    })
 }
 
 /// Rows split into independent and dependent ones.

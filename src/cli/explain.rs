@@ -71,11 +71,19 @@ fn wrapped(text: &str) -> String {
     lines.join("\n")
 }
 
-/// The code that is written most alike: letters and digits that were mistyped, left out or exchanged.
+/// The code that is written most alike: letters and digits that were mistyped, left out or exchanged. What is written like a code has
+/// its digits: only its letter can be another.
 fn nearest(asked: &str) -> Option<&'static str> {
     let asked = asked.to_ascii_uppercase();
+    let number = |code: &str| {
+        let digits = code.get(1..).unwrap_or_default();
+        let whole = digits.len() == 4 && digits.bytes().all(|b| b.is_ascii_digit());
+        whole.then(|| digits.to_owned())
+    };
+    let wanted = number(&asked);
     codes::all()
         .into_iter()
+        .filter(|code| wanted.is_none() || number(code.code) == wanted)
         .map(|code| (strsim::damerau_levenshtein(&asked, code.code), code.code))
         .min_by_key(|(distance, _)| *distance)
         .filter(|(distance, _)| *distance <= 2)

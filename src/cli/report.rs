@@ -8,7 +8,7 @@ use crate::modes::are_modes;
 use crate::motion::SUFFIX;
 use crate::plot::write_svg_and_png;
 use crate::report::{At, Entry, Request, make, write_series};
-use crate::results::{Results, ResultsError, file_stem, replace_file};
+use crate::results::{Results, ResultsError, file_stem, interrupted, replace_file};
 use eng_flexible::store::{content_hash, hexadecimal};
 use eng_system::Dimension;
 use std::io::Write;
@@ -72,12 +72,25 @@ pub(super) fn report(
     }
     // what was asked for by name must be there
     if read.is_empty() || !(missing.is_empty() || arguments.analysis.is_empty()) {
+        let begun: Vec<&str> = missing
+            .iter()
+            .map(String::as_str)
+            .filter(|name| interrupted(&folder, name))
+            .collect();
+        if !begun.is_empty() {
+            writeln!(
+                console.errors,
+                "note: {} was interrupted: `--resume` goes on where it stopped",
+                begun.join(", ")
+            )?;
+        }
         writeln!(
             console.errors,
-            "error: {} has no results of {}; run first: eng run {}{}",
+            "error: {} has no results of {}; run first: eng run {}{}{}",
             folder.display(),
             missing.join(", "),
             arguments.model.display(),
+            if begun.is_empty() { "" } else { " --resume" },
             match &arguments.results {
                 Some(folder) => format!(" --out {}", folder.display()),
                 None => String::new(),

@@ -111,7 +111,11 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
     for entry in &animated {
         if let Some(motion) = &entry.outcome.motion {
             match scene(entry, motion, BUDGET / animated.len(), stress_at) {
-                Ok(made) => scenes.push((entry, made)),
+                Ok(made) => {
+                    let told = made.warnings.iter();
+                    warnings.extend(told.map(|w| format!("{}: {w}", entry.name())));
+                    scenes.push((entry, made));
+                }
                 // the rest of the page is of use without it
                 Err(error @ (ReportError::Modes { .. } | ReportError::Results(_))) => {
                     warnings.push(error.to_string());

@@ -33,6 +33,8 @@ pub(super) struct Scene {
     pub held: Vec<String>,
     /// What was thinned or left out, a sentence each.
     pub notes: Vec<String>,
+    /// What of it was asked for and can't be shown.
+    pub warnings: Vec<String>,
     /// Largest stresses, a table a flexible body.
     pub maxima: Vec<Table>,
 }
@@ -54,10 +56,16 @@ pub(super) fn scene(
     let (mut notes, mut maxima, mut held) = (Vec::new(), Vec::new(), Vec::new());
     let all: usize = entry.described.bodies.iter().map(surface_nodes).sum();
     let mut chosen: Vec<usize> = Vec::new();
+    let mut warnings = Vec::new();
     for at in at {
         match at.nearest(&times, &angles, entry.described.cycle_period) {
             Some(index) => chosen.push(index),
-            None => notes.push(format!("Stresses at {at}: the motion has no such moment.")),
+            None => {
+                notes.push(format!("Stresses at {at}: the motion has no such moment."));
+                warnings.push(format!(
+                    "no stresses at {at}: the kept motion has no such moment"
+                ));
+            }
         }
     }
     let mut coverings = Vec::new();
@@ -173,6 +181,7 @@ pub(super) fn scene(
         },
         held,
         notes,
+        warnings,
         maxima,
     })
 }

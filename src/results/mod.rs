@@ -23,7 +23,7 @@ pub use csv::CsvForm;
 pub use file::{file_stem, replace_file, writable};
 pub use listing::{Kind, Listed, listed};
 pub use recording::Recording;
-pub(crate) use recording::{failed_twin, stem_of};
+pub(crate) use recording::{failed_twin, interrupted, stem_of};
 pub use resume_point::{KeptWarning, ResumePoint};
 pub use selection::{Last, Selection};
 pub(crate) use table::{Begun, STATE, Table};

@@ -49,6 +49,11 @@ impl Files {
     }
 }
 
+/// Whether a run of an analysis was interrupted, or goes on: its samples are in the folder.
+pub(crate) fn interrupted(folder: &Path, analysis: &str) -> bool {
+    Files::new(folder, analysis).partial.exists()
+}
+
 /// Begin of the names of the files of an analysis, or of a picture of it.
 pub(crate) fn stem_of(name: &str, failed: bool) -> String {
     let stem = file_stem(name);

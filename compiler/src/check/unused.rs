@@ -27,10 +27,24 @@ pub(super) fn warn(checker: &mut Checker<'_>) {
                         item: item_index as u32,
                     };
                     for inner in block_of(declaration).into_iter().flat_map(|b| &b.items) {
-                        if let ItemKind::Binding(binding) = &inner.kind
-                            && binding.kind == BindingKind::Let
-                            && !checker.used.contains(&(id, binding.name.text.clone()))
-                        {
+                        let ItemKind::Binding(binding) = &inner.kind else {
+                            continue;
+                        };
+                        if checker.used.contains(&(id, binding.name.text.clone())) {
+                            continue;
+                        }
+                        // what a class does not read may be read by those that use it
+                        if binding.kind == BindingKind::Param && declaration.kind == Kind::Model {
+                            checker.report(
+                                Diagnostic::warning(
+                                    codes::UNUSED_PARAMETER,
+                                    format!("the parameter `{}` is not read", binding.name.text),
+                                )
+                                .at(binding.name.span, "other values of it change nothing")
+                                .with_help("take it away, or write its name where it was meant"),
+                            );
+                        }
+                        if binding.kind == BindingKind::Let {
                             checker.report(
                                 Diagnostic::warning(
                                     codes::UNUSED_LET,

@@ -114,4 +114,8 @@ eng_grammar::codes! {
         "The model runs. The value may have been meant where another stands; else remove it.",
         "let volume = area*stroke",
         "output volume = area*stroke";
+    UNUSED_PARAMETER = "W0302", "a parameter is not read",
+        "The model runs, but setting or sweeping the parameter changes nothing. Its name may have been meant where a number stands; else remove it.",
+        "param load: Mass = 2 kg  body bob { mass = 2 kg; inertia = [2, 2, 2] g*m^2 }",
+        "param load: Mass = 2 kg  body bob { mass = load; inertia = [2, 2, 2] g*m^2 }";
 }

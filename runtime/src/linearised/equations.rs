@@ -13,6 +13,7 @@ use crate::flexible::Work;
 use crate::linear::Pattern;
 use crate::model::Model;
 use crate::state::State;
+use crate::topology::undetermined;
 use nalgebra::{DMatrix, DVector};
 
 /// Weight of velocities when the blocks of Newton's matrix are told apart (rad/s): about the fastest mode of a static set, so that
@@ -140,11 +141,14 @@ fn allowed(
     moment: Moment,
 ) -> Result<DMatrix<f64>, RuntimeError> {
     let (n, m) = (model.velocities, model.rows);
-    let singular = RuntimeError::Singular { moment };
-    if m > n {
-        return Err(singular);
-    }
     let scales = model.velocity_scales();
+    let singular = || {
+        let scaled = DMatrix::from_fn(m, n, |i, j| gradients[(i, j)] * scales[j]);
+        undetermined(model, &scaled, moment)
+    };
+    if m > n {
+        return Err(singular());
+    }
     // rows of G as columns, as angles, of unit length; zeros make the matrix square, so that Q is whole
     let mut turned = DMatrix::zeros(n, n);
     for i in 0..m {
@@ -157,7 +161,7 @@ fn allowed(
     let decomposition = turned.col_piv_qr();
     let corner = decomposition.r();
     if (0..m).any(|i| corner[(i, i)].abs() < RANK_LIMIT) {
-        return Err(singular);
+        return Err(singular());
     }
     let mut free = decomposition.q().columns(m, n - m).into_owned();
     for (i, scale) in scales.iter().enumerate() {
@@ -166,12 +170,12 @@ fn allowed(
     let own = free.transpose() * mass * &free;
     let root = ((&own + own.transpose()) * 0.5)
         .cholesky()
-        .ok_or(singular.clone())?;
+        .ok_or_else(&singular)?;
     // N Lᵀ = Z
     let basis = root
         .l()
         .solve_lower_triangular(&free.transpose())
-        .ok_or(singular)?;
+        .ok_or_else(&singular)?;
     Ok(basis.transpose())
 }
 

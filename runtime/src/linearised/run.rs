@@ -78,7 +78,7 @@ fn turn_by(
     }
     if !(angle > 0.0 && angle.is_finite()) {
         return Err(RuntimeError::Options {
-            message: format!("`after` is {angle} rad; it must be positive"),
+            message: format!("`after` is {:.6}°; it must be positive", angle.to_degrees()),
         });
     }
     let start = simulation.cycle_start();

@@ -6,8 +6,6 @@ use crate::sparse::SymmetricMatrix;
 
 /// How far two mirrored entries may differ, as a part of the norm of the row.
 const SYMMETRIC_TO: f64 = 1e-9;
-/// Part of the largest diagonal below which a negative one is rounding.
-const ROUNDING: f64 = 1e-12;
 /// A structure has fewer empty rows than this many times its entries; more are a damaged size.
 const EMPTIEST: usize = 64;
 
@@ -16,8 +14,8 @@ impl ForeignMatrix {
     /// the mirror image, and an entry given on both sides must agree likewise.
     ///
     /// # Errors
-    /// When it isn't square, has an entry that isn't finite, isn't symmetric (with the worst entry), or when a mass or a stiffness has a
-    /// negative diagonal.
+    /// When it isn't square, has an entry that isn't finite, isn't symmetric (with the worst entry), or when a mass has a negative
+    /// diagonal.
     pub fn to_symmetric(&self, kind: MatrixKind) -> Result<SymmetricMatrix, FlexibleError> {
         if self.rows != self.columns {
             return Err(self.problem(
@@ -84,42 +82,12 @@ impl ForeignMatrix {
                 ));
             }
         }
-        if kind == MatrixKind::Stiffness {
-            self.resists(&folded)?;
-        }
         let mut sum = 0;
         for count in &mut column_start {
             sum += *count;
             *count = sum;
         }
         SymmetricMatrix::from_parts(self.rows, column_start, rows, values)
-    }
-
-    /// Refuses a stiffness with a negative diagonal, which no positive semi-definite matrix has.
-    fn resists(&self, folded: &[Place]) -> Result<(), FlexibleError> {
-        let on_diagonal = || folded.iter().filter(|place| place.row == place.column);
-        let largest = on_diagonal().fold(0.0_f64, |most, p| most.max(self.value(p).abs()));
-        let negative = |place: &&Place| self.value(place) < -ROUNDING * largest;
-        let Some(place) = on_diagonal().find(negative) else {
-            return Ok(());
-        };
-        let count = on_diagonal().filter(negative).count();
-        let all = on_diagonal()
-            .filter(|p| self.value(p) != 0.0)
-            .all(|p| self.value(p) < 0.0);
-        Err(self.problem(
-            format!(
-                "is a stiffness with {:e} on the diagonal at {} ({count} diagonals are negative): it is not positive semi-definite, \
-                 a displacement there would give energy",
-                self.value(place),
-                self.row_name(place.row as usize)
-            ),
-            if all {
-                "all of its diagonal is negative: its sign is turned, write −K"
-            } else {
-                "look for negative springs, or a stiffness under a load beyond buckling; ask for the structural stiffness alone"
-            },
-        ))
     }
 
     /// Values below and above the diagonal; of one triangle each for the other.
