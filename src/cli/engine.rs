@@ -150,7 +150,7 @@ pub struct RunOutcome {
     pub facts: Vec<String>,
     /// Where it stands in its sweep; empty for an analysis without an index.
     pub point: Vec<PointValue>,
-    /// Of a periodic analysis: cycles, and whether the last repeats; absent where it failed, or was complete and was not run again.
+    /// Of a periodic analysis: cycles, and whether the last repeats; absent where it failed.
     pub periodic: Option<(u32, bool)>,
     /// Whether the results are one cycle that repeats, by what was asked for.
     pub whole_cycle: bool,
