@@ -1,6 +1,7 @@
 //! Warnings: what is taken or named, but not used.
 
 use super::Checker;
+use super::body::ATTRIBUTES;
 use super::scope::block_of;
 use crate::codes;
 use crate::program::DefinitionId;
@@ -34,7 +35,12 @@ pub(super) fn warn(checker: &mut Checker<'_>) {
                             continue;
                         }
                         // what a class does not read may be read by those that use it
-                        if binding.kind == BindingKind::Param && declaration.kind == Kind::Model {
+                        // (`mass = mass` of a body reads a parameter that has the attribute's name)
+                        let named_alike = ATTRIBUTES.contains(&binding.name.text.as_str());
+                        if binding.kind == BindingKind::Param
+                            && declaration.kind == Kind::Model
+                            && !named_alike
+                        {
                             checker.report(
                                 Diagnostic::warning(
                                     codes::UNUSED_PARAMETER,

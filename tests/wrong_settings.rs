@@ -1,0 +1,112 @@
+//! What is told where a setting, an option or a leftover of a run does not fit.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const MODEL: &str = "
+use std.joints.Revolute
+const teeth = 3
+model Spin {
+    const discs = 2
+    param mass: Mass = 1 kg
+    gravity = [0, 0, 0] m/s^2
+    marker pivot = [0, 0, 0] mm
+    body disc { mass = mass*discs; inertia = [1, 1, 1] g*m^2; marker hub = origin; start angular_velocity = [0, 0, 1]*(600 rpm) }
+    joint pin = Revolute(disc.hub, pivot)
+    cycle angle = rotation(disc.hub, pivot) { period = 360 deg }
+    output ratio = cycle.angle/teeth as deg
+}
+analysis turns = transient(Spin(), duration: 1 rev, sample: 10 deg)
+analysis fine = periodic(Spin(), sample: 1e-9 deg)
+";
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("eng-settings-{name}-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    std::fs::write(folder.join("spin.eng"), MODEL).expect("written");
+    folder
+}
+
+/// Exit code, output and messages.
+fn eng(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_eng"));
+    let output = command
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("eng runs");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+    (
+        output.status.code(),
+        text(output.stdout),
+        text(output.stderr),
+    )
+}
+
+const TURNS: [&str; 5] = ["run", "spin.eng", "--analysis", "turns", "--no-plots"];
+
+#[test]
+fn a_constant_is_told_as_one() {
+    let folder = folder("constant");
+    for (setting, says) in [
+        ("discs=3", "discs is a `const`, not a parameter"),
+        ("discs=3", "Spin(discs: …)"),
+        ("teeth=4", "teeth is a `const` of the file"),
+        ("mas=2kg", "did you mean mass?"),
+    ] {
+        let (code, _, errors) = eng(&folder, &[&TURNS[..], &["--set", setting]].concat());
+        assert_eq!(code, Some(2), "{errors}");
+        assert!(errors.contains(says), "{errors}");
+    }
+    std::fs::remove_dir_all(&folder).expect("removed");
+}
+
+#[test]
+fn an_option_is_told_in_degrees_with_its_place() {
+    let folder = folder("option");
+    let (code, _, errors) = eng(&folder, &["run", "spin.eng", "--analysis", "fine"]);
+    assert_eq!(code, Some(1), "{errors}");
+    assert!(errors.contains("samples of 1.0000e-9°"), "{errors}");
+    assert!(errors.contains("a cycle of 360.000000°"), "{errors}");
+    assert!(errors.contains("spin.eng:15:10"), "{errors}");
+    std::fs::remove_dir_all(&folder).expect("removed");
+}
+
+#[test]
+fn motion_that_is_gone_and_runs_that_are_not_complete_are_told() {
+    let folder = folder("gone");
+    let (code, said, errors) = eng(&folder, &TURNS);
+    assert_eq!(code, Some(0), "{errors}");
+    assert!(!said.contains("motion is not there"), "{said}");
+    let results = folder.join("results/spin");
+    std::fs::remove_file(results.join("turns.motion.parquet")).expect("removed");
+    let resumed = [&TURNS[..], &["--resume"]].concat();
+    let (_, said, _) = eng(&folder, &resumed);
+    assert!(said.contains("its motion is not there"), "{said}");
+    // as a killed run leaves it
+    std::fs::rename(
+        results.join("turns.parquet"),
+        results.join("turns.partial.arrows"),
+    )
+    .expect("renamed");
+    let report = ["report", "spin.eng", "--analysis", "turns"];
+    let (code, _, errors) = eng(&folder, &report);
+    assert_eq!(code, Some(2), "{errors}");
+    assert!(errors.contains("turns was interrupted"), "{errors}");
+    assert!(errors.contains("eng run spin.eng --resume"), "{errors}");
+    std::fs::remove_dir_all(&folder).expect("removed");
+}
+
+#[test]
+fn moments_outside_the_kept_motion_are_told() {
+    let folder = folder("moments");
+    let (code, _, errors) = eng(&folder, &TURNS);
+    assert_eq!(code, Some(0), "{errors}");
+    let report = ["report", "spin.eng", "--analysis", "turns", "--stress-at"];
+    let (code, _, errors) = eng(&folder, &[&report[..], &["5 s"]].concat());
+    assert_eq!(code, Some(0), "{errors}");
+    let says = "turns: no stresses at 5 s: the kept motion has no such moment";
+    assert!(errors.contains(says), "{errors}");
+    std::fs::remove_dir_all(&folder).expect("removed");
+}
