@@ -44,6 +44,25 @@ pub fn replace_file<E: From<io::Error>>(
     written
 }
 
+/// Removes what killed processes left of [`replace_file`] for a path. Nobody else may be writing it. What cannot be removed stays: it is in
+/// nobody's way.
+pub fn remove_leftovers(path: &Path) {
+    let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else {
+        return;
+    };
+    let begin = format!(".{}.", name.to_string_lossy());
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let found = entry.file_name();
+        let found = found.to_string_lossy();
+        let process = found
+            .strip_prefix(&begin)
+            .and_then(|rest| rest.strip_suffix(".part"));
+        if process.is_some_and(|p| p.chars().all(|c| c.is_ascii_digit() || c == '-')) {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
 /// Finds out whether a file can be written, without touching what it holds; creates its folder.
 pub fn writable(path: &Path) -> Result<(), super::ResultsError> {
     let refused = |source| super::ResultsError::File {
@@ -112,6 +131,25 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("eng-file-{name}-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&folder);
         folder
+    }
+
+    #[test]
+    fn leftovers_of_one_path_are_removed() {
+        let folder = folder("leftovers");
+        std::fs::create_dir_all(&folder).unwrap();
+        let names = [
+            ".a.txt.12-0.part",
+            ".a.txt.x.part",
+            ".b.txt.12-0.part",
+            "a.txt",
+        ];
+        for name in names {
+            std::fs::write(folder.join(name), name).unwrap();
+        }
+        remove_leftovers(&folder.join("a.txt"));
+        let left = names.map(|name| folder.join(name).exists());
+        assert_eq!(left, [false, true, true, true]);
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]

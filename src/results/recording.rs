@@ -47,6 +47,13 @@ impl Files {
             failed: file(&format!("{FAILED}{FINAL}")),
         }
     }
+
+    /// Removes half-written files of runs that were killed; the run that owns the stream of samples may do so.
+    pub fn remove_leftovers(&self) {
+        for path in [&self.checkpoint, &self.parquet, &self.failed] {
+            super::file::remove_leftovers(path);
+        }
+    }
 }
 
 /// Whether a run of an analysis was interrupted, or goes on: its samples are in the folder.

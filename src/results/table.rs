@@ -129,6 +129,7 @@ impl Table {
                 }
                 table.given = point.samples;
                 disk.stream = Some(stream);
+                disk.files.remove_leftovers();
                 table.disk = Some(disk);
                 return Ok(Begun::Resumed(table, point));
             }
@@ -151,6 +152,7 @@ impl Table {
         // an unwritable folder is told before hours of computing; a checkpoint of another run must not outlive its samples
         disk.stream = Some(Stream::create(&disk.files.partial, &table.header)?);
         remove(&disk.files.checkpoint)?;
+        disk.files.remove_leftovers();
         table.disk = Some(disk);
         Ok(Begun::Fresh(table))
     }
