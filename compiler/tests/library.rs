@@ -139,7 +139,7 @@ fn the_examples_elaborate_and_leave_the_freedoms_they_say() {
     assert_eq!(crank.len(), 1);
     assert_eq!(freedoms(&crank[0]), 0);
     let engine = elaborated("inline4.eng");
-    assert_eq!(engine.len(), 3);
+    assert_eq!(engine.len(), 4);
     for made in &engine {
         // the crank on its films, held along its axis
         assert_eq!(freedoms(made), 5);

@@ -13,8 +13,7 @@ use eng_grammar::ast::{
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
-pub(super) const ATTRIBUTES: [&str; 4] =
-    ["mass", "inertia", "products_of_inertia", "center_of_mass"];
+const ATTRIBUTES: [&str; 4] = ["mass", "inertia", "products_of_inertia", "center_of_mass"];
 const STARTS: [&str; 4] = ["position", "rotation", "velocity", "angular_velocity"];
 
 fn moment_of_inertia() -> Dimension {

@@ -1,7 +1,6 @@
 //! Warnings: what is taken or named, but not used.
 
 use super::Checker;
-use super::body::ATTRIBUTES;
 use super::scope::block_of;
 use crate::codes;
 use crate::program::DefinitionId;
@@ -28,29 +27,10 @@ pub(super) fn warn(checker: &mut Checker<'_>) {
                         item: item_index as u32,
                     };
                     for inner in block_of(declaration).into_iter().flat_map(|b| &b.items) {
-                        let ItemKind::Binding(binding) = &inner.kind else {
-                            continue;
-                        };
-                        if checker.used.contains(&(id, binding.name.text.clone())) {
-                            continue;
-                        }
-                        // what a class does not read may be read by those that use it
-                        // (`mass = mass` of a body reads a parameter that has the attribute's name)
-                        let named_alike = ATTRIBUTES.contains(&binding.name.text.as_str());
-                        if binding.kind == BindingKind::Param
-                            && declaration.kind == Kind::Model
-                            && !named_alike
+                        if let ItemKind::Binding(binding) = &inner.kind
+                            && binding.kind == BindingKind::Let
+                            && !checker.used.contains(&(id, binding.name.text.clone()))
                         {
-                            checker.report(
-                                Diagnostic::warning(
-                                    codes::UNUSED_PARAMETER,
-                                    format!("the parameter `{}` is not read", binding.name.text),
-                                )
-                                .at(binding.name.span, "other values of it change nothing")
-                                .with_help("take it away, or write its name where it was meant"),
-                            );
-                        }
-                        if binding.kind == BindingKind::Let {
                             checker.report(
                                 Diagnostic::warning(
                                     codes::UNUSED_LET,
