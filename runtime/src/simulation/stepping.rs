@@ -352,15 +352,6 @@ impl Simulation {
 
     /// A fixed step; halved where Newton fails, back to the grid of whole steps as soon as that is met again.
     fn fixed_step(&mut self, nominal: f64, end: f64) -> Result<(f64, f64), RuntimeError> {
-        let (speed, body) = self.fastest();
-        if speed * nominal > MOST_TURN {
-            return Err(RuntimeError::TurnsTooFar {
-                moment: self.moment(),
-                degrees: (speed * nominal).to_degrees(),
-                step: nominal,
-                origin: Box::new(body.cloned().unwrap_or_default()),
-            });
-        }
         loop {
             let begin = self.integrator.current.time;
             let (mut h, mut time) = self.grid.next(nominal);
@@ -368,6 +359,15 @@ impl Simulation {
             if last {
                 h = end - begin;
                 time = end;
+            }
+            let (speed, body) = self.fastest();
+            if speed * h > MOST_TURN {
+                return Err(RuntimeError::TurnsTooFar {
+                    moment: self.moment(),
+                    degrees: (speed * h).to_degrees(),
+                    step: h,
+                    origin: Box::new(body.cloned().unwrap_or_default()),
+                });
             }
             match self.trial(h, None)? {
                 Trial::Solved { .. } => {
