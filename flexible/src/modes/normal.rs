@@ -45,7 +45,7 @@ pub fn normal_modes(
 /// As [`normal_modes`], with a factor of the structure that is there already.
 ///
 /// # Errors
-/// As [`lowest_modes`](crate::solve::lowest_modes).
+/// As [`lowest_modes`].
 pub fn normal_modes_from(
     start: Option<Shifted>,
     structure: &Structure,
