@@ -13,7 +13,7 @@ use crate::significant::significant;
 use crate::{Analysis, Error, Program, Quantity, Results, Sources};
 use eng_grammar::Diagnostics;
 use eng_system::code::Bound;
-use eng_system::system::{AnalysisKind, Slot, System};
+use eng_system::system::{Slot, System};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -378,7 +378,6 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         facts,
         point: analysis.point().to_vec(),
         periodic: repetition.map(|r| (r.cycles, r.repeats)),
-        whole_cycle: matches!(analysis.kind(), AnalysisKind::Periodic(_)),
         motion: (outcome.motion.samples() > 0).then_some(outcome.motion),
         results: outcome.results,
     })

@@ -111,7 +111,6 @@ fn outcome(analysis: &str) -> RunOutcome {
         facts: vec!["1440 steps".to_owned()],
         point: Vec::new(),
         periodic: None,
-        whole_cycle: false,
     }
 }
 

@@ -152,8 +152,6 @@ pub struct RunOutcome {
     pub point: Vec<PointValue>,
     /// Of a periodic analysis: cycles, and whether the last repeats; absent where it failed.
     pub periodic: Option<(u32, bool)>,
-    /// Whether the results are one cycle that repeats, by what was asked for.
-    pub whole_cycle: bool,
 }
 
 /// Why a model was not checked or run.

@@ -267,7 +267,7 @@ impl From<&RunOutcome> for RunModel {
         RunModel {
             journals: outcome.journals.clone(),
             cycle_period: outcome.cycle_period,
-            periodic: outcome.whole_cycle,
+            periodic: outcome.periodic.is_some(),
             upright: outcome.upright,
             firing: outcome.firing.clone(),
         }

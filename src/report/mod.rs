@@ -113,7 +113,6 @@ impl Entry {
                 facts: Vec::new(),
                 point: described.point.clone(),
                 periodic: Repetition::of(results.metadata()).map(|r| (r.cycles, r.repeats)),
-                whole_cycle: described.periodic,
                 results,
                 motion,
             },

@@ -462,12 +462,9 @@ impl<'a> Balance<'a> {
         found: &mut Equilibrium,
     ) -> Result<Option<(Origin, String)>, Stop> {
         let model = self.model;
-        let (n, m) = (model.velocities, model.rows);
-        let scales = self.motion.scales().to_vec();
-        let row_scales = model.row_scales();
+        let n = model.velocities;
         let mut last = f64::INFINITY;
         let mut worst = None;
-        let mut pose = place.state.pose.clone();
         for _ in 0..ITERATIONS {
             let mut residual = match self.residual(place) {
                 Ok(residual) => residual,
@@ -489,16 +486,7 @@ impl<'a> Balance<'a> {
                 break;
             }
             found.iterations += 1;
-            let increment: Vec<f64> = (0..n).map(|i| step[i] * scales[i]).collect();
-            let factor = self.allowed(&place.state.pose, &increment, size, &mut pose);
-            move_pose(model, &place.state.pose, &increment, factor, &mut pose);
-            place.state.pose.copy_from_slice(&pose);
-            for i in 0..m {
-                place.state.multipliers[i] += factor * step[n + i] * self.unit / row_scales[i];
-            }
-            for i in 0..place.efforts.len() {
-                place.efforts[i] += factor * step[n + m + i];
-            }
+            let factor = self.advance(place, &step, size);
             if factor == 1.0 {
                 if size <= goal || (size <= 1e3 * goal && size >= 0.5 * last) {
                     return Ok(None);
@@ -533,6 +521,25 @@ impl<'a> Balance<'a> {
         Ok(Some(worst.unwrap_or_else(|| {
             (Origin::default(), "nothing moves".to_owned())
         })))
+    }
+
+    /// Moves by a step of Newton's method, scaled as its matrix and `size` large, as far as [`Self::allowed`]; gives that part of it.
+    fn advance(&self, place: &mut Place, step: &DVector<f64>, size: f64) -> f64 {
+        let model = self.model;
+        let (n, m) = (model.velocities, model.rows);
+        let scales = self.motion.scales();
+        let increment: Vec<f64> = (0..n).map(|i| step[i] * scales[i]).collect();
+        let mut pose = place.state.pose.clone();
+        let factor = self.allowed(&place.state.pose, &increment, size, &mut pose);
+        move_pose(model, &place.state.pose, &increment, factor, &mut pose);
+        place.state.pose.copy_from_slice(&pose);
+        for (i, scale) in model.row_scales().iter().enumerate() {
+            place.state.multipliers[i] += factor * step[n + i] * self.unit / scale;
+        }
+        for i in 0..place.efforts.len() {
+            place.efforts[i] += factor * step[n + m + i];
+        }
+        factor
     }
 
     /// The part of an increment that leaves films and reason.

@@ -19,7 +19,7 @@ use super::telling::not_finite;
 use super::{Balance, NEUTRAL, Place, REACH, Stop};
 use crate::start::picking::split;
 use crate::start::{Equilibrium, Unstable};
-use crate::state::{State, move_pose};
+use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 
 /// Steps of pseudo-time.
@@ -135,14 +135,11 @@ impl Balance<'_> {
         found: &mut Equilibrium,
     ) -> Result<bool, Stop> {
         let model = self.model;
-        let (n, m) = (model.velocities, model.rows);
+        let n = model.velocities;
         self.freedoms += self.neutral.nrows();
         self.neutral = DMatrix::zeros(0, n);
         place.efforts = DVector::zeros(self.holding.len());
         place.state.multipliers.fill(0.0);
-        let scales = self.motion.scales().to_vec();
-        let row_scales = model.row_scales();
-        let mut pose = place.state.pose.clone();
         for _ in 0..STEPS {
             let residual = match self.residual(place) {
                 Ok(residual) => residual,
@@ -174,16 +171,7 @@ impl Balance<'_> {
                 return Ok(false);
             }
             found.iterations += 1;
-            let increment: Vec<f64> = (0..n).map(|i| step[i] * scales[i]).collect();
-            let factor = self.allowed(&place.state.pose, &increment, size, &mut pose);
-            move_pose(model, &place.state.pose, &increment, factor, &mut pose);
-            place.state.pose.copy_from_slice(&pose);
-            for i in 0..m {
-                place.state.multipliers[i] += factor * step[n + i] * self.unit / row_scales[i];
-            }
-            for i in 0..place.efforts.len() {
-                place.efforts[i] += factor * step[n + m + i];
-            }
+            let factor = self.advance(place, &step, size);
             if factor == 1.0 && size <= goal {
                 return Ok(true);
             }
