@@ -478,11 +478,11 @@ struct Recorder<'a> {
 
 impl Recorder<'_> {
     fn modes(&mut self, modes: &LinearModes) {
-        let stated = self
-            .table
-            .set_metadata("linearised", format!("at {}", modes.moment));
-        if self.keep(stated).is_break() {
-            return;
+        for (key, value) in crate::modes::metadata(modes) {
+            let stated = self.table.set_metadata(key, value);
+            if self.keep(stated).is_break() {
+                return;
+            }
         }
         for (index, mode) in modes.modes.iter().enumerate() {
             let kept = self

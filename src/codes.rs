@@ -71,6 +71,10 @@ eng_grammar::codes! {
         "The limits after `in` are open: the value lies strictly between them.",
         "param length: Length = 3 m in (1 mm, 2 m)",
         "param length: Length = 1 m in (1 mm, 2 m)";
+    TURNING = "E0740", "the linearised motion has no constant coefficients",
+        "Bodies turn, and something about the small motions turns with them: the shapes of a flexible body, unequal inertia, a joint or load beside the axis. Eigenvalues with the coefficients held at one moment then give wrong whirl, damping and stability. The message names the bodies and the reason. `frozen: true` asks for that picture of a moment all the same, for frequencies well above the speed; the result is marked so.",
+        "analysis modes = linear(Engine(), after: 3 rev)",
+        "analysis modes = linear(Engine(), after: 3 rev, frozen: true)";
     ADVISED = "W0711", "an `advise` fails during the run",
         "The run goes on, but its class takes this for doubtful. It is said once for each element, at the first moment. The text is its author's.",
         "", "";

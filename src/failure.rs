@@ -67,6 +67,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             };
             message.with_help("give the duration as a time, or start the crank turning")
         }
+        R::Turning { bodies, .. } => turning(d(codes::TURNING), bodies),
         R::Singular { repeated, .. } if !repeated.is_empty() => {
             let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {
                 place(message, &group.redundant.origin, "repeats others at this position")
@@ -85,6 +86,17 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::NoCycle | R::Malformed { .. } | R::OutsideStep { .. } | R::Eigenvalues { .. } => d(codes::INTERNAL)
             .with_help("please report this together with the model"),
     }
+}
+
+/// The bodies whose turning changes the coefficients, and why.
+fn turning(message: Diagnostic, bodies: &[eng_runtime::TurningBody]) -> Diagnostic {
+    bodies
+        .iter()
+        .take(3)
+        .fold(message, |message, body| {
+            place(message, &body.origin, &format!("turns at {} rad/s and {}", significant(body.speed, 4), body.reason()))
+        })
+        .with_help("`frozen: true` holds the coefficients at this moment: a picture for frequencies well above the speed, wrong for whirl, damping and stability")
 }
 
 /// Where a table stands whose points end, and what can be done.

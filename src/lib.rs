@@ -51,7 +51,7 @@ mod simulation;
 mod sources;
 
 pub use analysis::{Analysis, Failed, Outcome, Progress};
-pub use eng_runtime::linearised::{LinearModes, Mode, Wanted};
+pub use eng_runtime::linearised::{Coefficients, LinearModes, Mode, Wanted};
 pub use eng_runtime::{
     Energy, PeriodicSummary, RuntimeError, StartReport, Statistics, TopologyReport, Warning,
 };

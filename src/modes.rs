@@ -12,7 +12,7 @@
 //! | a channel's path, `….phase` | its amplitude while the mode has 1 J, and its phase against the mode's largest motion |
 
 use crate::results::{Column, Results, ResultsError};
-use eng_runtime::linearised::{LinearModes, Mode, Part, parts_of, stores};
+use eng_runtime::linearised::{Coefficients, LinearModes, Mode, Part, parts_of, stores};
 use eng_runtime::model::Model;
 use eng_system::recorded::{
     DAMPING_RATIO, FREQUENCY, KINETIC, LOST, MODE, POTENTIAL, RIGID, Recorded, of_modes,
@@ -23,6 +23,10 @@ use std::f64::consts::PI;
 pub const ROWS: &str = "rows";
 /// See [`ROWS`].
 pub const MODES: &str = "modes";
+/// Key of the metadata that tells what the coefficients are, and its value where they were held at a moment.
+const COEFFICIENTS: &str = "coefficients";
+/// See [`COEFFICIENTS`].
+const FROZEN: &str = "frozen";
 /// Columns of every mode.
 pub const COLUMNS: [&str; 5] = [
     MODE,
@@ -31,6 +35,8 @@ pub const COLUMNS: [&str; 5] = [
     DAMPING_RATIO,
     "growth",
 ];
+/// What frozen modes are good for.
+const FROZEN_PICTURE: &str = "frozen picture: the coefficients change while bodies turn and were held at this moment; frequencies well above the speed are about right, whirl, damping and stability are not those of the motion";
 /// Parts that a line of the table names, and the smallest share that it does.
 const NAMED: usize = 4;
 const SMALLEST: f64 = 0.03;
@@ -131,6 +137,23 @@ pub(crate) fn row(modes: &LinearModes, index: usize, mode: &Mode) -> Vec<f64> {
     row
 }
 
+/// Where and how it was linearised: keys and values of metadata.
+pub(crate) fn metadata(modes: &LinearModes) -> [(&'static str, String); 2] {
+    let coefficients = match modes.coefficients {
+        Coefficients::Constant => "constant",
+        Coefficients::Frozen => FROZEN,
+    };
+    [
+        ("linearised", format!("at {}", modes.moment)),
+        (COEFFICIENTS, coefficients.to_owned()),
+    ]
+}
+
+/// Whether results hold the picture of a moment of changing coefficients.
+pub(crate) fn are_frozen(results: &Results) -> bool {
+    results.metadata().get(COEFFICIENTS).map(String::as_str) == Some(FROZEN)
+}
+
 /// What is told of the whole: where, how many, what is zero, what grows.
 pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
     let count = modes.oscillations().count();
@@ -158,14 +181,21 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
         ));
     }
     let mut facts = vec![told];
+    if modes.coefficients == Coefficients::Frozen {
+        facts.push(FROZEN_PICTURE.to_owned());
+    }
     for (index, mode) in modes.modes.iter().enumerate().filter(|(_, m)| m.grows()) {
         let named: Vec<(String, f64)> = mode
             .leading(NAMED)
             .into_iter()
             .filter_map(|(part, share)| Some((modes.parts.get(part)?.to_string(), share)))
             .collect();
+        let verdict = match modes.coefficients {
+            Coefficients::Constant => "unstable",
+            Coefficients::Frozen => "unstable in the frozen picture",
+        };
         facts.push(format!(
-            "unstable: mode {} ({:.4} Hz) grows by {:.4} 1/s: {}",
+            "{verdict}: mode {} ({:.4} Hz) grows by {:.4} 1/s: {}",
             index + 1,
             mode.frequency(),
             mode.value.re,

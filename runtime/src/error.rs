@@ -99,6 +99,55 @@ pub struct Massless {
     pub lacks: &'static str,
 }
 
+/// Why the coefficients of the linearised motion change while a body turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Varies {
+    /// It is flexible: its shapes turn with it, what holds or loads them does not.
+    Shapes,
+    /// Its mass and inertia are not those of a body of revolution about the axis it turns about.
+    Inertia,
+    /// Something acts on it beside its axis, or depends on its angle.
+    Loads,
+}
+
+/// A body whose turning changes the coefficients of the linearised motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TurningBody {
+    /// The body.
+    pub origin: Origin,
+    /// How fast it turns (rad/s).
+    pub speed: f64,
+    /// What changes.
+    pub varies: Varies,
+}
+
+impl TurningBody {
+    /// The reason in words, after the name of the body.
+    pub fn reason(&self) -> &'static str {
+        match self.varies {
+            Varies::Shapes => "is flexible: its shapes turn with it, what holds it does not",
+            Varies::Inertia => "is no body of revolution about the axis that it turns about",
+            Varies::Loads => {
+                "has a joint or load that acts beside its axis or changes with its angle"
+            }
+        }
+    }
+}
+
+fn list_turning(bodies: &[TurningBody]) -> String {
+    let named: Vec<&str> = bodies
+        .iter()
+        .take(MOST_GAPS)
+        .map(|body| body.origin.path.as_str())
+        .collect();
+    let more = match bodies.len().saturating_sub(MOST_GAPS) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let verb = if bodies.len() == 1 { "turns" } else { "turn" };
+    format!("{}{more} {verb}", named.join(", "))
+}
+
 fn undetermined(massless: &[Massless], repeated: &[RedundantGroup]) -> String {
     let more = |count: usize| match count.saturating_sub(MOST_GAPS) {
         0 => String::new(),
@@ -286,6 +335,17 @@ pub enum RuntimeError {
         size: usize,
         /// Why.
         what: String,
+    },
+    /// The coefficients of the linearised motion are not constant.
+    #[error(
+        "the linearised motion at {moment} has no constant coefficients: {}",
+        list_turning(bodies)
+    )]
+    Turning {
+        /// When.
+        moment: Moment,
+        /// The bodies that change them.
+        bodies: Vec<TurningBody>,
     },
     /// An angle was asked for, but the model states no cycle.
     #[error("the analysis counts in cycle angle, but the model has no cycle")]

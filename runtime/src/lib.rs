@@ -46,7 +46,7 @@ pub mod state;
 pub mod topology;
 pub mod transient;
 
-pub use error::{Moment, NamedRow, RedundantGroup, RuntimeError};
+pub use error::{Moment, NamedRow, RedundantGroup, RuntimeError, TurningBody, Varies};
 pub use integrator::Statistics;
 pub use linearised::{LinearModes, run_linear};
 pub use periodic::{CycleReport, PeriodicSummary, run_periodic};

@@ -2,7 +2,7 @@
 
 use super::RunOutcome;
 use super::table::Table;
-use crate::modes::{composition, values};
+use crate::modes::{are_frozen, composition, values};
 use crate::results::{Column, Results};
 use crate::significant::significant;
 
@@ -43,7 +43,16 @@ pub(super) fn table(results: &Results) -> String {
         0 => String::new(),
         more => format!("  and {more} more in the file\n"),
     };
-    format!("{}{rest}", text.render_left(3))
+    format!("{}{}{rest}", mark(results), text.render_left(3))
+}
+
+/// A line above a table of frozen modes.
+fn mark(results: &Results) -> &'static str {
+    if are_frozen(results) {
+        "frozen picture of one moment\n"
+    } else {
+        ""
+    }
 }
 
 /// The modes of all points of a sweep, one below the other: the point's variables, then the columns of each.
@@ -121,5 +130,10 @@ pub(super) fn campbell_text(name: &str, family: &[&RunOutcome]) -> String {
         cells.extend(slow(outcome));
         text.row(cells);
     }
-    format!("{name}\n{}", text.render())
+    let mark = if family.iter().any(|o| are_frozen(&o.results)) {
+        ", frozen pictures"
+    } else {
+        ""
+    };
+    format!("{name}{mark}\n{}", text.render())
 }

@@ -417,6 +417,8 @@ pub struct Linear {
     pub number: Option<u32>,
     /// Largest |λ| (rad/s) that is reported.
     pub up_to: Option<f64>,
+    /// Whether coefficients that change while bodies turn are held at their values of the moment.
+    pub frozen: bool,
 }
 
 /// What an analysis does.

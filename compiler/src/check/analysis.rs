@@ -135,6 +135,7 @@ impl<'p> Checker<'p> {
             let frequency = Type::Scalar(Quantity::hard(Dimension::ONE.over(Dimension::TIME)));
             slots.push(slot("number", Type::Int, true, ""));
             slots.push(slot("up_to", frequency, true, "Hz"));
+            slots.push(slot("frozen", Type::Bool, true, ""));
         }
         if periodic {
             let angle = Type::Scalar(Quantity::hard(Dimension::ANGLE));

@@ -201,6 +201,22 @@ impl<'a> Elaborator<'a, '_> {
         Ok(Some((x, s.dimension, argument.value.span)))
     }
 
+    /// Whether an argument of an analysis is true; `false` without it.
+    fn switch(
+        &mut self,
+        arguments: &'a [ast::Argument],
+        wanted: &str,
+        scope: ScopeId,
+    ) -> Eval<bool> {
+        let Some(argument) = named(arguments, wanted) else {
+            return Ok(false);
+        };
+        match self.evaluate(&argument.value, scope)? {
+            Value::Bool(b) => Ok(b),
+            other => Err(self.unfit(argument.value.span, "a truth value", &other)),
+        }
+    }
+
     fn transient(
         &mut self,
         arguments: &'a [ast::Argument],
@@ -268,6 +284,7 @@ impl<'a> Elaborator<'a, '_> {
             }
             None => None,
         };
+        let frozen = self.switch(arguments, "frozen", scope)?;
         let (step, rho_infinity) = self.steps(arguments, scope)?;
         let unstated = match after {
             Some(_) => Start::Automatic,
@@ -280,6 +297,7 @@ impl<'a> Elaborator<'a, '_> {
             start: self.start(arguments, unstated)?,
             number,
             up_to,
+            frozen,
         })
     }
 

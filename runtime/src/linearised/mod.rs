@@ -19,16 +19,18 @@
 //! without an approximation so far. (Without the terms of Ṅ a body that turns about a pin would seem to be held there by springs.)
 //!
 //! **Frozen time.** These coefficients are held at their values of the moment, and `ξ̇ = A ξ`, `ξ = (x, ẋ, z)` solved for its
-//! eigenvalues. That is exact where they are constant: at rest, about steady rotation of symmetric rotors between supports at rest,
-//! or of any rotor without bearings that stand. Else it is the picture of a moment, good for motions fast against the change of the
-//! coefficients: modes of an engine well above its speed. Amplitudes of a flexible body are those in its own axes: the bending of a
-//! shaft that turns at Ω is seen from its body, shifted by up to ±Ω.
+//! eigenvalues. That is exact where they are constant: at rest, and about steady rotation of rigid bodies of revolution, which is
+//! tested (`constancy`). Else it is the picture of a moment, made only where it is asked for ([`Wanted::frozen`]) and marked as such:
+//! good for motions fast against the change of the coefficients, modes of an engine well above its speed, and wrong for whirl and
+//! its damping. Amplitudes of a flexible body are those in its own axes: the bending of a shaft that turns at Ω is seen from its body,
+//! shifted by up to ±Ω.
 //!
 //! **Eigenvalues** `λ = −δ ± iω`: damped frequency ω/2π, undamped |λ|/2π, damping ratio −Re λ/|λ|. A double zero, such as that of a
 //! rotation that nothing holds, splits by the root of the rounding error; all below that ([`LinearModes::resolution`]) are sought again
 //! about zero, and those that nothing but rounding holds count as zeros (`slow`).
 
 mod axes;
+mod constancy;
 mod eigen;
 mod energies;
 mod equations;
@@ -59,6 +61,17 @@ pub struct Wanted {
     pub number: Option<u32>,
     /// Largest |λ| (rad/s); `None`: no limit.
     pub up_to: Option<f64>,
+    /// Whether coefficients that change while bodies turn are held at their values of the moment; else they are refused.
+    pub frozen: bool,
+}
+
+/// What the coefficients of the linearised motion are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coefficients {
+    /// Constant while the bodies turn, or nothing turns.
+    Constant,
+    /// Held at their values of the moment.
+    Frozen,
 }
 
 /// A motion `u(t) = Re (place e^{λt})` of the linearised system, scaled so that its kinetic energy has the peak of 1 J:
@@ -117,6 +130,8 @@ impl Mode {
 pub struct LinearModes {
     /// Where it was linearised.
     pub moment: Moment,
+    /// Whether the modes are those of the motion, or the picture of a moment.
+    pub coefficients: Coefficients,
     /// The rate of the cycle's angle there (rad/s), if there is a cycle and it was asked for.
     pub cycle_speed: Option<f64>,
     /// Freedoms: coordinates x.
@@ -147,7 +162,8 @@ impl LinearModes {
 /// Linearises about a state on the constraints, with its accelerations and multipliers.
 ///
 /// # Errors
-/// When constraints depend on each other there, or numbers are not finite.
+/// When constraints depend on each other there, numbers are not finite, or coefficients change while bodies turn and `wanted` does
+/// not take them as frozen.
 pub fn linearise(
     model: &Model,
     state: &State,
@@ -155,6 +171,12 @@ pub fn linearise(
     wanted: Wanted,
 ) -> Result<LinearModes, RuntimeError> {
     let equations = Equations::new(model, state, moment)?;
+    let bodies = constancy::varying(model, state, &equations, moment, !wanted.frozen);
+    let coefficients = match bodies.as_slice() {
+        [] => Coefficients::Constant,
+        _ if wanted.frozen => Coefficients::Frozen,
+        _ => return Err(RuntimeError::Turning { moment, bodies }),
+    };
     let p = equations.freedoms();
     let matrix = equations.first_order();
     let unknowns = matrix.nrows();
@@ -203,6 +225,7 @@ pub fn linearise(
     }
     Ok(LinearModes {
         moment,
+        coefficients,
         cycle_speed: None,
         freedoms: p,
         states: unknowns - 2 * p,

@@ -28,6 +28,7 @@ pub fn run_linear(
     let wanted = Wanted {
         number: linear.number,
         up_to: linear.up_to,
+        frozen: linear.frozen,
     };
     let mut values = vec![0.0; compiled.system.channels.len()];
     simulation.evaluate_channels(&mut values)?;

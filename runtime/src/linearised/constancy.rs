@@ -1,0 +1,228 @@
+//! Whether the coefficients stay as they are while bodies turn.
+//!
+//! Every body turns on as it does at the state, with its velocity in its own axes kept, by two finite angles; the loads' time, shapes and
+//! states stay. There the equations are made anew, with the accelerations of that place. Coefficients are constant where nothing of
+//! them has changed in ground axes: the mass M, the allowed moves `Π = N NᵀM`, `ΠᵀKΠ`, `ΠᵀCΠ` and the blocks of the states. These do not
+//! depend on the choice of N, and where all of them stay, N can stay as well, so that the equations in x are those of every moment.
+//!
+//! A wheel of revolution on its axis passes, in films too. A body of unequal inertia, one with a load or joint beside its axis, and one
+//! that bends in a film or on a joint of another body do not: the bending is counted in axes that turn with the body.
+
+use super::equations::Equations;
+use crate::acceleration::AccelerationSystem;
+use crate::dynamics::Dynamics;
+use crate::error::{Moment, RuntimeError, TurningBody, Varies};
+use crate::model::Model;
+use crate::rotation::{V3, exponential, matrix};
+use crate::state::{State, move_pose};
+use nalgebra::DMatrix;
+use std::ops::Range;
+
+/// A body that is slower (rad/s) does not turn: it settles, or rounding moves it.
+const AT_REST: f64 = 1e-2;
+/// Angles (rad) of the fastest body: below a quarter turn each, for two that turn against each other are followed up to half a turn.
+const ANGLES: [f64; 2] = [0.7, 1.5];
+/// Change of a coefficient that is none, as a share of the largest of its kind between the same two bodies.
+const SAME: f64 = 1e-6;
+/// The same as a share of the largest of all: what rounding leaves.
+const ROUNDING: f64 = 1e-11;
+/// An axis that is nearer to the body's origin, as a share of the model's length, goes through it.
+const ON_AXIS: f64 = 1e-4;
+
+/// Coefficients in ground axes, free of the choice of N; lengths and angles scaled by the model's.
+struct Coefficients {
+    mass: DMatrix<f64>,
+    moves: DMatrix<f64>,
+    stiffness: DMatrix<f64>,
+    damping: DMatrix<f64>,
+    /// S, R, T and U, the first as loads, the others by moves.
+    of_states: [DMatrix<f64>; 4],
+}
+
+impl Coefficients {
+    fn new(model: &Model, equations: &Equations) -> Coefficients {
+        let e = equations;
+        let scales = model.velocity_scales();
+        let by_rows = |mut matrix: DMatrix<f64>, power: i32| {
+            for (i, s) in scales.iter().enumerate() {
+                matrix.row_mut(i).scale_mut(s.powi(power));
+            }
+            matrix
+        };
+        let by_columns = |matrix: DMatrix<f64>| by_rows(matrix.transpose(), 1).transpose();
+        // MN: of a vector in x the loads that have its work
+        let loads = &e.mass * &e.basis;
+        let both =
+            |matrix: &DMatrix<f64>| by_columns(by_rows(&loads * matrix * loads.transpose(), 1));
+        Coefficients {
+            mass: by_columns(by_rows(e.mass.clone(), 1)),
+            moves: by_columns(by_rows(&e.basis * loads.transpose(), -1)),
+            stiffness: both(&e.stiffness),
+            damping: both(&e.damping),
+            of_states: [
+                by_rows(&loads * &e.by_states, 1),
+                by_columns(&e.rates_by_place * loads.transpose()),
+                by_columns(&e.rates_by_velocity * loads.transpose()),
+                e.rates_by_states.clone(),
+            ],
+        }
+    }
+
+    /// Whether nothing differs; `groups` are ranges of the velocities that have one unit and one body.
+    fn same(&self, other: &Coefficients, groups: &[Range<usize>]) -> bool {
+        same_blocks(&self.mass, &other.mass, groups)
+            && same_blocks(&self.moves, &other.moves, groups)
+            && same_blocks(&self.stiffness, &other.stiffness, groups)
+            && same_blocks(&self.damping, &other.damping, groups)
+            && self
+                .of_states
+                .iter()
+                .zip(&other.of_states)
+                .all(|(a, b)| (a - b).amax() <= SAME * a.amax().max(b.amax()))
+    }
+}
+
+fn same_blocks(a: &DMatrix<f64>, b: &DMatrix<f64>, groups: &[Range<usize>]) -> bool {
+    let floor = ROUNDING * a.amax().max(b.amax());
+    groups.iter().all(|rows| {
+        groups.iter().all(|columns| {
+            let view = |m: &DMatrix<f64>| {
+                m.view((rows.start, columns.start), (rows.len(), columns.len()))
+                    .into_owned()
+            };
+            let (a, b) = (view(a), view(b));
+            (&a - &b).amax() <= SAME * a.amax().max(b.amax()) + floor
+        })
+    })
+}
+
+/// Places, rotations and single shapes of every body among the velocities.
+fn groups(model: &Model) -> Vec<Range<usize>> {
+    let mut groups = Vec::new();
+    for body in &model.bodies {
+        let v = body.velocity;
+        groups.extend([v..v + 3, v + 3..v + 6]);
+        groups.extend((v + 6..v + body.width()).map(|i| i..i + 1));
+    }
+    groups
+}
+
+/// ω of a body (rad/s, body axes).
+fn spin(state: &State, first: usize) -> V3 {
+    V3::new(
+        state.velocity[first + 3],
+        state.velocity[first + 4],
+        state.velocity[first + 5],
+    )
+}
+
+/// Bodies that turn.
+pub(super) fn turning(model: &Model, state: &State) -> Vec<usize> {
+    let turns = |index: &usize| spin(state, model.bodies[*index].velocity).norm() > AT_REST;
+    (0..model.bodies.len()).filter(turns).collect()
+}
+
+/// The equations where `bodies` have turned on for a time (s): each about its own axis, which stands in space; its velocity in its own
+/// axes is kept.
+fn turned_on(
+    model: &Model,
+    state: &State,
+    bodies: &[usize],
+    time: f64,
+    moment: Moment,
+) -> Result<Equations, RuntimeError> {
+    let mut moved = state.clone();
+    let mut increment = vec![0.0; model.velocities];
+    for index in bodies {
+        let (first, pose) = (model.bodies[*index].velocity, model.bodies[*index].pose);
+        let own = spin(state, first);
+        increment[first + 3..first + 6].copy_from_slice((own * time).as_slice());
+        let q = &state.pose[pose + 3..pose + 7];
+        let rotation = matrix(&[q[0], q[1], q[2], q[3]]);
+        let axis = rotation * own;
+        let v = &state.velocity[first..first + 3];
+        let v = V3::new(v[0], v[1], v[2]);
+        // from the origin to the axis
+        let to_axis = axis.cross(&v) / axis.norm_squared();
+        if to_axis.norm() <= ON_AXIS * model.length {
+            continue;
+        }
+        let about = matrix(&exponential(&(axis * time)));
+        let shift = to_axis - about * to_axis;
+        increment[first..first + 3].copy_from_slice(shift.as_slice());
+        let turned = about * v;
+        moved.velocity[first..first + 3].copy_from_slice(turned.as_slice());
+    }
+    move_pose(model, &state.pose, &increment, 1.0, &mut moved.pose);
+    let mut dynamics = Dynamics::new(model);
+    let mut system = AccelerationSystem::new(model)?;
+    system.accelerations(model, &mut dynamics, &mut moved, moment)?;
+    Equations::new(model, &moved, moment)
+}
+
+/// Whether coefficients change while the bodies turn, and which of these change them; none where they are constant.
+///
+/// `name`: whether the bodies are to be found out one by one; else the first that turns stands for all.
+pub(super) fn varying(
+    model: &Model,
+    state: &State,
+    equations: &Equations,
+    moment: Moment,
+    name: bool,
+) -> Vec<TurningBody> {
+    let bodies = turning(model, state);
+    let fastest = bodies
+        .iter()
+        .map(|b| spin(state, model.bodies[*b].velocity).norm())
+        .fold(0.0_f64, f64::max);
+    if bodies.is_empty() {
+        return Vec::new();
+    }
+    let groups = groups(model);
+    let here = Coefficients::new(model, equations);
+    // where the equations cannot be made, nothing says that they stay
+    let at = |bodies: &[usize], angle: f64| {
+        let there = turned_on(model, state, bodies, angle / fastest, moment).ok()?;
+        Some(Coefficients::new(model, &there))
+    };
+    let constant = |bodies: &[usize]| {
+        let same = |angle: f64| at(bodies, angle).is_some_and(|there| here.same(&there, &groups));
+        ANGLES.into_iter().all(same)
+    };
+    if constant(&bodies) {
+        return Vec::new();
+    }
+    let describe = |index: usize| {
+        let body = &model.bodies[index];
+        let v = body.velocity;
+        let rigid = [v..v + 3, v + 3..v + 6];
+        let unequal = || {
+            ANGLES.into_iter().any(|angle| {
+                at(&[index], angle)
+                    .is_some_and(|there| !same_blocks(&here.mass, &there.mass, &rigid))
+            })
+        };
+        let varies = if body.modes() > 0 {
+            Varies::Shapes
+        } else if unequal() {
+            Varies::Inertia
+        } else {
+            Varies::Loads
+        };
+        TurningBody {
+            origin: body.origin.clone(),
+            speed: spin(state, body.velocity).norm(),
+            varies,
+        }
+    };
+    if !name {
+        return vec![describe(bodies[0])];
+    }
+    let alone: Vec<usize> = bodies
+        .iter()
+        .copied()
+        .filter(|b| model.bodies[*b].modes() > 0 || !constant(&[*b]))
+        .collect();
+    let named = if alone.is_empty() { bodies } else { alone };
+    named.into_iter().map(describe).collect()
+}
