@@ -40,7 +40,7 @@ eng_grammar::codes! {
         "The equations jump or are very stiff at this moment: a force with `if` that jumps, a mechanism at the end of its reach. Make the force continuous, or look at the outputs just before.",
         "", "";
     STEP_TOO_SMALL = "E0710", "the step falls below what numbers resolve",
-        "The motion is not smooth at this moment: a force jumps or grows without bound. Make it continuous.",
+        "The motion is not smooth at this moment: a force or the rate of a state jumps or grows without bound. Make it continuous. The message names the body or the state whose error asks for the small step.",
         "", "";
     REQUIRED = "E0711", "a `require` fails during the run",
         "The class asks for a condition at every step, and here it fails: a pin touches its shell, a spring is blocked. The text is its author's. What was computed before is kept.",

@@ -595,7 +595,7 @@ fn a_state_of_an_element() {
     let text = "
         use std.joints.Translational
         force Maxwell(a: Marker, b: Marker, k: Stiffness, c: Damping) {
-            state pull: Force = 0 N
+            state pull: Force = 0 N scale 1 N
             der(pull) = k*dot(a.velocity - b.velocity, b.z) - pull*k/c
             apply force -pull*b.z on a against b
             output tension = pull as N

@@ -154,6 +154,8 @@ pub struct Binding {
     pub display: Option<UnitExpr>,
     /// `in (low, high)`: open limits of a parameter. Params only.
     pub limits: Option<(Expr, Expr)>,
+    /// `scale 0.1 mm`: the size of a state that matters, for its errors. States only.
+    pub scale: Option<Expr>,
 }
 
 /// `j in 1..5`.

@@ -210,6 +210,8 @@ force Law(
     b: Marker, k: Stiffness = 2 N/mm,
 ) : Interface {
     state p: Pressure = 3 bar
+    state lift: Length = 0 mm scale 0.1*k
+    state n: 1 = 0 scale 1
     der(p) = (2 bar - p)/(1 s)
     apply force force on a against b
     apply torque (1 + 2) N*m on a

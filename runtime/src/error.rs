@@ -284,14 +284,20 @@ pub enum RuntimeError {
         unit: &'static str,
     },
     /// Error control asks for steps below what numbers resolve.
-    #[error("the step falls below {step:.3e} s at {moment}; the motion is not smooth there: {}", origin.path)]
+    #[error(
+        "the step falls below {step:.3e} s at {moment}; {} is not smooth there: {}",
+        state.as_ref().map_or("the motion".to_owned(), |name| format!("the state `{name}`")),
+        origin.path
+    )]
     StepTooSmall {
         /// When.
         moment: Moment,
         /// The step (s).
         step: f64,
-        /// The body with the largest error.
+        /// The body with the largest error, or the element whose state has it.
         origin: Box<Origin>,
+        /// The name of that state.
+        state: Option<String>,
     },
     /// A stated step turns a body further than angles can be followed.
     #[error("a step of {step} s turns {} by {degrees:.0}°; angles are followed up to 90° a step", origin.path)]

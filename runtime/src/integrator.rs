@@ -50,6 +50,9 @@ pub const STEP_SHARE: f64 = 0.1;
 /// about it; the scheme's numerical damping takes what rings there, and the mode follows its load.
 pub const RESOLVED: f64 = 1.0;
 
+/// Times its magnitude in the scaled system from which on a state has outgrown it.
+const OUTGROWN: f64 = 10.0;
+
 /// Coefficients of the scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coefficients {
@@ -164,7 +167,7 @@ pub struct Integrator {
     pub multiplier_rate: Vec<f64>,
     /// Rate of ẏ.
     pub state_jerk: Vec<f64>,
-    /// Largest magnitude of each state so far.
+    /// Larger of each state's scale and its largest magnitude so far: errors are held to a share of it.
     pub state_peak: Vec<f64>,
     /// Tolerance of Newton's iteration, in scaled unknowns.
     pub newton_tolerance: f64,
@@ -195,6 +198,8 @@ pub struct Integrator {
     mass_block: Vec<f64>,
     estimate: Vec<f64>,
     damping_wrenches: Vec<f64>,
+    /// The unknown, a velocity's or a state's, that governed the last estimate.
+    governing: Option<usize>,
 }
 
 impl Integrator {
@@ -209,7 +214,13 @@ impl Integrator {
         let solver = BlockLu::new(&plan.pattern);
         let size = plan.pattern.size;
         let mut scales = model.velocity_scales();
-        scales.extend(start.states.iter().map(|y| y.abs().max(1.0)));
+        let state_peak: Vec<f64> = start
+            .states
+            .iter()
+            .zip(&model.state_scales)
+            .map(|(y, scale)| y.abs().max(*scale))
+            .collect();
+        scales.extend(&state_peak);
         scales.extend(model.row_scales());
         let width = model.bodies.iter().map(|b| b.width()).max().unwrap_or(0);
         Ok(Integrator {
@@ -227,7 +238,7 @@ impl Integrator {
             jerk: vec![0.0; model.velocities],
             multiplier_rate: vec![0.0; model.rows],
             state_jerk: vec![0.0; model.states],
-            state_peak: start.states.iter().map(|y| y.abs()).collect(),
+            state_peak,
             newton_tolerance,
             statistics: Statistics::default(),
             values: vec![0.0; plan.pattern.rows.len()],
@@ -251,6 +262,7 @@ impl Integrator {
             mass_block: vec![0.0; width * width],
             estimate: vec![0.0; model.velocities],
             damping_wrenches: vec![0.0; model.wrenches],
+            governing: None,
         })
     }
 
@@ -308,6 +320,20 @@ impl Integrator {
     /// Sets the magnitudes of the states, from a checkpoint.
     pub fn set_state_scales(&mut self, model: &Model, scales: &[f64]) {
         self.scales[model.velocities..model.velocities + model.states].copy_from_slice(scales);
+    }
+
+    /// Takes the magnitudes of states along that have outgrown theirs by far: rounding would stand in the way of their solution.
+    fn rescale_states(&mut self, model: &Model) {
+        for (scale, peak) in self.scales[model.velocities..]
+            .iter_mut()
+            .zip(&self.state_peak)
+        {
+            if *peak > OUTGROWN * *scale {
+                *scale = *peak;
+                self.factored_step = None;
+                self.contraction = None;
+            }
+        }
     }
 
     /// Forgets the kept factors.

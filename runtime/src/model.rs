@@ -84,6 +84,8 @@ pub struct Model {
     pub velocities: usize,
     /// States of dynamic elements.
     pub states: usize,
+    /// Of each state the size, positive, from which on its errors matter.
+    pub state_scales: Vec<f64>,
     /// Circular frequency (rad/s) of the mode behind each velocity; zero where there is none, or where it is not known.
     pub frequencies: Vec<f64>,
     /// Constraint rows of dynamic elements.
@@ -249,6 +251,7 @@ impl Model {
 
         let mut elements = Vec::with_capacity(system.elements.len());
         let (mut states, mut rows, mut rotations, mut wrenches, mut gradients) = (0, 0, 0, 0, 0);
+        let mut state_scales = Vec::new();
         for element in &system.elements {
             let path = &element.origin.path;
             let class = system
@@ -259,6 +262,7 @@ impl Model {
             if element.markers.len() != layout.markers as usize
                 || element.constants.len() != layout.constants as usize
                 || element.state_start.len() != layout.states as usize
+                || element.state_scale.len() != layout.states as usize
                 || element.signals.len() != layout.signals as usize
                 || element.rotations.len() != layout.rotations as usize
                 || element.markers.iter().any(|m| *m as usize >= markers.len())
@@ -292,6 +296,13 @@ impl Model {
             });
             rotations += layout.rotations as usize;
             if dynamic {
+                for slot in &element.state_scale {
+                    let scale = slots.get(*slot)?;
+                    if scale.is_nan() || scale <= 0.0 {
+                        return Err(malformed(format!("{path}: a state without a scale")));
+                    }
+                    state_scales.push(scale);
+                }
                 states += layout.states as usize;
                 rows += layout.rows as usize;
                 wrenches += 6 * layout.markers as usize;
@@ -367,6 +378,7 @@ impl Model {
             poses,
             velocities,
             states,
+            state_scales,
             frequencies,
             rows,
             rotations,

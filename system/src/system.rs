@@ -249,6 +249,8 @@ pub struct Element {
     pub constants: Vec<Slot>,
     /// Start values of its states.
     pub state_start: Vec<Slot>,
+    /// Of its states the sizes, positive, from which on errors matter.
+    pub state_scale: Vec<Slot>,
     /// Channels its outputs read, as many as the layout says; each is computed before this element's.
     pub signals: Vec<u32>,
     /// Its unwrapped angles, as many as the layout says.

@@ -13,7 +13,7 @@ use eng_grammar::ast::{
 use eng_grammar::{Diagnostic, Span};
 
 /// What an item is called in messages, and whether it may stand in a definition of a kind.
-fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'static str)> {
+pub(super) fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'static str)> {
     let holds_parts = matches!(kind, Kind::Model | Kind::Component);
     let class = matches!(
         kind,
@@ -231,64 +231,6 @@ impl<'p> Checker<'p> {
             self.defined_twice(&name.text, name.span, first);
         }
         seen.push(name);
-    }
-
-    /// Every state has a rate and every rate a state.
-    fn states_and_rates(&mut self, id: DefinitionId, declaration: &'p Declaration) {
-        let items = || block_of(declaration).into_iter().flat_map(|b| &b.items);
-        let mut rates: Vec<&'p Name> = Vec::new();
-        for item in items() {
-            let ItemKind::Statement(Statement::Rate { state, .. }) = &item.kind else {
-                continue;
-            };
-            if let Some(first) = rates.iter().find(|rate| rate.text == state.text) {
-                let first = first.span;
-                self.defined_twice(&format!("der({})", state.text), state.span, first);
-            }
-            rates.push(state);
-            let is_state = matches!(
-                self.member(id, &state.text),
-                Some(Member::Binding(binding)) if binding.kind == BindingKind::State
-            );
-            if !is_state && placing(declaration.kind, &item.kind).is_none() {
-                let states: Vec<&str> = items()
-                    .filter_map(|item| match &item.kind {
-                        ItemKind::Binding(b) if b.kind == BindingKind::State => {
-                            Some(b.name.text.as_str())
-                        }
-                        _ => None,
-                    })
-                    .collect();
-                let mut message =
-                    Diagnostic::error(codes::STATE, format!("there is no state `{}`", state.text))
-                        .at(state.span, "a rate of what?");
-                if let Some(near) = nearest(&state.text, states) {
-                    message = message
-                        .with_help(format!("did you mean `{near}`?"))
-                        .with_fix(format!("write `{near}`"), state.span, near);
-                } else {
-                    message = message.with_help(format!(
-                        "for instance `state {}: Pressure = 1 bar`",
-                        state.text
-                    ));
-                }
-                self.report(message);
-            }
-        }
-        for item in items() {
-            if let ItemKind::Binding(binding) = &item.kind
-                && binding.kind == BindingKind::State
-                && !rates.iter().any(|rate| rate.text == binding.name.text)
-                && placing(declaration.kind, &item.kind).is_none()
-            {
-                let name = &binding.name.text;
-                self.report(
-                    Diagnostic::error(codes::STATE, format!("the state `{name}` has no rate"))
-                        .at(binding.name.span, "how does it change?")
-                        .with_help(format!("write `der({name}) = …`")),
-                );
-            }
-        }
     }
 
     /// Whether a class gives what its interface promises.

@@ -371,6 +371,9 @@ impl<'p> Checker<'p> {
         if let Some(display) = &binding.display {
             self.display(&scope, &ty, display);
         }
+        if binding.kind == BindingKind::State {
+            self.scale_of_state(&scope, binding, &ty);
+        }
         if let Some((low, high)) = &binding.limits {
             let due = Due::new(format!("the limit of `{}`", binding.name.text))
                 .declared(binding.name.span, "the parameter");

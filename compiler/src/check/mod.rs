@@ -21,6 +21,7 @@ mod mismatch;
 mod operator;
 mod report;
 mod scope;
+mod state;
 mod statement;
 mod table;
 mod types;

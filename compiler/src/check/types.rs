@@ -191,6 +191,17 @@ impl Quantity {
         self.dim.is_one() && !self.soft
     }
 
+    /// What two of these differ by.
+    pub fn difference(&self) -> Quantity {
+        Quantity {
+            kind: match &self.kind {
+                Kind::Point(_) => Kind::Difference,
+                other => other.clone(),
+            },
+            ..self.clone()
+        }
+    }
+
     fn misfit_of_dimension(&self, other: &Quantity) -> Option<Misfit> {
         if self.dim == other.dim {
             None

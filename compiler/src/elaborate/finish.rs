@@ -300,6 +300,11 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                     .iter()
                     .map(|n| self.bench.bind.slot(*n))
                     .collect(),
+                state_scale: draft
+                    .state_scale
+                    .iter()
+                    .map(|n| self.bench.bind.slot(*n))
+                    .collect(),
                 signals: draft.signals,
                 rotations: draft
                     .rotations

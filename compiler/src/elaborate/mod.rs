@@ -116,6 +116,7 @@ pub(crate) struct ElementDraft<'a> {
     pub markers: Vec<u32>,
     pub constants: Vec<crate::ir::Node>,
     pub state_start: Vec<crate::ir::Node>,
+    pub state_scale: Vec<crate::ir::Node>,
     pub signals: Vec<u32>,
     /// Pairs of local markers, and the bind node of a stated angle.
     pub rotations: Vec<(u32, u32, Option<crate::ir::Node>)>,

@@ -363,6 +363,7 @@ impl<'a> Elaborator<'a, '_> {
             markers: element.markers,
             constants: element.constants,
             state_start: element.states.iter().map(|s| s.start).collect(),
+            state_scale: element.states.iter().map(|s| s.scale).collect(),
             signals: element.signals,
             rotations: (0..)
                 .zip(&element.rotations)

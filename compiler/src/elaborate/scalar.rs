@@ -122,6 +122,8 @@ pub(crate) struct StateDraft {
     pub name: String,
     pub dimension: Dimension,
     pub start: Node,
+    /// From which size on its errors matter.
+    pub scale: Node,
     pub rate: Option<Node>,
 }
 

@@ -235,14 +235,19 @@ impl<'t> Builder<'t, '_> {
             frame: None,
             display: None,
             limits: None,
+            scale: None,
         };
         let mut tails: Vec<Rule> = Vec::new();
         for part in pair.into_inner() {
             let rule = part.as_rule();
             let place = self.place(&part);
-            if matches!(rule, Rule::limits | Rule::frame | Rule::display) {
+            if let Some(shown) = match rule {
+                Rule::limits | Rule::frame => Some("in"),
+                Rule::display => Some("as"),
+                Rule::error_scale => Some("scale"),
+                _ => None,
+            } {
                 if tails.contains(&rule) {
-                    let shown = if rule == Rule::display { "as" } else { "in" };
                     self.report(
                         Diagnostic::error(
                             codes::UNEXPECTED,
@@ -274,6 +279,14 @@ impl<'t> Builder<'t, '_> {
                     Diagnostic::error(codes::UNEXPECTED, "limits belong to a `param`")
                         .at(place, "not of a `param`")
                         .with_help("`require` checks a condition on any value"),
+                ),
+                Rule::error_scale if binding.kind == BindingKind::State => {
+                    binding.scale = self.inner_expression(part, depth);
+                }
+                Rule::error_scale => self.report(
+                    Diagnostic::error(codes::UNEXPECTED, "only a `state` has a `scale`")
+                        .at(place, "not of a `state`")
+                        .with_help("it says from which size on errors of a state matter"),
                 ),
                 Rule::frame if binding.kind == BindingKind::Output => {
                     binding.frame = self.inner_expression(part, depth);

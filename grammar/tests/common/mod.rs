@@ -281,6 +281,9 @@ fn binding(item: &Binding) -> String {
     if let Some((low, high)) = &item.limits {
         let _ = write!(out, " limits {} {}", expr(low), expr(high));
     }
+    if let Some(scale) = &item.scale {
+        let _ = write!(out, " scale {}", expr(scale));
+    }
     out + ")"
 }
 

@@ -19,6 +19,8 @@ const ITERATION_LIMIT: usize = 14;
 const BACKTRACK_LIMIT: usize = 12;
 /// Change of the scaled unknowns that is rounding.
 const ROUNDING: f64 = 1e-15;
+/// Share of a state's scale, or of its peak, that the error of one step may have at the usual tolerance.
+const STATE_SHARE: f64 = 1e-5;
 /// Change below which an iteration that does not contract with a fresh matrix has come to rounding.
 const STAGNATION: f64 = 1e-11;
 
@@ -40,6 +42,7 @@ impl Integrator {
         {
             self.drop_factors();
         }
+        self.rescale_states(model);
         self.predict(model, h, true);
         let mut smooth = true;
         let mut last_norm: Option<f64> = None;
@@ -250,15 +253,12 @@ impl Integrator {
                 }
             }
         } else if row < first_row {
-            let state = row - model.velocities;
-            for (index, element) in model.elements.iter().enumerate().filter(|(_, e)| e.dynamic) {
-                if let Some(info) = state
-                    .checked_sub(element.state)
-                    .and_then(|k| model.class(index).states.get(k))
-                {
-                    let origin = model.compiled.system.elements[index].origin.clone();
-                    return (origin, format!("der({})", info.name), "SI units per second");
-                }
+            if let Some((origin, name)) = state_name(model, row - model.velocities) {
+                return (
+                    origin.clone(),
+                    format!("der({name})"),
+                    "SI units per second",
+                );
             }
         } else if let Some((element, local)) = model.row_owner(row - first_row) {
             let named = model.named_row(element, local, 0.0);
@@ -314,40 +314,69 @@ impl Integrator {
         self.solver.solve(&mut self.correction);
         let unit = model.length / (STEP_SHARE * model.tolerance * factor);
         let mut worst = 0.0_f64;
-        for (x, frequency) in self.correction[..n].iter().zip(&model.frequencies) {
-            if !x.is_finite() {
+        self.governing = None;
+        for (i, (x, frequency)) in self.correction[..n]
+            .iter()
+            .zip(&model.frequencies)
+            .enumerate()
+        {
+            let error = x.abs() * unit;
+            if !error.is_finite() {
+                self.governing = Some(i);
                 return Ok(f64::INFINITY);
             }
-            if frequency * h > RESOLVED {
-                continue;
+            if frequency * h <= RESOLVED && error > worst {
+                worst = error;
+                self.governing = Some(i);
             }
-            worst = worst.max(x.abs() * unit);
         }
         // States: the scheme's own error is about a sixth of the distance to the extrapolation of second order.
         for i in 0..s {
             let extrapolated = self.current.states[i]
                 + h * self.current.rates[i]
                 + 0.5 * h * h * self.state_jerk[i];
-            let scale = self.state_peak[i]
-                .max(self.next.states[i].abs())
-                .max(1e-300);
-            worst = worst
-                .max((self.next.states[i] - extrapolated).abs() / 6.0 / (1e-5 * factor * scale));
+            let scale = self.state_peak[i].max(self.next.states[i].abs());
+            let miss = (self.next.states[i] - extrapolated).abs() / 6.0;
+            let error = miss / (STATE_SHARE * factor * scale);
+            if !error.is_finite() {
+                self.governing = Some(n + i);
+                return Ok(f64::INFINITY);
+            }
+            if error > worst {
+                worst = error;
+                self.governing = Some(n + i);
+            }
         }
         Ok(worst)
     }
 
-    /// The body that moves the estimated error most.
-    pub fn worst_body(&self, model: &Model) -> Origin {
-        let mut worst = (0.0, Origin::default());
-        for body in &model.bodies {
-            for i in body.velocity..body.velocity + body.width() {
-                let size = (self.estimate[i] / self.scales[i]).abs();
-                if size > worst.0 {
-                    worst = (size, body.origin.clone());
-                }
-            }
+    /// Whose error governed the last step's size: an element and the name of its state, or a body.
+    pub fn governing(&self, model: &Model) -> (Origin, Option<String>) {
+        let Some(index) = self.governing else {
+            return (Origin::default(), None);
+        };
+        if let Some(state) = index.checked_sub(model.velocities) {
+            return state_name(model, state).map_or((Origin::default(), None), |(origin, name)| {
+                (origin.clone(), Some(name.to_owned()))
+            });
         }
-        worst.1
+        let body = model
+            .bodies
+            .iter()
+            .find(|body| (body.velocity..body.velocity + body.width()).contains(&index));
+        (body.map(|b| b.origin.clone()).unwrap_or_default(), None)
     }
+}
+
+/// The element that a state of the model belongs to, and the state's name.
+fn state_name(model: &Model, state: usize) -> Option<(&Origin, &str)> {
+    model.elements.iter().enumerate().find_map(|(index, e)| {
+        let info = model
+            .class(index)
+            .states
+            .get(state.checked_sub(e.state)?)
+            .filter(|_| e.dynamic)?;
+        let origin = &model.compiled.system.elements[index].origin;
+        Some((origin, info.name.as_str()))
+    })
 }

@@ -431,10 +431,12 @@ impl Simulation {
                 if let Some(outside) = self.outside.take() {
                     return Err(self.at_moment(*outside));
                 }
+                let (origin, state) = self.integrator.governing(&self.model);
                 return Err(RuntimeError::StepTooSmall {
                     moment: self.moment(),
                     step: h,
-                    origin: Box::new(self.integrator.worst_body(&self.model)),
+                    origin: Box::new(origin),
+                    state,
                 });
             }
             match self.trial(h, Some(factor))? {

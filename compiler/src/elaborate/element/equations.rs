@@ -1,17 +1,24 @@
 //! What a class says: states, conditions, constraints, loads.
 
 use super::super::binding::{Message, Part};
-use super::super::scalar::{PROVISIONAL, RowDraft, Scalar, Stage, StateDraft};
+use super::super::scalar::{Flag, PROVISIONAL, RowDraft, Scalar, Stage, StateDraft};
 use super::super::value::{ScopeId, Value};
-use super::super::{Elaborator, Entry, Eval, Reported, location};
+use super::super::{Check, Elaborator, Entry, Eval, MessagePart as Told, Reported, location};
 use super::{Class, Draft};
 use crate::codes;
+use crate::ir::Node;
 use eng_grammar::ast::{BindingKind, ExprKind, ItemKind, Statement};
 use eng_grammar::{Diagnostic, Span, ast};
-use eng_system::system::{Condition, ConditionKind, MessagePart, Row};
+use eng_system::system::{Condition, ConditionKind, Location, MessagePart, Row};
 
 impl<'a> Elaborator<'a, '_> {
-    pub(super) fn states(&mut self, class: Class<'a>, own: ScopeId) -> Eval<()> {
+    pub(super) fn states(
+        &mut self,
+        class: Class<'a>,
+        own: ScopeId,
+        path: &str,
+        used_at: Option<Location>,
+    ) -> Eval<()> {
         for item in &class.block.items {
             let ItemKind::Binding(b) = &item.kind else {
                 continue;
@@ -26,6 +33,7 @@ impl<'a> Elaborator<'a, '_> {
             let s = self.as_scalar(value, start.span)?;
             let node = self.bind_node(s, start.span)?;
             let dimension = b.ty.as_ref().map_or(s.dimension, |t| self.dimension(t));
+            let scale = self.state_scale(b, node, own, path, used_at)?;
             let Some(element) = self.bench.element.as_mut() else {
                 return Err(Reported);
             };
@@ -44,6 +52,7 @@ impl<'a> Elaborator<'a, '_> {
                 name: b.name.text.clone(),
                 dimension,
                 start: node,
+                scale,
                 rate: None,
             });
             let input = element.graph.input(PROVISIONAL.state(index));
@@ -58,6 +67,51 @@ impl<'a> Elaborator<'a, '_> {
             );
         }
         Ok(())
+    }
+
+    /// The size from which on errors of a state matter: as stated, else its start. Either may be known only when parameters are set.
+    fn state_scale(
+        &mut self,
+        state: &'a ast::Binding,
+        start: Node,
+        own: ScopeId,
+        path: &str,
+        used_at: Option<Location>,
+    ) -> Eval<Node> {
+        let name = &state.name.text;
+        let (node, span, told) = match &state.scale {
+            Some(scale) => {
+                let value = self.evaluate(scale, own)?;
+                let s = self.as_scalar(value, scale.span)?;
+                let told = format!("the scale of the state `{name}` must be positive");
+                (self.bind_node(s, scale.span)?, scale.span, told)
+            }
+            None => {
+                let span = state.value.as_ref().map_or(state.name.span, |v| v.span);
+                let told = format!(
+                    "the state `{name}` starts at zero and has no scale; state the size from which on it matters after its start: `… scale …`"
+                );
+                (self.bench.bind.graph.abs(start), span, told)
+            }
+        };
+        let graph = &mut self.bench.bind.graph;
+        if graph.as_constant(node).is_none_or(|size| size <= 0.0) {
+            let zero = graph.constant(0.0);
+            let flag = Flag {
+                stage: Stage::Bind,
+                node: graph.less(zero, node),
+            };
+            let holds = self.bench.flag_number(flag);
+            self.checks.push(Check {
+                holds,
+                advise: false,
+                message: vec![Told::Text(told)],
+                path: path.to_owned(),
+                used_at,
+                defined_at: Some(location(span)),
+            });
+        }
+        Ok(node)
     }
 
     pub(super) fn equations(

@@ -129,7 +129,7 @@ impl<'a> Elaborator<'a, '_> {
                 self.touch(value)?;
             }
         }
-        self.states(class, own)?;
+        self.states(class, own, &path, used_at)?;
         let at_use = block.map(|b| (b, self.use_scope(own, scope)));
         let mut draft = Draft {
             conditions: Vec::new(),

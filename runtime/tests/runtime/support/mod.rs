@@ -471,6 +471,10 @@ impl Builder {
     ) -> u32 {
         let constants = constants.iter().map(|c| self.slot(*c)).collect();
         let state_start = start.iter().map(|c| self.slot(*c)).collect();
+        let state_scale = start
+            .iter()
+            .map(|c| self.slot(if *c == 0.0 { 1.0 } else { c.abs() }))
+            .collect();
         let layout = &self.system.classes[class as usize].layout;
         let rotations = (0..layout.rotations)
             .map(|_| Rotation {
@@ -486,6 +490,7 @@ impl Builder {
             markers: markers.to_vec(),
             constants,
             state_start,
+            state_scale,
             signals: vec![],
             rotations,
         });

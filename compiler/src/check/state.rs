@@ -1,0 +1,131 @@
+//! States of classes: their rates and their scales.
+
+use super::Checker;
+use super::class::placing;
+use super::mismatch::Due;
+use super::scope::{Member, Scope, block_of};
+use super::types::Type;
+use crate::codes;
+use crate::program::DefinitionId;
+use crate::resolve::suggest::nearest;
+use eng_grammar::ast::{
+    Binding, BindingKind, Declaration, Expr, ExprKind, ItemKind, Name, Statement, UnaryOp,
+};
+use eng_grammar::{Diagnostic, Span};
+
+impl<'p> Checker<'p> {
+    /// Every state has a rate and every rate a state.
+    pub(super) fn states_and_rates(&mut self, id: DefinitionId, declaration: &'p Declaration) {
+        let items = || block_of(declaration).into_iter().flat_map(|b| &b.items);
+        let mut rates: Vec<&'p Name> = Vec::new();
+        for item in items() {
+            let ItemKind::Statement(Statement::Rate { state, .. }) = &item.kind else {
+                continue;
+            };
+            if let Some(first) = rates.iter().find(|rate| rate.text == state.text) {
+                let first = first.span;
+                self.defined_twice(&format!("der({})", state.text), state.span, first);
+            }
+            rates.push(state);
+            let is_state = matches!(
+                self.member(id, &state.text),
+                Some(Member::Binding(binding)) if binding.kind == BindingKind::State
+            );
+            if !is_state && placing(declaration.kind, &item.kind).is_none() {
+                let states: Vec<&str> = items()
+                    .filter_map(|item| match &item.kind {
+                        ItemKind::Binding(b) if b.kind == BindingKind::State => {
+                            Some(b.name.text.as_str())
+                        }
+                        _ => None,
+                    })
+                    .collect();
+                let mut message =
+                    Diagnostic::error(codes::STATE, format!("there is no state `{}`", state.text))
+                        .at(state.span, "a rate of what?");
+                if let Some(near) = nearest(&state.text, states) {
+                    message = message
+                        .with_help(format!("did you mean `{near}`?"))
+                        .with_fix(format!("write `{near}`"), state.span, near);
+                } else {
+                    message = message.with_help(format!(
+                        "for instance `state {}: Pressure = 1 bar`",
+                        state.text
+                    ));
+                }
+                self.report(message);
+            }
+        }
+        for item in items() {
+            if let ItemKind::Binding(binding) = &item.kind
+                && binding.kind == BindingKind::State
+                && !rates.iter().any(|rate| rate.text == binding.name.text)
+                && placing(declaration.kind, &item.kind).is_none()
+            {
+                let name = &binding.name.text;
+                self.report(
+                    Diagnostic::error(codes::STATE, format!("the state `{name}` has no rate"))
+                        .at(binding.name.span, "how does it change?")
+                        .with_help(format!("write `der({name}) = …`")),
+                );
+            }
+        }
+    }
+
+    /// The scale of a state is a difference of such values; a state that starts at zero has none of its own.
+    pub(super) fn scale_of_state(&mut self, scope: &Scope<'p>, binding: &Binding, ty: &Type) {
+        let name = &binding.name.text;
+        if let Some(scale) = &binding.scale {
+            let due =
+                Due::new(format!("the scale of `{name}`")).declared(binding.name.span, "the state");
+            let difference = match ty.quantity() {
+                Some(quantity) => Type::Scalar(quantity.difference()),
+                None => Type::Error,
+            };
+            self.expect(scope, scale, &difference, &due);
+            return;
+        }
+        let Some(start) = &binding.value else {
+            return;
+        };
+        let Some(unit) = self.written_zero(start) else {
+            return;
+        };
+        let written = self.sources.text(start.span).to_owned();
+        let one = format!(" scale 1{unit}");
+        let end = Span::new(
+            start.span.source,
+            start.span.end as usize,
+            start.span.end as usize,
+        );
+        self.report(
+            Diagnostic::error(
+                codes::STATE_SCALE,
+                format!("the state `{name}` starts at zero and has no scale"),
+            )
+            .at(start.span, "tells of no size")
+            .with_note("errors of a state are held to 1e-5 of its scale or its largest value so far; a start that is not zero is its own scale")
+            .with_help(format!(
+                "state the size from which on it matters: `{written}{one}`"
+            ))
+            .with_fix("state a scale", end, one),
+        );
+    }
+
+    /// The unit, as written after a zero with its space, of an expression that is zero by its text alone.
+    fn written_zero(&self, expr: &Expr) -> Option<String> {
+        match &expr.kind {
+            ExprKind::Number { value, unit, .. } if *value == 0.0 => match unit {
+                None => Some(String::new()),
+                Some(unit) => (self.program.unit(unit).ok()?.offset == 0.0)
+                    .then(|| format!(" {}", self.sources.text(unit.span))),
+            },
+            ExprKind::Paren { inner, unit: None }
+            | ExprKind::Unary {
+                op: UnaryOp::Negate,
+                operand: inner,
+            } => self.written_zero(inner),
+            _ => None,
+        }
+    }
+}
