@@ -133,6 +133,10 @@ eng_grammar::codes! {
         "A function is put in where it is called, and a value of the motion where it is used. Thirty functions that call each other twice would be put in a billion times. Give what is used twice a name with `let`.",
         "fn a(x: 1) -> 1 = x*x\nfn b(x: 1) -> 1 = a(x)*a(x)\nfn c(x: 1) -> 1 = b(x)*b(x)",
         "fn a(x: 1) -> 1 = x*x\nfn b(x: 1) -> 1 { let y = a(x); y*y }\nfn c(x: 1) -> 1 { let y = b(x); y*y }";
+    OTHER_AXES = "E0540", "components along different axes are taken together",
+        "Components along a marker's axes are numbers: they are added to, multiplied with and shown as those along the same axes only. Vectors carry no axes and are added in space.",
+        "output both = film[1].eccentricity + film[2].eccentricity in shell",
+        "output both = vector([film[1].eccentricity.x, film[1].eccentricity.y, 0 mm], shell)\n    + vector([film[2].eccentricity.x, film[2].eccentricity.y, 0 mm], case) in shell";
     INTERNAL = "E0599", "the compiler or the runtime contradicts itself",
         "No model should bring this about: an earlier check should have told what is wrong. Please report it with the model. Changing what stands at the place named may help until it is mended.",
         "", "";

@@ -492,7 +492,7 @@ impl<'a> Elaborator<'a, '_> {
         span: Span,
         set: &mut Vec<(String, f64)>,
     ) -> Eval<()> {
-        match value {
+        match Self::without_axes(value) {
             Value::List(items) => {
                 for (i, item) in items.into_iter().enumerate() {
                     self.parameter_values(item, &format!("{path}[{}]", i + 1), span, set)?;
@@ -507,7 +507,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     fn structural_of(&mut self, value: Value<'a>, span: Span) -> Eval<Structural> {
-        Ok(match value {
+        Ok(match Self::without_axes(value) {
             Value::Int(i) => Structural::Int(i),
             Value::Bool(b) => Structural::Bool(b),
             Value::Text(t) => Structural::Text(t),

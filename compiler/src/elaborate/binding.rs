@@ -258,6 +258,14 @@ impl<'a> Elaborator<'a, '_> {
                 let node = self.bench.bind.graph.input(index);
                 Ok(Value::Scalar(Scalar { node, ..s }))
             }
+            value @ Value::Shown(_) => {
+                let vector = self.in_space(value, span)?;
+                self.parameterise(vector, path, expr, limits, span, scope)
+            }
+            value @ Value::Components(..) => {
+                let list = Self::without_axes(value);
+                self.parameterise(list, path, expr, limits, span, scope)
+            }
             Value::Vector(v) => {
                 let mut out = v;
                 for (i, s) in v.into_iter().enumerate() {

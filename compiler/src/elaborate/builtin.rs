@@ -1,7 +1,8 @@
 //! The functions that the language itself has.
 
+use super::axes::Sort;
 use super::scalar::{Scalar, Stage};
-use super::value::{ScopeId, Value};
+use super::value::{Axes, ScopeId, Value};
 use super::{Elaborator, Eval};
 use crate::codes;
 use crate::functions;
@@ -82,28 +83,31 @@ impl<'a> Elaborator<'a, '_> {
             }
             "dot" => {
                 let [a, b] = self.take::<2>(values, span)?;
-                let x = self.as_components(a.0, a.1)?;
-                let y = self.as_components(b.0, b.1)?;
+                let (x, p) = self.sorted(a.0, a.1)?;
+                let (y, q) = self.sorted(b.0, b.1)?;
                 if x.len() != y.len() {
                     return Err(self.lengths(x.len(), a.1, y.len(), b.1));
                 }
+                self.together((p, a.1), (q, b.1))?;
                 Ok(Value::Scalar(self.bench.dot(&x, &y)))
             }
             "cross" => {
                 let [a, b] = self.take::<2>(values, span)?;
-                let vector = matches!(a.0, Value::Vector(_)) || matches!(b.0, Value::Vector(_));
-                let x = self.as_vector(a.0, a.1)?;
-                let y = self.as_vector(b.0, b.1)?;
+                let (x, p) = self.sorted(a.0, a.1)?;
+                let (y, q) = self.sorted(b.0, b.1)?;
+                let x = self.three(x, a.1)?;
+                let y = self.three(y, b.1)?;
+                let sort = self.together((p, a.1), (q, b.1))?;
                 let c = self.bench.cross(&x, &y);
-                Ok(if vector {
-                    Value::Vector(c)
-                } else {
-                    Self::list(&c)
-                })
+                Ok(Self::of_sort(c.to_vec(), sort))
             }
             "norm" => {
                 let [a] = self.take::<1>(values, span)?;
-                let x = self.as_components(a.0, a.1)?;
+                // the length is the same along all axes
+                let x = match a.0 {
+                    Value::Shown(shown) => shown.components.to_vec(),
+                    other => self.as_components(other, a.1)?,
+                };
                 let mut square = self.bench.dot(&x, &x);
                 if let Some(f) = floor {
                     let f2 = self.bench.multiply(f, f);
@@ -113,30 +117,27 @@ impl<'a> Elaborator<'a, '_> {
             }
             "perpendicular" => {
                 let [a] = self.take::<1>(values, span)?;
-                let c = self.as_components(a.0, a.1)?;
-                if c.len() != 2 {
+                let (c, sort) = self.sorted(a.0, a.1)?;
+                let &[x, y] = c.as_slice() else {
                     return Err(self.arguments(span));
-                }
-                let minus_y = self.bench.negate(c[1]);
-                Ok(Self::list(&[minus_y, c[0]]))
+                };
+                let minus_y = self.bench.negate(y);
+                Ok(Self::of_sort(vec![minus_y, x], sort))
             }
             "local" | "vector" => {
                 let [v, m] = self.take::<2>(values, span)?;
-                let components = self.as_vector(v.0, v.1)?;
-                if matches!(m.0, Value::Ground) {
-                    return Ok(if name == "local" {
-                        Self::list(&components)
-                    } else {
-                        Value::Vector(components)
-                    });
+                let axes = match m.0 {
+                    Value::Ground => Axes::Ground,
+                    other => Axes::Marker(self.as_marker(other, m.1)?),
+                };
+                if name == "local" {
+                    let components = self.components_along(axes, v.0, v.1)?;
+                    return Ok(Value::Components(components.to_vec(), axes));
                 }
-                let marker = self.as_marker(m.0, m.1)?;
-                let local = self.local_marker(marker, Some(m.1))?;
-                Ok(if name == "local" {
-                    Self::list(&self.along_axes(local, &components))
-                } else {
-                    Value::Vector(self.rotate(local, &components))
-                })
+                let (components, sort) = self.sorted(v.0, v.1)?;
+                let components = self.three(components, v.1)?;
+                self.together((sort, v.1), (Sort::Along(axes), m.1))?;
+                self.space_of(components, axes, v.1).map(Value::Vector)
             }
             "rotation" => {
                 let [a, b] = self.take::<2>(values, span)?;
@@ -175,9 +176,10 @@ impl<'a> Elaborator<'a, '_> {
             }
             "length" => match values.pop() {
                 Some((Value::List(items), _)) => Ok(Value::Int(items.len() as i64)),
+                Some((Value::Components(c, _), _)) => Ok(Value::Int(c.len() as i64)),
                 _ => Err(self.arguments(span)),
             },
-            "distinct" => match values.pop() {
+            "distinct" => match values.pop().map(|(v, s)| (Self::without_axes(v), s)) {
                 Some((Value::List(items), s)) => {
                     let mut seen: Vec<f64> = Vec::new();
                     for item in items {
@@ -245,7 +247,7 @@ impl<'a> Elaborator<'a, '_> {
     fn numbers_of(&mut self, values: Vec<(Value<'a>, Span)>) -> Eval<Vec<Scalar>> {
         let mut list = Vec::new();
         for (value, s) in values {
-            match value {
+            match Self::without_axes(value) {
                 Value::List(items) => {
                     for item in items {
                         list.push(self.as_scalar(item, s)?);
@@ -339,11 +341,14 @@ impl<'a> Elaborator<'a, '_> {
 
     /// The time derivative of a value.
     pub fn rate_of(&mut self, value: Value<'a>, span: Span) -> Eval<Value<'a>> {
-        let components = match &value {
-            Value::Scalar(s) => vec![*s],
+        let (components, sort) = match value {
+            Value::Scalar(s) => (vec![s], None),
             Value::Int(_) => return Ok(Value::Scalar(self.bench.constant(0.0, Dimension::ONE))),
-            Value::Vector(_) | Value::List(_) => self.as_components(value.clone(), span)?,
-            other => return Err(self.unfit(span, "a number or a vector", other)),
+            value if value.is_several() => {
+                let (components, sort) = self.sorted(value, span)?;
+                (components, Some(sort))
+            }
+            other => return Err(self.unfit(span, "a number or a vector", &other)),
         };
         let nodes: Vec<Node> = components
             .iter()
@@ -356,9 +361,9 @@ impl<'a> Elaborator<'a, '_> {
                 .iter()
                 .map(|s| self.bench.constant(0.0, s.dimension.over(Dimension::TIME)))
                 .collect();
-            return Ok(match value {
-                Value::Scalar(_) => Value::Scalar(zero[0]),
-                _ => Self::list(&zero),
+            return Ok(match sort {
+                None => Value::Scalar(zero[0]),
+                Some(sort) => Self::of_sort(zero, sort),
             });
         };
         let derivative = crate::ir::differentiate::time_derivative(
@@ -401,10 +406,9 @@ impl<'a> Elaborator<'a, '_> {
                 dimension: s.dimension.over(Dimension::TIME),
             })
             .collect();
-        Ok(match value {
-            Value::Scalar(_) => Value::Scalar(scalars[0]),
-            Value::Vector(_) => Value::Vector([scalars[0], scalars[1], scalars[2]]),
-            _ => Self::list(&scalars),
+        Ok(match sort {
+            None => Value::Scalar(scalars[0]),
+            Some(sort) => Self::of_sort(scalars, sort),
         })
     }
 }

@@ -32,7 +32,8 @@ impl<'a, 'd> Constants<'a, 'd> {
     }
 
     fn known(&mut self, expr: &'a Expr) -> Eval<Vec<f64>> {
-        let values = match self.elaborator.evaluate(expr, self.scope)? {
+        let value = self.elaborator.evaluate(expr, self.scope)?;
+        let values = match Elaborator::without_axes(value) {
             Value::List(values) => values,
             value => vec![value],
         };

@@ -4,6 +4,7 @@
 //! something still does not fit, it gives an internal error and never a default.
 
 mod analysis;
+mod axes;
 mod binding;
 mod body;
 mod builtin;
@@ -153,6 +154,10 @@ pub(crate) struct OutputShape {
     pub first: u32,
     /// 1 for a scalar, else the number of components.
     pub count: u32,
+    /// Along which axes the components are, if the text says so.
+    pub axes: Option<value::Axes>,
+    /// A vector in space rather than components.
+    pub vector: bool,
 }
 
 /// The state of elaboration of one model.

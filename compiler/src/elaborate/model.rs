@@ -318,6 +318,8 @@ impl<'a> Elaborator<'a, '_> {
                 }
             };
             let value = self.evaluate(&argument.value, scope)?;
+            let field = fields.iter().find(|f| f.name.text == name);
+            let value = self.declared(value, field.and_then(|f| f.ty.as_ref()));
             self.define(own, &name, Entry::Value(value));
             given.push(name);
         }
@@ -536,22 +538,11 @@ impl<'a> Elaborator<'a, '_> {
             let path = format!("{base}{}", index_text(position));
             e.bench.bind.owner.clone_from(&path);
             let declared = binding.ty.as_ref().map(|t| e.dimension(t));
-            let value = e.evaluate(expr, inner)?;
-            let frame = match &binding.frame {
-                Some(frame) => match e.evaluate(frame, inner)? {
-                    Value::Ground => None,
-                    other => {
-                        let m = e.as_marker(other, frame.span)?;
-                        Some((m, e.markers[m as usize].origin.path.clone()))
-                    }
-                },
-                None => None,
-            };
+            let value = e.bound_value(binding, expr, inner)?;
             e.output_element(
                 path,
                 declared,
                 vec![(name.clone(), value)],
-                frame,
                 display.clone(),
                 binding.name.span,
             )?;
@@ -579,7 +570,6 @@ impl<'a> Elaborator<'a, '_> {
             "cycle".into(),
             None,
             binding_values,
-            None,
             None,
             cycle.declaration.name.span,
         )?;

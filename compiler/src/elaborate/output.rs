@@ -2,7 +2,7 @@
 
 use super::element::{Class, Draft, is_marker};
 use super::scalar::{PROVISIONAL, Scalar, Stage, compact_input};
-use super::value::{ScopeId, Value};
+use super::value::{Axes, ScopeId, Shown, Value};
 use super::{
     ClassMeta, Elaborator, ElementDraft, ElementSource, Entry, Eval, OutputShape, Reported,
     location,
@@ -36,21 +36,12 @@ impl<'a> Elaborator<'a, '_> {
             let value = if self.scope(scope).entries.contains_key(&b.name.text) {
                 self.entry(scope, &b.name.text, b.name.span)?
             } else {
-                self.evaluate(expr, scope)?
+                self.bound_value(b, expr, scope)?
             };
-            let frame = match &b.frame {
-                Some(frame_expr) => {
-                    let f = self.evaluate(frame_expr, scope)?;
-                    match f {
-                        Value::Ground => None,
-                        other => {
-                            let marker = self.as_marker(other, frame_expr.span)?;
-                            Some((marker, self.sources.text(frame_expr.span).to_owned()))
-                        }
-                    }
-                }
-                None => None,
-            };
+            let frame = b
+                .frame
+                .as_ref()
+                .map(|f| self.sources.text(f.span).to_owned());
             let display = match &b.display {
                 Some(u) => {
                     let unit = self.unit(u)?;
@@ -76,51 +67,48 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    /// Adds an output: vectors become components along the frame's axes.
+    /// Adds an output: of a vector the components along the axes that it states. `frame` is how its class calls these.
     #[allow(clippy::too_many_arguments)]
     fn add_output(
         &mut self,
         name: &str,
         value: Value<'a>,
         span: Span,
-        frame: Option<(u32, String)>,
+        frame: Option<String>,
         display: Option<DisplayUnit>,
         declared: Option<Dimension>,
         draft: &mut Draft,
     ) -> Eval<()> {
-        let is_vector = matches!(value, Value::Vector(_));
-        let (components, single) = match value {
-            Value::Vector(v) => match &frame {
-                Some((marker, _)) => {
-                    let local = self.local_marker(*marker, Some(span))?;
-                    (self.along_axes(local, &v).to_vec(), false)
-                }
-                None => (v.to_vec(), false),
-            },
-            Value::List(_) => (self.as_components(value, span)?, false),
+        let vector = matches!(value, Value::Vector(_) | Value::Shown(_));
+        let single = !value.is_several();
+        let (components, axes) = match value {
+            Value::Vector(v) => (v.to_vec(), Some(Axes::Ground)),
+            Value::Shown(shown) => (shown.components.to_vec(), Some(shown.axes)),
+            Value::Components(c, axes) => (c, Some(axes)),
+            Value::List(_) => (self.as_components(value, span)?, None),
             Value::Flag(flag) => {
                 let one = self.bench.constant(1.0, Dimension::ONE);
                 let zero = self.bench.constant(0.0, Dimension::ONE);
-                (vec![self.bench.select(flag, one, zero)], true)
+                (vec![self.bench.select(flag, one, zero)], None)
             }
             Value::Bool(known) => {
                 let number = if known { 1.0 } else { 0.0 };
-                (vec![self.bench.constant(number, Dimension::ONE)], true)
+                (vec![self.bench.constant(number, Dimension::ONE)], None)
             }
-            other => (vec![self.as_scalar(other, span)?], true),
+            other => (vec![self.as_scalar(other, span)?], None),
         };
         let first = draft.outputs.len() as u32;
-        let frame_name = match (&frame, is_vector) {
-            (Some((_, text)), _) => text.clone(),
-            (None, true) => "ground".to_owned(),
-            (None, false) => String::new(),
+        let frame_name = match (frame, axes) {
+            (Some(text), _) => text,
+            (None, Some(axes)) => self.axes_path(axes),
+            (None, None) => String::new(),
         };
         let count = components.len() as u32;
         for (i, s) in components.into_iter().enumerate() {
             let node = self.bench.lift(s.stage, s.node);
             let dimension = declared.unwrap_or(s.dimension);
             draft.outputs.push(node);
-            draft.frames.push(frame.as_ref().map(|f| f.0));
+            draft.frames.push(axes);
             let suffix = match (single, ["x", "y", "z"].get(i)) {
                 (true, _) => String::new(),
                 (false, Some(axis)) if count <= 3 => format!(".{axis}"),
@@ -139,6 +127,8 @@ impl<'a> Elaborator<'a, '_> {
             name: name.to_owned(),
             first,
             count: if single { 1 } else { count },
+            axes,
+            vector,
         });
         Ok(())
     }
@@ -201,13 +191,15 @@ impl<'a> Elaborator<'a, '_> {
             .filter(|p| is_marker(&p.ty))
             .nth(1)
             .map_or_else(|| "reference".to_owned(), |p| p.name.text.clone());
+        let span = class.declaration.name.span;
         for (name, vector) in [("force", force), ("torque", torque)] {
             if draft.shapes.iter().all(|s| s.name != name) {
+                let value = self.shown(Value::Vector(vector), Axes::Marker(second), span)?;
                 self.add_output(
                     name,
-                    Value::Vector(vector),
-                    class.declaration.name.span,
-                    Some((second, frame_name.clone())),
+                    value,
+                    span,
+                    Some(frame_name.clone()),
                     None,
                     None,
                     draft,
@@ -314,10 +306,10 @@ impl<'a> Elaborator<'a, '_> {
         if matches!(role, Role::Dynamic | Role::Output) {
             for (i, info) in draft.infos.iter().enumerate() {
                 let copied = draft.copied.iter().find(|(output, _)| *output == i);
-                let frame = match (copied, draft.frames[i]) {
-                    (Some((_, path)), _) => path.clone(),
-                    (None, Some(marker)) => self.markers[marker as usize].origin.path.clone(),
-                    (None, None) => info.frame.clone(),
+                let frame = match (draft.frames[i], copied) {
+                    (Some(axes), _) => self.axes_path(axes),
+                    (None, Some((_, path))) => path.clone(),
+                    (None, None) => String::new(),
                 };
                 let path = match (role, info.name.as_str()) {
                     // a model's own output is its element
@@ -400,9 +392,15 @@ impl<'a> Elaborator<'a, '_> {
                     dimension,
                 });
             }
-            return Ok(match scalars.as_slice() {
-                [one] if shape.count == 1 => Value::Scalar(*one),
-                many => Self::list(many),
+            return Ok(match (scalars.as_slice(), shape.axes) {
+                (&[x, y, z], Some(axes)) if shape.vector => Value::Shown(Shown {
+                    components: [x, y, z],
+                    axes,
+                    space: None,
+                }),
+                (_, Some(axes)) => Value::Components(scalars, axes),
+                (&[one], None) => Value::Scalar(one),
+                (many, None) => Self::list(many),
             });
         }
         let Some(source) = source else {
@@ -470,7 +468,6 @@ impl<'a> Elaborator<'a, '_> {
         path: String,
         declared: Option<Dimension>,
         values: Vec<(String, Value<'a>)>,
-        frame: Option<(u32, String)>,
         display: Option<DisplayUnit>,
         span: Span,
     ) -> Eval<u32> {
@@ -487,7 +484,7 @@ impl<'a> Elaborator<'a, '_> {
                 &name,
                 value,
                 span,
-                frame.clone(),
+                None,
                 display.clone(),
                 declared,
                 &mut draft,

@@ -112,17 +112,21 @@ impl<'a> Elaborator<'a, '_> {
                 };
                 let value = self.evaluate(expr, scope)?;
                 let path = self.path(scope, &binding.name.text);
-                self.parameterise(
+                let value = self.parameterise(
                     value,
                     &path,
                     Some(expr),
                     binding.limits.as_ref(),
                     binding.name.span,
                     scope,
-                )
+                )?;
+                Ok(self.declared(value, binding.ty.as_ref()))
             }
             Lazy::Default(parameter) => match &parameter.default {
-                Some(expr) => self.evaluate(expr, scope),
+                Some(expr) => {
+                    let value = self.evaluate(expr, scope)?;
+                    Ok(self.declared(value, Some(&parameter.ty)))
+                }
                 None => Err(Reported),
             },
             Lazy::Table(table) => {
@@ -153,7 +157,7 @@ impl<'a> Elaborator<'a, '_> {
     fn binding_value(&mut self, binding: &'a ast::Binding, scope: ScopeId) -> Eval<Value<'a>> {
         if binding.index.is_empty() {
             return match &binding.value {
-                Some(expr) => self.evaluate(expr, scope),
+                Some(expr) => self.bound_value(binding, expr, scope),
                 None => Err(self.internal(binding.name.span, "a definition without a value")),
             };
         }
@@ -162,10 +166,28 @@ impl<'a> Elaborator<'a, '_> {
             return Err(Reported);
         };
         self.for_each(&binding.index, scope, &mut |e, inner, position| {
-            values.push((position.to_vec(), e.evaluate(expr, inner)?));
+            values.push((position.to_vec(), e.bound_value(binding, expr, inner)?));
             Ok(())
         })?;
         Ok(Value::Family(values))
+    }
+
+    /// One value of a definition, as its declaration says: an output has the axes that it states.
+    pub fn bound_value(
+        &mut self,
+        binding: &'a ast::Binding,
+        expr: &'a ast::Expr,
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
+        let value = self.evaluate(expr, scope)?;
+        let value = self.declared(value, binding.ty.as_ref());
+        match &binding.frame {
+            Some(frame) => {
+                let axes = self.axes(frame, scope)?;
+                self.shown(value, axes, expr.span)
+            }
+            None => Ok(value),
+        }
     }
 
     /// The value of a definition at the top level of a module.
@@ -218,6 +240,17 @@ impl<'a> Elaborator<'a, '_> {
                 self.entry(scope, &name.text, name.span)
             }
             Value::Element(e) => self.element_field(e, name),
+            Value::Shown(shown) => {
+                match ["x", "y", "z"]
+                    .iter()
+                    .zip(shown.components)
+                    .find(|(n, _)| **n == name.text)
+                {
+                    Some((_, component)) => Ok(Value::Scalar(component)),
+                    None => Err(self.internal(name.span, "no component of a vector")),
+                }
+            }
+            Value::Components(..) => self.field(Self::without_axes(base), name, span),
             Value::List(items) => {
                 if let Some(i) = ["x", "y", "z"].iter().position(|n| *n == name.text)
                     && items.len() <= 3

@@ -29,7 +29,8 @@ impl<'a> Elaborator<'a, '_> {
         let Some((first, rest)) = binders.split_first() else {
             return f(self, scope, position);
         };
-        let values = match self.evaluate(&first.range, scope)? {
+        let range = self.evaluate(&first.range, scope)?;
+        let values = match Self::without_axes(range) {
             Value::List(values) => values,
             other => return Err(self.unfit(first.range.span, "a range or a list", &other)),
         };

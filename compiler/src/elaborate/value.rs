@@ -26,9 +26,13 @@ pub(crate) enum Value<'a> {
     Text(String),
     Scalar(Scalar),
     Flag(Flag),
-    /// Components in ground axes.
+    /// A vector in space, by its components in ground axes.
     Vector([Scalar; 3]),
+    /// A vector in space with the axes that an output states for it.
+    Shown(Shown),
     List(Vec<Value<'a>>),
+    /// Numbers along axes that are known; no vector until `vector(c, m)` makes one of them.
+    Components(Vec<Scalar>, Axes),
     /// Things named by the values of their binders: `pin[i in 2..4]`.
     Family(Vec<(Vec<usize>, Value<'a>)>),
     Marker(u32),
@@ -49,6 +53,24 @@ pub(crate) enum Value<'a> {
     ModeSet(std::rc::Rc<Vec<super::ModePart>>),
 }
 
+/// The axes along which components are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Axes {
+    Ground,
+    /// A marker's, by its global index.
+    Marker(u32),
+}
+
+/// An output that is a vector. `.x` takes the component that is shown; everything else takes the vector in space.
+#[derive(Clone, Debug)]
+pub(crate) struct Shown {
+    /// Along the axes.
+    pub components: [Scalar; 3],
+    pub axes: Axes,
+    /// In ground axes, where that is known without turning the components back.
+    pub space: Option<[Scalar; 3]>,
+}
+
 /// A table as a value.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TableValue {
@@ -65,10 +87,23 @@ impl Value<'_> {
             Value::Scalar(s) => motion(s.stage),
             Value::Flag(f) => motion(f.stage),
             Value::Vector(v) => v.iter().any(|s| motion(s.stage)),
+            Value::Shown(shown) => {
+                matches!(shown.axes, Axes::Marker(_))
+                    || shown.components.iter().any(|s| motion(s.stage))
+            }
+            Value::Components(c, _) => c.iter().any(|s| motion(s.stage)),
             Value::List(items) => items.iter().any(Value::moves),
             Value::Family(items) => items.iter().any(|(_, v)| v.moves()),
             _ => false,
         }
+    }
+
+    /// Whether it is several numbers: a vector or a list.
+    pub fn is_several(&self) -> bool {
+        matches!(
+            self,
+            Value::Vector(_) | Value::Shown(_) | Value::Components(..) | Value::List(_)
+        )
     }
 
     /// For messages.
@@ -78,8 +113,8 @@ impl Value<'_> {
             Value::Bool(_) | Value::Flag(_) => "a truth value",
             Value::Text(_) => "a text",
             Value::Scalar(_) => "a number",
-            Value::Vector(_) => "a vector",
-            Value::List(_) | Value::Family(_) => "a list",
+            Value::Vector(_) | Value::Shown(_) => "a vector",
+            Value::List(_) | Value::Components(..) | Value::Family(_) => "a list",
             Value::Marker(_) => "a marker",
             Value::Ground => "the ground",
             Value::Body(_) => "a body",

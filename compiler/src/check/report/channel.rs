@@ -1,6 +1,7 @@
 //! Channels by name: `unfired.main[1..5].force.x`, `runup[*].vertical[5]`.
 
 use super::Reporter;
+use super::axes::Frames;
 use super::value::{Label, Member, Typed};
 use crate::check::types::{Kind, Quantity};
 use crate::codes;
@@ -26,6 +27,15 @@ pub(super) struct Channels {
     modes: Vec<Recorded>,
     pub journals: Vec<String>,
     pub cycle: bool,
+    pub frames: Frames,
+}
+
+impl Channels {
+    /// Along whose axes a recorded component is.
+    pub fn frame(&self, path: &str) -> Option<&str> {
+        let column = self.samples.iter().find(|column| column.path == path)?;
+        (!column.frame.is_empty()).then_some(column.frame.as_str())
+    }
 }
 
 /// What each analysis records; models are elaborated when first asked for.
@@ -100,6 +110,7 @@ impl<'a> Models<'a> {
                     })
                     .collect(),
                 cycle: system.cycle.is_some(),
+                frames: Frames::of(system),
             })
         });
         self.known

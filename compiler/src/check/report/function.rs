@@ -351,6 +351,11 @@ impl<'a> Reporter<'a, '_> {
             );
             return None;
         }
+        if let (Operator::Add, Some((first, rest))) = (operator, of.members.split_first()) {
+            for member in rest {
+                self.of_one_frame(expr.span, &first.expression, &member.expression)?;
+            }
+        }
         let analysis = of.members.first()?.label.analysis.clone();
         let text = self.checker.sources.text(expr.span).to_owned();
         let members = of.members.into_iter().map(|m| m.expression).collect();

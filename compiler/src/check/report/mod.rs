@@ -6,6 +6,7 @@
 //! May contain: names, types, numbers that are known. Must not contain: results.
 
 mod arguments;
+mod axes;
 mod channel;
 mod function;
 mod picture;

@@ -521,6 +521,9 @@ impl<'a> Reporter<'a, '_> {
         let mut members = Vec::with_capacity(count);
         for at in 0..count {
             let (x, y) = (of(&a, at)?, of(&b, at)?);
+            if matches!(operator, Operator::Add | Operator::Subtract) {
+                self.of_one_frame(span, &x.expression, &y.expression)?;
+            }
             let mut label = joined(&x.label, &y.label, operator);
             if a.shape != Shape::Signal && b.shape == Shape::Signal {
                 // of which run the samples are

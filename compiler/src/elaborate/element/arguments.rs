@@ -62,6 +62,7 @@ impl<'a> Elaborator<'a, '_> {
                     scope,
                 )?,
             };
+            let value = self.declared(value, Some(&parameter.ty));
             let moves = value.moves();
             bound.push((
                 name,
@@ -108,6 +109,8 @@ impl<'a> Elaborator<'a, '_> {
                 Argument::Value(v) => v.clone(),
                 Argument::Again(expr) => self.evaluate(expr, source.caller)?,
             };
+            let parameter = class.parameters.iter().find(|p| p.name.text == *name);
+            let value = self.declared(value, parameter.map(|p| &p.ty));
             self.define(own, name, Entry::Value(value));
         }
         for parameter in class.parameters {
@@ -142,6 +145,7 @@ impl<'a> Elaborator<'a, '_> {
                             own,
                         )?
                     };
+                    let value = self.declared(value, Some(&parameter.ty));
                     self.define(own, name, Entry::Value(value));
                 }
             }

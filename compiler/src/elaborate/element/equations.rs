@@ -253,8 +253,7 @@ impl<'a> Elaborator<'a, '_> {
         let text = self.sources.text(expr.span).to_owned();
         let a = self.evaluate(left, scope)?;
         let b = self.evaluate(right, scope)?;
-        let several = matches!(a, Value::Vector(_) | Value::List(_))
-            || matches!(b, Value::Vector(_) | Value::List(_));
+        let several = a.is_several() || b.is_several();
         let (x, y) = if several {
             (
                 self.as_components(a, left.span)?,

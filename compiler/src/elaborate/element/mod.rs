@@ -6,7 +6,7 @@ mod equations;
 pub(crate) use arguments::is_marker;
 
 use super::scalar::{ElementBuilder, PROVISIONAL};
-use super::value::{ScopeId, Value};
+use super::value::{Axes, ScopeId, Value};
 use super::{
     Argument, Elaborator, ElementSource, Eval, OutputShape, Reported, body::index_text, location,
 };
@@ -31,7 +31,8 @@ pub(crate) struct Draft {
     pub outputs: Vec<Node>,
     pub infos: Vec<OutputInfo>,
     pub shapes: Vec<OutputShape>,
-    pub frames: Vec<Option<u32>>,
+    /// Along which axes each output is, if the text says so.
+    pub frames: Vec<Option<Axes>>,
     /// Frames of copied channels, by output.
     pub copied: Vec<(usize, String)>,
 }

@@ -81,6 +81,11 @@ impl<'a> Elaborator<'a, '_> {
                     }
                 }
             };
+            let ty = function
+                .parameters
+                .iter()
+                .find(|p| p.name.text == parameter);
+            let value = self.declared(value, ty.map(|p| &p.ty));
             self.define(inner, &parameter, Entry::Value(value));
         }
         for parameter in &function.parameters {
@@ -109,7 +114,8 @@ impl<'a> Elaborator<'a, '_> {
             for requirement in &function.requirements {
                 e.require_in_function(requirement, inner, span)?;
             }
-            e.evaluate(&function.value, inner)
+            let value = e.evaluate(&function.value, inner)?;
+            Ok(e.declared(value, function.result.as_ref()))
         })
     }
 

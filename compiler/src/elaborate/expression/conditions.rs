@@ -1,6 +1,6 @@
 //! Comparisons, `and`, `or`, `if`.
 
-use super::super::scalar::{Flag, Scalar};
+use super::super::scalar::Flag;
 use super::super::value::{ScopeId, Value};
 use super::super::{Elaborator, Eval};
 use crate::ir::{Graph, Op};
@@ -78,31 +78,23 @@ impl<'a> Elaborator<'a, '_> {
         a_span: Span,
         b_span: Span,
     ) -> Eval<Value<'a>> {
-        match (a, b) {
-            (a @ (Value::Vector(_) | Value::List(_)), b) => {
-                let vector = matches!(a, Value::Vector(_)) || matches!(b, Value::Vector(_));
-                let x = self.as_components(a, a_span)?;
-                let y = self.as_components(b, b_span)?;
-                if x.len() != y.len() {
-                    return Err(self.lengths(x.len(), a_span, y.len(), b_span));
-                }
-                let chosen: Vec<Scalar> = x
-                    .into_iter()
-                    .zip(y)
-                    .map(|(x, y)| self.bench.select(flag, x, y))
-                    .collect();
-                match <[Scalar; 3]>::try_from(chosen) {
-                    Ok(v) if vector => Ok(Value::Vector(v)),
-                    Ok(v) => Ok(Self::list(&v)),
-                    Err(chosen) => Ok(Self::list(&chosen)),
-                }
+        if a.is_several() || b.is_several() {
+            let (x, p) = self.sorted(a, a_span)?;
+            let (y, q) = self.sorted(b, b_span)?;
+            if x.len() != y.len() {
+                return Err(self.lengths(x.len(), a_span, y.len(), b_span));
             }
-            (a, b) => {
-                let x = self.as_scalar(a, a_span)?;
-                let y = self.as_scalar(b, b_span)?;
-                Ok(Value::Scalar(self.bench.select(flag, x, y)))
-            }
+            let sort = self.together((p, a_span), (q, b_span))?;
+            let chosen = x
+                .into_iter()
+                .zip(y)
+                .map(|(x, y)| self.bench.select(flag, x, y))
+                .collect();
+            return Ok(Self::of_sort(chosen, sort));
         }
+        let x = self.as_scalar(a, a_span)?;
+        let y = self.as_scalar(b, b_span)?;
+        Ok(Value::Scalar(self.bench.select(flag, x, y)))
     }
 
     pub fn truth(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Truth> {

@@ -106,7 +106,7 @@ impl<'a> Elaborator<'a, '_> {
         index: i64,
         span: Span,
     ) -> Eval<Value<'a>> {
-        match value {
+        match Self::without_axes(value) {
             Value::List(items) => {
                 let count = items.len();
                 match usize::try_from(index)

@@ -170,6 +170,7 @@ impl<'a> Elaborator<'a, '_> {
         let Some(unit_expr) = unit else {
             return Ok(value);
         };
+        let value = Self::without_axes(value);
         if let Value::List(items) = value {
             let scaled: Eval<Vec<_>> = items
                 .into_iter()
@@ -196,10 +197,11 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The numbers of a list.
+    /// The numbers of a list; of a vector those in ground axes.
     pub fn as_components(&mut self, value: Value<'a>, span: Span) -> Eval<Vec<Scalar>> {
-        match value {
+        match self.in_space(value, span)? {
             Value::Vector(v) => Ok(v.to_vec()),
+            Value::Components(c, _) => Ok(c),
             Value::List(items) => items.into_iter().map(|v| self.as_scalar(v, span)).collect(),
             other => Err(self.unfit(span, "a vector or a list of numbers", &other)),
         }
@@ -208,6 +210,11 @@ impl<'a> Elaborator<'a, '_> {
     /// A vector in space; a list of three is read in ground axes.
     pub fn as_vector(&mut self, value: Value<'a>, span: Span) -> Eval<[Scalar; 3]> {
         let components = self.as_components(value, span)?;
+        self.three(components, span)
+    }
+
+    /// Three numbers.
+    pub fn three(&mut self, components: Vec<Scalar>, span: Span) -> Eval<[Scalar; 3]> {
         match <[Scalar; 3]>::try_from(components) {
             Ok(v) => Ok(v),
             Err(found) => Err(self.report(

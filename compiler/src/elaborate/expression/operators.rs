@@ -20,7 +20,9 @@ impl<'a> Elaborator<'a, '_> {
                 }
             },
             Value::Scalar(s) => Ok(Value::Scalar(self.bench.negate(s))),
-            Value::Vector(v) => Ok(Value::Vector(v.map(|s| self.bench.negate(s)))),
+            v @ (Value::Vector(_) | Value::Shown(_) | Value::Components(..)) => {
+                self.scale(v, span, |e, x| e.bench.negate(x))
+            }
             Value::List(items) => items
                 .into_iter()
                 .map(|v| self.negate(v, span))
@@ -71,36 +73,26 @@ impl<'a> Elaborator<'a, '_> {
                         e.bench.subtract(x, y)
                     }
                 };
-                match (a, b) {
-                    (a @ (Value::Vector(_) | Value::List(_)), b)
-                    | (a, b @ (Value::Vector(_) | Value::List(_))) => {
-                        let vector = matches!(a, Value::Vector(_)) || matches!(b, Value::Vector(_));
-                        let x = self.as_components(a, a_span)?;
-                        let y = self.as_components(b, b_span)?;
-                        if x.len() != y.len() {
-                            return Err(self.lengths(x.len(), a_span, y.len(), b_span));
-                        }
-                        let sums: Vec<Scalar> =
-                            x.into_iter().zip(y).map(|(x, y)| f(self, x, y)).collect();
-                        match <[Scalar; 3]>::try_from(sums) {
-                            Ok(v) if vector => Ok(Value::Vector(v)),
-                            Ok(v) => Ok(Self::list(&v)),
-                            Err(sums) => Ok(Self::list(&sums)),
-                        }
+                if a.is_several() || b.is_several() {
+                    let (x, p) = self.sorted(a, a_span)?;
+                    let (y, q) = self.sorted(b, b_span)?;
+                    if x.len() != y.len() {
+                        return Err(self.lengths(x.len(), a_span, y.len(), b_span));
                     }
-                    (a, b) => {
-                        let x = self.as_scalar(a, a_span)?;
-                        let y = self.as_scalar(b, b_span)?;
-                        Ok(Value::Scalar(f(self, x, y)))
-                    }
+                    let sort = self.together((p, a_span), (q, b_span))?;
+                    let sums = x.into_iter().zip(y).map(|(x, y)| f(self, x, y)).collect();
+                    return Ok(Self::of_sort(sums, sort));
                 }
+                let x = self.as_scalar(a, a_span)?;
+                let y = self.as_scalar(b, b_span)?;
+                Ok(Value::Scalar(f(self, x, y)))
             }
             B::Multiply => match (a, b) {
-                (v @ (Value::Vector(_) | Value::List(_)), s) => {
+                (v, s) if v.is_several() => {
                     let s = self.as_scalar(s, b_span)?;
                     self.scale(v, a_span, |e, x| e.bench.multiply(x, s))
                 }
-                (s, v @ (Value::Vector(_) | Value::List(_))) => {
+                (s, v) if v.is_several() => {
                     let s = self.as_scalar(s, a_span)?;
                     self.scale(v, b_span, |e, x| e.bench.multiply(s, x))
                 }
@@ -119,9 +111,7 @@ impl<'a> Elaborator<'a, '_> {
                     ));
                 }
                 match a {
-                    v @ (Value::Vector(_) | Value::List(_)) => {
-                        self.scale(v, a_span, |e, x| e.bench.divide(x, y))
-                    }
+                    v if v.is_several() => self.scale(v, a_span, |e, x| e.bench.divide(x, y)),
                     x => {
                         let x = self.as_scalar(x, a_span)?;
                         Ok(Value::Scalar(self.bench.divide(x, y)))
@@ -162,14 +152,9 @@ impl<'a> Elaborator<'a, '_> {
         span: Span,
         mut f: impl FnMut(&mut Self, Scalar) -> Scalar,
     ) -> Eval<Value<'a>> {
-        match value {
-            Value::Vector(v) => Ok(Value::Vector(v.map(|x| f(self, x)))),
-            other => {
-                let components = self.as_components(other, span)?;
-                let scaled: Vec<Scalar> = components.into_iter().map(|x| f(self, x)).collect();
-                Ok(Self::list(&scaled))
-            }
-        }
+        let (numbers, sort) = self.sorted(value, span)?;
+        let scaled = numbers.into_iter().map(|x| f(self, x)).collect();
+        Ok(Self::of_sort(scaled, sort))
     }
 }
 
