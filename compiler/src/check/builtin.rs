@@ -223,7 +223,7 @@ impl<'p> Checker<'p> {
         match ty {
             Type::Int => Type::Int,
             Type::Scalar(quantity) => Type::Scalar(Quantity {
-                kind: Default::default(),
+                kind: quantity.kind.of_size(),
                 ..quantity.clone()
             }),
             Type::Vector { .. } => {
@@ -374,6 +374,7 @@ impl<'p> Checker<'p> {
         }
         Type::Scalar(Quantity {
             soft: true,
+            kind: directed.quantity.kind.of_size(),
             ..directed.quantity
         })
     }

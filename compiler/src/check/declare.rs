@@ -173,22 +173,30 @@ impl<'p> Checker<'p> {
         let Some(named) = self.program.dimensions.get(name) else {
             return Type::Error;
         };
-        let kind = if named.point_of.is_some() {
-            PointKind::Point(name.into())
-        } else if self
-            .program
-            .dimensions
-            .values()
-            .any(|other| other.point_of.as_deref() == Some(name))
-        {
-            PointKind::Difference
-        } else {
-            PointKind::Any
+        let kind = match named.point_of {
+            Some(_) => PointKind::Point(name.into()),
+            None => self.kind_of(&Dim::known(named.dimension)),
         };
         Type::Scalar(Quantity {
             kind,
             ..Quantity::hard(named.dimension)
         })
+    }
+
+    /// Of what is declared by a dimension that is no point, whatever its name: where the dimension has points, it is a difference
+    /// of them.
+    fn kind_of(&self, dim: &Dim) -> PointKind {
+        let has_points = dim.variables.is_empty()
+            && self
+                .program
+                .dimensions
+                .values()
+                .any(|other| other.point_of.is_some() && other.dimension == dim.base);
+        if has_points {
+            PointKind::Difference
+        } else {
+            PointKind::Any
+        }
     }
 
     fn unknown_type(&mut self, scope: &Scope<'p>, name: &Name) {
@@ -230,8 +238,9 @@ impl<'p> Checker<'p> {
                     _ => left.over(&right),
                 };
                 Some(Quantity {
+                    kind: self.kind_of(&dim),
                     dim,
-                    ..Quantity::one()
+                    soft: false,
                 })
             }
             TypeExprKind::Power(base, numerator, denominator) => {
@@ -244,8 +253,9 @@ impl<'p> Checker<'p> {
                     return None;
                 };
                 Some(Quantity {
+                    kind: self.kind_of(&dim),
                     dim,
-                    ..Quantity::one()
+                    soft: false,
                 })
             }
             _ => match self.ty(scope, ty) {

@@ -557,12 +557,8 @@ impl<'p> Checker<'p> {
                 if self.is_affine_point(quantity) {
                     return self.multiple_of_point(quantity, operand.span, "turned in sign");
                 }
-                let kind = match &quantity.kind {
-                    super::types::Kind::Point(_) => super::types::Kind::Any,
-                    kind => kind.clone(),
-                };
                 Type::Scalar(Quantity {
-                    kind,
+                    kind: quantity.kind.of_size(),
                     ..quantity.clone()
                 })
             }

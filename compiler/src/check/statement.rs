@@ -3,7 +3,7 @@
 use super::Checker;
 use super::mismatch::Due;
 use super::scope::{Scope, force_dimension, torque_dimension};
-use super::types::{Kind as PointKind, Quantity, Type};
+use super::types::{Quantity, Type};
 use crate::codes;
 use eng_grammar::ast::{Attribute, Declaration, Expr, Form, ItemKind, Kind, Name, Statement};
 
@@ -94,19 +94,10 @@ impl<'p> Checker<'p> {
             Type::Error => {
                 self.infer(scope, value);
             }
-            Type::Scalar(quantity) => {
+            Type::Scalar(_) | Type::Vector { .. } => {
                 let due = Due::new(format!("the start of `{}`", self.sources.text(target.span)))
                     .declared(target.span, "set here");
-                let open = Type::Scalar(Quantity {
-                    kind: PointKind::Any,
-                    ..quantity.clone()
-                });
-                self.expect(scope, value, &open, &due);
-            }
-            Type::Vector { quantity, .. } => {
-                let due = Due::new(format!("the start of `{}`", self.sources.text(target.span)))
-                    .declared(target.span, "set here");
-                self.expect(scope, value, &Type::vector(quantity.clone()), &due);
+                self.expect(scope, value, &ty, &due);
             }
             other => {
                 let found = self.describe(other);

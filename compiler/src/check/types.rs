@@ -130,10 +130,20 @@ pub enum Kind {
     /// It can stand for either: a literal, a computed value, or a dimension without points.
     #[default]
     Any,
-    /// Declared as a difference.
+    /// Declared by a dimension that has points, or computed as a difference.
     Difference,
     /// Declared as a point of this dimension.
     Point(Rc<str>),
+}
+
+impl Kind {
+    /// Of the size or the negative: no longer a point, for it is counted otherwise.
+    pub fn of_size(&self) -> Kind {
+        match self {
+            Kind::Point(_) => Kind::Any,
+            kind => kind.clone(),
+        }
+    }
 }
 
 /// A dimension with what is known about its angle and its zero.
@@ -261,7 +271,9 @@ impl Quantity {
             (Kind::Any, Kind::Point(p), false) => Kind::Point(p.clone()),
             (Kind::Any, Kind::Point(_), true) => Kind::Difference,
             (Kind::Difference, Kind::Difference, _) => Kind::Difference,
-            (Kind::Difference, Kind::Any, _)
+            // No point can be taken off a difference, so this is one of two differences.
+            (Kind::Difference, Kind::Any, true) => Kind::Difference,
+            (Kind::Difference, Kind::Any, false)
             | (Kind::Any, Kind::Difference, _)
             | (Kind::Any, Kind::Any, _) => Kind::Any,
         };
@@ -269,30 +281,33 @@ impl Quantity {
         Ok(Quantity { dim, soft, kind })
     }
 
-    fn product_kind(&self, other: &Quantity) -> (bool, Kind) {
-        let soft = !(self.is_plain_number() || other.is_plain_number());
-        let kind = match (&self.kind, &other.kind) {
-            (Kind::Difference, _) if other.is_plain_number() => Kind::Difference,
-            (_, Kind::Difference) if self.is_plain_number() => Kind::Difference,
-            _ => Kind::Any,
-        };
-        (soft || self.soft || other.soft, kind)
+    fn soft_with(&self, other: &Quantity) -> bool {
+        let numbers = self.is_plain_number() || other.is_plain_number();
+        !numbers || self.soft || other.soft
     }
 
     pub fn times(&self, other: &Quantity) -> Quantity {
-        let (soft, kind) = self.product_kind(other);
+        // a multiple of a difference is one
+        let kind = match (&self.kind, &other.kind) {
+            (Kind::Difference, _) if other.dim.is_one() => Kind::Difference,
+            (_, Kind::Difference) if self.dim.is_one() => Kind::Difference,
+            _ => Kind::Any,
+        };
         Quantity {
             dim: self.dim.times(&other.dim),
-            soft,
+            soft: self.soft_with(other),
             kind,
         }
     }
 
     pub fn over(&self, other: &Quantity) -> Quantity {
-        let (soft, kind) = self.product_kind(other);
+        let kind = match &self.kind {
+            Kind::Difference if other.dim.is_one() => Kind::Difference,
+            _ => Kind::Any,
+        };
         Quantity {
             dim: self.dim.over(&other.dim),
-            soft,
+            soft: self.soft_with(other),
             kind,
         }
     }
