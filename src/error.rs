@@ -84,6 +84,16 @@ pub enum Error {
         /// A unit that fits.
         unit: String,
     },
+    /// A value that is counted from a zero for a parameter that is a difference: 20 degC for a rise of temperature.
+    #[error(
+        "{path} is a difference, the value is counted from the zero of its unit: write it in {unit}"
+    )]
+    Counted {
+        /// The parameter.
+        path: String,
+        /// A unit that fits.
+        unit: String,
+    },
     /// Not a quantity.
     #[error(transparent)]
     Quantity(#[from] QuantityError),

@@ -208,7 +208,8 @@ impl Model {
         }
     }
 
-    /// A parameter's value (SI); a wrong dimension and a parameter of another model are refused.
+    /// A parameter's value (SI); a wrong dimension, a unit with a zero of its own for a difference, and a parameter
+    /// of another model are refused.
     pub(crate) fn checked(&self, parameter: Parameter, value: Quantity) -> Result<f64, Error> {
         let parameters = &self.compiled.system.parameters;
         let p = parameters
@@ -220,6 +221,12 @@ impl Model {
                 path: p.origin.path.clone(),
                 expected: p.dimension,
                 found: value.dimension(),
+                unit: p.display.symbol.clone(),
+            });
+        }
+        if value.is_counted_from_a_zero() && !p.point {
+            return Err(Error::Counted {
+                path: p.origin.path.clone(),
                 unit: p.display.symbol.clone(),
             });
         }

@@ -11,6 +11,8 @@ use std::sync::OnceLock;
 pub struct Quantity {
     si: f64,
     dimension: Dimension,
+    /// Written in a unit with a zero of its own, such as degC: no difference.
+    counted: bool,
 }
 
 /// A text that is not a number with a unit.
@@ -30,6 +32,7 @@ impl Quantity {
         Quantity {
             si: value,
             dimension,
+            counted: false,
         }
     }
 
@@ -56,6 +59,11 @@ impl Quantity {
     /// The dimension.
     pub fn dimension(self) -> Dimension {
         self.dimension
+    }
+
+    /// Whether it was written in a unit with a zero of its own: 20 degC is a temperature and no difference of two.
+    pub fn is_counted_from_a_zero(self) -> bool {
+        self.counted
     }
 }
 
@@ -123,7 +131,10 @@ fn literal(expr: &Expr) -> Option<Result<Quantity, QuantityError>> {
         ExprKind::Number { value, unit, .. } => Some(match unit {
             None => Ok(Quantity::number(*value)),
             Some(unit) => match standard_units().unit(unit) {
-                Ok(u) => Ok(Quantity::si(value * u.scale + u.offset, u.dimension)),
+                Ok(u) => Ok(Quantity {
+                    counted: u.offset != 0.0,
+                    ..Quantity::si(value * u.scale + u.offset, u.dimension)
+                }),
                 Err((_, name)) => Err(QuantityError::Unit(name)),
             },
         }),

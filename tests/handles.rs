@@ -44,3 +44,45 @@ fn a_handle_serves_the_same_model_compiled_again() {
         .expect("a start");
     assert_eq!(simulation.value(height).expect("a value"), 0.0);
 }
+
+/// A rise of temperature in degC would be 273 K too much.
+#[test]
+fn a_difference_is_not_set_in_a_unit_with_a_zero_of_its_own() {
+    let text = "
+model Warm { gravity = [0, 0, 0] m/s^2
+    param rise: TemperatureDifference = 20 K
+    param oil: Temperature = 350 K
+    param ambient = 20 degC
+    param boost: GaugePressure = 1 bar
+    param manifold: AbsolutePressure = 1 bar
+    body bob { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }
+    output shown = [oil + rise - ambient, 0 K]
+    output pressure = manifold + boost as bar }";
+    let warm = model(text, "Warm");
+    let set = |path: &str, value: &str| {
+        let parameter = warm.parameter(path).expect("a parameter");
+        let value = value.parse().expect("a quantity");
+        match warm.simulation().set(parameter, value) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(error.to_string()),
+        }
+    };
+    for (path, value) in [
+        ("rise", "20 K"),
+        ("oil", "80 degC"),
+        ("oil", "350 K"),
+        ("ambient", "30 degC"),
+        ("boost", "2 bar"),
+        ("manifold", "1 barg"),
+    ] {
+        assert_eq!(set(path, value), Ok(()), "{path} = {value}");
+    }
+    assert_eq!(
+        set("rise", "20 degC"),
+        Err(
+            "rise is a difference, the value is counted from the zero of its unit: write it in K"
+                .to_owned()
+        )
+    );
+    assert!(set("boost", "1 barg").is_err());
+}

@@ -99,6 +99,8 @@ pub struct Parameter {
     pub dimension: Dimension,
     /// How it is shown.
     pub display: DisplayUnit,
+    /// Counted from a zero (a temperature), not a difference: it may be given in degC.
+    pub point: bool,
     /// Open limits (SI); infinite where none are stated.
     pub limits: (f64, f64),
 }

@@ -1,9 +1,10 @@
 //! Axes of vectors and of components: what is a vector in space, and along which axes numbers are.
 
-use super::scalar::Scalar;
+use super::scalar::{Scalar, Stage};
 use super::value::{Axes, ScopeId, Shown, Value};
 use super::{Elaborator, Eval};
 use crate::codes;
+use crate::ir::Op;
 use eng_grammar::ast::{self, TypeExprKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
@@ -110,7 +111,9 @@ impl<'a> Elaborator<'a, '_> {
             (Axes::Ground, Axes::Marker(m)) | (Axes::Marker(m), Axes::Ground) => {
                 let marker = &self.markers[m as usize];
                 let one = |i: usize| Some(if i % 4 == 0 { 1.0 } else { 0.0 });
-                let turned = (0..).zip(&marker.orientation).any(|(i, s)| known(s) != one(i));
+                let turned = (0..)
+                    .zip(&marker.orientation)
+                    .any(|(i, s)| known(s) != one(i));
                 marker.body == BodyRef::Ground && marker.placed_at.is_none() && !turned
             }
             (Axes::Marker(a), Axes::Marker(b)) => {
@@ -202,6 +205,10 @@ impl<'a> Elaborator<'a, '_> {
                     Err(_) => Value::List(items),
                 }
             }
+            (TypeExprKind::Name(name), Value::Scalar(s)) => {
+                self.counted_from_a_zero(&name.text, s);
+                Value::Scalar(s)
+            }
             (TypeExprKind::Array(inner, _), Value::List(items)) => Value::List(
                 items
                     .into_iter()
@@ -209,6 +216,18 @@ impl<'a> Elaborator<'a, '_> {
                     .collect(),
             ),
             (_, value) => value,
+        }
+    }
+
+    /// Notes that a parameter which is declared as a point may be given in units with a zero of their own.
+    fn counted_from_a_zero(&mut self, dimension: &str, value: Scalar) {
+        let named = self.program.dimensions.get(dimension);
+        if named.is_some_and(|named| named.point_of.is_some())
+            && value.stage == Stage::Bind
+            && let Op::Input(index) = self.bench.bind.graph.op(value.node)
+            && let Some(parameter) = self.parameters.get_mut(index as usize)
+        {
+            parameter.point = true;
         }
     }
 

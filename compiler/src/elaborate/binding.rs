@@ -251,6 +251,7 @@ impl<'a> Elaborator<'a, '_> {
                         defined_at: None,
                     },
                     dimension: s.dimension,
+                    point: display.offset != 0.0,
                     display,
                     limits,
                 });
