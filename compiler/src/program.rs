@@ -87,9 +87,34 @@ impl Program {
 
     /// The class that holds a flexible body with supports on the ground, if a text has one.
     pub fn weld(&self) -> Option<DefinitionId> {
-        let (path, name) = crate::resolve::WELD;
+        self.of_library(crate::resolve::WELD)
+    }
+
+    /// The interface of film laws; `None` where nothing uses it.
+    pub fn journal_law(&self) -> Option<DefinitionId> {
+        self.of_library(crate::resolve::JOURNAL_LAW)
+    }
+
+    /// The interface of the gas in a cylinder; `None` where nothing uses it.
+    pub fn gas_law(&self) -> Option<DefinitionId> {
+        self.of_library(crate::resolve::GAS_LAW)
+    }
+
+    fn of_library(&self, (path, name): (&str, &str)) -> Option<DefinitionId> {
         let module = self.modules.iter().position(|m| m.path == path)?;
         self.lookup(module as u32, name)
+    }
+
+    /// What a class of a module says that it fills: `: JournalLaw`.
+    pub fn interface_of(&self, module: u32, class: &ast::Declaration) -> Option<DefinitionId> {
+        let ast::Form::Class {
+            interface: Some(name),
+            ..
+        } = &class.form
+        else {
+            return None;
+        };
+        self.lookup(module, &name.text)
     }
 
     /// The root module's index.

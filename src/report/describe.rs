@@ -6,9 +6,9 @@ use crate::plot::Upright;
 use crate::{Analysis, Error, Quantity, Reduction};
 use eng_grammar::{SourceId, SourceMap};
 use eng_report::animation::Up;
+use eng_system::DisplayUnit;
 use eng_system::code::Bound;
 use eng_system::system::{AnalysisKind, BodyInertia, BodyRef, Location, PointValue, System};
-use eng_system::{Dimension, DisplayUnit};
 use std::collections::BTreeMap;
 
 /// A parameter with its value and its default (SI).
@@ -109,8 +109,7 @@ pub struct Described {
     pub upright: Upright,
     /// Which ground axis points up.
     pub up: Up,
-    /// Firing dead centres: number of the cylinder, if it has one, and angle of the cycle (rad). They are the angles `firing` of
-    /// the model's forces.
+    /// Firing dead centres: number of the cylinder, if it has one, and angle of the cycle (rad).
     pub firing: Vec<(Option<usize>, f64)>,
     /// Bodies in a fixed order.
     pub bodies: Vec<BodyPicture>,
@@ -190,21 +189,19 @@ fn stated(texts: &SourceMap, place: Option<Location>) -> (String, bool) {
     }
 }
 
-/// The angles `firing` of elements such as `gas[3]`.
+/// The firing angles of gas forces such as `gas[3]`, by the interface that their classes fill.
 pub(crate) fn firing(system: &System, bound: &Bound) -> Vec<(Option<usize>, f64)> {
     system
-        .parameters
+        .firings
         .iter()
-        .zip(&bound.parameters)
-        .filter(|(p, _)| system.cycle.is_some() && p.dimension == Dimension::ANGLE)
-        .filter_map(|(p, value)| {
-            let owner = p.origin.path.strip_suffix(".firing")?;
-            system.elements.iter().find(|e| e.origin.path == owner)?;
-            let index = owner
+        .filter(|_| system.cycle.is_some())
+        .filter_map(|firing| {
+            let element = system.elements.get(firing.element as usize)?;
+            let index = (element.origin.path)
                 .strip_suffix(']')
                 .and_then(|owner| owner.rsplit_once('['))
                 .and_then(|(_, index)| index.parse().ok());
-            Some((index, *value))
+            Some((index, at(bound, firing.angle)))
         })
         .collect()
 }

@@ -298,7 +298,16 @@ pub struct Cycle {
     pub period: Slot,
 }
 
-/// What the summary knows about a journal.
+/// When the gas of an element fires: its class fills `std.forces.GasLaw`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FiringInfo {
+    /// Index of the element.
+    pub element: u32,
+    /// Cycle angle of its firing dead centre (rad).
+    pub angle: Slot,
+}
+
+/// What the summary knows about a journal: an element whose class fills `std.journals.JournalLaw`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JournalInfo {
     /// Index of the element.
@@ -342,6 +351,8 @@ pub struct System {
     pub cycle: Option<Cycle>,
     /// Journals, for the summary, the error control and the pictures.
     pub journals: Vec<JournalInfo>,
+    /// Cylinders that fire, for figures and orders.
+    pub firings: Vec<FiringInfo>,
 }
 
 /// A time or an angle of the cycle.

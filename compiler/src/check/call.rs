@@ -493,7 +493,31 @@ impl<'p> Checker<'p> {
             return Type::Error;
         }
         let promised = self.slots_of(interface);
-        let extra = self.slots_of(class).into_iter().find(|slot| {
+        let own = self.slots_of(class);
+        // arguments without names are told by their places
+        let first_odd = promised
+            .iter()
+            .zip(&own)
+            .find(|(promise, own)| promise.name != own.name);
+        if let Some((promise, odd)) = first_odd
+            && own.iter().any(|slot| slot.name == promise.name)
+        {
+            let mut message = Diagnostic::error(
+                codes::NOT_OF_INTERFACE,
+                format!(
+                    "the parameters of `{class_name}` stand in another order than those of `{interface_name}`"
+                ),
+            )
+            .at(expr.span, format!("has `{}` in the place of `{}`", odd.name, promise.name));
+            if let Some(span) = odd.span {
+                message = message.also(span, "this one");
+            }
+            self.report(message.with_help(
+                "put the parameters of the interface first, in its order: arguments may be given without names",
+            ));
+            return Type::Error;
+        }
+        let extra = own.into_iter().find(|slot| {
             !slot.optional && promised.iter().all(|promise| promise.name != slot.name)
         });
         if let Some(extra) = extra {

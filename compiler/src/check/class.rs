@@ -2,11 +2,10 @@
 
 use super::Checker;
 use super::describe::{kind_word, with_article};
-use super::scope::{Member, Scope, block_of};
+use super::scope::{Scope, block_of};
 use super::types::Type;
 use crate::codes;
 use crate::program::DefinitionId;
-use crate::resolve::suggest::nearest;
 use eng_grammar::ast::{
     BindingKind, Declaration, Expr, ExprKind, Form, Item, ItemKind, Kind, Name, Statement,
 };
@@ -231,114 +230,6 @@ impl<'p> Checker<'p> {
             self.defined_twice(&name.text, name.span, first);
         }
         seen.push(name);
-    }
-
-    /// Whether a class gives what its interface promises.
-    fn conformity(&mut self, id: DefinitionId, declaration: &'p Declaration) {
-        let Form::Class {
-            interface: Some(name),
-            ..
-        } = &declaration.form
-        else {
-            return;
-        };
-        let Some(interface) = self.interface_of(id) else {
-            match self.find_top(id.module, &name.text) {
-                Some(other) => {
-                    let message = Diagnostic::error(
-                        codes::INTERFACE,
-                        format!("`{}` is no interface", name.text),
-                    )
-                    .at(name.span, "an interface stands here");
-                    let message = match self.declaration(other) {
-                        Some(other) => message.also(other.name.span, "defined here"),
-                        None => message,
-                    };
-                    self.report(message);
-                }
-                None => {
-                    let mut interfaces: Vec<&str> = self
-                        .program
-                        .modules
-                        .iter()
-                        .flat_map(|module| &module.file.items)
-                        .filter_map(|item| match &item.kind {
-                            ItemKind::Declaration(d) if d.kind == Kind::Interface => {
-                                Some(d.name.text.as_str())
-                            }
-                            _ => None,
-                        })
-                        .collect();
-                    let mut message = Diagnostic::error(
-                        codes::UNKNOWN_TYPE,
-                        format!("there is no interface `{}`", name.text),
-                    )
-                    .at(name.span, "not known");
-                    interfaces.extend(self.program.offered.keys().map(String::as_str));
-                    let offered = self.program.offered.get(&name.text).cloned();
-                    if let Some(path) = offered {
-                        message = self.offer_use(message, id.module, &path, &name.text);
-                    } else if let Some(near) = nearest(&name.text, interfaces) {
-                        message = message
-                            .with_help(format!("did you mean `{near}`?"))
-                            .with_fix(format!("write `{near}`"), name.span, near);
-                    }
-                    self.report(message);
-                }
-            }
-            return;
-        };
-        let promised = self.class_table(interface);
-        for (wanted_name, wanted) in &promised.members {
-            let Member::Binding(promise) = wanted else {
-                continue;
-            };
-            let wanted_type = self.member_type(interface, wanted_name, *wanted, promise.name.span);
-            let own = self.member(id, wanted_name);
-            let (word, fits) = match promise.kind {
-                BindingKind::Output => (
-                    "output",
-                    matches!(own, Some(Member::Binding(b)) if b.kind == BindingKind::Output)
-                        || matches!(own, Some(Member::Reaction(_))),
-                ),
-                _ => (
-                    "parameter",
-                    matches!(own, Some(Member::Parameter(_) | Member::Binding(_))),
-                ),
-            };
-            let class = &declaration.name.text;
-            let Some(own) = own.filter(|_| fits) else {
-                self.report(
-                    Diagnostic::error(
-                        codes::INTERFACE,
-                        format!(
-                            "`{class}` lacks the {word} `{wanted_name}` of `{}`",
-                            name.text
-                        ),
-                    )
-                    .at(declaration.name.span, format!("no {word} `{wanted_name}`"))
-                    .also(promise.name.span, "promised here"),
-                );
-                continue;
-            };
-            let own_span = own.span().unwrap_or(declaration.name.span);
-            let own_type = self.member_type(id, wanted_name, own, own_span);
-            if own_type.is_error() || wanted_type.is_error() {
-                continue;
-            }
-            if !self.assignable(&own_type, &wanted_type) {
-                let (own_text, wanted_text) =
-                    (self.describe(&own_type), self.describe(&wanted_type));
-                self.report(
-                    Diagnostic::error(
-                        codes::INTERFACE,
-                        format!("the {word} `{wanted_name}` of `{class}` is {own_text}, not {wanted_text}"),
-                    )
-                    .at(own_span, format!("this is {own_text}"))
-                    .also(promise.name.span, format!("`{}` promises {wanted_text}", name.text)),
-                );
-            }
-        }
     }
 
     /// The type of what `kind name = Class(…)` makes; says what is wrong with the class.

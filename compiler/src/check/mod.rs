@@ -16,6 +16,7 @@ mod expression;
 mod field;
 mod flexible;
 mod function;
+mod interface;
 mod level;
 mod mismatch;
 mod operator;

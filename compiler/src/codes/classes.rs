@@ -79,6 +79,10 @@ eng_grammar::codes! {
         "At the start, positions and velocities can be set: of a body inside it, of anything that moves in the model.",
         "start crank = 30 deg",
         "start rotation(crank.main, ground) = 30 deg";
+    NO_FILM = "E0421", "a class of journals does not fill the interface of films",
+        "A journal is a film law: the quasi-static start, the tolerance, tables, orbits and polar diagrams read it by the names of `std.journals.JournalLaw`. A law of your own takes and gives these, and says so; what is no film is a `force`.",
+        "journal Plain(a: Marker, b: Marker) { apply force -1 N/mm*(a.origin - b.origin) on a against b }",
+        "force Plain(a: Marker, b: Marker) { apply force -1 N/mm*(a.origin - b.origin) on a against b }";
     STATE_SCALE = "E0425", "a state that starts at zero has no scale",
         "Errors of a state are held to 1e-5 of the larger of its scale and its largest value so far. A start that is not zero is its own scale; a zero tells of no size, and a state that wakes later would be followed from its first 1e-300 on. State the size from which on it matters.",
         "state lift: Length = 0 mm",

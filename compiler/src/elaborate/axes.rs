@@ -110,10 +110,9 @@ impl<'a> Elaborator<'a, '_> {
             (Axes::Ground, Axes::Ground) => true,
             (Axes::Ground, Axes::Marker(m)) | (Axes::Marker(m), Axes::Ground) => {
                 let marker = &self.markers[m as usize];
-                let one = |i: usize| Some(if i % 4 == 0 { 1.0 } else { 0.0 });
-                let turned = (0..)
-                    .zip(&marker.orientation)
-                    .any(|(i, s)| known(s) != one(i));
+                let identity = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+                let mut entries = identity.iter().zip(&marker.orientation);
+                let turned = entries.any(|(one, slot)| known(slot) != Some(*one));
                 marker.body == BodyRef::Ground && marker.placed_at.is_none() && !turned
             }
             (Axes::Marker(a), Axes::Marker(b)) => {

@@ -101,6 +101,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             elements: Vec::new(),
             channels: Vec::new(),
             journals: Vec::new(),
+            firings: Vec::new(),
             gravity: None,
             cycle: None,
             pending: Vec::new(),
@@ -352,6 +353,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             gravity,
             cycle,
             journals: std::mem::take(&mut self.journals),
+            firings: std::mem::take(&mut self.firings),
         };
         let mut elaborated = Elaborated {
             system,

@@ -189,6 +189,7 @@ pub(crate) struct Elaborator<'a, 'd> {
     pub elements: Vec<ElementDraft<'a>>,
     pub channels: Vec<eng_system::system::Channel>,
     pub journals: Vec<eng_system::system::JournalInfo>,
+    pub firings: Vec<eng_system::system::FiringInfo>,
     pub gravity: Option<[crate::ir::Node; 3]>,
     pub cycle: Option<CycleDraft<'a>>,
     pub pending: Vec<model::Pending<'a>>,

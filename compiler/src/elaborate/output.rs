@@ -4,15 +4,14 @@ use super::element::{Class, Draft, is_marker};
 use super::scalar::{PROVISIONAL, Scalar, Stage, compact_input};
 use super::value::{Axes, ScopeId, Shown, Value};
 use super::{
-    ClassMeta, Elaborator, ElementDraft, ElementSource, Entry, Eval, OutputShape, Reported,
-    location,
+    ClassMeta, Elaborator, ElementDraft, ElementSource, Eval, OutputShape, Reported, location,
 };
 use crate::codes;
 use crate::ir::{ClassBody, Graph, Node, Op};
 use eng_grammar::ast::{self, BindingKind, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::layout::InputLayout;
-use eng_system::system::{Channel, JournalInfo, Origin, OutputInfo, Role, StateInfo};
+use eng_system::system::{Channel, Origin, OutputInfo, Role, StateInfo};
 use eng_system::{Dimension, DisplayUnit};
 
 /// Most operations of one element before its derivatives: compiling takes seconds then.
@@ -207,36 +206,6 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         Ok(())
-    }
-
-    pub fn journal_info(&mut self, own: ScopeId) -> Option<JournalInfo> {
-        let number = |e: &mut Self, name: &str| match e.scope(own).entries.get(name) {
-            Some(Entry::Value(Value::Scalar(s))) if s.stage == Stage::Bind => {
-                let node = s.node;
-                Some(e.slot(node))
-            }
-            _ => None,
-        };
-        let marker = |e: &mut Self, name: &str| match e.scope(own).entries.get(name) {
-            Some(Entry::Value(Value::Marker(m))) => {
-                let m = *m;
-                let local = e
-                    .bench
-                    .element
-                    .as_ref()
-                    .and_then(|b| b.markers.iter().position(|x| *x == m));
-                local.map(|i| i as u32)
-            }
-            _ => None,
-        };
-        Some(JournalInfo {
-            element: 0,
-            diameter: number(self, "diameter")?,
-            width: number(self, "width")?,
-            radial_clearance: number(self, "radial_clearance")?,
-            pin: marker(self, "pin")?,
-            shell: marker(self, "shell")?,
-        })
     }
 
     /// Closes the element being lowered: compact layout, channels, draft of the class.

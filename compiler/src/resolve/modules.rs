@@ -207,8 +207,17 @@ impl Loader<'_> {
                 }
             }
         }
-        if tree.items.iter().any(has_support) && self.text_of_library(super::WELD.0).is_some() {
-            self.module(super::WELD.0, None);
+        let needed = [
+            (super::WELD.0, tree.items.iter().any(has_support)),
+            (super::JOURNAL_LAW.0, tree.items.iter().any(is_journal)),
+        ];
+        for (path, needed) in needed {
+            if needed
+                && self.text_of_library(path).is_some()
+                && !self.open.iter().any(|p| p == path)
+            {
+                self.module(path, None);
+            }
         }
         self.open.pop();
         self.program.modules.push(Module {
@@ -255,6 +264,12 @@ fn has_support(item: &Item) -> bool {
         ItemKind::Attribute(a) => declaration.kind == Kind::Flexible && a.name.text == "support",
         _ => false,
     })
+}
+
+/// Whether a class of journals is defined.
+fn is_journal(item: &Item) -> bool {
+    matches!(&item.kind, ItemKind::Declaration(d)
+        if d.kind == Kind::Journal && matches!(d.form, Form::Class { .. }))
 }
 
 fn is_library(path: &str) -> bool {

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod equations;
+mod laws;
 
 pub(crate) use arguments::is_marker;
 
@@ -13,7 +14,7 @@ use super::{
 use crate::ir::Node;
 use crate::program::DefinitionId;
 use eng_grammar::Span;
-use eng_grammar::ast::{self, ExprKind, Form, ItemKind, Kind};
+use eng_grammar::ast::{self, ExprKind, Form, ItemKind};
 use eng_system::system::{Condition, ConditionKind, Origin, OutputInfo, Role};
 
 /// A class's parts, found in its definition.
@@ -174,11 +175,7 @@ impl<'a> Elaborator<'a, '_> {
         self.rates = None;
         outputs?;
         self.asked(&mut draft);
-        let journal = if class.declaration.kind == Kind::Journal {
-            self.journal_info(own)
-        } else {
-            None
-        };
+        let known = self.by_interface(class, own)?;
         let origin = Origin {
             path,
             used_at,
@@ -192,10 +189,7 @@ impl<'a> Elaborator<'a, '_> {
             Some(source),
             draft,
         )?;
-        if let Some(mut info) = journal {
-            info.element = index;
-            self.journals.push(info);
-        }
+        self.note(known, index);
         Ok(index)
     }
 

@@ -352,6 +352,7 @@ impl Builder {
                 gravity: [Slot(0); 3],
                 cycle: None,
                 journals: vec![],
+                firings: vec![],
             },
             reduced: vec![],
             code: vec![],

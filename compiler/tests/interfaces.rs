@@ -1,0 +1,180 @@
+//! What an element is for the results hangs on the interface that its class fills, on no name of a class or a parameter.
+
+#[allow(dead_code)]
+mod check_support;
+
+use eng_compiler::elaborate::{Elaborated, analyses, elaborate};
+use eng_compiler::library::LIBRARY;
+use eng_compiler::resolve::resolve;
+use eng_grammar::{Diagnostics, SourceMap};
+use eng_system::code::BindCode;
+
+fn elaborated(text: &str) -> Result<Elaborated, Vec<String>> {
+    let host = check_support::Folder {
+        root: "model.eng".to_owned(),
+        text: text.to_owned(),
+        folder: "/nowhere".into(),
+    };
+    let (mut sources, mut diagnostics) = (SourceMap::new(), Diagnostics::new());
+    let program = resolve("model.eng", &host, LIBRARY, &mut sources, &mut diagnostics);
+    eng_compiler::check::check(&program, &sources, &mut diagnostics);
+    let plans = analyses(&program, &mut sources, &host, &mut diagnostics);
+    let made = plans.first().and_then(|plan| {
+        let (model, constants) = (plan.model, &plan.constants);
+        elaborate(
+            &program,
+            &mut sources,
+            &host,
+            model,
+            constants,
+            &mut diagnostics,
+        )
+    });
+    let errors: Vec<String> = diagnostics
+        .iter()
+        .filter(|d| d.is_error())
+        .map(|d| format!("{} {}", d.code, d.title))
+        .collect();
+    match made {
+        Some(made) if errors.is_empty() => Ok(made),
+        _ => Err(errors),
+    }
+}
+
+const FILM: &str = "
+use std.journals.{JournalLaw, Impedance, finite_response, film_kinematics, film_attitude}
+KIND OwnFilm(pin: Marker, shell: Marker, diameter: Length, width: Length, CLEARANCE: Length, viscosity: DynamicViscosity) INTERFACE {
+    let film = film_kinematics(pin, shell, CLEARANCE)
+    let response = finite_response(film_attitude(film.ratio, film.squeeze), width/diameter)
+    let coefficient = 2*viscosity*width*(diameter/(2*CLEARANCE))^3
+    let push = -coefficient*(response.x*film.squeeze + response.y*perpendicular(film.squeeze))
+    let pushed = vector([push.x, push.y, 0 N], shell)
+    apply force pushed on pin against shell
+    output force: Vector<Force> = pushed in shell as kN
+    output eccentricity: Vector2<Length> = film.ratio*CLEARANCE in shell as um
+    output eccentricity_ratio: Vector2<1> = film.ratio in shell
+    output film_ratio: 1 = norm(film.ratio, floor: 1e-9)
+    output minimum_film: Length = CLEARANCE*(1 - norm(film.ratio, floor: 1e-9)) as um
+    output friction_torque: Torque = 0 N*m
+    output power_loss: Power = -dot(push, film.squeeze) as W
+}
+model Rotor {
+    gravity = [0, -9.81, 0] m/s^2
+    marker shell = [0, 0, 0] mm
+    body shaft { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker pin = origin }
+    journal library = Impedance(shaft.pin, shell, diameter: 50 mm, width: 20 mm, radial_clearance: 30 um, viscosity: 10 mPa*s)
+    KIND own = OwnFilm(shaft.pin, shell, diameter: 40 mm, width: 10 mm, CLEARANCE: 20 um, viscosity: 10 mPa*s)
+}
+analysis a = assemble(Rotor())";
+
+fn film(kind: &str, clearance: &str, interface: &str) -> String {
+    FILM.replace("KIND", kind)
+        .replace("CLEARANCE", clearance)
+        .replace("INTERFACE", interface)
+}
+
+#[test]
+fn a_film_law_of_the_text_is_a_journal_by_its_interface() {
+    for kind in ["journal", "force"] {
+        let made = elaborated(&film(kind, "radial_clearance", ": JournalLaw")).expect("no mistake");
+        let none = vec![None; made.system.parameters.len()];
+        let bound = made.bind.bind(&none, &made.system.tables).expect("it fits");
+        let found: Vec<[f64; 3]> = made
+            .system
+            .journals
+            .iter()
+            .map(|j| [j.diameter, j.width, j.radial_clearance].map(|s| bound.slots[s.0 as usize]))
+            .map(|found| found.map(|x| (x * 1e6).round()))
+            .collect();
+        assert_eq!(found, [[50e3, 20e3, 30.0], [40e3, 10e3, 20.0]], "{kind}");
+        let paths: Vec<&str> = made
+            .system
+            .journals
+            .iter()
+            .map(|j| {
+                made.system.elements[j.element as usize]
+                    .origin
+                    .path
+                    .as_str()
+            })
+            .collect();
+        assert_eq!(paths, ["library", "own"]);
+    }
+}
+
+#[test]
+fn a_law_that_does_not_fill_the_interface_is_no_journal() {
+    // all names of the interface, which is not declared: a force is a force
+    let made = elaborated(&film("force", "radial_clearance", "")).expect("no mistake");
+    assert_eq!(made.system.journals.len(), 1);
+    let refused = |kind: &str, clearance: &str, interface: &str| {
+        elaborated(&film(kind, clearance, interface)).expect_err("a mistake")[0].clone()
+    };
+    assert_eq!(
+        refused("journal", "clearance", ""),
+        "E0421 the journal `OwnFilm` lacks `radial_clearance: Length` of `JournalLaw`"
+    );
+    assert_eq!(
+        refused("journal", "radial_clearance", ""),
+        "E0421 the journal `OwnFilm` does not say that it fills `JournalLaw`"
+    );
+    assert_eq!(
+        refused("journal", "clearance", ": JournalLaw"),
+        "E0407 `OwnFilm` lacks the parameter `radial_clearance: Length` of `JournalLaw`"
+    );
+}
+
+const GAS: &str = "
+use std.forces.{GasPressure, GasLaw}
+use std.joints.{Translational, Revolute}
+table trace(theta: CrankAngle) -> AbsolutePressure = points([0, 180, 360, 720] deg, [30, 3, 1, 30] bar, periodic: 720 deg)
+force OwnGas(piston: Marker, head: Marker, bore: Length, TDC: Angle) INTERFACE {
+    let push = (trace(cycle.angle - TDC) - 1 bar)*(pi/4*bore^2)
+    apply force -push*head.z on piston against head
+    output thrust: Force = push as kN
+}
+/// Another thing that fires.
+force Spark(a: Marker, b: Marker, firing: Angle) {
+    apply torque sin(firing)*b.z*1 N*m on a against b
+}
+model Engine {
+    gravity = [0, 0, 0] m/s^2
+    marker wall = [0, 0, 0] mm
+    marker top = [0, 0, 0] mm
+    body shaft { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }
+    body piston[i in 1..2] { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }
+    joint bearing = Revolute(shaft.origin, wall)
+    joint bore[i in 1..2] = Translational(piston[i].origin, top)
+    force gas = GasPressure(piston[1].origin, top, bore: 80 mm, pressure: trace, firing: 90 deg)
+    force own = OwnGas(piston[2].origin, top, bore: 80 mm, TDC: 270 deg)
+    force spark = Spark(shaft.origin, wall, firing: 33 deg)
+    cycle angle = rotation(shaft.origin, wall) { period = 720 deg }
+}
+analysis a = assemble(Engine())";
+
+#[test]
+fn what_fires_is_told_by_its_interface() {
+    let firings = |tdc: &str, interface: &str| {
+        let text = GAS.replace("TDC", tdc).replace("INTERFACE", interface);
+        let made = elaborated(&text).expect("no mistake");
+        let none = vec![None; made.system.parameters.len()];
+        let bound = made.bind.bind(&none, &made.system.tables).expect("it fits");
+        let mut found = Vec::new();
+        for firing in &made.system.firings {
+            let path = made.system.elements[firing.element as usize]
+                .origin
+                .path
+                .clone();
+            let angle = bound.slots[firing.angle.0 as usize].to_degrees();
+            found.push((path, angle.round()));
+        }
+        found
+    };
+    let gas = || ("gas".to_owned(), 90.0);
+    assert_eq!(
+        firings("firing", ": GasLaw"),
+        [gas(), ("own".to_owned(), 270.0)]
+    );
+    assert_eq!(firings("dead_centre", ""), [gas()]);
+    assert_eq!(firings("firing", ""), [gas()]);
+}
