@@ -66,8 +66,17 @@ pub struct Program {
     pub units: BTreeMap<String, Unit>,
     /// Dimensions by name.
     pub dimensions: BTreeMap<String, NamedDimension>,
-    /// Where the library has names that this program could use: name → module. For messages.
-    pub offered: BTreeMap<String, String>,
+    /// Names of the library that this program could use. For messages.
+    pub offered: BTreeMap<String, Offered>,
+}
+
+/// A name of the library.
+#[derive(Clone, Debug)]
+pub struct Offered {
+    /// The module that has it.
+    pub module: String,
+    /// The word it is defined with: `joint`.
+    pub word: String,
 }
 
 impl Program {

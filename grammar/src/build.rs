@@ -37,6 +37,8 @@ pub(crate) struct Builder<'t, 'd> {
     deep: bool,
     /// The `{` that a missing `}` belongs to, if one is missing.
     pub open_brace: Option<Token>,
+    /// Where the items at hand stand.
+    pub place_of_items: diagnose::Place,
 }
 
 /// A run of text in a block, before it becomes items.
@@ -101,6 +103,7 @@ impl<'t, 'd> Builder<'t, 'd> {
             headless: 0,
             deep: false,
             open_brace: None,
+            place_of_items: diagnose::Place::File,
         }
     }
 
@@ -329,6 +332,7 @@ impl<'t, 'd> Builder<'t, 'd> {
                 &mut *self.diagnostics,
             );
             inner.mistakes = self.mistakes;
+            inner.place_of_items = self.place_of_items;
             items.extend(inner.items(pairs, depth));
             self.mistakes = inner.mistakes;
             self.headless += inner.headless;

@@ -5,6 +5,7 @@
 //! into words only when none of them fits.
 
 mod expected;
+mod place;
 
 use crate::build::items::KINDS;
 use crate::build::{Builder, MAX_NESTING};
@@ -17,6 +18,7 @@ use expected::Failure;
 use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
 use pest::iterators::Pairs;
+pub(crate) use place::Place;
 
 /// The message for a bad piece, and where in it good items begin again.
 pub(crate) struct Finding {
@@ -434,7 +436,8 @@ fn first_word(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic>
         && !is_reserved(second.text(builder.text));
     let value_follows = matches!(second.text(builder.text), "-" | "(" | "[" | "{")
         || second.kind == TokenKind::Number;
-    (same_line && (another_item || (close && value_follows))).then(|| unknown_kind(word, span))
+    (same_line && (another_item || (close && value_follows)))
+        .then(|| unknown_kind(word, span, builder.place_of_items))
 }
 
 /// The item word that `word` was probably meant to be.
@@ -469,20 +472,25 @@ fn likely(word: &str) -> Option<&'static str> {
 }
 
 /// The message for a word in the place of a kind.
-pub(crate) fn unknown_kind(word: &str, span: Span) -> Diagnostic {
+pub(crate) fn unknown_kind(word: &str, span: Span, place: Place) -> Diagnostic {
     let diagnostic = Diagnostic::error(
         codes::NO_SUCH_KIND,
         format!("there is no kind of item `{word}`"),
-    );
+    )
+    .at(span, "not a kind");
     match likely(word) {
-        Some(known) => diagnostic
-            .at(span, format!("did you mean `{known}`?"))
-            .with_fix(format!("write `{known}`"), span, known),
+        Some(known) => diagnostic.meant(span, known),
         None => {
-            let kinds: Vec<String> = KINDS.iter().map(|(kind, _)| format!("`{kind}`")).collect();
-            diagnostic
-                .at(span, "not a kind")
-                .with_help(format!("the kinds are {}", kinds.join(", ")))
+            let words: Vec<String> = place
+                .words()
+                .iter()
+                .map(|word| format!("`{word}`"))
+                .collect();
+            diagnostic.with_help(format!(
+                "{} an item begins with {}",
+                place.text(),
+                words.join(", ")
+            ))
         }
     }
 }

@@ -131,6 +131,12 @@ impl Diagnostic {
         self
     }
 
+    /// Asks whether a known name was meant, which takes the place of what stands at `span`.
+    pub fn meant(self, span: Span, known: impl Into<String>) -> Self {
+        let known = known.into();
+        self.with_fix(format!("did you mean `{known}`?"), span, known)
+    }
+
     /// Whether this is an error.
     pub fn is_error(&self) -> bool {
         self.severity == Severity::Error

@@ -109,7 +109,7 @@ fn translate(
         diagnostic
             .fixes
             .iter()
-            .map(|fix| bullet("help", &fix_text(fix, sources))),
+            .map(|fix| bullet("help", &fix_text(fix, diagnostic, sources))),
     );
     codespan::Diagnostic::new(severity)
         .with_code(diagnostic.code)
@@ -137,7 +137,7 @@ fn shortened(text: &str) -> String {
     format!("{begin}…{end}")
 }
 
-fn fix_text(fix: &Fix, sources: &SourceMap) -> String {
+fn fix_text(fix: &Fix, diagnostic: &Diagnostic, sources: &SourceMap) -> String {
     let old = sources.text(fix.span);
     let change = match (old.is_empty(), fix.replacement.is_empty()) {
         (false, false) => format!("replace {} with {}", code(old), code(&fix.replacement)),
@@ -151,6 +151,11 @@ fn fix_text(fix: &Fix, sources: &SourceMap) -> String {
     };
     if fix.title.is_empty() {
         change
+    } else if fix.title.contains(&code(&fix.replacement))
+        && diagnostic.labels.iter().any(|label| label.span == fix.span)
+    {
+        // the place is marked, and the title names what to write there
+        fix.title.clone()
     } else {
         format!("{}: {change}", fix.title)
     }

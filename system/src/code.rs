@@ -16,6 +16,7 @@
 //! G is the derivative of Φ along the pose directions: δx inertial, and δπ in the marker's axes with
 //! δR = R δπ~. The twist (ẋ, ω in marker axes) is the rate of these. `∂W/∂λ = −Gᵀ`.
 
+use crate::system::Slot;
 use crate::table::{Outside, Table};
 
 /// Which function of a class.
@@ -86,6 +87,11 @@ pub trait BindCode: Send + Sync + std::fmt::Debug {
     /// Fills the slots. `overrides` has one entry a parameter: a stated value (SI), or `None` for its default, which may
     /// depend on other parameters. Also returns the value of every parameter.
     fn bind(&self, overrides: &[Option<f64>], tables: &[Table]) -> Result<Bound, BindError>;
+
+    /// Indices of the parameters that a slot is made of, rising: for messages. Those whose defaults are made of others are not named.
+    fn parameters_of(&self, _slot: Slot) -> Vec<u32> {
+        Vec::new()
+    }
 }
 
 /// The values of one parameter set.
@@ -122,6 +128,8 @@ pub enum BindError {
         used_at: Option<crate::system::Location>,
         /// Place of the `require`.
         defined_at: Option<crate::system::Location>,
+        /// Indices and values (SI) of the parameters that the condition is made of.
+        parameters: Vec<(u32, f64)>,
     },
     /// A value is not finite.
     #[error("{path} is not a finite number{}", read(outside))]

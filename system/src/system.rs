@@ -473,6 +473,8 @@ pub struct Analysis {
     pub point: Vec<PointValue>,
     /// Parameters set by the analysis (path, SI value).
     pub set: Vec<(String, f64)>,
+    /// Named arguments of the analysis and where their values stand in the text.
+    pub arguments: Vec<(String, Location)>,
     /// What is done.
     pub kind: AnalysisKind,
 }

@@ -73,9 +73,7 @@ impl<'p> Checker<'p> {
                     _ => crate::resolve::suggest::nearest(name, ANALYSES),
                 };
                 if let Some(near) = near {
-                    message = message
-                        .with_help(format!("did you mean `{near}`?"))
-                        .with_fix(format!("write `{near}`"), callee.span, near);
+                    message = message.meant(callee.span, near);
                 } else {
                     message = message.with_help(EXAMPLE);
                 }
@@ -275,8 +273,7 @@ impl<'p> Checker<'p> {
         .at(value.span, "neither of these words");
         message = match crate::resolve::suggest::nearest(word, STARTS) {
             Some(near) => message
-                .with_help(format!("did you mean `{near}`?"))
-                .with_fix(format!("write `{near}`"), value.span, near),
+                .meant(value.span, near),
             None => message.with_help(
                 "`quasi_static`: pins and flexible bodies stand where the loads of the steady motion hold them; `assembled`: where the text and the joints put them",
             ),

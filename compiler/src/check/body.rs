@@ -16,6 +16,16 @@ use eng_system::Dimension;
 const ATTRIBUTES: [&str; 4] = ["mass", "inertia", "products_of_inertia", "center_of_mass"];
 const STARTS: [&str; 4] = ["position", "rotation", "velocity", "angular_velocity"];
 
+/// Whether the block of a body gives a value to a name: `big = [0, -41, 0] mm`.
+pub(super) fn states(body: &Declaration, name: &str) -> bool {
+    block_of(body).is_some_and(|block| {
+        block
+            .items
+            .iter()
+            .any(|item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == name))
+    })
+}
+
 fn moment_of_inertia() -> Dimension {
     Dimension::MASS
         .times(Dimension::LENGTH)
@@ -23,6 +33,34 @@ fn moment_of_inertia() -> Dimension {
 }
 
 impl<'p> Checker<'p> {
+    /// Offers the word `marker` before a name whose value is a place.
+    pub(super) fn offer_marker(
+        &self,
+        message: Diagnostic,
+        name: &Name,
+        value: &Expr,
+    ) -> Option<Diagnostic> {
+        let place = match &value.kind {
+            ExprKind::List { items, unit } => {
+                let of = |unit| {
+                    self.program
+                        .unit(unit)
+                        .is_ok_and(|unit| unit.dimension == Dimension::LENGTH)
+                };
+                items.len() == 3 && unit.as_ref().is_none_or(of)
+            }
+            ExprKind::Name(name) => name == "origin",
+            ExprKind::Call { callee, .. } => matches!(&callee.kind, ExprKind::Name(called)
+                if called == "at" || word(Place::Marker, called).is_some()),
+            _ => false,
+        };
+        let start = Span {
+            end: name.span.start,
+            ..name.span
+        };
+        place.then(|| message.with_fix("a place is a marker", start, "marker "))
+    }
+
     pub(super) fn body(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
         let scope = self.binders(outer, &declaration.index);
         let name = &declaration.name.text;
@@ -136,12 +174,16 @@ impl<'p> Checker<'p> {
                 )
                 .at(name.span, "not known");
                 message = match nearest(&name.text, ATTRIBUTES) {
-                    Some(near) => message
-                        .with_help(format!("did you mean `{near}`?"))
-                        .with_fix(format!("write `{near}`"), name.span, near),
-                    None => message.with_note(
-                        "it has `mass`, `inertia`, `products_of_inertia` and `center_of_mass`",
-                    ),
+                    Some(near) => message.meant(name.span, near),
+                    None => match self.offer_marker(message.clone(), name, value) {
+                        Some(told) => {
+                            self.report(told);
+                            return;
+                        }
+                        None => message.with_note(
+                            "it has `mass`, `inertia`, `products_of_inertia` and `center_of_mass`",
+                        ),
+                    },
                 };
                 self.report(message);
                 self.infer(scope, value);
@@ -179,9 +221,7 @@ impl<'p> Checker<'p> {
                 )
                 .at(target.span, "not known");
                 message = match nearest(name, STARTS) {
-                    Some(near) => message
-                        .with_help(format!("did you mean `{near}`?"))
-                        .with_fix(format!("write `{near}`"), target.span, near),
+                    Some(near) => message.meant(target.span, near),
                     None => message
                         .with_note(
                             "it has `position`, `rotation`, `velocity` and `angular_velocity`",

@@ -284,9 +284,7 @@ impl<'p> Checker<'p> {
                         )
                         .at(name.span, "no parameter of this name");
                         if let Some(near) = near {
-                            message = message
-                                .with_help(format!("did you mean `{near}`?"))
-                                .with_fix(format!("write `{near}`"), name.span, near);
+                            message = message.meant(name.span, near);
                             // The same mistake is not told again as a missing argument.
                             if let Some(meant) = slots.iter().position(|slot| slot.name == near) {
                                 given[meant] = given[meant].or(Some(name.span));

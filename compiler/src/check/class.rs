@@ -6,6 +6,7 @@ use super::scope::{Scope, block_of};
 use super::types::Type;
 use crate::codes;
 use crate::program::DefinitionId;
+use crate::resolve::suggest::nearest;
 use eng_grammar::ast::{
     BindingKind, Declaration, Expr, ExprKind, Form, Item, ItemKind, Kind, Name, Statement,
 };
@@ -233,6 +234,65 @@ impl<'p> Checker<'p> {
     }
 
     /// The type of what `kind name = Class(…)` makes; says what is wrong with the class.
+    /// A name that is no class, with the classes of the kind that is due.
+    fn unknown_class(&mut self, module: u32, kind: Kind, name: &str, span: Span) {
+        let word = match kind {
+            Kind::Part => "component",
+            other => kind_word(other),
+        };
+        let message = Diagnostic::error(
+            codes::UNKNOWN_NAME,
+            format!("there is no {word} `{name}` here"),
+        )
+        .at(span, "not known");
+        if let Some(path) = self.module_of(name) {
+            let message = self.offer_use(message, module, &path, name);
+            self.report(message);
+            return;
+        }
+        let scope = self.program.modules.get(module as usize);
+        let mut known: Vec<&str> = scope
+            .iter()
+            .flat_map(|module| &module.scope)
+            .filter(|(_, id)| {
+                self.declaration(**id)
+                    .is_some_and(|declaration| kind_word(declaration.kind) == word)
+            })
+            .map(|(name, _)| name.as_str())
+            .collect();
+        let near = nearest(name, known.iter().copied()).map(str::to_owned);
+        let offered = || {
+            let offered = self.program.offered.iter();
+            offered.filter(|(_, offered)| offered.word == word)
+        };
+        let message = match (
+            near,
+            nearest(name, offered().map(|(name, _)| name.as_str())),
+        ) {
+            (Some(near), _) => message.meant(span, near),
+            (None, Some(near)) => match self.program.offered.get(near) {
+                Some(of) => message.with_help(format!("did you mean `{near}` of `{}`?", of.module)),
+                None => message,
+            },
+            (None, None) => {
+                known.extend(offered().map(|(name, _)| name.as_str()));
+                known.sort_unstable();
+                known.dedup();
+                let message = match known.is_empty() {
+                    true => message,
+                    false => message.with_note(format!(
+                        "the {word}s of this file and of the library are {}",
+                        crate::resolve::suggest::listing(known, 24)
+                    )),
+                };
+                message.with_help(format!(
+                    "a class of your own stands at the top of the file: `{word} {name}(…) {{ … }}`"
+                ))
+            }
+        };
+        self.report(message);
+    }
+
     pub(super) fn element_type(&mut self, scope: &Scope<'p>, declaration: &'p Declaration) -> Type {
         let scope = self.binders(scope, &declaration.index);
         let kind = declaration.kind;
@@ -268,6 +328,10 @@ impl<'p> Checker<'p> {
                     )
                     .at(callee.span, format!("a class of the kind `{word}` is due")),
                 );
+                return Type::Error;
+            }
+            ExprKind::Name(name) if self.find(&scope, name).is_none() => {
+                self.unknown_class(scope.module, kind, name, callee.span);
                 return Type::Error;
             }
             _ => self.infer(&scope, callee),

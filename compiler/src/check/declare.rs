@@ -211,12 +211,10 @@ impl<'p> Checker<'p> {
             format!("there is no type `{}`", name.text),
         )
         .at(name.span, "neither a type nor a dimension");
-        if let Some(path) = self.program.offered.get(&name.text) {
-            message = self.offer_use(message, scope.module, path, &name.text);
+        if let Some(offered) = self.program.offered.get(&name.text) {
+            message = self.offer_use(message, scope.module, &offered.module, &name.text);
         } else if let Some(near) = nearest(&name.text, known) {
-            message = message
-                .with_help(format!("did you mean `{near}`?"))
-                .with_fix(format!("write `{near}`"), name.span, near);
+            message = message.meant(name.span, near);
         } else if let Some(unit) = self.program.units.get(&name.text) {
             let dimension = self.dimension_name(&Dim::known(unit.dimension));
             message = message.with_help(format!(

@@ -61,6 +61,24 @@ impl<'p> Checker<'p> {
                 {
                     return Type::Instance(weld);
                 }
+                if super::body::states(declared, &name.text) {
+                    // told there: its word `marker` is missing
+                    return Type::Error;
+                }
+                if name.text == "support" && declared.kind == eng_grammar::ast::Kind::Flexible {
+                    self.report(
+                        Diagnostic::error(
+                            codes::NO_MEMBER,
+                            format!("the body `{}` has no support", body.name),
+                        )
+                        .at(declared.name.span, "no `support = …` in its block")
+                        .also(name.span, "read here")
+                        .with_help(
+                            "name the markers that hold it on the ground: `support = mount`",
+                        ),
+                    );
+                    return Type::Error;
+                }
                 let markers = self.markers_of(body);
                 let title = format!("the body `{}` has no marker `{}`", body.name, name.text);
                 self.no_member(title, name, markers.iter().map(String::as_str));

@@ -134,10 +134,12 @@ impl<'p> Checker<'p> {
                     ("inertia" | "center_of_mass" | "products_of_inertia", _) => {
                         message.with_help("mass and inertia follow from the mesh; leave them out")
                     }
-                    (_, Some(near)) => message
-                        .with_help(format!("did you mean `{near}`?"))
-                        .with_fix(format!("write `{near}`"), name.span, near),
-                    _ => message.with_note(format!("it has {}", listing(ATTRIBUTES, 12))),
+                    (_, Some(near)) => message.meant(name.span, near),
+                    _ => self
+                        .offer_marker(message.clone(), name, value)
+                        .unwrap_or_else(|| {
+                            message.with_note(format!("it has {}", listing(ATTRIBUTES, 12)))
+                        }),
                 };
                 self.report(message);
             }
@@ -241,9 +243,7 @@ impl<'p> Checker<'p> {
         .at(span, "not known here");
         let near = name.and_then(|n| nearest(n, words(place).map(|w| w.word)));
         message = match near {
-            Some(near) => message
-                .with_help(format!("did you mean `{near}`?"))
-                .with_fix(format!("write `{near}`"), span, near),
+            Some(near) => message.meant(span, near),
             None => message.with_help(format!(
                 "write one of: {}",
                 words(place)
@@ -296,9 +296,7 @@ impl<'p> Checker<'p> {
                     .and_then(|n| nearest(&n.text, names.clone()));
                 if let Some(near) = near {
                     given.push(near);
-                    message = message
-                        .with_help(format!("did you mean `{near}`?"))
-                        .with_fix(format!("write `{near}`"), place, near);
+                    message = message.meant(place, near);
                 } else {
                     message = message
                         .with_note(format!("it takes {}", listing(names, 12)))
@@ -427,9 +425,7 @@ impl<'p> Checker<'p> {
                 .at(value.span, "not known")
                 .with_note(format!("known are {}", listing(known.iter().copied(), 12)));
         if let Some(near) = nearest(name, known.iter().copied()) {
-            message = message
-                .with_help(format!("did you mean `{near}`?"))
-                .with_fix(format!("write `{near}`"), value.span, near);
+            message = message.meant(value.span, near);
         }
         self.report(message);
     }
@@ -501,9 +497,7 @@ impl<'p> Checker<'p> {
                 )
                 .at(value.span, "not among its markers");
                 message = match nearest(name, known.iter().copied()) {
-                    Some(near) => message
-                        .with_help(format!("did you mean `{near}`?"))
-                        .with_fix(format!("write `{near}`"), value.span, near),
+                    Some(near) => message.meant(value.span, near),
                     None => message.with_note(format!("it has {}", listing(known, 12))),
                 };
                 self.report(message);

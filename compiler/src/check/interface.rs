@@ -53,13 +53,10 @@ impl<'p> Checker<'p> {
                     )
                     .at(name.span, "not known");
                     interfaces.extend(self.program.offered.keys().map(String::as_str));
-                    let offered = self.program.offered.get(&name.text).cloned();
-                    if let Some(path) = offered {
-                        message = self.offer_use(message, id.module, &path, &name.text);
+                    if let Some(offered) = self.program.offered.get(&name.text) {
+                        message = self.offer_use(message, id.module, &offered.module, &name.text);
                     } else if let Some(near) = nearest(&name.text, interfaces) {
-                        message = message
-                            .with_help(format!("did you mean `{near}`?"))
-                            .with_fix(format!("write `{near}`"), name.span, near);
+                        message = message.meant(name.span, near);
                     }
                     self.report(message);
                 }

@@ -214,15 +214,25 @@ impl<'p> Checker<'p> {
     }
 
     fn wrong_length(&mut self, expr: &Expr, wanted: u32, found: u32, due: &Due) -> Type {
-        self.report(
-            due.label(
-                Diagnostic::error(
-                    codes::LIST_LENGTH,
-                    format!("{} has {wanted} elements, not {found}", due.what),
-                )
-                .at(expr.span, format!("{found} elements")),
-            ),
+        let text = self.sources.text(expr.span).as_bytes();
+        let commas = text
+            .windows(3)
+            .filter(|c| c[1] == b',' && c[0].is_ascii_digit() && c[2].is_ascii_digit())
+            .count();
+        let mut message = due.label(
+            Diagnostic::error(
+                codes::LIST_LENGTH,
+                format!("{} has {wanted} elements, not {found}", due.what),
+            )
+            .at(expr.span, format!("{found} elements")),
         );
+        if found
+            .checked_sub(wanted)
+            .is_some_and(|more| more > 0 && more as usize == commas)
+        {
+            message = message.with_help("a decimal fraction is written with a point: `1.5`");
+        }
+        self.report(message);
         Type::Error
     }
 

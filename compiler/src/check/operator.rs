@@ -42,9 +42,95 @@ impl<'p> Checker<'p> {
             self.condition(scope, right, &format!("the right side of `{}`", sign(op)));
             return Type::Bool;
         }
+        if self.blank_in_unit(scope, op, left, right) {
+            return Type::Error;
+        }
         let a = self.infer(scope, left);
         let b = self.infer(scope, right);
         self.operated(op, op_span, (left, &a), (right, &b))
+    }
+
+    /// Says where a factor is a unit that a blank parts from the unit before it, `4 N*m *s/rad`, or a point: `4 kg*m.s`.
+    fn blank_in_unit(
+        &mut self,
+        scope: &Scope<'p>,
+        op: BinaryOp,
+        left: &Expr,
+        right: &Expr,
+    ) -> bool {
+        if !matches!(op, BinaryOp::Multiply | BinaryOp::Divide) {
+            return false;
+        }
+        let mut left = left;
+        let mut parts = vec![right];
+        while let ExprKind::Binary {
+            op: BinaryOp::Multiply | BinaryOp::Divide,
+            left: inner,
+            right,
+            ..
+        } = &left.kind
+        {
+            parts.push(right);
+            left = inner;
+        }
+        let (ExprKind::Number {
+            unit: Some(unit), ..
+        }
+        | ExprKind::List {
+            unit: Some(unit), ..
+        }
+        | ExprKind::Paren {
+            unit: Some(unit), ..
+        }) = &left.kind
+        else {
+            return false;
+        };
+        let mut dotted = false;
+        for part in parts {
+            let mut names = Vec::new();
+            let base = match &part.kind {
+                ExprKind::Binary {
+                    op: BinaryOp::Power,
+                    left,
+                    ..
+                } => left,
+                _ => part,
+            };
+            match &base.kind {
+                ExprKind::Name(name) => names.push(name),
+                ExprKind::Field { base, name } => {
+                    dotted = true;
+                    names.push(&name.text);
+                    match &base.kind {
+                        ExprKind::Name(name) => names.push(name),
+                        _ => return false,
+                    }
+                }
+                _ => return false,
+            }
+            let units = &self.program.units;
+            if !names.iter().all(|name| units.contains_key(*name))
+                || names.iter().any(|name| self.find(scope, name).is_some())
+            {
+                return false;
+            }
+        }
+        let whole = unit.span.to(right.span);
+        let text = self.sources.text(whole);
+        let title = match text.contains(char::is_whitespace) {
+            true => "a blank stands in a unit",
+            false => "a product of units is written with `*`",
+        };
+        let mut joined: String = text.chars().filter(|c| !c.is_whitespace()).collect();
+        if dotted {
+            joined = joined.replace('.', "*");
+        }
+        self.report(
+            Diagnostic::error(codes::UNKNOWN_UNIT, title)
+                .at(whole, "read as a product of values")
+                .with_fix(format!("write `{joined}`"), whole, joined),
+        );
+        true
     }
 
     /// The type of an operator between two sides of known types; not of `and` and `or`.

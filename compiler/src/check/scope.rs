@@ -296,31 +296,33 @@ impl<'p> Checker<'p> {
         let mut message =
             Diagnostic::error(codes::UNKNOWN_NAME, format!("there is no `{name}` here"))
                 .at(span, "not known");
+        if let Some(path) = self.module_of(name) {
+            message = self.offer_use(message, scope.module, &path, name);
+        } else if self.program.units.contains_key(name) {
+            message = message.with_help(format!(
+                "`{name}` is a unit: it stands after a number, as in `1 {name}`, a list or a parenthesis"
+            ));
+        } else if let Some(near) = nearest(name, known.iter().map(String::as_str)) {
+            message = message.meant(span, near);
+        } else if let Some((near, path)) =
+            nearest(name, self.program.offered.keys().map(String::as_str))
+                .and_then(|near| Some((near, self.program.offered.get(near)?)))
+        {
+            message = message.with_help(format!("did you mean `{near}` of `{}`?", path.module));
+        }
+        self.report(message);
+    }
+
+    /// The module that defines a name which is not in scope.
+    pub(super) fn module_of(&self, name: &str) -> Option<String> {
         let elsewhere = self.program.modules.iter().find(|module| {
             module.file.items.iter().any(|item| {
                 crate::resolve::defined_name(&item.kind).is_some_and(|n| n.text == name)
             })
         });
-        let path = elsewhere
+        elsewhere
             .map(|module| module.path.clone())
-            .or_else(|| self.program.offered.get(name).cloned());
-        if let Some(path) = path {
-            message = self.offer_use(message, scope.module, &path, name);
-        } else if let Some(near) = nearest(name, known.iter().map(String::as_str)) {
-            message = message
-                .with_help(format!("did you mean `{near}`?"))
-                .with_fix(format!("write `{near}`"), span, near);
-        } else if let Some((near, path)) =
-            nearest(name, self.program.offered.keys().map(String::as_str))
-                .and_then(|near| Some((near, self.program.offered.get(near)?)))
-        {
-            message = message.with_help(format!("did you mean `{near}` of `{path}`?"));
-        } else if self.program.units.contains_key(name) {
-            message = message.with_help(format!(
-                "`{name}` is a unit: it stands after a number, as in `1 {name}`, a list or a parenthesis"
-            ));
-        }
-        self.report(message);
+            .or_else(|| self.program.offered.get(name).map(|o| o.module.clone()))
     }
 
     /// Offers to take a name from a module.
@@ -571,9 +573,7 @@ impl<'p> Checker<'p> {
         let mut message =
             Diagnostic::error(codes::NO_MEMBER, title).at(name.span, "not among its members");
         if let Some(near) = nearest(&name.text, known.iter().copied()) {
-            message = message
-                .with_help(format!("did you mean `{near}`?"))
-                .with_fix(format!("write `{near}`"), name.span, near);
+            message = message.meant(name.span, near);
         } else if !known.is_empty() {
             message = message.with_note(format!(
                 "it has {}",

@@ -44,9 +44,7 @@ impl<'p> Checker<'p> {
                     Diagnostic::error(codes::STATE, format!("there is no state `{}`", state.text))
                         .at(state.span, "a rate of what?");
                 if let Some(near) = nearest(&state.text, states) {
-                    message = message
-                        .with_help(format!("did you mean `{near}`?"))
-                        .with_fix(format!("write `{near}`"), state.span, near);
+                    message = message.meant(state.span, near);
                 } else {
                     message = message.with_help(format!(
                         "for instance `state {}: Pressure = 1 bar`",

@@ -133,11 +133,12 @@ impl<'p> Checker<'p> {
                 .then(|| crate::resolve::suggest::nearest(&name.text, ["gravity"]))
                 .flatten();
             if let Some(near) = near {
-                message = message
-                    .with_help(format!("did you mean `{near}`?"))
-                    .with_fix(format!("write `{near}`"), name.span, near);
+                message = message.meant(name.span, near);
             } else if kind == Kind::Component && name.text == "gravity" {
                 message = message.with_help("gravity acts on the whole model: state it there");
+            } else if let Some(told) = self.offer_marker(message.clone(), name, &attribute.value) {
+                self.report(told);
+                return;
             } else {
                 message = message
                     .with_note("a model has the attribute `gravity`")
@@ -212,9 +213,7 @@ impl<'p> Checker<'p> {
                         crate::resolve::suggest::nearest(&attribute.name.text, ["period"])
                     {
                         period = true;
-                        message = message
-                            .with_help(format!("did you mean `{near}`?"))
-                            .with_fix(format!("write `{near}`"), attribute.name.span, near);
+                        message = message.meant(attribute.name.span, near);
                     }
                     self.report(message);
                 }

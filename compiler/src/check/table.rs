@@ -260,9 +260,7 @@ impl<'p> Checker<'p> {
                 )
                 .at(name.span, "no parameter of this name");
                 if let Some(near) = nearest(other, OPTIONS) {
-                    message = message
-                        .with_help(format!("did you mean `{near}`?"))
-                        .with_fix(format!("write `{near}`"), name.span, near);
+                    message = message.meant(name.span, near);
                 } else {
                     message = message.with_note(
                         "it takes `columns` (of a file), `periodic`, `interpolation` and `extrapolation`",

@@ -84,17 +84,16 @@ impl<'p> Checker<'p> {
                 span.start.saturating_sub(1) as usize,
                 span.start as usize,
             );
-            message = message
-                .also(
-                    between.to(span),
-                    "without spaces it is read as a part of the unit",
-                )
-                .with_help(format!(
-                    "put spaces around `{operator}` for a product of values"
-                ));
-            if self.sources.text(last) == operator.to_string() {
-                message = message.with_fix("put spaces", last, format!(" {operator} "));
-            }
+            message = message.also(
+                between.to(span),
+                "without spaces it is read as a part of the unit",
+            );
+            let help = format!("put spaces around `{operator}` for a product of values");
+            message = if self.sources.text(last) == operator.to_string() {
+                message.with_fix(help, last, format!(" {operator} "))
+            } else {
+                message.with_help(help)
+            };
             self.report(message);
             return;
         }
@@ -150,9 +149,7 @@ impl<'p> Checker<'p> {
             .or_else(|| same_letters(false))
             .or_else(|| super::describe::nearest_unit(name, units.keys()));
         if let Some(meant) = meant {
-            message = message
-                .with_help(format!("did you mean `{meant}`?"))
-                .with_fix(format!("write `{meant}`"), span, meant);
+            message = message.meant(span, meant);
         } else if self.find(scope, name).is_some() {
             message = message.with_help(format!("a factor stands after `*`: `5 * {name}`"));
         } else if let Some(wanted) = wanted

@@ -161,6 +161,10 @@ eng_grammar::codes! {
         "The last point and the first of the next period are much further apart than the others (more than three times the usual distance and a twentieth of the period). A cubic spline bridges that by a curve that the points do not tell. State points over the whole period. `interpolation: monotone` stays between the two values and is taken as meant.",
         "table lift(theta: CrankAngle) -> Length = points([0, 30, 60] deg, [0, 4, 0] mm, periodic: 360 deg)",
         "table lift(theta: CrankAngle) -> Length = points([0, 30, 60] deg, [0, 4, 0] mm, periodic: 360 deg, interpolation: monotone)";
+    TABLE_PEAK = "W0760", "a table reaches a pressure that no engine part stands",
+        "More than 10,000 bar, three times the pressure of fuel injection. Mostly the numbers are in another unit than is stated: pascal read as bar.",
+        "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 360] deg, [6e6, 1e5] bar, extrapolation: hold)",
+        "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 360] deg, [60, 1] bar, extrapolation: hold)";
     NO_GRAVITY = "N0501", "no gravity is stated",
         "It is zero then. State it, or state zeros to say that this is meant.",
         "model Engine { }",

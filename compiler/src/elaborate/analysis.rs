@@ -178,6 +178,10 @@ impl<'a> Elaborator<'a, '_> {
                 model: model_name,
                 point: Vec::new(),
                 set,
+                arguments: arguments
+                    .iter()
+                    .filter_map(|a| Some((a.name.as_ref()?.text.clone(), location(a.value.span))))
+                    .collect(),
                 kind,
             },
             model,

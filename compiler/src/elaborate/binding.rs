@@ -9,7 +9,7 @@ use crate::program::Unit;
 use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::code::{Advice, BindCode, BindError, Bound, Pair};
-use eng_system::system::{Location, Origin, Parameter};
+use eng_system::system::{Location, Origin, Parameter, Slot};
 use eng_system::table::{Outside, Table};
 use eng_system::{Dimension, DisplayUnit};
 
@@ -65,6 +65,38 @@ impl BindProgram {
         let nodes = self.function.graph.nodes();
         let [outside, _] = crate::ir::interpret::outside(nodes, values, tables);
         outside.map(Box::new)
+    }
+
+    /// Parameters that a node is made of, rising; those whose defaults are made of others are left out for these.
+    fn leaves(&self, node: Node) -> Vec<u32> {
+        let nodes = self.function.graph.nodes();
+        let mut seen = vec![false; nodes.len()];
+        let mut found = std::collections::BTreeSet::new();
+        let mut open = vec![node];
+        while let Some(node) = open.pop() {
+            let at = node.0 as usize;
+            let (Some(op), Some(seen)) = (nodes.get(at), seen.get_mut(at)) else {
+                continue;
+            };
+            if std::mem::replace(seen, true) {
+                continue;
+            }
+            match *op {
+                Op::Input(k) if k >= FIXED => {}
+                Op::Input(k) => {
+                    let inner = match self.defaults.get(k as usize) {
+                        Some(default) => self.leaves(*default),
+                        None => Vec::new(),
+                    };
+                    if inner.is_empty() {
+                        found.insert(k);
+                    }
+                    found.extend(inner);
+                }
+                op => open.extend(op.operands()),
+            }
+        }
+        found.into_iter().collect()
     }
 }
 
@@ -142,6 +174,11 @@ impl BindCode for BindProgram {
                     message,
                     used_at: check.used_at,
                     defined_at: check.defined_at,
+                    parameters: self
+                        .leaves(check.holds)
+                        .into_iter()
+                        .map(|k| (k, parameters.get(k as usize).copied().unwrap_or(f64::NAN)))
+                        .collect(),
                 });
             }
         }
@@ -161,6 +198,13 @@ impl BindCode for BindProgram {
             parameters,
             advice,
         })
+    }
+
+    fn parameters_of(&self, slot: Slot) -> Vec<u32> {
+        match self.function.outputs.get(slot.0 as usize) {
+            Some(node) => self.leaves(*node),
+            None => Vec::new(),
+        }
     }
 }
 

@@ -241,16 +241,18 @@ impl<'a> Elaborator<'a, '_> {
             (None, None) => (ex, ez),
             (Some(x), Some(z)) => (x, z),
             (None, Some(z)) => {
-                // the body's x axis, or its y axis where z is close to x
+                // y nearest to the body's z axis, so that a bore in the plane across the crank has y along the crank at any angle; x
+                // nearest to the body's x axis where z itself is close to the body's z
                 let limit = self.bench.constant(0.9, Dimension::ONE);
                 let along = self
                     .bench
-                    .unary(z[0], Dimension::ONE, crate::ir::Graph::abs);
+                    .unary(z[2], Dimension::ONE, crate::ir::Graph::abs);
                 let free = self.bench.compare(along, limit, crate::ir::Graph::less);
+                let across = self.bench.cross(&ez, &z);
                 let chosen = match self.bench.known_flag(free) {
-                    Some(true) => ex,
-                    Some(false) => ey,
-                    None => [0, 1, 2].map(|i| self.bench.select(free, ex[i], ey[i])),
+                    Some(true) => across,
+                    Some(false) => ex,
+                    None => [0, 1, 2].map(|i| self.bench.select(free, across[i], ex[i])),
                 };
                 (chosen, z)
             }

@@ -107,6 +107,25 @@ impl<'a> Elaborator<'a, '_> {
         if let ([xs, ys], true) = (plain.as_slice(), x.len() != y.len()) {
             return Err(self.lengths(x.len(), xs.span, y.len(), ys.span));
         }
+        let pressure = Dimension::MASS
+            .over(Dimension::LENGTH)
+            .over(Dimension::TIME)
+            .over(Dimension::TIME);
+        let peak = y.iter().copied().fold(0.0, f64::max);
+        if result == pressure && peak > MOST_PRESSURE {
+            let unit = columns
+                .or(plain.get(1).copied())
+                .map_or(source.span, |e| e.span);
+            self.diagnostics.push(
+                Diagnostic::warning(
+                    codes::TABLE_PEAK,
+                    format!("table `{}` reaches {}", table.name.text, units.1.text(peak)),
+                )
+                .at(table.name.span, "no engine part stands this pressure")
+                .also(unit, format!("read in {}", units.1.symbol))
+                .with_help("see which unit the numbers have: a column in pascal is `p [Pa]`"),
+            );
+        }
         let gap = match (period, interpolation) {
             (Some(period), Interpolation::Cubic) => period_gap(&x, period),
             _ => None,
@@ -215,6 +234,9 @@ fn points_text(
         other => other.to_string(),
     }
 }
+
+/// Pressure (Pa) beyond what pumps of fuel injection give, which is some 3000 bar.
+const MOST_PRESSURE: f64 = 1e9;
 
 /// A gap of a period that is longer than this many usual distances of the points, and than this share of the period, is told.
 const GAP_DISTANCES: f64 = 3.0;

@@ -3,7 +3,7 @@
 use super::PRELUDE;
 use super::suggest::nearest;
 use crate::codes;
-use crate::program::{Module, Program};
+use crate::program::{Module, Offered, Program};
 use eng_grammar::ast::{Form, Item, ItemKind, Kind, Use, UseNames};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
 use eng_system::host::{Host, HostError};
@@ -21,7 +21,7 @@ pub(super) fn path_of_file(file: &str) -> String {
 }
 
 /// What the library's modules define, read off the beginnings of lines: good enough for a hint, and cheap.
-pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, String> {
+pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, Offered> {
     const WORDS: [&str; 9] = [
         "joint",
         "force",
@@ -45,7 +45,10 @@ pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, String> {
             if WORDS.contains(&word) && end > 0 {
                 names
                     .entry(rest[..end].to_owned())
-                    .or_insert_with(|| (*path).to_owned());
+                    .or_insert_with(|| Offered {
+                        module: (*path).to_owned(),
+                        word: word.to_owned(),
+                    });
             }
         }
     }
@@ -179,9 +182,7 @@ impl Loader<'_> {
                 .map(|(name, _)| *name)
                 .filter(|name| *name != PRELUDE);
             if let Some(near) = nearest(path, known) {
-                message = message
-                    .with_help(format!("did you mean `{near}`?"))
-                    .with_fix(format!("use `{near}`"), span, near);
+                message = message.meant(span, near);
             } else if is_library(path) {
                 let names = self.library.iter().map(|(name, _)| *name);
                 let names: Vec<&str> = names.filter(|name| *name != PRELUDE).collect();

@@ -170,9 +170,7 @@ fn take(
         )
         .at(name.span, "not in that module");
         if let Some(near) = nearest(&name.text, own[from].keys().map(String::as_str)) {
-            message = message
-                .with_help(format!("did you mean `{near}`?"))
-                .with_fix(format!("take `{near}`"), name.span, near);
+            message = message.meant(name.span, near);
         } else if let Some(elsewhere) = own.iter().position(|names| names.contains_key(&name.text))
         {
             message = message.with_help(format!(
@@ -180,7 +178,7 @@ fn take(
                 name.text, program.modules[elsewhere].path
             ));
         } else if let Some(elsewhere) = program.offered.get(&name.text) {
-            message = message.with_help(format!("`{}` is in `{elsewhere}`", name.text));
+            message = message.with_help(format!("`{}` is in `{}`", name.text, elsewhere.module));
         } else {
             message = message.with_note(format!(
                 "it has {}",

@@ -142,9 +142,7 @@ impl Dimensions<'_> {
                 )
                 .at(name.span, "not known");
                 if let Some(near) = near {
-                    message = message
-                        .with_help(format!("did you mean `{near}`?"))
-                        .with_fix(format!("write `{near}`"), name.span, near);
+                    message = message.meant(name.span, near);
                 }
                 self.diagnostics.push(message);
                 None
@@ -237,9 +235,7 @@ impl Units<'_> {
                 .at(name.span, "not known");
                 if let Some(near) = nearest(&name.text, self.dimensions.keys().map(String::as_str))
                 {
-                    message = message
-                        .with_help(format!("did you mean `{near}`?"))
-                        .with_fix(format!("write `{near}`"), name.span, near);
+                    message = message.meant(name.span, near);
                 }
                 self.diagnostics.push(message);
                 return None;
@@ -387,9 +383,7 @@ impl Units<'_> {
                 )
                 .at(factor.name.span, "not known");
                 if let Some(near) = near {
-                    message = message
-                        .with_help(format!("did you mean `{near}`?"))
-                        .with_fix(format!("write `{near}`"), factor.name.span, near);
+                    message = message.meant(factor.name.span, near);
                 }
                 self.diagnostics.push(message);
                 return None;

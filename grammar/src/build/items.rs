@@ -537,7 +537,7 @@ impl<'t> Builder<'t, '_> {
                 Rule::word_report => word = self.place(&part),
                 Rule::name => name = Some(self.name(&part)),
                 Rule::string => title = Some(self.title(&part)),
-                Rule::block => block = Some(self.block(part, depth + 1)),
+                Rule::block => block = Some(self.block(part, diagnose::Place::Report, depth + 1)),
                 _ => {}
             }
         }
@@ -599,7 +599,8 @@ impl<'t> Builder<'t, '_> {
         let kind = match kind_of(word.as_str()) {
             Some(kind) => Some(kind),
             None => {
-                let diagnostic = diagnose::unknown_kind(word.as_str(), kind_span);
+                let diagnostic =
+                    diagnose::unknown_kind(word.as_str(), kind_span, self.place_of_items);
                 let kind = diagnostic
                     .fixes
                     .first()
@@ -617,13 +618,20 @@ impl<'t> Builder<'t, '_> {
         let mut value = None;
         let mut block = None;
         let rule = body.as_rule();
+        // a cycle is written as a use is, and has a block of its own
+        let place = match kind {
+            Some(kind) if rule != Rule::instance_form || kind == Kind::Cycle => {
+                diagnose::Place::Definition(kind)
+            }
+            _ => diagnose::Place::Use,
+        };
         for part in body.into_inner() {
             match part.as_rule() {
                 Rule::index => index = self.binders(part, depth + 1),
                 Rule::parameters => parameters = self.parameters(part, depth + 1),
                 Rule::name => interface = Some(self.name(&part)),
                 Rule::expression => value = Some(self.expression(part, depth + 1)),
-                Rule::block => block = Some(self.block(part, depth + 1)),
+                Rule::block => block = Some(self.block(part, place, depth + 1)),
                 _ => {}
             }
         }
@@ -650,11 +658,11 @@ impl<'t> Builder<'t, '_> {
     }
 
     /// Of a `block`.
-    fn block(&mut self, pair: Pair<'t, Rule>, depth: usize) -> Block {
+    fn block(&mut self, pair: Pair<'t, Rule>, place: diagnose::Place, depth: usize) -> Block {
         let span = self.place(&pair);
-        Block {
-            items: self.items(pair.into_inner(), depth),
-            span,
-        }
+        let outer = std::mem::replace(&mut self.place_of_items, place);
+        let items = self.items(pair.into_inner(), depth);
+        self.place_of_items = outer;
+        Block { items, span }
     }
 }

@@ -79,7 +79,11 @@ impl<'b> Failure<'b> {
                 .at(self.span(), "in here")
                 .with_help("name parts of it with `let`");
         }
-        self.malformed_number()
+        self.comma_in_number()
+            .or_else(|| self.dot_in_unit())
+            .or_else(|| self.colon_in_range())
+            .or_else(|| self.index_without_binder())
+            .or_else(|| self.malformed_number())
             .or_else(|| self.strange())
             .or_else(|| self.foreign_operator())
             .or_else(|| self.equals())
@@ -149,6 +153,94 @@ impl<'b> Failure<'b> {
             );
         }
         None
+    }
+
+    /// The token at the place with its neighbours, where nothing stands between the three.
+    fn joined(&self) -> Option<[&'b Token; 3]> {
+        let (before, here) = (self.before()?, self.token(self.at)?);
+        let next = self.token(self.at + 1)?;
+        (before.end == here.start && here.end == next.start).then_some([before, here, next])
+    }
+
+    /// `0,62 kg`.
+    fn comma_in_number(&self) -> Option<Diagnostic> {
+        let [before, here, next] = self.joined()?;
+        let numbers = before.kind == TokenKind::Number && next.kind == TokenKind::Number;
+        (self.found() == "," && numbers).then(|| {
+            Diagnostic::error(codes::NUMBER, "a decimal fraction is written with a point")
+                .at(self.builder.span(before.start, next.end), "not a number")
+                .with_fix(
+                    "write a point",
+                    self.builder.span(here.start, here.end),
+                    ".",
+                )
+        })
+    }
+
+    /// `4 N.m`.
+    fn dot_in_unit(&self) -> Option<Diagnostic> {
+        let [before, here, next] = self.joined()?;
+        let words = before.kind == TokenKind::Word && next.kind == TokenKind::Word;
+        if self.found() != "." || !words {
+            return None;
+        }
+        // back over the unit to the number, list or parenthesis that it belongs to
+        let first = (0..self.at).rev().find(|index| {
+            let token = self.token(*index);
+            let text = self.word(*index);
+            let of_unit = token.is_some_and(|token| token.kind == TokenKind::Word)
+                || matches!(text, "*" | "/" | "^");
+            !of_unit
+        })?;
+        let scaled = self
+            .token(first)
+            .is_some_and(|token| token.kind == TokenKind::Number)
+            || matches!(self.word(first), ")" | "]");
+        (scaled && self.word(first + 1) != "*" && self.word(first + 1) != "/").then(|| {
+            Diagnostic::error(codes::NUMBER, "a product of units is written with `*`")
+                .at(self.span(), "not in a unit")
+                .with_fix("write `*`", self.builder.span(here.start, here.end), "*")
+        })
+    }
+
+    /// `i in 1:4`.
+    fn colon_in_range(&self) -> Option<Diagnostic> {
+        let here = self.token(self.at)?;
+        let (open, sign) = self.inside()?;
+        let binds = self
+            .tokens
+            .iter()
+            .take(self.at)
+            .any(|token| token.start > open.start && token.text(self.text) == "in");
+        (self.found() == ":" && (sign == "[" || (sign == "(" && binds))).then(|| {
+            Diagnostic::error(codes::UNEXPECTED, "a range is written with `..`")
+                .at(self.span(), "for instance `1..4`")
+                .with_fix("write `..`", self.builder.span(here.start, here.end), "..")
+        })
+    }
+
+    /// `marker main[4] = …`.
+    fn index_without_binder(&self) -> Option<Diagnostic> {
+        let here = self.token(self.at)?;
+        if self.before_text() != "[" || !self.tried(&[Rule::name, Rule::binder]) {
+            return None;
+        }
+        let diagnostic = Diagnostic::error(
+            codes::UNEXPECTED,
+            "an index of a declaration names a variable and its values",
+        )
+        .at(self.span(), "expected, for instance, `i in 1..4`");
+        let counts = here.kind == TokenKind::Number && self.word(self.at + 1) == "]";
+        Some(if counts {
+            let whole = self.builder.span(here.start, here.end);
+            diagnostic.with_fix(
+                format!("for {} of them", self.found()),
+                whole,
+                format!("i in 1..{}", self.found()),
+            )
+        } else {
+            diagnostic
+        })
     }
 
     /// A character that is no part of the language.

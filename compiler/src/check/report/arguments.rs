@@ -91,9 +91,7 @@ impl<'a> Reporter<'a, '_> {
                         )
                         .at(name.span, "no parameter of this name");
                         let message = match nearest(&name.text, all().copied()) {
-                            Some(near) => message
-                                .with_help(format!("did you mean `{near}`?"))
-                                .with_fix(format!("write `{near}`"), name.span, near),
+                            Some(near) => message.meant(name.span, near),
                             None => message
                                 .with_note(format!("it takes {}", listing(all().copied(), 12))),
                         };
@@ -184,9 +182,7 @@ impl<'a> Reporter<'a, '_> {
         )
         .at(value.span, "none of these words");
         if let Some(near) = nearest(word, words()) {
-            message = message
-                .with_help(format!("did you mean `{near}`?"))
-                .with_fix(format!("write `{near}`"), value.span, near);
+            message = message.meant(value.span, near);
         }
         self.tell(message);
         None

@@ -581,9 +581,7 @@ fn no_channel(place: &Found<'_>, field: &Name) -> Diagnostic {
     let message = Diagnostic::error(codes::NO_MEMBER, what).at(field.span, "not recorded");
     let known = next_names(place);
     if let Some(near) = nearest(&field.text, known.iter().map(String::as_str)) {
-        return message
-            .with_help(format!("did you mean `{near}`?"))
-            .with_fix(format!("write `{near}`"), field.span, near);
+        return message.meant(field.span, near);
     }
     let indices = indexed(place);
     if known.is_empty() && !indices.is_empty() {

@@ -229,9 +229,7 @@ impl<'a> Reporter<'a, '_> {
         )
         .at(place, "not known");
         let message = match nearest(name, known()) {
-            Some(near) => message
-                .with_help(format!("did you mean `{near}`?"))
-                .with_fix(format!("write `{near}`"), place, near),
+            Some(near) => message.meant(place, near),
             None => message.with_note(format!(
                 "they have {}",
                 crate::resolve::suggest::listing(known(), 30)

@@ -66,9 +66,7 @@ impl<'a> Reporter<'a, '_> {
         )
         .at(span, "draws nothing");
         let message = match name.and_then(|name| nearest(name, known())) {
-            Some(near) => message
-                .with_help(format!("did you mean `{near}`?"))
-                .with_fix(format!("write `{near}`"), span, near),
+            Some(near) => message.meant(span, near),
             None => message.with_note(format!("these are {}", listing(known(), 12))),
         };
         self.tell(message);

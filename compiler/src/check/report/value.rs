@@ -231,9 +231,7 @@ impl<'a> Reporter<'a, '_> {
         let near = nearest(&name, analyses.iter().copied().chain(own))
             .or_else(|| nearest(&name, top.map(String::as_str)));
         message = match near {
-            Some(near) => message
-                .with_help(format!("did you mean `{near}`?"))
-                .with_fix(format!("write `{near}`"), span, near),
+            Some(near) => message.meant(span, near),
             None => message.with_note(format!("the analyses are {}", listing(analyses, 12))),
         };
         self.tell(message);

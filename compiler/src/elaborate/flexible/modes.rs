@@ -160,9 +160,7 @@ impl<'a> Elaborator<'a, '_> {
             )
             .at(wanted.span, "not among its markers");
             message = match nearest(&wanted.name, names()) {
-                Some(near) => message
-                    .with_help(format!("did you mean `{near}`?"))
-                    .with_fix(format!("write `{near}`"), wanted.span, near),
+                Some(near) => message.meant(wanted.span, near),
                 None => {
                     let mut distinct: Vec<&str> = names().collect();
                     distinct.dedup();
