@@ -12,7 +12,7 @@ use eng_runtime::{
 };
 use eng_system::code::BindError;
 use eng_system::recorded::recorded;
-use eng_system::system::{AnalysisKind, Location, Origin, PointValue};
+use eng_system::system::{AnalysisKind, Location, Origin, PointValue, Start};
 use std::ops::ControlFlow;
 
 /// An analysis, ready to run.
@@ -203,9 +203,19 @@ impl Analysis {
             _ => None,
         };
         let of_analysis = matches!(cause, RuntimeError::Options { .. });
+        let argument = match &cause {
+            RuntimeError::TurnsTooFar { .. } => Some("step"),
+            RuntimeError::CycleStands { .. } => Some("duration"),
+            _ => None,
+        };
+        let argument =
+            argument.and_then(|wanted| self.plan.arguments.iter().find(|(name, _)| name == wanted));
         run_error_with(&self.model, cause, |message| {
             if of_analysis {
                 return crate::failure::place(message, &self.plan.origin, "of this analysis");
+            }
+            if let Some((name, at)) = argument {
+                return crate::failure::at_first(message, *at, &format!("this {name}"));
             }
             let Some(path) = path else {
                 return message;
@@ -223,10 +233,65 @@ impl Analysis {
     /// Assembles the model as the analysis begins, and counts its freedoms.
     pub fn topology(&self) -> Result<eng_runtime::TopologyReport, Error> {
         let (compiled, overrides) = (self.model.compiled(), &self.overrides);
-        // the start has conditions of its own: clearances, velocities that fit each other
-        eng_runtime::Simulation::new(compiled, overrides, eng_runtime::Options::default())
+        let begins = |start: Start| {
+            let options = eng_runtime::Options {
+                start,
+                ..eng_runtime::Options::default()
+            };
+            eng_runtime::Simulation::new(compiled, overrides, options)
+        };
+        // The start has conditions of its own: clearances, velocities that fit each other. They count in the state in which the run
+        // begins; that is dearer to find, and asked for where the assembled state does not do.
+        let run_starts = match &self.plan.kind {
+            AnalysisKind::Transient(t) => t.start,
+            AnalysisKind::Periodic(p) => p.start,
+            AnalysisKind::Linear(l) => l.start,
+            AnalysisKind::Assemble => Start::Assembled,
+        };
+        let begun = match begins(Start::Assembled) {
+            Err(RuntimeError::Require { .. }) if run_starts != Start::Assembled => {
+                begins(run_starts)
+            }
+            other => other,
+        };
+        begun
             .and_then(|_| eng_runtime::topology(compiled, overrides))
             .map_err(|cause| self.error(cause))
+    }
+
+    /// The numbers that place its markers, as bits: analyses that agree in them have one geometry.
+    pub(crate) fn geometry(&self) -> Result<Vec<u64>, Error> {
+        let bound = self.bound()?;
+        let markers = &self.model.compiled().system.markers;
+        let slots = markers
+            .iter()
+            .flat_map(|m| m.position.iter().chain(&m.orientation));
+        Ok(slots
+            .map(|slot| crate::local::at(&bound, *slot).to_bits())
+            .collect())
+    }
+
+    /// Bodies that nothing holds, as a warning.
+    pub fn hanging(&self) -> Result<Option<eng_grammar::Diagnostic>, Error> {
+        let found = eng_runtime::assembly::hanging::hanging(self.model.compiled(), &self.overrides)
+            .map_err(|cause| self.error(cause))?;
+        Ok(found.as_ref().map(crate::failure::hanging))
+    }
+
+    /// Where the machine locks when it is turned through its cycle by its geometry alone, as a warning: a run need not come there.
+    pub fn dry_turn(&self) -> Result<Option<eng_grammar::Diagnostic>, Error> {
+        let turned =
+            eng_runtime::assembly::turn::turn(self.model.compiled(), &self.overrides, &mut |_| {
+                Ok(())
+            });
+        match turned {
+            Ok(_) => Ok(None),
+            Err(cause @ RuntimeError::Locked { .. }) => {
+                let system = &self.model.compiled().system;
+                Ok(Some(crate::failure::does_not_turn(&cause, system)))
+            }
+            Err(cause) => Err(self.error(cause)),
+        }
     }
 
     /// Runs. `progress` is called after every step.

@@ -75,6 +75,15 @@ eng_grammar::codes! {
         "Bodies turn, and something about the small motions turns with them: the shapes of a flexible body, unequal inertia, a joint or load beside the axis. Eigenvalues with the coefficients held at one moment then give wrong whirl, damping and stability. The message names the bodies and the reason. `frozen: true` asks for that picture of a moment all the same, for frequencies well above the speed; the result is marked so.",
         "analysis modes = linear(Engine(), after: 3 rev)",
         "analysis modes = linear(Engine(), after: 3 rev, frozen: true)";
+    LOCKED = "E0760", "the mechanism locks",
+        "Its geometry lets it go no further at this position: a rod shorter than the throw, a guide whose axis lies across the motion, two joints that ask for different motions. Forces have no part in it. The message names the loop of bodies, the lengths between their joints and the axes.",
+        "", "";
+    NO_TURN = "W0761", "the machine does not come through its cycle",
+        "`eng check` turns the assembled machine through one period by its geometry alone: no forces, pins in the middle of their shells. At the stated cycle angle it goes no further. The message names the loop of bodies, the lengths between their joints and the axes. A run that comes there fails, or the crank turns back.",
+        "", "";
+    HANGING = "W0762", "a body hangs on nothing",
+        "No joint, film or force of the text holds it against a motion, though one joins it to others: a coupling turns it and does not carry it. It falls, and what hangs on it falls with it.",
+        "", "";
     ADVISED = "W0711", "an `advise` fails during the run",
         "The run goes on, but its class takes this for doubtful. It is said once for each element, at the first moment. The text is its author's.",
         "", "";

@@ -8,6 +8,10 @@ use eng_system::code::BindError;
 use eng_system::system::{Location, Origin, System};
 use eng_system::table::Outside;
 
+mod geometry;
+use geometry::{MOST_PARAMETERS, PLACING, with_axes, with_lengths};
+pub(crate) use geometry::{does_not_turn, hanging};
+
 /// The message of a failure: the user's line first, the law's second.
 pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
     use RuntimeError as R;
@@ -16,7 +20,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Bind(bind) => bind_diagnostic(bind, system),
         R::Body { origin, .. } => place(d(codes::BODY), origin, "this body")
             .with_help("check the unit, the signs of the products, and that the inertia is about the centre of mass"),
-        R::OpenLoop { rows } => {
+        R::OpenLoop { rows, chain } => {
             let mut message = d(codes::OPEN_LOOP);
             for (i, row) in rows.iter().take(3).enumerate() {
                 message = if i == 0 {
@@ -25,17 +29,42 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
                     related(message, &row.origin, "and here")
                 };
             }
-            message
-                .with_help("check lengths and marker places; state `start` or `guess` values that are near the assembled position")
+            with_lengths(message, chain.as_deref(), system).with_help(PLACING)
         }
-        R::Branch { origin, .. } => place(d(codes::WRONG_BRANCH), origin, "assembled the other way round")
-            .with_help("state a `guess` nearer to the wanted position, or another `branch` at the use"),
-        R::StartVelocity { rows } => {
+        R::Branch { origin, chain, .. } => {
+            let message = place(d(codes::WRONG_BRANCH), origin, "assembled the other way round");
+            with_lengths(message, chain.as_deref(), system)
+                .with_help(PLACING)
+                .with_help("or ask for another `branch` at the use")
+        }
+        R::StartVelocity { rows, chain } => {
             let mut message = d(codes::START_VELOCITY);
             for row in rows.iter().take(3) {
                 message = place(message, &row.origin, "cannot hold together with the others");
             }
+            let message = match chain {
+                Some(chain) => with_axes(message, chain).with_help(format!(
+                    "see whether the joints of {chain} let them follow: an axis that stands across, a bore along the crank"
+                )),
+                None => message,
+            };
             message.with_help("a driven part and its start velocity must agree; leave one of them out")
+        }
+        R::Locked { rows, chain, .. } => {
+            let mut message = d(codes::LOCKED);
+            let mut told: Vec<&Origin> = Vec::new();
+            for row in rows {
+                if !told.contains(&&row.origin) && told.len() < 3 {
+                    told.push(&row.origin);
+                    message = place(message, &row.origin, "holds against the others here");
+                }
+            }
+            let message = with_lengths(message, chain.as_deref(), system);
+            match chain {
+                Some(chain) => with_axes(message, chain),
+                None => message,
+            }
+            .with_help("no force is at fault: change a length or an axis, or let a joint hold less")
         }
         R::Redundant { groups } => redundant(groups),
         R::NotFinite {
@@ -69,7 +98,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
                 Some(cycle) => place(message, &cycle.origin, "this angle is counted"),
                 None => message,
             };
-            message.with_help("give the duration as a time, or start the crank turning")
+            message.with_help("such a duration never passes: give it as a time, or start the crank turning")
         }
         R::Turning { bodies, .. } => turning(d(codes::TURNING), bodies),
         R::Singular { repeated, .. } if !repeated.is_empty() => {
@@ -101,6 +130,17 @@ fn turning(message: Diagnostic, bodies: &[eng_runtime::TurningBody]) -> Diagnost
             place(message, &body.origin, &format!("turns at {} rad/s and {}", significant(body.speed, 4), body.reason()))
         })
         .with_help("`frozen: true` holds the coefficients at this moment: a picture for frequencies well above the speed, wrong for whirl, damping and stability")
+}
+
+/// A message with a place before those that it has.
+pub(crate) fn at_first(mut message: Diagnostic, at: Location, label: &str) -> Diagnostic {
+    for label in &mut message.labels {
+        label.primary = false;
+    }
+    let mut first = message.clone().at(span(at), label).labels;
+    first.rotate_right(1);
+    message.labels = first;
+    message
 }
 
 /// Where a table stands whose points end, and what can be done.
@@ -167,6 +207,7 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
             used_at,
             defined_at,
             path,
+            parameters,
             ..
         } => {
             let origin = Origin {
@@ -175,7 +216,24 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
                 defined_at: *defined_at,
             };
             let message = Diagnostic::error(codes::PARAMETER_REQUIRED, error.to_string());
-            condition(message, &origin, "this must hold")
+            let message = condition(message, &origin, "this must hold");
+            // the numbers that it is about, where the text states them
+            let stated = parameters.iter().rev().filter_map(|(index, value)| {
+                let parameter = system.parameters.get(*index as usize)?;
+                let told = format!(
+                    "{} = {}",
+                    parameter.origin.path,
+                    parameter.display.text(*value)
+                );
+                Some((parameter.origin.used_at?, told))
+            });
+            let elsewhere: Vec<_> = stated.filter(|(at, _)| Some(*at) != *used_at).collect();
+            match elsewhere.len() {
+                1..=MOST_PARAMETERS => elsewhere
+                    .iter()
+                    .fold(message, |message, (at, told)| at_first(message, *at, told)),
+                _ => message,
+            }
         }
         BindError::NotFinite {
             path,

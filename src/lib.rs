@@ -35,6 +35,7 @@ pub mod render;
 pub mod results;
 
 mod analysis;
+mod counted;
 mod error;
 mod failure;
 mod local;

@@ -5,6 +5,7 @@ use crate::cli::{
     AssemblyOutcome, CheckOutcome, Engine, EngineError, Event, JournalGeometry, Progress,
     RunOutcome, Setting,
 };
+use crate::counted::counted;
 use crate::plot::Upright;
 use crate::repetition::Repetition;
 use crate::report::Described;
@@ -128,20 +129,37 @@ impl Engine for Local {
         };
         let mut found = AssemblyOutcome::default();
         let mut told = Vec::new();
+        let mut geometries = Vec::new();
         let names = program.analyses();
         for (name, analysis) in names.iter().zip(program.analyses_of(&names)) {
             let analysis = analysis.map_err(engine_error)?;
             match analysis.topology() {
                 Ok(report) => {
-                    for diagnostic in analysis.advice().map_err(engine_error)? {
+                    // of analyses that differ in loads and speeds alone one is turned
+                    let model = std::sync::Arc::as_ptr(&analysis.model().compiled().system);
+                    let geometry = (model, analysis.geometry().map_err(engine_error)?);
+                    let (mut turned, mut hanging) = (None, None);
+                    if !geometries.contains(&geometry) {
+                        geometries.push(geometry);
+                        turned = analysis.dry_turn().map_err(engine_error)?;
+                        hanging = analysis.hanging().map_err(engine_error)?;
+                    }
+                    let advice = analysis.advice().map_err(engine_error)?;
+                    for diagnostic in advice.into_iter().chain(hanging).chain(turned) {
                         if !told.contains(&diagnostic) {
                             told.push(diagnostic.clone());
                             found.diagnostics.push(diagnostic);
                         }
                     }
                     found.facts.push(format!(
-                        "{name}: assembles; {} velocities, {} constraint equations, {} freedoms",
-                        report.velocities, report.equations, report.freedom
+                        "{name}: assembles; {}, {}, {}",
+                        counted(report.velocities, "velocity", "velocities"),
+                        counted(
+                            report.equations,
+                            "constraint equation",
+                            "constraint equations"
+                        ),
+                        counted(report.freedom, "freedom", "freedoms"),
                     ));
                 }
                 Err(Error::Run { report, .. } | Error::Report(report)) => {
@@ -305,6 +323,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     analysis
         .advice()?
         .into_iter()
+        .chain(analysis.hanging()?)
         .for_each(|d| diagnostics.push(d));
     for warning in &outcome.warnings {
         // a run repeats what its parameters are advised at its start

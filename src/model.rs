@@ -1,5 +1,6 @@
 //! Compiled models and handles to what is in them.
 
+use crate::counted::counted;
 use crate::{Error, Quantity, SimulationBuilder};
 use eng_grammar::SourceMap;
 use eng_system::code::Compiled;
@@ -170,15 +171,16 @@ impl Model {
             .sum();
         let bytes: usize = self.compiled.code.iter().map(|c| c.code_bytes()).sum();
         format!(
-            "{}: {} bodies with {} velocities, {} elements of {} classes, {rows} constraint equations, {} journals, {} parameters, {} channels; {} kB of machine code",
+            "{}: {} with {}, {} of {}, {}, {}, {}, {}; {} kB of machine code",
             system.name,
-            system.bodies.len(),
-            6 * system.bodies.len() + modes,
-            dynamic().count(),
-            system.classes.len(),
-            system.journals.len(),
-            system.parameters.len(),
-            system.channels.len(),
+            counted(system.bodies.len(), "body", "bodies"),
+            counted(6 * system.bodies.len() + modes, "velocity", "velocities"),
+            counted(dynamic().count(), "element", "elements"),
+            counted(system.classes.len(), "class", "classes"),
+            counted(rows, "constraint equation", "constraint equations"),
+            counted(system.journals.len(), "journal", "journals"),
+            counted(system.parameters.len(), "parameter", "parameters"),
+            counted(system.channels.len(), "channel", "channels"),
             bytes / 1024,
         )
     }

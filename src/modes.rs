@@ -11,6 +11,7 @@
 //! | `potential.P`, `lost.P` | share of flexible body or load P in the stored energy, in the lost power (negative: P feeds the mode) |
 //! | a channel's path, `….phase` | its amplitude while the mode has 1 J, and its phase against the mode's largest motion |
 
+use crate::counted::counted;
 use crate::results::{Column, Results, ResultsError};
 use eng_runtime::linearised::{Coefficients, LinearModes, Mode, Part, parts_of, stores};
 use eng_runtime::model::Model;
@@ -158,11 +159,11 @@ pub(crate) fn are_frozen(results: &Results) -> bool {
 pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
     let count = modes.oscillations().count();
     let mut told = format!(
-        "linearised at {}: {} freedoms, {} oscillations, {} decays",
+        "linearised at {}: {}, {}, {}",
         modes.moment,
-        modes.freedoms,
-        count,
-        modes.modes.len() - count
+        counted(modes.freedoms, "freedom", "freedoms"),
+        counted(count, "oscillation", "oscillations"),
+        counted(modes.modes.len() - count, "decay", "decays")
     );
     if modes.states > 0 {
         told.push_str(&format!(", {} states of elements", modes.states));

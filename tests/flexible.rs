@@ -261,7 +261,7 @@ fn a_parameter_changes_the_load_on_a_compiled_flexible_model() {
 fn a_summary_counts_the_velocities_of_modes() {
     let summary = program(FREE).model("Free").expect("a model").summary();
     assert!(
-        summary.starts_with("Free: 1 bodies with 13 velocities,"),
+        summary.starts_with("Free: 1 body with 13 velocities,"),
         "{summary}"
     );
 }

@@ -19,6 +19,14 @@ fn messages(path: &Path) -> (SourceMap, Vec<(String, Diagnostics)>) {
         human(&checked.diagnostics, &checked.sources, Colors::None)
     );
     let mut found = Vec::new();
+    let assembled = engine.assemble().expect("what assembling finds");
+    let told = assembled.diagnostics.iter();
+    let mut locks = Diagnostics::new();
+    told.filter(|d| d.code == codes::NO_TURN)
+        .for_each(|d| locks.push(d.clone()));
+    if !locks.is_empty() {
+        found.push(("check".to_owned(), locks));
+    }
     for analysis in &checked.analyses {
         let mut diagnostics = Diagnostics::new();
         match engine.run(analysis, &[], &mut |_| {}) {

@@ -1,5 +1,6 @@
 //! Everything that can go wrong between binding and the last sample.
 
+use eng_system::DisplayUnit;
 use eng_system::code::BindError;
 use eng_system::system::Origin;
 use eng_system::table::Outside;
@@ -46,10 +47,82 @@ impl NamedRow {
     /// Products of unit axes are angles for small gaps.
     fn gap(&self, per: &str) -> String {
         if self.is_length {
-            format!("{:.6} mm{per}", 1e3 * self.value.abs())
+            format!("{} mm{per}", digits(1e3 * self.value.abs()))
         } else {
-            format!("{:.6} rad{per}", self.value.abs())
+            format!("{} rad{per}", digits(self.value.abs()))
         }
+    }
+}
+
+/// A closed chain of bodies and the joints between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chain {
+    /// Joints and films, with the z axis of the reference marker of each (unit vector, inertial).
+    pub joints: Vec<(Origin, Option<[f64; 3]>)>,
+    /// Bodies, the ground left out.
+    pub bodies: Vec<ChainBody>,
+}
+
+/// A body of a chain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChainBody {
+    /// The body.
+    pub origin: Origin,
+    /// Distance of its two joints across the chain's axis (m).
+    pub length: f64,
+    /// Indices of the parameters that place its two markers.
+    pub parameters: Vec<u32>,
+}
+
+impl std::fmt::Display for Chain {
+    /// `crank, rod[1] and piston[1]`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (i, body) in self.bodies.iter().enumerate() {
+            let joint = match i {
+                0 => "",
+                _ if i + 1 == self.bodies.len() => " and ",
+                _ => ", ",
+            };
+            write!(f, "{joint}{}", body.origin.path)?;
+        }
+        Ok(())
+    }
+}
+
+fn whose(chain: Option<&Chain>) -> String {
+    chain.map_or_else(
+        || "the mechanism".to_owned(),
+        |chain| format!("the loop of {chain}"),
+    )
+}
+
+/// Four significant digits.
+fn digits(value: f64) -> String {
+    DisplayUnit {
+        symbol: "1".to_owned(),
+        scale: 1.0,
+        offset: 0.0,
+    }
+    .text(value)
+}
+
+fn standing(moment: &Moment, angle: f64) -> String {
+    if moment.time == 0.0 {
+        "the cycle does not turn: it stands at the start, and nothing accelerates it".to_owned()
+    } else {
+        format!(
+            "the cycle angle has not gone beyond {:.3}° until {moment}",
+            angle.to_degrees()
+        )
+    }
+}
+
+/// By how much a branch condition is missed.
+fn missed(value: f64) -> String {
+    if value.abs() <= 1e-9 {
+        "the only place found lies on the border of two branches".to_owned()
+    } else {
+        format!("it is missed by {} in SI units", digits(-value))
     }
 }
 
@@ -221,9 +294,11 @@ pub enum RuntimeError {
     OpenLoop {
         /// The rows that stay open, the widest first.
         rows: Vec<NamedRow>,
+        /// The loop of the first.
+        chain: Option<Box<Chain>>,
     },
     /// The assembled positions are on the wrong branch.
-    #[error("{}: no start position with {condition} was found; it is missed by {:.4}", origin.path, -value)]
+    #[error("{}: no start position with {condition} was found: {}", origin.path, missed(*value))]
     Branch {
         /// The element.
         origin: Box<Origin>,
@@ -231,12 +306,26 @@ pub enum RuntimeError {
         condition: String,
         /// Its value; positive would hold.
         value: f64,
+        /// The loop of the element.
+        chain: Option<Box<Chain>>,
     },
     /// Start velocities contradict the constraints or each other.
     #[error("the start velocities contradict each other: {}", gaps(rows, "/s"))]
     StartVelocity {
         /// The rows that stay unsatisfied, the worst first.
         rows: Vec<NamedRow>,
+        /// The loop that the stated motion does not fit, where a joint is among the rows.
+        chain: Option<Box<Chain>>,
+    },
+    /// The mechanism stands where its geometry lets it go no further.
+    #[error("{} locks at {moment}", whose(chain.as_deref()))]
+    Locked {
+        /// When.
+        moment: Moment,
+        /// Constraint equations that depend on each other there, the most concerned first.
+        rows: Vec<NamedRow>,
+        /// The loop.
+        chain: Option<Box<Chain>>,
     },
     /// Constraint equations repeat each other.
     #[error("{} constraint equation(s) repeat others: {}", groups.len(), list_groups(groups))]
@@ -357,7 +446,7 @@ pub enum RuntimeError {
     #[error("the analysis counts in cycle angle, but the model has no cycle")]
     NoCycle,
     /// The cycle does not advance.
-    #[error("the cycle angle has not gone beyond {:.3}° until {moment}", angle.to_degrees())]
+    #[error("{}", standing(moment, *angle))]
     CycleStands {
         /// When.
         moment: Moment,

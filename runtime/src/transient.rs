@@ -180,6 +180,16 @@ fn run(
         return Err(RuntimeError::NoCycle);
     }
     let start = simulation.cycle_start();
+    let fresh = resume.is_none() && matches!(transient.duration, Extent::Angle(_));
+    if fresh && simulation.cycle_stands()? {
+        return Err(RuntimeError::CycleStands {
+            moment: Moment {
+                time: simulation.time(),
+                cycle_angle: Some(start),
+            },
+            angle: start,
+        });
+    }
     // The grid runs in the sense in which the machine turns.
     let turned = simulation.cycle_angle().unwrap_or(start) - start;
     let sense = if turned != 0.0 {

@@ -250,15 +250,27 @@ fn reduced(
     Ok(stored)
 }
 
-/// A failure at the marker that its text begins with, else at the mode set.
+/// A failure at the marker or the matrix that its text begins with, else at the mode set.
 fn reduction_failed(error: &FlexibleError, source: &FlexibleSource) -> Box<Diagnostic> {
     let text = error.to_string();
     let marker = source.markers.iter().find(|m| {
         text.starts_with(&format!("{}:", m.name)) || text.starts_with(&format!("{}.", m.name))
     });
-    match marker {
-        Some(marker) => failed(codes::MESH_MARKER, error, marker.at, "this marker"),
-        None => failed(
+    // errors of a matrix begin with its file, and its name where the file has several
+    let matrix = [&source.stiffness, &source.mass]
+        .into_iter()
+        .flatten()
+        .find(|matrix| {
+            let title = match &matrix.matrix {
+                Some(name) => format!("{}: {name}", matrix.file),
+                None => matrix.file.clone(),
+            };
+            text.starts_with(&title)
+        });
+    match (marker, matrix) {
+        (Some(marker), _) => failed(codes::MESH_MARKER, error, marker.at, "this marker"),
+        (None, Some(matrix)) => failed(codes::REDUCTION, error, matrix.at, "this matrix"),
+        (None, None) => failed(
             codes::REDUCTION,
             error,
             source.modes_at,

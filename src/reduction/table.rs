@@ -1,6 +1,7 @@
 //! What a reduction found, as text.
 
 use super::Reduction;
+use crate::counted::counted;
 use crate::significant::{fixed, significant};
 use eng_flexible::reduce::BodyMass;
 use std::fmt::{self, Write};
@@ -34,12 +35,12 @@ impl Reduction {
         let report = &self.stored.report;
         writeln!(
             out,
-            "{}: {} nodes, {} elements, {} freedoms → {} modes, {}",
+            "{}: {}, {}, {} → {}, {}",
             self.path,
-            report.nodes,
-            report.elements,
-            report.freedoms,
-            constants.modes,
+            counted(report.nodes, "node", "nodes"),
+            counted(report.elements, "element", "elements"),
+            counted(report.freedoms, "freedom", "freedoms"),
+            counted(constants.modes, "mode", "modes"),
             if report.supported {
                 "held at its supports"
             } else {

@@ -1,6 +1,6 @@
 //! Closing loops: Gauss–Newton with smallest steps, and shaking where that ends on a wrong branch.
 
-use super::rows::{Along, Rows, smallest_solution};
+use super::rows::{Along, Centred, Rows, smallest_solution};
 use super::{at, choose_turns, is_closed, violated_branches};
 use crate::body::BodyModel;
 use crate::dynamics::undefined;
@@ -148,6 +148,28 @@ fn offending(
     Ok(found.into_iter().collect())
 }
 
+/// Brings pins into their shells as far as the other rows let them. Bodies with a stated place do not follow a wish.
+fn follow_wishes(
+    model: &Model,
+    all: &[usize],
+    wishes: &[Centred],
+    stated: &[bool],
+    state: &mut State,
+) -> Result<(), RuntimeError> {
+    if wishes.is_empty() {
+        return Ok(());
+    }
+    let mut free = mobility(model, stated);
+    for (body, stated) in model.bodies.iter().zip(stated) {
+        if *stated {
+            free[body.velocity..body.velocity + body.width()].fill(0.0);
+        }
+    }
+    let rows = Rows::new(model, all.to_vec()).with(model, wishes);
+    close(model, &rows, &free, state, 60)?;
+    Ok(())
+}
+
 /// Closes all rows with the branches asked for.
 pub fn close_all(
     model: &Model,
@@ -158,6 +180,8 @@ pub fn close_all(
     state: &mut State,
 ) -> Result<(), RuntimeError> {
     let every = mobility(model, stated);
+    let wishes = super::rows::wishes(model);
+    follow_wishes(model, all, &wishes, stated, state)?;
     if all.len() > exact.len() {
         close(model, &Rows::new(model, all.to_vec()), &every, state, 60)?;
     }
@@ -215,14 +239,8 @@ pub fn close_all(
         .collect();
     open.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     if open.is_empty() {
-        if let Some((element, condition, value)) =
-            violated_branches(model, conditioned, state)?.first()
-        {
-            return Err(RuntimeError::Branch {
-                origin: Box::new(model.compiled.system.elements[*element].origin.clone()),
-                condition: model.class(*element).conditions[*condition].text.clone(),
-                value: *value,
-            });
+        if let Some(violated) = violated_branches(model, conditioned, state)?.first() {
+            return Err(super::wrong_branch(model, state, *violated));
         }
         return Ok(());
     }
@@ -235,7 +253,11 @@ pub fn close_all(
         return Err(undefined(model, element, time, function, &inputs, 0));
     }
     open.truncate(6);
+    let chain = open
+        .iter()
+        .find_map(|(_, i)| super::chains::through(model, rows.owners[*i].0, state));
     Err(RuntimeError::OpenLoop {
+        chain: chain.map(Box::new),
         rows: open
             .iter()
             .map(|(_, i)| {

@@ -6,11 +6,16 @@
 //!    part first and are then left out. Redundant but consistent rows do no harm.
 //! 3. Where a loop stays open or a branch condition fails, the bodies around it are shaken and closed again.
 //! 4. Ground markers that lie on their partners are frozen.
+//!    Pins of journals are wished in the middle of their shells, after all that is stated or guessed.
 //! 5. Velocities: smallest kinetic energy that satisfies `Φ̇ = 0` and the start rows ([`velocity`]).
 
+pub mod chains;
 pub mod closing;
+pub mod hanging;
+pub mod lock;
 pub mod placement;
 pub mod rows;
+pub mod turn;
 pub mod velocity;
 
 use crate::error::RuntimeError;
@@ -155,12 +160,19 @@ fn check_branches(model: &Model, state: &State) -> Result<(), RuntimeError> {
         .filter(|e| model.elements[*e].dynamic)
         .collect();
     match violated_branches(model, &all, state)?.first() {
-        Some((element, condition, value)) => Err(RuntimeError::Branch {
-            origin: Box::new(model.compiled.system.elements[*element].origin.clone()),
-            condition: model.class(*element).conditions[*condition].text.clone(),
-            value: *value,
-        }),
+        Some(violated) => Err(wrong_branch(model, state, *violated)),
         None => Ok(()),
+    }
+}
+
+/// The error of a violated branch condition: (element, condition, value).
+fn wrong_branch(model: &Model, state: &State, violated: (usize, usize, f64)) -> RuntimeError {
+    let (element, condition, value) = violated;
+    RuntimeError::Branch {
+        origin: Box::new(model.compiled.system.elements[element].origin.clone()),
+        condition: model.class(element).conditions[condition].text.clone(),
+        value,
+        chain: chains::through(model, element, state).map(Box::new),
     }
 }
 

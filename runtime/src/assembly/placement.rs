@@ -1,8 +1,8 @@
 //! Placing bodies one by one along the joints that lead to placed ones.
 
 use super::closing::{bodies_of, close};
-use super::rows::{self, Rows};
-use super::{is_closed, violated_branches};
+use super::rows::{self, Centred, Rows};
+use super::{at, is_closed, violated_branches};
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{M3, V3, quaternion};
@@ -51,6 +51,7 @@ pub fn place(
     stated: &[bool],
 ) -> Result<(), RuntimeError> {
     let cubes = cube_rotations();
+    let wishes = rows::wishes(model);
     // Stated bodies first obey what ties them to ground alone, say a start angle, from where they are stated.
     let mut placed = vec![false; model.bodies.len()];
     for body in (0..model.bodies.len()).filter(|b| stated[*b]) {
@@ -61,6 +62,7 @@ pub fn place(
             &Known {
                 stated,
                 placed: &placed,
+                wishes: &wishes,
             },
             &cubes,
             state,
@@ -74,6 +76,9 @@ pub fn place(
                 .iter()
                 .map(|e| model.class(*e).rows.len())
                 .sum();
+            // films place a body as joints do: a crank before the rods that would hang anywhere
+            let wishes = wished(model, &wishes, &[body], &placed).len();
+            let rows = rows + rows::CENTRED_ROWS * wishes;
             if rows > 0 && next.is_none_or(|(most, _)| rows > most) {
                 next = Some((rows, body));
             }
@@ -95,6 +100,7 @@ pub fn place(
             &Known {
                 stated,
                 placed: &placed,
+                wishes: &wishes,
             },
             &cubes,
             state,
@@ -114,6 +120,18 @@ fn connecting(model: &Model, elements: &[usize], body: usize, placed: &[bool]) -
         .collect()
 }
 
+/// Wishes between a body of `moving` and what is placed, or another of them.
+fn wished(model: &Model, wishes: &[Centred], moving: &[usize], placed: &[bool]) -> Vec<Centred> {
+    let stands = |m: usize| model.markers[m].body.is_none_or(|b| placed[b]);
+    let moves = |m: usize| model.markers[m].body.is_some_and(|b| moving.contains(&b));
+    let between = |a: usize, b: usize| moves(a) && (stands(b) || moves(b));
+    wishes
+        .iter()
+        .copied()
+        .filter(|wish| between(wish.pin, wish.shell) || between(wish.shell, wish.pin))
+        .collect()
+}
+
 /// Places a body on what is placed. Where that alone leaves it open or on a wrong branch, its placed neighbours without a
 /// stated place move with it: a rod finds its piston by pushing it along the liner.
 fn place_one(
@@ -125,15 +143,45 @@ fn place_one(
     state: &mut State,
 ) -> Result<(), RuntimeError> {
     let near = connecting(model, elements, body, known.placed);
-    if near.is_empty() {
+    let alone = vec![body];
+    // a body that is placed by the text follows no wish
+    let wishes_of = |moving: &[usize]| match known.stated[body] {
+        true => Vec::new(),
+        false => wished(model, known.wishes, moving, known.placed),
+    };
+    let wishes = wishes_of(&alone);
+    if near.is_empty() && wishes.is_empty() {
         return Ok(());
     }
-    let alone = vec![body];
-    let mut best = search(model, &near, &near, body, &alone, cubes, state)?;
-    if best.key != (false, false) {
+    let mut partners = Vec::new();
+    for e in &near {
+        let markers = &model.elements[*e].markers;
+        let of = |own: bool| {
+            let mut markers = markers.iter().copied();
+            markers.find(|m| (model.markers[*m].body == Some(body)) == own)
+        };
+        partners.extend(of(true).zip(of(false)));
+    }
+    for wish in &wishes {
+        let of_pin = model.markers[wish.pin].body == Some(body);
+        partners.push(if of_pin {
+            (wish.pin, wish.shell)
+        } else {
+            (wish.shell, wish.pin)
+        });
+    }
+    let rows = Wanted {
+        elements: &near,
+        wishes: &wishes,
+    };
+    let mut best = search(model, &rows, &partners, body, &alone, cubes, state)?;
+    if best.key != DONE {
+        let films = wishes.iter().flat_map(|wish| [wish.pin, wish.shell]);
+        let films = films.filter_map(|m| model.markers[m].body);
         let mut moving: Vec<usize> = near
             .iter()
             .flat_map(|e| bodies_of(model, *e))
+            .chain(films)
             .filter(|b| *b != body && !known.stated[*b])
             .collect();
         moving.sort_unstable();
@@ -149,7 +197,12 @@ fn place_one(
                         && touched.iter().all(|b| *b == body || known.placed[*b])
                 })
                 .collect();
-            let together = search(model, &around, &near, body, &moving, cubes, state)?;
+            let wishes = wishes_of(&moving);
+            let rows = Wanted {
+                elements: &around,
+                wishes: &wishes,
+            };
+            let together = search(model, &rows, &partners, body, &moving, cubes, state)?;
             if together.key < best.key {
                 best = together;
             }
@@ -163,27 +216,39 @@ fn place_one(
 struct Known<'a> {
     stated: &'a [bool],
     placed: &'a [bool],
+    wishes: &'a [Centred],
 }
 
-/// A trial place: (open, wrong branch), largest scaled row.
+/// What a place is looked for with.
+struct Wanted<'a> {
+    elements: &'a [usize],
+    wishes: &'a [Centred],
+}
+
+/// The key of a trial with nothing left to wish.
+const DONE: (bool, bool, bool) = (false, false, false);
+
+/// A trial place: (open, wrong branch, a pin outside of its shell), largest scaled row.
 struct Trial {
-    key: (bool, bool),
+    key: (bool, bool, bool),
     size: f64,
     state: State,
 }
 
-/// Looks for a place of `body` where the rows of `elements` close, while the bodies of `moving` move, from where it stands
-/// and from the partner markers of `near`.
+/// Looks for a place of `body` where the rows of `wanted` close, while the bodies of `moving` move, from where it stands
+/// and from the `partners` of its markers.
 fn search(
     model: &Model,
-    elements: &[usize],
-    near: &[usize],
+    wanted: &Wanted<'_>,
+    partners: &[(usize, usize)],
     body: usize,
     moving: &[usize],
     cubes: &[M3],
     state: &State,
 ) -> Result<Trial, RuntimeError> {
-    let rows = Rows::new(model, elements.to_vec());
+    let rows = Rows::new(model, wanted.elements.to_vec());
+    let wishes = wanted.wishes;
+    let with_wishes = rows.clone().with(model, wishes);
     let info = &model.bodies[body];
     let mut mobility = vec![0.0; model.velocities];
     for b in moving {
@@ -191,33 +256,29 @@ fn search(
         super::closing::set_mobility(moved, 1.0, &mut mobility);
     }
     let consider = |mut trial: State| -> Result<Trial, RuntimeError> {
+        if !wishes.is_empty() {
+            close(model, &with_wishes, &mobility, &mut trial, 40)?;
+        }
         let size = close(model, &rows, &mobility, &mut trial, 40)?;
         let open = !is_closed(size);
-        let wrong = !violated_branches(model, elements, &trial)?.is_empty();
+        let wrong = !violated_branches(model, wanted.elements, &trial)?.is_empty();
+        let outside = wishes
+            .iter()
+            .any(|wish| !wish.is_fulfilled(model, &at(&trial)));
         Ok(Trial {
-            key: (open, wrong),
+            key: (open, wrong, outside),
             size,
             state: trial,
         })
     };
     let mut best = consider(state.clone())?;
-    for e in near {
-        let markers = &model.elements[*e].markers;
-        let own = markers
-            .iter()
-            .find(|m| model.markers[**m].body == Some(body));
-        let partner = markers
-            .iter()
-            .find(|m| model.markers[**m].body != Some(body));
-        let (Some(own), Some(partner)) = (own, partner) else {
-            continue;
-        };
+    for (own, partner) in partners {
         let target = rows::marker(model, *partner, &state.pose, &state.velocity);
         let own = &model.markers[*own];
         // A joint that lets the body slide may ask by a branch for a place to one side: look there too.
         for offset in offsets(model.length) {
             for cube in cubes {
-                if best.key == (false, false) {
+                if best.key == DONE {
                     return Ok(best);
                 }
                 let rotation = target.rotation * cube * own.orientation.transpose();

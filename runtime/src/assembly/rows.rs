@@ -4,6 +4,7 @@ use crate::chain::{self, MarkerKinematics};
 use crate::elements;
 use crate::error::RuntimeError;
 use crate::model::Model;
+use crate::rotation::{M3, V3};
 use eng_system::code::{Function, Pair};
 use eng_system::layout::InputLayout;
 use nalgebra::{DMatrix, DVector};
@@ -17,12 +18,28 @@ pub enum Along {
     Velocity,
 }
 
-/// A list of rows: elements in order, all rows of each.
+/// A wish of the assembly: a pin stands in the middle of its shell, their axes parallel. Nothing of it remains in the motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Centred {
+    /// Marker of the pin.
+    pub pin: usize,
+    /// Marker of the shell; its z is the axis.
+    pub shell: usize,
+    /// Distance from the middle up to which the wish counts as fulfilled (m).
+    pub reach: f64,
+}
+
+/// Rows of a [`Centred`]: the pin's place in the shell's x and y (m), and the pin's axis in them.
+pub const CENTRED_ROWS: usize = 4;
+
+/// A list of rows: elements in order, all rows of each; then those of wishes.
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// The elements.
     pub elements: Vec<usize>,
-    /// (element, row) of each row.
+    /// Wishes, after the elements.
+    wishes: Vec<Centred>,
+    /// (element, row) of each row that is of an element.
     pub owners: Vec<(usize, usize)>,
     /// Scale of each row.
     pub scales: Vec<f64>,
@@ -56,19 +73,29 @@ impl Rows {
         }
         Rows {
             elements,
+            wishes: Vec::new(),
             owners,
             scales,
         }
     }
 
+    /// The same rows and those of wishes.
+    pub fn with(mut self, model: &Model, wishes: &[Centred]) -> Rows {
+        for wish in wishes {
+            self.wishes.push(*wish);
+            self.scales.extend([model.length, model.length, 1.0, 1.0]);
+        }
+        self
+    }
+
     /// How many.
     pub fn len(&self) -> usize {
-        self.owners.len()
+        self.scales.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.owners.is_empty()
+        self.scales.is_empty()
     }
 
     /// Values of the rows, and their derivatives by all velocities of the model (rows × velocities).
@@ -143,6 +170,12 @@ impl Rows {
             }
             first += rows;
         }
+        if along == Along::Pose {
+            for wish in &self.wishes {
+                wish.add(model, at, first, &mut values, &mut matrix);
+                first += CENTRED_ROWS;
+            }
+        }
         Ok((values, matrix))
     }
 
@@ -181,6 +214,89 @@ impl Rows {
             }
         }
     }
+}
+
+impl Centred {
+    /// Where the pin stands in its shell: x, y (m), and x, y of its axis, which may point either way.
+    ///
+    /// With the shell's axes S and place s, the pin's P and p: `e = Sᵀ(p − s)`, `a = Sᵀ P z`.
+    fn values(&self, model: &Model, at: &At) -> ([f64; CENTRED_ROWS], [M3; 2], V3, V3, f64) {
+        let pin = marker(model, self.pin, at.pose, at.velocity);
+        let shell = marker(model, self.shell, at.pose, at.velocity);
+        let back = shell.rotation.transpose();
+        let arm = back * (pin.position - shell.position);
+        let turned = back * pin.rotation;
+        let axis: V3 = turned.column(2).into_owned();
+        let sign = if axis.z < 0.0 { -1.0 } else { 1.0 };
+        (
+            [arm.x, arm.y, sign * axis.x, sign * axis.y],
+            [back, turned],
+            arm,
+            axis,
+            sign,
+        )
+    }
+
+    /// Whether the pin stands inside of its reach, its axis within a hundredth of a radian.
+    pub fn is_fulfilled(&self, model: &Model, at: &At) -> bool {
+        let ([x, y, a, b], ..) = self.values(model, at);
+        libm::hypot(x, y) <= self.reach && libm::hypot(a, b) <= 0.01
+    }
+
+    /// Values and derivatives from row `first` on: `δe = Sᵀ(δp − δs) − δσ × e`, `δa = Sᵀ P (δπ × z) − δσ × a`, δπ and δσ in the
+    /// axes of pin and shell.
+    fn add(
+        &self,
+        model: &Model,
+        at: &At,
+        first: usize,
+        values: &mut DVector<f64>,
+        matrix: &mut DMatrix<f64>,
+    ) {
+        let (now, [back, turned], arm, axis, sign) = self.values(model, at);
+        for (i, value) in now.iter().enumerate() {
+            values[first + i] = *value;
+        }
+        for (marker, of_shell) in [(self.pin, false), (self.shell, true)] {
+            let marker = &model.markers[marker];
+            let Some(b) = marker.body else { continue };
+            let body = &model.bodies[b];
+            let width = body.width();
+            let mut jacobian = vec![0.0; 6 * width];
+            chain::jacobian(body, &body.frame(at.pose), marker, &mut jacobian);
+            for w in 0..width {
+                let part = |row: usize| V3::from_fn(|i, _| jacobian[(row + i) * width + w]);
+                let (moves, turns) = (back * part(0), part(3));
+                let (e, a) = if of_shell {
+                    (-moves - turns.cross(&arm), -turns.cross(&axis))
+                } else {
+                    (moves, turned * turns.cross(&V3::z()))
+                };
+                let column = body.velocity + w;
+                for (i, rate) in [e.x, e.y, sign * a.x, sign * a.y].into_iter().enumerate() {
+                    matrix[(first + i, column)] += rate;
+                }
+            }
+        }
+    }
+}
+
+/// The wishes of a model's journals.
+pub fn wishes(model: &Model) -> Vec<Centred> {
+    let journals = model.compiled.system.journals.iter();
+    journals
+        .filter_map(|journal| {
+            let markers = &model.elements.get(journal.element as usize)?.markers;
+            let pin = *markers.get(journal.pin as usize)?;
+            let shell = *markers.get(journal.shell as usize)?;
+            let follows = |m: usize| model.markers[m].placed_at.is_some();
+            (!follows(pin) && !follows(shell)).then(|| Centred {
+                pin,
+                shell,
+                reach: model.slot(journal.radial_clearance).max(0.0),
+            })
+        })
+        .collect()
 }
 
 /// Kinematics of a marker at a state.

@@ -82,7 +82,7 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
             });
             let size = values[i].abs() / scale;
             if size.is_nan() || size > CONTRADICTION * speed.max(1e-3) {
-                open.push((size, model.named_row(*element, *row, values[i])));
+                open.push((size, *element, model.named_row(*element, *row, values[i])));
             }
         }
     }
@@ -90,9 +90,13 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
         return Ok(());
     }
     open.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let chain = open
+        .iter()
+        .find_map(|(_, element, _)| super::chains::through(model, *element, state));
     open.truncate(6);
     Err(RuntimeError::StartVelocity {
-        rows: open.into_iter().map(|(_, row)| row).collect(),
+        rows: open.into_iter().map(|(_, _, row)| row).collect(),
+        chain: chain.map(Box::new),
     })
 }
 

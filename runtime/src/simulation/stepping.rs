@@ -16,6 +16,11 @@ const REST: f64 = 1e-4;
 /// Least first step, as a share of what the error allows.
 const LAYER: f64 = 1e-4;
 
+/// Acceleration of a cycle at rest, as a share of the largest of the model, up to which nothing turns it.
+const STANDING: f64 = 1e-6;
+/// Moments after the start (s) at which that is looked for.
+const LATER: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, 1.0, 10.0];
+
 /// Most that a body turns in a step under error control (rad), for the sake of the dense output.
 const TURN: f64 = 0.25;
 /// Most that a body may turn in a stated step (rad): two that turn against each other are then within half a turn, up to which an angle
@@ -130,6 +135,47 @@ impl Simulation {
         e.start = e.kinetic + e.gravity + e.strain;
         self.cycle_start = self.cycle_now.map_or(0.0, |c| c[0]);
         Ok(())
+    }
+
+    /// Whether the cycle stands at the start and nothing will turn it: no force or drive of now or of some moments after accelerates it.
+    pub(crate) fn cycle_stands(&mut self) -> Result<bool, RuntimeError> {
+        let current = &self.integrator.current;
+        let Some([_, 0.0]) = self.cycle_now else {
+            return Ok(false);
+        };
+        if current.rates.iter().any(|rate| *rate != 0.0) {
+            return Ok(false);
+        }
+        let scales = self.model.velocity_scales();
+        let moment = self.moment();
+        let mut stands = true;
+        for later in LATER {
+            let mut state = self.integrator.current.clone();
+            state.time += later;
+            let found =
+                (self.system).accelerations(&self.model, &mut self.dynamics, &mut state, moment);
+            // what is not known then, such as a table that ends before, is left to the run
+            let (Ok(()), Some(cycle)) = (found, &mut self.cycle) else {
+                stands = false;
+                break;
+            };
+            let largest = (state.acceleration.iter().zip(&scales))
+                .fold(0.0_f64, |most, (a, scale)| most.max((a / scale).abs()));
+            // the rate is linear in the velocities: with accelerations in their place it is the cycle's acceleration
+            state.velocity.copy_from_slice(&state.acceleration);
+            self.dynamics
+                .place(&self.model, state.time, &state.pose, &state.velocity);
+            cycle.evaluate(&self.model, &self.dynamics, &state)?;
+            if cycle.watched_values[1].abs() > STANDING * largest {
+                stands = false;
+                break;
+            }
+        }
+        self.stand()?;
+        if let Some(cycle) = &mut self.cycle {
+            cycle.evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
+        }
+        Ok(stands)
     }
 
     /// Evaluates the dynamics at the current state.
@@ -274,10 +320,11 @@ impl Simulation {
                 message: format!("a step must go forward: from {begin} s to {end} s"),
             });
         }
-        let (h, time) = match self.options.step {
-            StepControl::Fixed(nominal) => self.fixed_step(nominal, end)?,
-            StepControl::Tolerance(factor) => self.controlled_step(factor, end, longest)?,
+        let stepped = match self.options.step {
+            StepControl::Fixed(nominal) => self.fixed_step(nominal, end),
+            StepControl::Tolerance(factor) => self.controlled_step(factor, end, longest),
         };
+        let (h, time) = stepped.map_err(|error| self.or_locked(error))?;
         self.integrator.accept(&self.model, h, time);
         self.evaluated = None;
         let old = self.powers;
@@ -329,6 +376,22 @@ impl Simulation {
             *x += more;
         }
         Ok(true)
+    }
+
+    /// A failure of a step is one of geometry where the mechanism stands at a lock.
+    fn or_locked(&self, error: RuntimeError) -> RuntimeError {
+        match error {
+            RuntimeError::StepTooSmall { .. }
+            | RuntimeError::Newton { .. }
+            | RuntimeError::Projection { .. } => {
+                let state = &self.integrator.current;
+                match crate::assembly::lock::near(&self.model, state, self.moment()) {
+                    Ok(Some(locked)) => locked,
+                    _ => error,
+                }
+            }
+            other => other,
+        }
     }
 
     fn trial(&mut self, h: f64, tolerance: Option<f64>) -> Result<Trial, RuntimeError> {

@@ -250,7 +250,7 @@ impl SteadyMotion {
     }
 
     /// Derivatives of an element's wrenches by velocities and by positions, each brought to the size of one; soft rows are zero.
-    fn load_derivatives(
+    pub(crate) fn load_derivatives(
         &self,
         model: &Model,
         state: &State,

@@ -52,9 +52,15 @@ impl Balance<'_> {
                 .bodies
                 .iter()
                 .max_by(|a, b| share(a).total_cmp(&share(b)))?;
+            let part = |first: usize| row.columns(body.velocity + first, 3).norm();
+            let message = if part(3) > part(0) {
+                "it turns freely, and nothing drives it against its load"
+            } else {
+                "it moves freely, and nothing holds it against its load"
+            };
             (effort.abs() > UNHELD).then(|| Obstacle {
                 origin: body.origin.clone(),
-                message: "nothing holds it against its load".to_owned(),
+                message: message.to_owned(),
                 carried: 0.0,
             })
         })

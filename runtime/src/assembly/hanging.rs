@@ -1,0 +1,165 @@
+//! Bodies that nothing holds: a block without mounts.
+//!
+//! A direction is free where no constraint, no film and no force answers a motion along it: the null space of the constraints' gradients,
+//! of the pins' places in their shells and of the derivatives of all loads between two bodies. A body whose free motions reach every
+//! direction of space hangs loose.
+
+use super::rows::{Along, Rows, wishes};
+use super::{assemble, at};
+use crate::error::RuntimeError;
+use crate::model::Model;
+use crate::start::motion::SteadyMotion;
+use crate::state::State;
+use eng_system::code::Compiled;
+use eng_system::system::Origin;
+use nalgebra::DMatrix;
+
+/// Singular values of unit rows below this hold nothing.
+const HOLDS: f64 = 1e-8;
+/// Part of a free motion below which a body does not move in it.
+const MOVES: f64 = 1e-6;
+
+/// Bodies that hang together and on nothing else.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hanging {
+    /// The heaviest of them.
+    pub origin: Origin,
+    /// Paths of the others.
+    pub others: Vec<String>,
+}
+
+/// The bodies of a model that nothing holds at its assembled state, though some element joins them to others; `None` where everything
+/// is held. Of those without a path to the ground the compiler tells.
+pub fn hanging(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+) -> Result<Option<Hanging>, RuntimeError> {
+    let mut model = Model::bind(compiled, overrides)?;
+    let state = assemble(&mut model)?;
+    found(&model, &state)
+}
+
+fn found(model: &Model, state: &State) -> Result<Option<Hanging>, RuntimeError> {
+    // further markers are looked at, such as those of the cycle's angle: nothing acts on them
+    let bodies_of = |e: usize| {
+        let markers = model.elements[e].markers.iter().take(2);
+        markers.map(|m| model.markers[*m].body)
+    };
+    let film = |e: usize| {
+        let journals = &model.compiled.system.journals;
+        journals.iter().any(|journal| journal.element as usize == e)
+    };
+    let with_rows = |e: &usize| !model.class(*e).rows.is_empty();
+    let acts = |e: &usize| with_rows(e) || model.class(*e).applies_load;
+    let dynamic: Vec<usize> = (0..model.elements.len())
+        .filter(|e| model.elements[*e].dynamic && acts(e))
+        .collect();
+    if model.bodies.is_empty() {
+        return Ok(None);
+    }
+    let Ok(motion) = SteadyMotion::new(model, state) else {
+        return Ok(None);
+    };
+    let rows = Rows::new(model, dynamic.iter().copied().filter(with_rows).collect());
+    let rows = rows.with(model, &wishes(model));
+    let (mut values, mut matrix) = rows.evaluate(model, &at(state), Along::Pose)?;
+    rows.scale(model, &mut values, &mut matrix);
+    let mut parts = vec![matrix];
+    // loads that answer no motion here may hold elsewhere: a contact that is open
+    let mut asleep = Vec::new();
+    for e in dynamic.iter().copied() {
+        if !model.class(e).applies_load || film(e) || model.elements[e].markers.len() < 2 {
+            continue;
+        }
+        let mut derivatives = motion.load_derivatives(model, state, e)?;
+        if derivatives.is_empty() {
+            asleep.push(e);
+        }
+        for matrix in &mut derivatives {
+            for (mut column, scale) in matrix.column_iter_mut().zip(motion.scales()) {
+                column.scale_mut(*scale);
+            }
+        }
+        parts.extend(derivatives);
+    }
+    let Some(free) = null_space(&parts, model.velocities) else {
+        return Ok(None);
+    };
+    let loose: Vec<bool> = model
+        .bodies
+        .iter()
+        .map(|body| {
+            let moves = free.rows(body.velocity, 3).into_owned();
+            moves.ncols() > 0 && moves.svd(false, false).rank(MOVES) == 3
+        })
+        .collect();
+    // groups: loose bodies that any element joins
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    let mut seen = vec![false; model.bodies.len()];
+    for first in 0..model.bodies.len() {
+        if !loose[first] || seen[first] {
+            continue;
+        }
+        let mut group = Vec::new();
+        let mut open = vec![first];
+        while let Some(body) = open.pop() {
+            if std::mem::replace(&mut seen[body], true) {
+                continue;
+            }
+            group.push(body);
+            let joins = |e: &&usize| bodies_of(**e).any(|b| b == Some(body));
+            let joined = dynamic.iter().filter(joins).flat_map(|e| bodies_of(*e));
+            open.extend(joined.flatten().filter(|b| loose[*b]));
+        }
+        group.sort_unstable();
+        groups.push(group);
+    }
+    let linked = |group: &[usize], elements: &[usize]| {
+        elements.iter().any(|e| {
+            let inside = |b: Option<usize>| b.is_some_and(|b| group.contains(&b));
+            bodies_of(*e).any(inside) && bodies_of(*e).any(|b| !inside(b))
+        })
+    };
+    let origin = |body: usize| &model.bodies[body].origin;
+    let mass = |body: usize| model.bodies[body].mass();
+    Ok(groups
+        .into_iter()
+        .filter(|group| linked(group, &dynamic) && !linked(group, &asleep))
+        .filter_map(|group| {
+            let heaviest = group
+                .iter()
+                .copied()
+                .max_by(|a, b| mass(*a).total_cmp(&mass(*b)).then(b.cmp(a)))?;
+            let others = group.iter().filter(|b| **b != heaviest);
+            Some(Hanging {
+                origin: origin(heaviest).clone(),
+                others: others.map(|b| origin(*b).path.clone()).collect(),
+            })
+        })
+        .next())
+}
+
+/// An orthonormal basis of what rows leave free; `None` where they are not finite.
+fn null_space(parts: &[DMatrix<f64>], columns: usize) -> Option<DMatrix<f64>> {
+    // rows of zeros make the right vectors complete
+    let count: usize = parts.iter().map(DMatrix::nrows).sum();
+    let mut all = DMatrix::zeros(count.max(columns), columns);
+    let rows = parts.iter().flat_map(|part| part.row_iter());
+    for (i, row) in rows.enumerate() {
+        let size = row.norm();
+        if !size.is_finite() {
+            return None;
+        }
+        if size > 0.0 {
+            all.row_mut(i).copy_from(&(row / size));
+        }
+    }
+    let svd = all.try_svd(false, true, f64::EPSILON, 10_000)?;
+    let right = svd.v_t?;
+    let weak: Vec<usize> = (0..columns)
+        .filter(|i| svd.singular_values[*i] < HOLDS)
+        .collect();
+    Some(DMatrix::from_fn(columns, weak.len(), |i, j| {
+        right[(weak[j], i)]
+    }))
+}

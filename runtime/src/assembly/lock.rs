@@ -1,0 +1,73 @@
+//! Positions where a mechanism locks: its constraint equations depend on each other there, though not elsewhere.
+//!
+//! `yᵀ G = 0` for rows of unit length: the motion of the bodies that the rows of `y` join is not determined, or asked to be two things
+//! at once. The least singular value of G tells how near such a position is, its left vector which equations it concerns.
+
+use super::at;
+use super::chains;
+use super::rows::{Along, Rows};
+use crate::error::{Moment, RuntimeError};
+use crate::model::Model;
+use crate::state::State;
+
+/// Least singular value of the rows, against the largest, below which a position counts as locked.
+const LOCKED: f64 = 1e-3;
+/// Share of the largest entry of the left vector from which an equation belongs to what locks.
+const BELONGS: f64 = 0.2;
+/// Most equations that are named.
+const MOST: usize = 6;
+
+/// The lock that a motion has come to, if it stands near one.
+pub fn near(
+    model: &Model,
+    state: &State,
+    moment: Moment,
+) -> Result<Option<RuntimeError>, RuntimeError> {
+    let elements: Vec<usize> = (0..model.elements.len())
+        .filter(|e| model.elements[*e].dynamic && !model.class(*e).rows.is_empty())
+        .collect();
+    let rows = Rows::new(model, elements);
+    let (mut values, mut matrix) = rows.evaluate(model, &at(state), Along::Pose)?;
+    rows.scale(model, &mut values, &mut matrix);
+    for i in 0..matrix.nrows() {
+        let size = matrix.row(i).norm();
+        if size > 0.0 {
+            matrix.row_mut(i).scale_mut(1.0 / size);
+        }
+    }
+    if matrix.is_empty() || matrix.nrows() > matrix.ncols() || matrix.iter().any(|x| !x.is_finite())
+    {
+        return Ok(None);
+    }
+    let Some(svd) = matrix.try_svd(true, false, f64::EPSILON, 10_000) else {
+        return Ok(None);
+    };
+    let Some(left) = svd.u else { return Ok(None) };
+    let (index, least) = svd.singular_values.argmin();
+    if least > LOCKED * svd.singular_values.amax() {
+        return Ok(None);
+    }
+    let vector = left.column(index);
+    let largest = vector.amax();
+    let mut concerned: Vec<usize> = (0..rows.len())
+        .filter(|i| vector[*i].abs() > BELONGS * largest)
+        .collect();
+    concerned.sort_by(|a, b| vector[*b].abs().total_cmp(&vector[*a].abs()).then(a.cmp(b)));
+    // the closed chain of most concerned joints
+    let chain = concerned
+        .iter()
+        .filter_map(|i| chains::through(model, rows.owners[*i].0, state))
+        .min_by_key(|chain| chain.bodies.len());
+    concerned.truncate(MOST);
+    Ok(Some(RuntimeError::Locked {
+        moment,
+        rows: concerned
+            .into_iter()
+            .map(|i| {
+                let (element, row) = rows.owners[i];
+                model.named_row(element, row, vector[i])
+            })
+            .collect(),
+        chain: chain.map(Box::new),
+    }))
+}

@@ -1,0 +1,260 @@
+//! The dry turn: the assembled machine turned through one period of its cycle by its geometry alone.
+//!
+//! Pins stand in the middle of their shells, springs keep the length that they have, and no force acts: what is left is the motion
+//! of the joints and drives. It is followed from place to place, each time by a step along the steady velocities
+//! ([`SteadyMotion`](crate::start::motion::SteadyMotion)) and then back on the equations by the smallest change. Where a place is not
+//! reached, the mechanism locks there.
+
+use super::closing::set_mobility;
+use super::rows::{Along, Rows, wishes};
+use super::{assemble, at, chains, choose_turns, lock};
+use crate::dynamics::Dynamics;
+use crate::elements::Inputs;
+use crate::error::{Moment, RuntimeError};
+use crate::model::Model;
+use crate::outputs::{Outputs, Watch};
+use crate::start::motion::SteadyMotion;
+use crate::state::{State, move_pose};
+use eng_system::code::Compiled;
+
+/// Places of a turn of 360°.
+const PLACES: f64 = 36.0;
+/// How often a step is halved before its place counts as out of reach.
+const HALVINGS: usize = 6;
+/// A scaled row below this is closed: far below what a lock leaves open.
+const CLOSED: f64 = 1e-9;
+/// Share of the equations' size that is added to their diagonal: rows of wishes repeat each other.
+const SOFT: f64 = 1e-12;
+/// Largest share of a step by which the cycle may fall behind.
+const BEHIND: f64 = 0.2;
+
+/// A place of a dry turn.
+#[derive(Debug)]
+pub struct Place<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// Positions and steady velocities; time runs as the cycle turns.
+    pub state: &'a State,
+    /// Cycle angle (rad).
+    pub angle: f64,
+}
+
+/// Turns a model through one period and shows each place to `visit`, the start first. `false` where there is nothing to turn: no
+/// cycle, or one that stands at the start.
+///
+/// # Errors
+///
+/// [`RuntimeError::Locked`] with the cycle angle that the mechanism does not pass; what assembling and evaluating say.
+pub fn turn(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    visit: &mut dyn FnMut(&Place<'_>) -> Result<(), RuntimeError>,
+) -> Result<bool, RuntimeError> {
+    let mut model = Model::bind(compiled, overrides)?;
+    let Some(cycle) = compiled.system.cycle.clone() else {
+        return Ok(false);
+    };
+    let mut state = assemble(&mut model)?;
+    let Ok(motion) = SteadyMotion::new(&model, &state) else {
+        return Ok(false);
+    };
+    let mut turning = Turning::new(&model, motion, cycle.element as usize)?;
+    let period = model.slot(cycle.period);
+    let Ok(velocity) = turning.motion.velocity(&model, &state) else {
+        return Ok(false);
+    };
+    state.velocity.copy_from_slice(&velocity);
+    let [start, rate] = turning.cycle(&state)?;
+    if rate == 0.0 || !rate.is_finite() || !(period > 0.0 && period.is_finite()) {
+        return Ok(false);
+    }
+    let whole = std::f64::consts::TAU / PLACES / rate.abs();
+    let places = libm::round(period / std::f64::consts::TAU * PLACES) as usize;
+    let mut angle = start;
+    visit(&Place {
+        model: &model,
+        state: &state,
+        angle,
+    })?;
+    for _ in 0..places {
+        let (mut left, mut step, mut halved) = (whole, whole, 0);
+        while left > 0.0 {
+            let h = step.min(left);
+            match turning.advance(&state, h)? {
+                Some((next, [reached, _])) if kept_up(reached - angle, rate * h) => {
+                    state = next;
+                    angle = reached;
+                    left -= h;
+                    if left < 1e-9 * whole {
+                        left = 0.0;
+                    }
+                }
+                _ if halved < HALVINGS => {
+                    halved += 1;
+                    step *= 0.5;
+                }
+                _ => return Err(turning.locked(&state, h, angle)?),
+            }
+        }
+        visit(&Place {
+            model: &model,
+            state: &state,
+            angle,
+        })?;
+    }
+    Ok(true)
+}
+
+/// Whether the cycle has turned by about what it should.
+fn kept_up(turned: f64, wanted: f64) -> bool {
+    (turned - wanted).abs() <= BEHIND * wanted.abs()
+}
+
+/// What turns a model.
+struct Turning<'a> {
+    model: &'a Model,
+    motion: SteadyMotion,
+    rows: Rows,
+    exact: Rows,
+    mobility: Vec<f64>,
+    dynamics: Dynamics,
+    outputs: Outputs,
+    watch: Watch,
+}
+
+impl<'a> Turning<'a> {
+    fn new(
+        model: &'a Model,
+        motion: SteadyMotion,
+        cycle: usize,
+    ) -> Result<Turning<'a>, RuntimeError> {
+        let elements: Vec<usize> = (0..model.elements.len())
+            .filter(|e| model.elements[*e].dynamic && !model.class(*e).rows.is_empty())
+            .collect();
+        let exact = Rows::new(model, elements);
+        let mut mobility = vec![0.0; model.velocities];
+        for body in &model.bodies {
+            set_mobility(body, 1.0, &mut mobility);
+        }
+        Ok(Turning {
+            model,
+            motion,
+            rows: exact.clone().with(model, &wishes(model)),
+            exact,
+            mobility,
+            dynamics: Dynamics::new(model),
+            outputs: Outputs::watching(model, cycle)?,
+            watch: Watch::new(model, |_| true),
+        })
+    }
+
+    /// Cycle angle (rad) and its rate (rad/s) at a state.
+    fn cycle(&mut self, state: &State) -> Result<[f64; 2], RuntimeError> {
+        self.dynamics
+            .place(self.model, state.time, &state.pose, &state.velocity);
+        self.outputs.evaluate(self.model, &self.dynamics, state)?;
+        Ok(self.outputs.watched_values)
+    }
+
+    /// The place after `h` (s), with the cycle's angle and rate; `None` where the equations do not close.
+    fn advance(&mut self, from: &State, h: f64) -> Result<Option<(State, [f64; 2])>, RuntimeError> {
+        let model = self.model;
+        let mut next = from.clone();
+        next.time += h;
+        move_pose(model, &from.pose, &from.velocity, h, &mut next.pose);
+        self.settle(&self.rows, &mut next, 4)?;
+        if !self.settle(&self.exact, &mut next, 8)? {
+            return Ok(None);
+        }
+        let Ok(velocity) = self.motion.velocity(model, &next) else {
+            return Ok(None);
+        };
+        next.velocity.copy_from_slice(&velocity);
+        self.dynamics
+            .place(model, next.time, &next.pose, &next.velocity);
+        let inputs = Inputs {
+            time: next.time,
+            markers: &self.dynamics.markers,
+            states: &next.states,
+            multipliers: &[],
+            rotations: &from.rotations,
+        };
+        let mut rotations = from.rotations.clone();
+        self.watch.unwrap(model, &inputs, &mut rotations)?;
+        next.rotations = rotations;
+        let cycle = self.cycle(&next)?;
+        Ok(Some((next, cycle)))
+    }
+
+    /// Puts a place back on rows by the smallest changes, `x = Aᵀ (A Aᵀ)⁻¹ b`; whether they close.
+    fn settle(&self, rows: &Rows, state: &mut State, limit: usize) -> Result<bool, RuntimeError> {
+        let model = self.model;
+        let scales = model.velocity_scales();
+        for last in (0..=limit).rev() {
+            choose_turns(model, &rows.elements, state)?;
+            let (mut values, mut matrix) = rows.evaluate(model, &at(state), Along::Pose)?;
+            rows.scale(model, &mut values, &mut matrix);
+            if values.is_empty() || values.amax() < CLOSED {
+                return Ok(true);
+            }
+            if last == 0 {
+                break;
+            }
+            for (mut column, mobility) in matrix.column_iter_mut().zip(&self.mobility) {
+                column.scale_mut(*mobility);
+            }
+            let mut normal = &matrix * matrix.transpose();
+            let soft = SOFT * normal.diagonal().amax();
+            for i in 0..normal.nrows() {
+                normal[(i, i)] += soft;
+            }
+            let Some(factor) = normal.cholesky() else {
+                return Ok(false);
+            };
+            let step = matrix.transpose() * factor.solve(&values);
+            let increment: Vec<f64> = (0..step.len())
+                .map(|i| -step[i] * self.mobility[i] * scales[i])
+                .collect();
+            if increment.iter().any(|x| !x.is_finite()) || step.amax() > 1.0 {
+                return Ok(false);
+            }
+            let pose = state.pose.clone();
+            move_pose(model, &pose, &increment, 1.0, &mut state.pose);
+        }
+        Ok(false)
+    }
+
+    /// The lock beyond a place: the equations that stay open where its bodies are moved on and held.
+    fn locked(&self, state: &State, h: f64, angle: f64) -> Result<RuntimeError, RuntimeError> {
+        let model = self.model;
+        let moment = Moment {
+            time: state.time,
+            cycle_angle: Some(angle),
+        };
+        if let Some(locked) = lock::near(model, state, moment)? {
+            return Ok(locked);
+        }
+        let mut beyond = state.clone();
+        beyond.time += h;
+        move_pose(model, &state.pose, &state.velocity, h, &mut beyond.pose);
+        let (values, _) = self.exact.evaluate(model, &at(&beyond), Along::Pose)?;
+        let mut open: Vec<usize> = (0..self.exact.len()).collect();
+        let size = |i: usize| (values[i] / self.exact.scales[i]).abs();
+        open.sort_by(|a, b| size(*b).total_cmp(&size(*a)).then(a.cmp(b)));
+        open.truncate(3);
+        let chain = open
+            .iter()
+            .find_map(|i| chains::through(model, self.exact.owners[*i].0, state));
+        Ok(RuntimeError::Locked {
+            moment,
+            rows: open
+                .into_iter()
+                .map(|i| {
+                    let (element, row) = self.exact.owners[i];
+                    model.named_row(element, row, values[i])
+                })
+                .collect(),
+            chain: chain.map(Box::new),
+        })
+    }
+}

@@ -1,0 +1,7 @@
+//! Counts with their nouns.
+
+/// `1 body`, `2 bodies`.
+pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
+    let noun = if count == 1 { one } else { many };
+    format!("{count} {noun}")
+}

@@ -1,0 +1,106 @@
+//! Messages about geometry: loops that do not close, locks, bodies that nothing holds.
+
+use super::{diagnostic, place, span};
+use crate::codes;
+use crate::significant::{fixed, short};
+use eng_grammar::Diagnostic;
+use eng_runtime::RuntimeError;
+use eng_runtime::assembly::hanging::Hanging;
+use eng_runtime::error::Chain;
+use eng_system::system::System;
+
+/// The warning of bodies that hang loose.
+pub(crate) fn hanging(found: &Hanging) -> Diagnostic {
+    let name = &found.origin.path;
+    let message = Diagnostic::warning(codes::HANGING, format!("nothing holds {name}"));
+    let message = place(message, &found.origin, "free to move in every direction");
+    let message = match found.others.as_slice() {
+        [] => message,
+        others => {
+            let shown: Vec<&str> = others.iter().take(8).map(String::as_str).collect();
+            let more = match others.len() - shown.len() {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            message.with_note(format!(
+                "they hang on it and on nothing else: {}{more}",
+                shown.join(", ")
+            ))
+        }
+    };
+    message.with_help(
+        "mount it: `joint mount = Fixed(block.origin, ground)`, bushings, or `support` of a flexible body",
+    )
+}
+
+/// The warning of a machine that does not come through its cycle.
+pub(crate) fn does_not_turn(locked: &RuntimeError, system: &System) -> Diagnostic {
+    let mut message = diagnostic(locked, system);
+    message.severity = eng_grammar::Severity::Warning;
+    message.code = codes::NO_TURN;
+    message
+}
+
+/// What to do where no position is found.
+pub(super) const PLACING: &str = "check lengths, sides and axes of the loop (`at(…, z:)` finds an x of its own, `x:` states it), or state a `start` or `guess` near the position";
+
+/// Most parameters that a message points to.
+pub(super) const MOST_PARAMETERS: usize = 3;
+
+/// Lengths of a loop, and the parameters that they are made of.
+pub(super) fn with_lengths(
+    message: Diagnostic,
+    chain: Option<&Chain>,
+    system: &System,
+) -> Diagnostic {
+    let Some(chain) = chain else {
+        return message;
+    };
+    let lengths: Vec<String> = chain
+        .bodies
+        .iter()
+        .filter(|body| body.length > 1e-9)
+        .map(|body| format!("{} {} mm", body.origin.path, short(1e3 * body.length, 4)))
+        .collect();
+    let message = match lengths.is_empty() {
+        true => message,
+        false => message.with_note(format!(
+            "lengths of the loop, from joint to joint across its axis: {}",
+            lengths.join(", ")
+        )),
+    };
+    let mut told = Vec::new();
+    chain
+        .bodies
+        .iter()
+        .filter(|body| body.length > 1e-9)
+        .flat_map(|body| body.parameters.iter().map(move |p| (body, *p)))
+        .fold(message, |message, (body, index)| {
+            let Some(parameter) = system.parameters.get(index as usize) else {
+                return message;
+            };
+            match parameter.origin.used_at {
+                Some(at) if !told.contains(&index) && told.len() < MOST_PARAMETERS => {
+                    told.push(index);
+                    message.also(span(at), format!("a length of {}", body.origin.path))
+                }
+                _ => message,
+            }
+        })
+}
+
+/// The z axes of the joints of a loop.
+pub(super) fn with_axes(message: Diagnostic, chain: &Chain) -> Diagnostic {
+    let axes: Vec<String> = chain
+        .joints
+        .iter()
+        .filter_map(|(joint, axis)| {
+            let [x, y, z] = axis.as_ref()?.map(|x| fixed(x, 3));
+            Some(format!("{} ({x}, {y}, {z})", joint.path))
+        })
+        .collect();
+    message.with_note(format!(
+        "z axes of the joints, in ground axes: {}",
+        axes.join("; ")
+    ))
+}

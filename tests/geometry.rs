@@ -1,0 +1,189 @@
+//! Where bodies begin and how far their geometry lets them go: closed forms.
+
+use eng::cli::Engine;
+use eng::{Local, Program, Sources, Start};
+use std::path::Path;
+
+fn program(text: &str) -> Program {
+    eng::check(&Sources::from_text("model.eng", text), "model.eng")
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// A crank on two films, a rod on films at both ends, a piston in its bore; nothing is stated but the crank's angle.
+fn engine(crank: &str, analyses: &str) -> String {
+    format!(
+        "use std.joints.{{Revolute, PointOnPlane, Translational}}
+         use std.journals.Impedance
+         model Engine {{
+            gravity = [-9.81, 0, 0] m/s^2
+            marker shell[j in 1..2] = [0, 0, 100*(j - 1.5)] mm
+            marker bore = at([0, 0, 0] mm, z: [cos(30 deg), sin(30 deg), 0])
+            body crank {{
+                mass = 4 kg; inertia = [20, 20, 4] g*m^2
+                marker main[j in 1..2] = [0, 0, 100*(j - 1.5)] mm
+                marker pin = [43, 0, 0] mm
+                {crank}
+            }}
+            body rod {{ mass = 0.6 kg; inertia = [0.1, 3, 3] g*m^2; marker big = [-41, 0, 0] mm; marker small = [102, 0, 0] mm }}
+            body piston {{ mass = 0.4 kg; inertia = [1, 1, 1] g*m^2; marker pin = origin; marker crown = at(origin, z: [1, 0, 0]) }}
+            journal main[j in 1..2] = Impedance(pin: crank.main[j], shell: shell[j],
+                diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 9 mPa*s)
+            joint thrust = PointOnPlane(crank.main[1], shell[1])
+            journal big_end = Impedance(pin: crank.pin, shell: rod.big,
+                diameter: 48 mm, width: 20 mm, radial_clearance: 25 um, viscosity: 9 mPa*s)
+            joint side = PointOnPlane(rod.big, crank.pin)
+            journal wrist = Impedance(pin: piston.pin, shell: rod.small,
+                diameter: 22 mm, width: 20 mm, radial_clearance: 10 um, viscosity: 9 mPa*s)
+            joint liner = Translational(piston.crown, bore) {{ branch travel > 0 mm }}
+            start rotation(crank.main[1], shell[1]) = 75 deg
+            cycle angle = rotation(crank.main[1], shell[1]) {{ period = 360 deg }}
+            output reach = dot(piston.pin.origin, bore.z) as mm
+            output along = dot(bore.y, ground.z)
+            output across = dot(bore.x, ground.x)
+         }}
+         {analyses}"
+    )
+}
+
+const TURNING: &str = "start angular_velocity = [0, 0, 200] rad/s";
+
+#[test]
+fn pins_begin_in_the_middle_of_their_shells() {
+    let model = program(&engine(TURNING, ""))
+        .model("Engine")
+        .expect("a model");
+    let mut simulation = model
+        .simulation()
+        .start_from(Start::Assembled)
+        .start()
+        .unwrap_or_else(|e| panic!("{e}"));
+    let eccentricities = simulation.runtime().eccentricities();
+    assert_eq!(eccentricities.len(), 4);
+    for [x, y] in eccentricities {
+        assert!(x.hypot(y) < 1e-9, "{x} {y}");
+    }
+    // slider-crank: throw 43, rod 143 mm, the crank 45° from the bore
+    let (throw, rod) = (43.0, 143.0);
+    let angle = 45f64.to_radians();
+    let reach = throw * angle.cos() + (rod * rod - (throw * angle.sin()).powi(2)).sqrt();
+    let channel = model.channel("reach").expect("an output");
+    let found = 1e3 * simulation.value(channel).expect("a value");
+    assert!((found - reach).abs() < 1e-6, "{found} {reach}");
+}
+
+#[test]
+fn a_guess_comes_before_the_wish() {
+    let guess = format!("{TURNING}; guess position = [12, 0, 0] um");
+    let model = program(&engine(&guess, ""))
+        .model("Engine")
+        .expect("a model");
+    let mut simulation = model
+        .simulation()
+        .start_from(Start::Assembled)
+        .start()
+        .unwrap_or_else(|e| panic!("{e}"));
+    let eccentricities = simulation.runtime().eccentricities();
+    for [x, y] in &eccentricities[..2] {
+        assert!((x - 12e-6).abs() < 1e-10 && y.abs() < 1e-10, "{x} {y}");
+    }
+    for [x, y] in &eccentricities[2..] {
+        assert!(x.hypot(*y) < 1e-9, "{x} {y}");
+    }
+}
+
+/// With z alone: y nearest to the body's z, x = y × z.
+#[test]
+fn the_axes_of_a_bore_turn_with_its_bank() {
+    let model = program(&engine(TURNING, ""))
+        .model("Engine")
+        .expect("a model");
+    let mut simulation = model
+        .simulation()
+        .start_from(Start::Assembled)
+        .start()
+        .unwrap_or_else(|e| panic!("{e}"));
+    let mut value = |name: &str| {
+        let channel = model.channel(name).expect("an output");
+        simulation.value(channel).expect("a value")
+    };
+    assert!((value("along") - 1.0).abs() < 1e-12);
+    assert!((value("across") + 0.5).abs() < 1e-12);
+}
+
+/// The state in which a run begins is the one that counts: a guess outside of the clearance is none of it.
+#[test]
+fn a_check_does_not_refuse_a_text_that_runs() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("geometry");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let file = folder.join("guessed.eng");
+    let guess = format!("{TURNING}; guess position = [40, 0, 0] um");
+    let analyses = "analysis run = transient(Engine(), duration: 2 deg, sample: 1 deg)
+         analysis assembled = transient(Engine(), duration: 2 deg, sample: 1 deg, start: assembled)";
+    std::fs::write(&file, engine(&guess, analyses)).expect("a file");
+    let mut engine = Local::new();
+    engine.check(&file).expect("a checked text");
+    let found = engine.assemble().expect("assembled");
+    let codes: Vec<&str> = found.diagnostics.iter().map(|d| d.code).collect();
+    assert_eq!(codes, ["E0711"], "the start that the text asks for");
+    assert!(
+        found
+            .facts
+            .iter()
+            .any(|fact| fact.starts_with("run: assembles"))
+    );
+    engine.run("run", &[], &mut |_| {}).expect("a run");
+}
+
+/// A rod shorter than the throw locks at sin θ = rod/throw; a rod that is long enough comes round.
+#[test]
+fn a_dry_turn_finds_where_a_crank_locks() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/diagnostics/run");
+    let text = std::fs::read_to_string(folder.join("locked.eng")).expect("a fixture");
+    let turned = |text: &str| {
+        let analysis = program(text).analysis("run").expect("an analysis");
+        analysis.dry_turn().unwrap_or_else(|e| panic!("{e}"))
+    };
+    let told = turned(&text).expect("it locks");
+    let (_, angle) = told.title.split_once('(').expect("an angle");
+    let (angle, _) = angle.split_once(" °CA").expect("an angle");
+    let angle: f64 = angle.parse().expect("a number");
+    let lock = (40.0f64 / 43.0).asin().to_degrees();
+    assert!(angle <= lock && lock - angle < 0.5, "{angle} {lock}");
+    let long = text.replace("rod_length: Length = 40 mm", "rod_length: Length = 140 mm");
+    assert_eq!(turned(&long), None);
+}
+
+/// A crank at rest is refused only where nothing will turn it: the torque of this one begins at zero.
+#[test]
+fn a_duration_in_turns_may_begin_at_rest() {
+    let text = |torque: &str| {
+        format!(
+            "use std.joints.Revolute
+             use std.forces.Motor
+             fn ramp(t: Time) -> Torque = {torque}
+             model Wheel {{
+                gravity = [0, 0, 0] m/s^2
+                marker wall = [0, 0, 0] m
+                body wheel {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker hub = origin }}
+                joint pin = Revolute(wheel.hub, wall)
+                force motor = Motor(wheel.hub, wall, torque_at: ramp)
+                cycle angle = rotation(wheel.hub, wall) {{ period = 360 deg }}
+             }}
+             analysis run = transient(Wheel(), duration: 10 deg, sample: 1 deg)"
+        )
+    };
+    let run = |torque: &str| {
+        let analysis = program(&text(torque)).analysis("run").expect("an analysis");
+        analysis
+            .run(&mut |_| {})
+            .map_err(|failed| failed.error.to_string())
+    };
+    // φ = (dM/dt) t³/(6 J) = 10° at t³ = 6 · 1e-3 · (π/18)/1e-3
+    let outcome = run("1e-3 N*m/s * t").expect("it turns");
+    let time = outcome.summary.expect("a run").time;
+    let closed = (6.0 * 10f64.to_radians()).cbrt();
+    assert!((time - closed).abs() < 1e-4 * closed, "{time} {closed}");
+    let refused = run("0 N*m/s * t").expect_err("nothing turns it");
+    assert!(refused.contains("the cycle does not turn"), "{refused}");
+}
