@@ -10,7 +10,7 @@ use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, assemble};
 use eng_flexible::invariants::{Full, invariants};
 use eng_flexible::markers::{MESH_AXES, MarkerRequest, Place, Selection, Spider, place};
-use eng_flexible::mesh::{Element, ElementKind, Material, Mesh, Node, Property, Section};
+use eng_flexible::mesh::{Element, ElementKind, Material, Mesh, Node, Property, Section, Variant};
 use eng_flexible::modes::normal::normal_modes_from;
 use eng_flexible::modes::statics::attachment_modes_by;
 use eng_flexible::modes::{Boundary, Candidate, Load, ModeSet, Structure};
@@ -229,6 +229,7 @@ fn cubes(cells: [u32; 3], is_there: impl Fn([u32; 3]) -> bool) -> Mesh {
                     mesh.elements.push(Element {
                         id: mesh.elements.len() as u64 + 1,
                         kind: ElementKind::Tetrahedron10,
+                        variant: Variant::Plain,
                         property: 0,
                         first,
                         beam: None,

@@ -122,11 +122,27 @@ eng_grammar::codes! {
         "Finite-element files don't state their units. Length, density and stiffness are compared with those of solids that exist.",
         "flexible crank { mesh = nastran(\"crank.bdf\", units: si) }",
         "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s) }";
-    UNREAD = "W0731", "cards of a mesh were not read that may matter",
-        "They carry mass, stiffness or a constraint that the reduced body does not have. Replace them in the file by what is read, or take matrices of the code that reads them.",
+    UNREAD = "E0733", "a mesh holds stiffness, mass or constraints that are not read",
+        "A body reduced without them would be another one. Cards and keywords that are not known count, too. Replace them in the file by what is read, state them in the model, take matrices of the code that reads them; or list in `ignore` what the body can do without.",
+        "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s) }",
+        "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s, ignore: [\"CBUSH\"]) }";
+    ELEMENT_RULE = "E0734", "an element's own rule is not reproduced",
+        "Codes integrate elements of one shape in several ways: reduced with artificial stiffness against hourglasses, with incompatible modes, hybrid. Frequencies differ by some percent up to a half. What is not reproduced digit by digit is not computed by another rule without a word: change the type in the file, or state `element_rules = exact` for full integration.",
+        "flexible rod { mesh = calculix(\"c3d8r.inp\", units: si) }",
+        "flexible rod { mesh = calculix(\"c3d8r.inp\", units: si); element_rules = exact }";
+    IGNORED_NOTHING = "W0733", "`ignore` of a mesh names what it does not hold",
+        "Nothing of this name is left out of the file: a spelling mistake, or the file has changed. Names are those of the message that stopped the reduction.",
+        "flexible rod { mesh = nastran(\"rod.bdf\", units: si, ignore: [\"CBUHS\"]) }",
+        "flexible rod { mesh = nastran(\"rod.bdf\", units: si, ignore: [\"CBUSH\"]) }";
+    DECK_SUPPORT = "W0734", "the supports of a deck are not used",
+        "The deck holds nodes (SPC, *BOUNDARY), but the body takes its supports from the text: without any it is free. `support = deck` holds what the deck holds; `ignore` leaves it out without a word.",
+        "flexible block { mesh = nastran(\"block.bdf\", units: si) }",
+        "flexible block { mesh = nastran(\"block.bdf\", units: si); support = deck }";
+    MESH_DOUBT = "W0735", "a mesh was read as its own code reads it, and may be meant otherwise",
+        "A card calls a continuation that is not there: its own code reads the card without it, but a line may have been lost.",
         "", "";
     REDUCED = "W0732", "something about a reduced body is doubtful",
-        "Shells give mass and no stiffness, matrices of another code have few digits or are of a held structure, masses disagree. The message says which, and by how much.",
+        "Shells that are ignored give mass and no stiffness, elements are integrated in full that their code reduces, matrices of another code have few digits or are of a held structure, masses disagree. The message says which, and by how much.",
         "", "";
 }
 

@@ -231,6 +231,35 @@ fn a_held_bar_bends_as_a_beam_and_its_support_carries_it() {
     );
 }
 
+/// A support holds all nodes of its marker, however these are tied, unless averaging is stated; or what the deck holds.
+#[test]
+fn supports_hold_their_nodes() {
+    let frequencies = |support: &str, tie: &str, cards: &str| {
+        let deck = include_str!("mesh/bar.bdf").replace("ENDDATA", &format!("{cards}ENDDATA"));
+        let text = HELD
+            .replace("support = foot", &format!("support = {support}"))
+            .replace(", tie: rigid", tie);
+        let sources =
+            Sources::from_texts([("bar.eng".to_owned(), text), ("bar.bdf".to_owned(), deck)]);
+        let program = match eng::check(&sources, "bar.eng").into_program() {
+            Ok(program) => program,
+            Err(report) => panic!("{report}"),
+        };
+        let model = program.model("Held").expect("a model");
+        model.reductions()[0].frequencies().to_vec()
+    };
+    let rigid = frequencies("foot", ", tie: rigid", "");
+    let near = |found: &[f64]| {
+        let pairs = found.iter().zip(&rigid);
+        pairs.map(|(x, y)| (x / y - 1.0).abs()).fold(0.0, f64::max)
+    };
+    assert!(near(&frequencies("foot", "", "")) < 1e-9);
+    let nodes = "SPC1,1,123,1,THRU,4\nSPC1,1,123,9,THRU,12\n";
+    assert!(near(&frequencies("deck", "", nodes)) < 1e-9);
+    let mean = near(&frequencies("foot", ", tie: averaging", ""));
+    assert!((0.005..0.2).contains(&mean), "{mean}");
+}
+
 /// Twice the load, twice the deflection: parameters change without compiling again.
 #[test]
 fn a_parameter_changes_the_load_on_a_compiled_flexible_model() {

@@ -5,6 +5,8 @@
 pub(crate) enum Takes {
     /// A text: file, set, matrix.
     Text,
+    /// Texts in a list.
+    Texts,
     /// A whole number.
     Count,
     /// One of some words.
@@ -112,12 +114,18 @@ pub(crate) const UNITS: &[&str] = &[
     "inch_lbf_s",
 ];
 /// How elements are integrated.
-pub(crate) const ELEMENT_RULES: &[&str] = &["exact", "calculix", "abaqus"];
+pub(crate) const ELEMENT_RULES: &[&str] = &["exact", "calculix", "abaqus", "nastran"];
+/// The supports of a mesh's file, among those of a body.
+pub(crate) const DECK: &str = "deck";
 /// How nodes are tied to a marker.
 const TIES: &[&str] = &["averaging", "rigid"];
 
 const FILE: Argument = positional("file", Takes::Text);
-const MESH: &[Argument] = &[FILE, named("units", Takes::Word(UNITS))];
+const MESH: &[Argument] = &[
+    FILE,
+    named("units", Takes::Word(UNITS)),
+    optional("ignore", Takes::Texts),
+];
 const LIST: Argument = optional("freedoms", Takes::Text);
 const PER_NODE: Argument = optional("per_node", Takes::Count);
 const NAMED_MATRIX: &[Argument] = &[FILE, named("matrix", Takes::Text), LIST, PER_NODE];

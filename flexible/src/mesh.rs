@@ -95,6 +95,41 @@ impl ElementKind {
     }
 }
 
+/// The code whose rules a mesh was written for: the same name stands for different elements in different codes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Code {
+    /// None: gmsh, or made by a program.
+    #[default]
+    None,
+    /// Nastran (MSC, NX).
+    Nastran,
+    /// Abaqus.
+    Abaqus,
+    /// CalculiX.
+    CalculiX,
+}
+
+/// How a file names the integration of a solid, beside its shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum Variant {
+    /// By its shape alone: `C3D8`, `CTETRA`; what that means is the code's business.
+    #[default]
+    Plain,
+    /// The letters behind the number of nodes in Abaqus and CalculiX, `R` of `C3D20R`: a bit for each of [`VARIANT_LETTERS`].
+    Letters(u8),
+    /// `IN` and `ISOP` of Nastran's `PSOLID`, where they are not left out.
+    Network {
+        /// Points along a direction; zero: with bubble functions, as where it is left out.
+        points: u8,
+        /// Full integration of the shear.
+        full: bool,
+    },
+}
+
+/// Letters of element types that change the mechanics of a solid, in the order in which they are written: modified, reduced,
+/// incompatible modes, hybrid, improved stresses, others.
+pub const VARIANT_LETTERS: &str = "MRIHSO";
+
 /// An element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Element {
@@ -102,6 +137,8 @@ pub struct Element {
     pub id: u64,
     /// Shape and order of nodes.
     pub kind: ElementKind,
+    /// How the file names its integration.
+    pub variant: Variant,
     /// Index into [`Mesh::properties`].
     pub property: u32,
     /// Where its nodes start in [`Mesh::connectivity`].
@@ -241,6 +278,19 @@ pub struct Support {
     pub components: u8,
 }
 
+/// Cards or keywords of one name that hold freedoms.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SupportCards {
+    /// Name of the card or keyword: `SPC1`, `*BOUNDARY`.
+    pub name: String,
+    /// How many.
+    pub count: u64,
+    /// File and line of the first.
+    pub first: (String, u64),
+    /// File and line of the first that moves a freedom instead of holding it.
+    pub moved: Option<(String, u64)>,
+}
+
 /// A named set.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Set {
@@ -277,6 +327,8 @@ pub struct Unread {
 /// A mesh.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Mesh {
+    /// The code it was written for.
+    pub code: Code,
     /// Nodes in the order of the file.
     pub nodes: Vec<Node>,
     /// Analysis frames of nodes.
@@ -299,12 +351,16 @@ pub struct Mesh {
     pub ties: Vec<Tie>,
     /// Supports the file asks for.
     pub supports: Vec<Support>,
+    /// The cards or keywords they come from.
+    pub support_cards: Vec<SupportCards>,
     /// Freedoms the file names as its interface (`ASET`).
     pub interface: Vec<Support>,
     /// Sets by name.
     pub sets: BTreeMap<String, Set>,
     /// What was not read.
     pub unread: Vec<Unread>,
+    /// What was read as its own code reads it, and may be meant otherwise.
+    pub doubts: Vec<String>,
 }
 
 impl Mesh {
@@ -316,11 +372,13 @@ impl Mesh {
             .unwrap_or(&[])
     }
 
-    /// Gives a material to a mesh whose file has none: to all its solids.
+    /// Gives a material to a mesh whose file has none: to all its solids. Materials of the file that lack only the density take it from
+    /// this one.
     ///
     /// # Errors
-    /// When the mesh has a material of its own, nothing that takes one, or the values make no isotropic material (Young's modulus
-    /// positive, Poisson's ratio above -1 and below 1/2, density not negative).
+    /// When the mesh has whole materials of its own, or one whose elasticity is another than this one's (by 5 % of Young's modulus, 0.05
+    /// of Poisson's ratio); nothing that takes one; values that make no isotropic material (Young's modulus positive, Poisson's ratio
+    /// above -1 and below 1/2, density not negative).
     pub fn set_material(
         &mut self,
         young: f64,
@@ -333,12 +391,6 @@ impl Mesh {
                 advice: advice.into(),
             })
         };
-        if let Some(own) = self.materials.first() {
-            return wrong(
-                format!("the mesh has a material of its own, {}", own.name),
-                "leave the material out, or take it out of the file",
-            );
-        }
         let sound = young > 0.0
             && young.is_finite()
             && poisson > -1.0
@@ -351,6 +403,31 @@ impl Mesh {
                     "Young's modulus {young}, Poisson's ratio {poisson} and density {density} make no material"
                 ),
                 "Young's modulus is above zero, Poisson's ratio between -1 and 0.5, the density not negative",
+            );
+        }
+        if let Some(own) = self.materials.first() {
+            let name = own.name.clone();
+            let mut lacking = false;
+            for own in self.materials.iter_mut().filter(|own| own.density == 0.0) {
+                lacking = true;
+                if (own.young - young).abs() > 0.05 * young || (own.poisson - poisson).abs() > 0.05
+                {
+                    return wrong(
+                        format!(
+                            "the mesh's material {} lacks a density, but has Young's modulus {:.4e} Pa and Poisson's ratio {}, the given one {young:.4e} Pa and {poisson}",
+                            own.name, own.young, own.poisson
+                        ),
+                        "give the material that the mesh has, or the density in the file",
+                    );
+                }
+                own.density = density;
+            }
+            if lacking {
+                return Ok(());
+            }
+            return wrong(
+                format!("the mesh has a material of its own, {name}"),
+                "leave the material out, or take it out of the file",
             );
         }
         let mut taken = false;

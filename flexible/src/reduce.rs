@@ -15,7 +15,7 @@ use crate::foreign::{ForeignMatrices, GivenModes};
 use crate::geometric::{Model, geometric};
 use crate::invariants::{Full, invariants};
 use crate::markers::{MarkerRequest, place};
-use crate::mesh::{Mesh, Support};
+use crate::mesh::{Mesh, Support, Tie};
 use crate::modes::rigid::residuals;
 use crate::modes::{ModeSet, Structure};
 use crate::rotary::{add_turning, split_offsets};
@@ -63,8 +63,13 @@ pub struct Request {
     pub rules: Rules,
     /// Markers.
     pub markers: Vec<MarkerRequest>,
-    /// Markers that are held; none: a free body with mean axes.
+    /// Markers that are held, as their ties let them be: an averaging one by the mean motion of its nodes. Without any, and without
+    /// those of the deck, the body is free and has mean axes.
     pub support: Vec<Interface>,
+    /// Markers all of whose nodes are held in all freedoms.
+    pub held_nodes: Vec<usize>,
+    /// Whether the mesh's own supports are held.
+    pub support_of_deck: bool,
     /// The mode set is the sum of these.
     pub terms: Vec<Term>,
     /// Modal damping ratio.
@@ -77,6 +82,13 @@ pub struct Request {
     pub matrices: Option<ForeignMatrices>,
     /// Loads at markers of which [`Report::unserved`] tells those that the set does not serve.
     pub asked: Vec<Interface>,
+}
+
+impl Request {
+    /// Whether something holds the body.
+    fn is_held(&self) -> bool {
+        !self.support.is_empty() || !self.held_nodes.is_empty() || self.support_of_deck
+    }
 }
 
 /// A reduction with what recovery needs.
@@ -138,8 +150,14 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     for support in &request.support {
         held.push(marker_freedoms.support(support)?);
     }
+    for marker in &request.held_nodes {
+        held.extend(held_nodes(&mesh, places.get(*marker)));
+    }
+    if request.support_of_deck {
+        held.extend(of_deck(&mesh)?);
+    }
     let held_by_file = report.supported;
-    report.supported |= !request.support.is_empty();
+    report.supported |= request.is_held();
     let reduction = Reduction::new(&mesh, &full, &held)?;
     let stiffness = reduction.reduce_stiffness(&full.stiffness)?;
     let mass = reduction.reduce_mass(&full.mass)?;
@@ -271,6 +289,45 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     })
 }
 
+/// All freedoms of the nodes that an averaging tie gathers at a marker's node. (A rigid one holds them by the marker.)
+fn held_nodes(mesh: &Mesh, place: Option<&u32>) -> Vec<Support> {
+    let tied = mesh.ties.iter().filter_map(|tie| match tie {
+        Tie::Averaging {
+            reference,
+            independent,
+            ..
+        } if Some(reference) == place => Some(independent),
+        _ => None,
+    });
+    tied.flatten()
+        .map(|(node, ..)| Support {
+            node: *node,
+            components: 0b11_1111,
+        })
+        .collect()
+}
+
+/// The supports of the mesh's file.
+fn of_deck(mesh: &Mesh) -> Result<Vec<Support>, FlexibleError> {
+    let moved = mesh.support_cards.iter().find_map(|cards| {
+        let (file, line) = cards.moved.as_ref()?;
+        Some(format!("{} at {file}:{line}", cards.name))
+    });
+    if let Some(moved) = moved {
+        return Err(FlexibleError::Structure {
+            problem: format!("{moved} moves or changes a support of the deck: supports hold still"),
+            advice: "take it out of the deck, or hold markers by `support = …`".into(),
+        });
+    }
+    if mesh.supports.is_empty() {
+        return Err(FlexibleError::Structure {
+            problem: "the deck holds no freedom, but `support = deck` is stated".into(),
+            advice: "add SPC or *BOUNDARY to the deck, or hold markers by `support = …`".into(),
+        });
+    }
+    Ok(mesh.supports.clone())
+}
+
 /// Stiffness and mass over full freedoms, of the elements or of another code, and what the latter holds.
 fn matrices(
     mesh: &Mesh,
@@ -280,6 +337,8 @@ fn matrices(
 ) -> Result<(fe::Structure, Vec<Support>), FlexibleError> {
     let Some((stiffness, mass)) = nodal else {
         let full = assemble(mesh, &request.rules)?;
+        let told = fe::form::told(mesh, request.rules.stiffness);
+        report.warnings.extend(told);
         let shells = full.without_stiffness.len();
         if shells > 0 {
             report.warnings.push(format!(
@@ -301,7 +360,7 @@ fn matrices(
     if held && is_structure(mesh, &mass, &stiffness) {
         return Err(exchanged(&stiffness, &mass));
     }
-    if !held && request.support.is_empty() {
+    if !held && !request.is_held() {
         check_movable(mesh, &found)?;
     }
     let (rigid, along) = full.mass.rigid_along(mesh);

@@ -2,6 +2,7 @@
 
 mod nastran_deck;
 
+use eng_flexible::mesh::Code;
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::{FlexibleError, Place};
 use nastran_deck::{Memory, is_consistent};
@@ -110,7 +111,7 @@ fn try_read(deck: &[u8], more: &[u8]) {
     let mut files = Memory::default();
     files.0.insert("deck.inp".into(), deck.to_vec());
     files.0.insert("more.inp".into(), more.to_vec());
-    match read_inp(&files, "deck.inp") {
+    match read_inp(&files, "deck.inp", Code::Abaqus) {
         Ok(mesh) => is_consistent(&mesh),
         Err(FlexibleError::File(problem)) => {
             assert!(["deck.inp", "more.inp"].contains(&problem.file.as_str()));
@@ -130,7 +131,7 @@ fn try_read(deck: &[u8], more: &[u8]) {
 #[test]
 fn the_file_itself_is_read() {
     let files = Memory::new(&[("deck.inp", DECK), ("more.inp", MORE)]);
-    let mesh = read_inp(&files, "deck.inp").unwrap_or_else(|error| panic!("{error}"));
+    let mesh = read_inp(&files, "deck.inp", Code::Abaqus).unwrap_or_else(|error| panic!("{error}"));
     is_consistent(&mesh);
     assert_eq!((mesh.nodes.len(), mesh.elements.len()), (18, 10));
     assert_eq!(mesh.point_masses.len(), 2);

@@ -2,7 +2,7 @@
 
 mod nastran_deck;
 
-use eng_flexible::mesh::{Carries, ElementKind, Mesh, Section, Support, Tie};
+use eng_flexible::mesh::{Carries, Code, ElementKind, Mesh, Section, Support, Tie};
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::{FileProblem, FlexibleError, Place};
 use nastran_deck::{
@@ -10,7 +10,7 @@ use nastran_deck::{
 };
 
 fn mesh_of(files: &[(&str, &str)]) -> Mesh {
-    match read_inp(&Memory::new(files), "deck.inp") {
+    match read_inp(&Memory::new(files), "deck.inp", Code::Abaqus) {
         Ok(mesh) => mesh,
         Err(error) => panic!("{error} ({})", error.advice()),
     }
@@ -21,7 +21,11 @@ fn mesh(deck: &str) -> Mesh {
 }
 
 fn problem(deck: &str) -> FileProblem {
-    match read_inp(&Memory::new(&[("deck.inp", deck)]), "deck.inp") {
+    match read_inp(
+        &Memory::new(&[("deck.inp", deck)]),
+        "deck.inp",
+        Code::Abaqus,
+    ) {
         Err(FlexibleError::File(problem)) => problem,
         Err(error) => panic!("no problem of a file: {error}"),
         Ok(mesh) => panic!("read without a problem: {mesh:?}"),
@@ -228,7 +232,7 @@ A, 2, 1., 100, 2, -1.
 }
 
 #[test]
-fn supports_in_their_frames_and_nothing_of_steps() {
+fn supports_in_their_frames_and_of_the_first_step() {
     let mesh = mesh(&format!(
         "{CUBES}*TRANSFORM, NSET=C, TYPE=C
 0.,0.,0., 0.,0.,1.
@@ -251,6 +255,11 @@ C, 1
 *CLOAD
 1, 1, 5.
 *END STEP
+*STEP
+*STATIC
+*BOUNDARY
+2, 1, 6
+*END STEP
 *TIE, NAME=t
 a, b
 *FANCY NEW KEYWORD
@@ -263,8 +272,21 @@ a, b
     };
     assert_eq!(
         mesh.supports,
-        [held(2, 1), held(3, 1), held(4, 63), held(7, 0b11_0001)]
+        [
+            held(1, 63),
+            held(2, 1),
+            held(3, 1),
+            held(4, 63),
+            held(7, 0b11_0001)
+        ]
     );
+    let cards: Vec<_> = mesh.support_cards.iter().collect();
+    assert_eq!(cards.len(), 2);
+    assert_eq!((&*cards[0].name, cards[0].count), ("*BOUNDARY", 5));
+    assert!(cards[0].moved.is_none());
+    // what a later step changes is nothing that holds
+    assert_eq!(cards[1].name, "*BOUNDARY of a later *STEP");
+    assert!(cards[1].moved.is_some());
     let frame = |id: u64| {
         let node = mesh.nodes[index(&mesh, id) as usize];
         mesh.frames[node.frame.expect("a frame") as usize].rotation
@@ -284,13 +306,12 @@ a, b
     assert_eq!(
         unread(&mesh),
         [
-            ("*BOUNDARY in a *STEP", 1, Carries::Structure),
             ("*BOUNDARY of other fields", 1, Carries::Nothing),
             ("*CLOAD in a *STEP", 1, Carries::Nothing),
             ("*FANCY NEW KEYWORD", 1, Carries::Unknown),
             ("*INCLUDE in a *STEP", 1, Carries::Nothing),
-            ("*STATIC in a *STEP", 1, Carries::Nothing),
-            ("*STEP", 1, Carries::Nothing),
+            ("*STATIC in a *STEP", 2, Carries::Nothing),
+            ("*STEP", 2, Carries::Nothing),
             ("*TIE", 1, Carries::Structure),
         ]
     );
@@ -406,6 +427,7 @@ fn sections_and_materials() {
         [
             ("*ELEMENT, TYPE=CONN3D2", 1, Carries::Structure),
             ("*EXPANSION", 1, Carries::Nothing),
+            ("S4R", 1, Carries::Structure),
             ("line elements without section", 1, Carries::Unknown),
         ]
     );
@@ -602,7 +624,7 @@ fn included_files_and_files_of_nodes() {
         ),
         ("e.txt", "1, 1, 2, 3, 4\n"),
     ];
-    let mesh = match read_inp(&Memory::new(&files), "sub/deck.inp") {
+    let mesh = match read_inp(&Memory::new(&files), "sub/deck.inp", Code::Abaqus) {
         Ok(mesh) => mesh,
         Err(error) => panic!("{error}"),
     };

@@ -4,8 +4,8 @@ mod fe_meshes;
 
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::stress::{ElementRecovery, nodal_stress, stress};
-use eng_flexible::fe::{MassRule, Rules, StiffnessRule, assemble, assemble_on};
-use eng_flexible::mesh::{ABSENT, ElementKind, Mesh};
+use eng_flexible::fe::{MassRule, Rules, assemble, assemble_on};
+use eng_flexible::mesh::{ABSENT, Code, ElementKind, Mesh, VARIANT_LETTERS, Variant};
 use eng_flexible::solve::{EigenOptions, Modes, lowest_modes};
 use fe_meshes::*;
 
@@ -77,12 +77,33 @@ fn constant_strain_is_exact_in_distorted_patches_of_every_solid() {
         let mesh = distorted(kind, false);
         patch(&mesh, &Rules::default(), &format!("{kind:?}"));
     }
-    let reduced = Rules {
-        stiffness: StiffnessRule::Reduced,
-        mass: MassRule::Exact,
-    };
-    let straight = distorted(ElementKind::Hexahedron20, false);
-    patch(&straight, &reduced, "reduced hexahedra");
+}
+
+#[test]
+fn constant_strain_is_exact_in_distorted_patches_of_other_forms() {
+    let reduced = Variant::Letters(VARIANT_LETTERS.find('R').map_or(0, |bit| 1 << bit));
+    let plain = Variant::Plain;
+    for (kind, code, variant) in [
+        (ElementKind::Hexahedron20, Code::CalculiX, reduced),
+        (ElementKind::Hexahedron20, Code::Abaqus, reduced),
+        (ElementKind::Wedge6, Code::CalculiX, plain),
+        (ElementKind::Hexahedron8, Code::Abaqus, plain),
+        (ElementKind::Hexahedron8, Code::Nastran, plain),
+    ] {
+        let mut mesh = distorted(kind, false);
+        mesh.code = code;
+        for element in &mut mesh.elements {
+            element.variant = variant;
+        }
+        let what = format!("{kind:?} of {code:?}");
+        patch(&mesh, &Rules::default(), &what);
+        let stiffness = |rules| assemble(&mesh, &rules).unwrap().stiffness;
+        assert_ne!(
+            stiffness(Rules::default()),
+            stiffness(Rules::exact()),
+            "{what}"
+        );
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::PathBuf;
 
-use eng_flexible::mesh::{Carries, ElementKind, Mesh};
+use eng_flexible::mesh::{Carries, Code, ElementKind, Mesh};
 use eng_flexible::{Files, FlexibleError, MeshFormat, read_mesh};
 
 /// The folder of test data.
@@ -72,8 +72,10 @@ fn elements(mesh: &Mesh) -> Vec<(ElementKind, Vec<u64>)> {
 fn compare(model: &str, sets: usize) {
     let nastran = read(&format!("{model}.bdf.gz"), "nastran");
     let abaqus = read(&format!("{model}.inp.gz"), "abaqus");
-    let calculix = read(&format!("{model}.inp.gz"), "calculix");
-    assert_eq!(abaqus, calculix);
+    let mut calculix = read(&format!("{model}.inp.gz"), "calculix");
+    assert_eq!((abaqus.code, calculix.code), (Code::Abaqus, Code::CalculiX));
+    calculix.code = Code::Abaqus;
+    assert!(abaqus == calculix);
     let mut gmsh = read(&format!("{model}.msh.gz"), "gmsh");
     assert!(gmsh.materials.is_empty());
     gmsh.set_material(2.06e11, 0.3, 7850.0).expect("a material");
@@ -145,6 +147,15 @@ fn a_material_is_given_once() {
     assert!(problem.contains("material of its own"), "{problem}");
     let mut own = read("bar8.inp.gz", "abaqus");
     assert!(own.set_material(1.0, 0.3, 1.0).is_err());
+    // a density alone is taken from it, but not for another material
+    own.materials[0].density = 0.0;
+    let young = own.materials[0].young;
+    assert!(own.set_material(0.5 * young, 0.3, 2700.0).is_err());
+    assert_eq!(own.materials[0].density, 0.0);
+    own.set_material(1.01 * young, 0.3, 7800.0)
+        .expect("a density");
+    assert_eq!(own.materials[0].density, 7800.0);
+    assert_eq!(own.materials[0].young, young);
 }
 
 #[test]

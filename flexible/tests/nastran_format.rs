@@ -241,9 +241,11 @@ fn files_that_are_no_decks() {
             "second part",
         ),
         (
-            "GRID,1,,0.,0.,0.\n=,*(1),=,*(.1),==\n",
-            "repeats another card",
+            "=,*(1),=,*(.1),==\n",
+            "repeats a card of several lines, or none",
         ),
+        ("GRID,1,,0.,0.,0.\n=(3)\n", "is not said"),
+        ("GRID,1,,0.,0.,0.\n=,*(1),*(1),==\n", "adds to \"\""),
     ] {
         let found = problem(deck);
         assert!(found.problem.contains(message), "{deck:?}: {found}");
@@ -416,5 +418,51 @@ PLOAD4,1,1,1.
     assert_eq!(
         force.map(|unread| unread.first.clone()),
         Some(("deck.bdf".to_string(), 7))
+    );
+}
+
+/// The example of the Quick Reference Guide, and the same in columns.
+#[test]
+fn cards_repeat_the_one_before() {
+    let free = mesh(&format!(
+        "{CORNERS}GRID,101,,1.0,10.5,,,3456\n=,*(1),=,*(0.2),==$\n=(3)\nSPC1,7,12 3,1\n"
+    ));
+    assert_eq!(position(&free, 101), [1.0, 10.5, 0.0]);
+    for (k, x) in (102..=105).zip([1.2, 1.4, 1.6, 1.8]) {
+        let [found, y, z] = position(&free, k);
+        assert!((found - x).abs() < 1e-12, "{k}: {found}");
+        assert_eq!([y, z], [10.5, 0.0]);
+    }
+    // freedoms of PS, repeated; freedoms with blanks between them
+    assert!(free.supports.iter().any(|s| s.components == 0b11_1100));
+    assert!(free.supports.iter().any(|s| s.components == 0b00_0111));
+    let columns = mesh(&format!(
+        "{CORNERS}GRID    101             1.0     10.5\n=       *(1)    =       *(0.2)  ==\n=3\n"
+    ));
+    for k in 101..=105 {
+        assert_eq!(position(&columns, k), position(&free, k));
+    }
+}
+
+/// Where all that a continuation could hold may be left out, a call without one is read as Nastran reads it.
+#[test]
+fn calls_of_nothing_are_read() {
+    let deck = |call: &str| {
+        format!(
+            "{CORNERS}MAT1    7       2.1+11          .3      7850.                           {call}\nPBAR,3,7,1.-4,1.-8,1.-8,2.-8\nCBAR,5,3,1,2,0.,0.,1.\n"
+        )
+    };
+    let (plain, calling) = (mesh(&deck("")), mesh(&deck("+M1")));
+    assert_eq!(plain.materials, calling.materials);
+    // limits of stress are all that could follow
+    assert!(calling.doubts.is_empty());
+    let told = mesh(&format!(
+        "{CORNERS}CONM2,9,1,,2.,,,,,+C9\nGRID,9,,1.,1.,1.\n"
+    ));
+    assert_eq!(told.point_masses[0].matrix[0][0], 2.0);
+    assert!(
+        told.doubts[0].contains("\"+C9\" is missing"),
+        "{:?}",
+        told.doubts
     );
 }

@@ -11,7 +11,7 @@ use std::io::{self, Read};
 use eng_flexible::fe::{Rules, assemble};
 use eng_flexible::foreign::{ForeignMatrices, MatrixFile, RowOrder};
 use eng_flexible::markers::{MarkerRequest, Place};
-use eng_flexible::mesh::{ElementKind, Mesh, Property, Section};
+use eng_flexible::mesh::{Code, ElementKind, Mesh, Property, Section};
 use eng_flexible::read::matrix::{
     ForeignFreedoms, ForeignMatrix, MatrixFormat, read_op2_matrix, read_op4,
 };
@@ -129,6 +129,7 @@ fn meshes() {
                     .to_vec(),
             ),
             "crank.inp",
+            Code::Abaqus,
         ),
     );
     answers.note("a hinge", reduce(hinge(), &request()));

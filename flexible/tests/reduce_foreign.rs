@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use eng_flexible::fe::{Rules, assemble};
 use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile, RowOrder, mesh_of_nodes};
 use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
-use eng_flexible::mesh::{Frame, Mesh};
+use eng_flexible::mesh::{Code, Frame, Mesh};
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::read::matrix::{
     ForeignFreedoms, ForeignMatrix, ForeignMode, ForeignModes, MatrixFormat, ShapeFrame,
@@ -56,7 +56,7 @@ fn units() -> MeshUnits {
 
 /// A twisted bar of six 20-node bricks, 70 nodes numbered with gaps, in mm, tonne, s.
 fn bar() -> Mesh {
-    read_inp(&Data, "twisted.inp.gz").unwrap()
+    read_inp(&Data, "twisted.inp.gz", Code::CalculiX).unwrap()
 }
 
 fn in_si(mut mesh: Mesh) -> Mesh {
@@ -467,7 +467,10 @@ fn matrices_of_calculix_give_its_frequencies() {
             matrices: Some(calculix(name)),
             ..request(vec![normal(exact.len())])
         };
-        let reduced = done(reduce(in_si(read_inp(&Data, mesh).unwrap()), &asked));
+        let reduced = done(reduce(
+            in_si(read_inp(&Data, mesh, Code::CalculiX).unwrap()),
+            &asked,
+        ));
         let worst = apart(&reduced.body.frequencies, &exact);
         println!(
             "{name}: {worst:.1e}, rigid {:.1e}, {:?}",

@@ -5,7 +5,7 @@
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, assemble};
 use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
-use eng_flexible::mesh::Mesh;
+use eng_flexible::mesh::{Code, Mesh};
 use eng_flexible::modes::normal::normal_modes;
 use eng_flexible::modes::statics::constraint_modes;
 use eng_flexible::modes::{Boundary, Candidate, Load, ModeSet, Structure};
@@ -28,7 +28,7 @@ impl Files for Data {
 }
 
 fn mesh(model: &str) -> Mesh {
-    read_inp(&Data, &format!("{model}.inp.gz")).unwrap()
+    read_inp(&Data, &format!("{model}.inp.gz"), Code::CalculiX).unwrap()
 }
 
 fn solutions(model: &str) -> Value {

@@ -139,6 +139,7 @@ pub(crate) fn inspect(sources: &Sources, source: &FlexibleSource) -> Vec<Diagnos
         Err(diagnostic) => return vec![*diagnostic],
     };
     let mut found = sense::doubts(&mesh, source);
+    found.extend(sense::refusal(&mesh, source).map(|refusal| *refusal));
     let index = mesh.node_index();
     for marker in &source.markers {
         let wrong = match &marker.place {
@@ -231,6 +232,9 @@ fn reduced(
 ) -> Result<StoredBody, Box<Diagnostic>> {
     let files = cache::Recorded::new(sources);
     let mesh = mesh_of(&files, source)?;
+    if let Some(refusal) = sense::refusal(&mesh, source) {
+        return Err(refusal);
+    }
     let request = request::request(source, &files)?;
     let reduced =
         eng_flexible::reduce::reduce(mesh, &request).map_err(|e| reduction_failed(&e, source))?;

@@ -30,9 +30,19 @@ pub(super) fn request(
         _ => None,
     };
     Ok(Request {
-        rules: rules(&source.element_rules),
+        rules: rules(source.element_rules.as_deref()),
         markers: source.markers.iter().map(marker).collect(),
         support: source.support.iter().map(all).collect(),
+        held_nodes: source
+            .support
+            .iter()
+            .map(|marker| *marker as usize)
+            .filter(|marker| {
+                let source = source.markers.get(*marker);
+                source.is_some_and(|marker| marker.tie.is_none())
+            })
+            .collect(),
+        support_of_deck: source.support_of_deck,
         terms,
         // damping is no part of a reduction: it is put on afterwards
         damping_ratio: 0.0,
@@ -48,7 +58,7 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
     let markers: Vec<_> = source
         .markers
         .iter()
-        .map(|m| (&m.name, &m.place, m.rigid, m.center, m.axes))
+        .map(|m| (&m.name, &m.place, m.tie, m.center, m.axes))
         .collect();
     let matrix = |m: &Option<text::MatrixSource>| {
         m.as_ref().map(|m| {
@@ -78,7 +88,7 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
             source.material.map(|m| (m.young, m.poisson, m.density)),
             &source.element_rules,
             markers,
-            &source.support,
+            (&source.support, source.support_of_deck),
             modes,
             source.geometric_stiffness,
         )
@@ -131,10 +141,12 @@ fn matrix_file(source: &text::MatrixSource) -> Result<MatrixFile<'_>, Box<Diagno
     })
 }
 
-fn rules(word: &str) -> Rules {
+pub(super) fn rules(word: Option<&str>) -> Rules {
     match word {
-        "calculix" => Rules::calculix(),
-        "abaqus" => Rules::abaqus(),
+        Some("exact") => Rules::exact(),
+        Some("calculix") => Rules::calculix(),
+        Some("abaqus") => Rules::abaqus(),
+        Some("nastran") => Rules::nastran(),
         _ => Rules::default(),
     }
 }
@@ -142,10 +154,9 @@ fn rules(word: &str) -> Rules {
 pub(super) fn marker(source: &text::MarkerSource) -> MarkerRequest {
     let gathered = |nodes| Place::Gathered {
         nodes,
-        tie: if source.rigid {
-            Spider::Rigid
-        } else {
-            Spider::Averaging
+        tie: match source.tie {
+            Some(text::MarkerTie::Rigid) => Spider::Rigid,
+            _ => Spider::Averaging,
         },
         center: source.center,
     };

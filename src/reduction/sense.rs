@@ -70,26 +70,147 @@ pub(super) fn doubts(mesh: &Mesh, source: &FlexibleSource) -> Vec<Diagnostic> {
             ),
         );
     }
-    for unread in &mesh.unread {
-        let effect = match unread.carries {
-            Carries::Nothing => continue,
-            Carries::Structure => "carries mass, stiffness or a constraint",
-            Carries::Unknown => "may carry mass, stiffness or a constraint",
-        };
-        let (file, line) = &unread.first;
+    found.extend(supports_left_out(mesh, source));
+    for doubt in &mesh.doubts {
         found.push(
             Diagnostic::warning(
-                codes::UNREAD,
-                format!(
-                    "{}: {} × {} is not read and {effect}",
-                    source.origin.path, unread.count, unread.name
-                ),
+                codes::MESH_DOUBT,
+                format!("{}: {doubt}", source.origin.path),
             )
-            .at(span(source.mesh.at), "of this mesh")
-            .with_note(format!("the first is at {file}:{line}")),
+            .at(span(source.mesh.at), "of this mesh"),
         );
     }
+    found.extend(ignored_for_nothing(mesh, source));
     found
+}
+
+/// Whether a text of `ignore` means a card or keyword: its name without asterisk, in any case, and what is told of it behind the name.
+fn means(ignored: &str, name: &str) -> bool {
+    let plain = |text: &str| text.trim().trim_start_matches('*').to_ascii_uppercase();
+    let (ignored, name) = (plain(ignored), plain(name));
+    !ignored.is_empty()
+        && name
+            .strip_prefix(ignored.as_str())
+            .is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_'))
+}
+
+/// The supports of the deck, where the body does not use them.
+fn supports_left_out(mesh: &Mesh, source: &FlexibleSource) -> Option<Diagnostic> {
+    if source.support_of_deck || source.stiffness.is_some() {
+        return None;
+    }
+    let named: Vec<String> = mesh
+        .support_cards
+        .iter()
+        .filter(|cards| !source.mesh.ignored.iter().any(|i| means(i, &cards.name)))
+        .map(|cards| {
+            let (file, line) = &cards.first;
+            format!(
+                "{} × {} (the first at {file}:{line})",
+                cards.count, cards.name
+            )
+        })
+        .collect();
+    let first = mesh.support_cards.first()?;
+    if named.is_empty() {
+        return None;
+    }
+    Some(
+        Diagnostic::warning(
+            codes::DECK_SUPPORT,
+            format!(
+                "{}: the supports of the deck are not used: {}",
+                source.origin.path,
+                named.join(", ")
+            ),
+        )
+        .at(span(source.mesh.at), "of this mesh")
+        .with_help(format!(
+            "write `support = deck` to hold what the deck holds, or `ignore: [\"{}\"]` in the mesh to leave it out",
+            first.name
+        )),
+    )
+}
+
+/// Texts of `ignore` that mean nothing in the file.
+fn ignored_for_nothing<'a>(
+    mesh: &'a Mesh,
+    source: &'a FlexibleSource,
+) -> impl Iterator<Item = Diagnostic> + 'a {
+    let nothing = |ignored: &&String| {
+        let unread = mesh.unread.iter().map(|unread| &unread.name);
+        let held = mesh.support_cards.iter().map(|cards| &cards.name);
+        !unread.chain(held).any(|name| means(ignored, name))
+    };
+    source.mesh.ignored.iter().filter(nothing).map(|ignored| {
+        Diagnostic::warning(
+            codes::IGNORED_NOTHING,
+            format!(
+                "{}: the mesh holds no {ignored} that is left out",
+                source.origin.path
+            ),
+        )
+        .at(span(source.mesh.at), "`ignore` names it")
+        .with_help("remove it from the list, or correct the name")
+    })
+}
+
+/// Why a mesh can't be reduced as it is: stiffness, mass and constraints that are not read, elements whose rules are not reproduced.
+/// With matrices of another code none of this matters.
+pub(super) fn refusal(mesh: &Mesh, source: &FlexibleSource) -> Option<Box<Diagnostic>> {
+    if source.stiffness.is_some() {
+        return None;
+    }
+    unread(mesh, source).or_else(|| {
+        let rules = super::request::rules(source.element_rules.as_deref());
+        let error = eng_flexible::fe::form::check(mesh, rules.stiffness).err()?;
+        Some(failed(
+            codes::ELEMENT_RULE,
+            &error,
+            source.mesh.at,
+            "in this mesh",
+        ))
+    })
+}
+
+/// What is not read and not ignored.
+fn unread(mesh: &Mesh, source: &FlexibleSource) -> Option<Box<Diagnostic>> {
+    let lost: Vec<_> = mesh
+        .unread
+        .iter()
+        .filter(|unread| unread.carries != Carries::Nothing)
+        .filter(|unread| !source.mesh.ignored.iter().any(|i| means(i, &unread.name)))
+        .collect();
+    if lost.is_empty() {
+        return None;
+    }
+    let mut message = Diagnostic::error(
+        codes::UNREAD,
+        format!(
+            "{}: the mesh holds what is not read and may carry stiffness, mass or constraints",
+            source.origin.path
+        ),
+    )
+    .at(span(source.mesh.at), "this mesh");
+    for unread in &lost {
+        let (file, line) = &unread.first;
+        let effect = match unread.carries {
+            Carries::Unknown => "not known",
+            _ => "stiffness, mass or a constraint",
+        };
+        message = message.with_note(format!(
+            "{} × {} (the first at {file}:{line}): {effect}",
+            unread.count, unread.name
+        ));
+    }
+    let names: Vec<String> = lost
+        .iter()
+        .map(|unread| format!("{:?}", unread.name))
+        .collect();
+    Some(Box::new(message.with_help(format!(
+        "take it out of the file and state it in the model; or, where the body can do without, write `ignore: [{}]` in the mesh",
+        names.join(", ")
+    ))))
 }
 
 /// A marker that elements turn stands on a node that does not turn.

@@ -38,12 +38,14 @@ pub struct FlexibleSource {
     pub mass: Option<MatrixSource>,
     /// For a mesh whose file has no material.
     pub material: Option<MaterialSource>,
-    /// How elements are integrated: `exact`, `calculix`, `abaqus`.
-    pub element_rules: String,
+    /// How elements are integrated: `exact`, `calculix`, `abaqus`, `nastran`; `None`: by what the file names, with exact mass.
+    pub element_rules: Option<String>,
     /// Markers, in the order of the text; a marker of the system names its place here.
     pub markers: Vec<MarkerSource>,
-    /// Markers that are held on the ground; none: a free body.
+    /// Markers that are held on the ground; without any, and without those of the deck, the body is free.
     pub support: Vec<u32>,
+    /// Whether freedoms that the mesh's file holds are held.
+    pub support_of_deck: bool,
     /// Place of the attribute `support`.
     pub support_at: Option<Location>,
     /// The mode set is the sum of these.
@@ -65,6 +67,8 @@ pub struct MeshSource {
     pub file: String,
     /// Units of the file: `mm_tonne_s`.
     pub units: String,
+    /// Cards and keywords that may be left out although they carry stiffness, mass or constraints.
+    pub ignored: Vec<String>,
     /// Place of the source in the text.
     pub at: Location,
 }
@@ -108,12 +112,21 @@ pub struct MarkerSource {
     pub at: Location,
     /// Place on the mesh.
     pub place: MarkerPlace,
-    /// Whether gathered nodes follow the marker as a rigid piece; else the marker follows their mean motion.
-    pub rigid: bool,
+    /// How gathered nodes are tied to the marker, where the text says so.
+    pub tie: Option<MarkerTie>,
     /// Where the marker is (m, axes of the mesh); else the middle of what is gathered.
     pub center: Option<[f64; 3]>,
     /// Rotation matrix marker → mesh, row-major: along whose columns its freedoms count.
     pub axes: [f64; 9],
+}
+
+/// How nodes are tied to a marker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MarkerTie {
+    /// The marker follows their mean motion.
+    Averaging,
+    /// They follow the marker as a rigid piece.
+    Rigid,
 }
 
 /// What a marker stands on.

@@ -6,7 +6,7 @@ use super::scope::{Member, Scope, block_of};
 use super::types::{Quantity, Type};
 use crate::codes;
 use crate::resolve::suggest::{listing, nearest};
-use crate::words::{ELEMENT_RULES, Place, Takes, Word, argument, belongs, word, words};
+use crate::words::{DECK, ELEMENT_RULES, Place, Takes, Word, argument, belongs, word, words};
 use eng_grammar::ast::{
     Argument, Attribute, BinaryOp, Declaration, Expr, ExprKind, Form, IndexArgument, ItemKind,
     Kind, Name, Statement,
@@ -119,7 +119,7 @@ impl<'p> Checker<'p> {
                 }
             },
             "material" => self.material(scope, value),
-            "support" => self.markers_named(scope, value),
+            "support" => self.supports(scope, value),
             "element_rules" => self.one_of(value, ELEMENT_RULES, "the rules of elements"),
             "geometric_stiffness" => {
                 self.expect(scope, value, &Type::Bool, &due);
@@ -373,6 +373,23 @@ impl<'p> Checker<'p> {
                 }
                 (Type::Text, None)
             }
+            Takes::Texts => {
+                let ExprKind::List { items, unit: None } = &value.kind else {
+                    self.report(
+                        Diagnostic::error(
+                            codes::FLEXIBLE,
+                            format!("`{name}` of `{}` is a list of texts", word.word),
+                        )
+                        .at(value.span, "no list")
+                        .with_help(format!("for instance `{name}: [\"CBUSH\", \"*TIE\"]`")),
+                    );
+                    return;
+                };
+                for item in items {
+                    self.taken(scope, word, name, Takes::Text, item);
+                }
+                return;
+            }
             Takes::Count => (Type::Int, None),
             Takes::Length => (Type::Scalar(Quantity::hard(Dimension::LENGTH)), Some("mm")),
             Takes::Place => (Type::vector(Quantity::hard(Dimension::LENGTH)), Some("mm")),
@@ -428,6 +445,23 @@ impl<'p> Checker<'p> {
             message = message.meant(value.span, near);
         }
         self.report(message);
+    }
+
+    /// Markers, and `deck` where no marker is called so: the supports of the mesh's file.
+    fn supports(&mut self, scope: &Scope<'p>, value: &Expr) {
+        match &value.kind {
+            ExprKind::List { items, unit: None } => {
+                for item in items {
+                    self.supports(scope, item);
+                }
+            }
+            ExprKind::Name(name) if name == DECK => {
+                if scope.body.is_some_and(|body| names_marker(body, DECK)) {
+                    self.markers_named(scope, value);
+                }
+            }
+            _ => self.markers_named(scope, value),
+        }
     }
 
     /// `[x, y, rz]`, or one of them.
@@ -565,6 +599,14 @@ impl<'p> Checker<'p> {
         );
         Some(Type::Error)
     }
+}
+
+/// Whether a body has a marker of this name.
+fn names_marker(body: &Declaration, name: &str) -> bool {
+    block_of(body)
+        .into_iter()
+        .flat_map(|block| &block.items)
+        .any(|item| matches!(&item.kind, ItemKind::Declaration(d) if d.kind == Kind::Marker && d.name.text == name))
 }
 
 /// The name that is called, if it is much like a word for a place on a mesh.

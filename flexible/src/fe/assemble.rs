@@ -7,6 +7,7 @@
 use super::beam;
 use super::check::{self, Role, role, wrong};
 use super::connection;
+use super::form::{self, Form};
 use super::freedoms::{FreedomMap, direction, is_isotropic};
 use super::mass::Mass;
 use super::pattern::{Layout, Pattern};
@@ -14,7 +15,7 @@ use super::rules::{Rules, Table};
 use super::solid::{self, PAIR, Present, pair};
 use super::surface;
 use crate::error::FlexibleError;
-use crate::mesh::{BeamAxes, Element, ElementKind, Material, Mesh, Section};
+use crate::mesh::{BeamAxes, Element, ElementKind, Material, Mesh, Section, Variant};
 use crate::sparse::SymmetricMatrix;
 
 /// Elements computed at a time.
@@ -52,6 +53,7 @@ pub fn assemble(mesh: &Mesh, rules: &Rules) -> Result<Structure, FlexibleError> 
 /// but without stiffness, parts that nothing connects, no mass at all.
 pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structure, FlexibleError> {
     check::check(mesh)?;
+    form::check(mesh, rules.stiffness)?;
     let freedoms = FreedomMap::new(mesh)?;
     connection::check(mesh, &freedoms)?;
     let parts = Parts::new(mesh);
@@ -93,7 +95,7 @@ pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structu
     if total.is_nan() || total <= 0.0 {
         return Err(wrong(
             "the structure has no mass".into(),
-            "give its materials a density",
+            "give its materials a density, in the file or by `material =` of the body",
         ));
     }
     Ok(Structure {
@@ -178,7 +180,7 @@ impl System<'_> {
         rules: &Rules,
         threads: usize,
     ) -> Result<(), FlexibleError> {
-        let tables = Tables::new(self.mesh, elements, rules);
+        let tables = Tables::new(self.mesh, elements, rules)?;
         let columns = self.split(threads);
         let mut faults = Vec::new();
         let mut numbers = Vec::new();
@@ -427,27 +429,36 @@ pub(crate) fn of_beam<T>(
     what(positions, axes, &property.section, material).map_err(fault)
 }
 
-/// Shape functions at the integration points of the kinds a mesh has.
+/// Shape functions at the integration points of the elements a mesh has.
 struct Tables {
-    tables: Vec<(ElementKind, Table)>,
+    tables: Vec<((ElementKind, Variant), Table)>,
 }
 
 impl Tables {
-    fn new(mesh: &Mesh, elements: &[u32], rules: &Rules) -> Self {
-        let mut tables: Vec<(ElementKind, Table)> = Vec::new();
+    fn new(mesh: &Mesh, elements: &[u32], rules: &Rules) -> Result<Self, FlexibleError> {
+        let mut tables: Vec<((ElementKind, Variant), Table)> = Vec::new();
         for &index in elements {
-            let kind = mesh.elements[index as usize].kind;
-            if tables.iter().all(|(known, _)| *known != kind) {
-                tables.push((kind, Table::new(kind, rules)));
+            let element = &mesh.elements[index as usize];
+            let key = (element.kind, element.variant);
+            if tables.iter().any(|(known, _)| *known == key) {
+                continue;
             }
+            let form = if super::shape::is_solid(element.kind) {
+                form::form(mesh, element, rules.stiffness)?
+            } else {
+                Form::Full
+            };
+            let mass = form::mass_rule(mesh, element, rules);
+            tables.push((key, Table::new(element.kind, form, mass)));
         }
-        Tables { tables }
+        Ok(Tables { tables })
     }
 
-    fn of(&self, kind: ElementKind) -> Option<&Table> {
+    fn of(&self, element: &Element) -> Option<&Table> {
+        let key = (element.kind, element.variant);
         self.tables
             .iter()
-            .find(|(known, _)| *known == kind)
+            .find(|(known, _)| *known == key)
             .map(|(_, table)| table)
     }
 }
@@ -468,7 +479,7 @@ fn compute_run(
         let (blocks, others) =
             std::mem::take(&mut rest).split_at_mut(PAIR * pair(0, present.count));
         rest = others;
-        let Some(table) = tables.of(element.kind) else {
+        let Some(table) = tables.of(element) else {
             continue;
         };
         let places = present.places(mesh);

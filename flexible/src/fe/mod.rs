@@ -12,8 +12,10 @@ pub mod beam;
 pub(crate) mod check;
 mod connection;
 pub mod foreign;
+pub mod form;
 pub mod freedoms;
 pub mod geometric;
+mod hexahedron;
 pub mod mass;
 mod pattern;
 pub mod quadrature;
@@ -30,6 +32,7 @@ pub mod volume;
 
 pub use assemble::{Structure, assemble, assemble_on};
 pub use foreign::{ForeignStructure, NodalMatrix, from_matrices};
+pub use form::Form;
 pub use freedoms::FreedomMap;
 pub use mass::{Mass, RigidMass};
 pub use reduction::Reduction;

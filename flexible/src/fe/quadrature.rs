@@ -125,6 +125,14 @@ pub fn quadrilateral(n: usize) -> Vec<Point> {
     points
 }
 
+/// The centre of the triangle, exact to degree 1.
+pub fn triangle_1() -> Vec<Point> {
+    vec![Point {
+        at: [1.0 / 3.0, 1.0 / 3.0, 0.0],
+        weight: 0.5,
+    }]
+}
+
 /// The symmetric triangle rule of three inner points, exact to degree 2.
 pub fn triangle_3() -> Vec<Point> {
     let (near, far) = (1.0 / 6.0, 2.0 / 3.0);

@@ -1,13 +1,17 @@
 //! Which quadrature each element uses, and how mass is spread.
 
+use super::form::Form;
 use super::quadrature::{self, Point};
 use super::shape::{self, Shape};
 use crate::mesh::ElementKind;
 
-/// Integration of the solids' stiffness.
+/// Which code's rules give each solid its form: see [`super::form`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum StiffnessRule {
-    /// Points enough for full rank and the patch test:
+    /// Those of the code that the mesh was written for.
+    #[default]
+    Named,
+    /// Full integration of every solid, whatever the file names:
     ///
     /// | element | points |
     /// | --- | --- |
@@ -15,10 +19,13 @@ pub enum StiffnessRule {
     /// | hexahedron 8, 20 | 2³, 3³ |
     /// | wedge 6, 15 | 3 × 2, 3 × 3 |
     /// | pyramid 5, 13 | 2³, 3³ |
-    #[default]
     Full,
-    /// As [`StiffnessRule::Full`], but 2³ points for the 20-node hexahedron (Abaqus C3D20R).
-    Reduced,
+    /// Those of CalculiX 2.20.
+    CalculiX,
+    /// Those of Abaqus.
+    Abaqus,
+    /// Those of Nastran, as far as they are public.
+    Nastran,
 }
 
 /// Integration and form of the elements' mass. The foreign rules differ in solids only. Beams are consistent in all.
@@ -28,11 +35,11 @@ pub enum MassRule {
     #[default]
     Exact,
     /// CalculiX 2.20: consistent mass integrated at the points of the stiffness, so that the 10-node tetrahedron's is
-    /// under-integrated at 4 points. Checked against its matrices for C3D8, C3D10 and C3D20; C3D6 has 2 points there and 6 here.
+    /// under-integrated at 4 points. Checked against its matrices for C3D8, C3D10 and C3D20, against its frequencies for C3D6, C3D8I
+    /// and C3D20R.
     CalculiX,
     /// Abaqus: linear elements lumped by row sums, the 10-node tetrahedron exact, other quadratic solids at their full
-    /// stiffness points. Checked against its matrices for C3D4, C3D10, C3D20 and C3D20R. (Its C3D8 stiffness is
-    /// selectively reduced, which is not reproduced here.)
+    /// stiffness points. Checked against its matrices for C3D4, C3D8, C3D10, C3D20 and C3D20R.
     Abaqus,
     /// Diagonal mass: row sums for linear elements; the exact diagonal scaled to the element's mass for quadratic ones (E. Hinton,
     /// T. Rock, O. C. Zienkiewicz, Earthq. Eng. Struct. Dyn. 4, 1976), whose row sums are partly negative.
@@ -49,10 +56,26 @@ pub struct Rules {
 }
 
 impl Rules {
+    /// Full integration of every solid, exact mass.
+    pub fn exact() -> Self {
+        Rules {
+            stiffness: StiffnessRule::Full,
+            mass: MassRule::Exact,
+        }
+    }
+
+    /// The forms of Nastran, exact mass.
+    pub fn nastran() -> Self {
+        Rules {
+            stiffness: StiffnessRule::Nastran,
+            mass: MassRule::Exact,
+        }
+    }
+
     /// The rules of CalculiX; see [`MassRule::CalculiX`].
     pub fn calculix() -> Self {
         Rules {
-            stiffness: StiffnessRule::Full,
+            stiffness: StiffnessRule::CalculiX,
             mass: MassRule::CalculiX,
         }
     }
@@ -60,7 +83,7 @@ impl Rules {
     /// The rules of Abaqus; see [`MassRule::Abaqus`].
     pub fn abaqus() -> Self {
         Rules {
-            stiffness: StiffnessRule::Full,
+            stiffness: StiffnessRule::Abaqus,
             mass: MassRule::Abaqus,
         }
     }
@@ -87,16 +110,19 @@ pub(super) fn spread(kind: ElementKind, rule: MassRule) -> Spread {
 }
 
 /// Points for the stiffness of a solid; none for other elements.
-pub fn stiffness_points(kind: ElementKind, rule: StiffnessRule) -> Vec<Point> {
+pub fn stiffness_points(kind: ElementKind, form: Form) -> Vec<Point> {
     match kind {
         ElementKind::Tetrahedron4 => quadrature::tetrahedron_1(),
         ElementKind::Tetrahedron10 => quadrature::tetrahedron_4(),
         ElementKind::Hexahedron8 => quadrature::hexahedron(2),
-        ElementKind::Hexahedron20 => quadrature::hexahedron(match rule {
-            StiffnessRule::Full => 3,
-            StiffnessRule::Reduced => 2,
+        ElementKind::Hexahedron20 => quadrature::hexahedron(match form {
+            Form::Reduced => 2,
+            _ => 3,
         }),
-        ElementKind::Wedge6 => quadrature::wedge(&quadrature::triangle_3(), 2),
+        ElementKind::Wedge6 => match form {
+            Form::Reduced => quadrature::wedge(&quadrature::triangle_1(), 2),
+            _ => quadrature::wedge(&quadrature::triangle_3(), 2),
+        },
         ElementKind::Wedge15 => quadrature::wedge(&quadrature::triangle_3(), 3),
         ElementKind::Pyramid5 => quadrature::pyramid(2),
         ElementKind::Pyramid13 => quadrature::pyramid(3),
@@ -125,26 +151,27 @@ fn exact_points(kind: ElementKind) -> Vec<Point> {
     }
 }
 
-fn mass_points(kind: ElementKind, rule: MassRule) -> Vec<Point> {
-    let foreign = shape::is_solid(kind)
-        && match rule {
-            MassRule::CalculiX => true,
-            MassRule::Abaqus => matches!(
+fn mass_points(kind: ElementKind, form: Form, rule: MassRule) -> Vec<Point> {
+    match rule {
+        _ if !shape::is_solid(kind) => exact_points(kind),
+        MassRule::CalculiX => stiffness_points(kind, form),
+        MassRule::Abaqus
+            if matches!(
                 kind,
                 ElementKind::Hexahedron20 | ElementKind::Wedge15 | ElementKind::Pyramid13
-            ),
-            MassRule::Exact | MassRule::Lumped => false,
-        };
-    if foreign {
-        stiffness_points(kind, StiffnessRule::Full)
-    } else {
-        exact_points(kind)
+            ) =>
+        {
+            stiffness_points(kind, Form::Full)
+        }
+        _ => exact_points(kind),
     }
 }
 
 /// Shape functions at the points of a rule.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
+    /// Place in the reference domain.
+    pub(super) at: [f64; 3],
     pub(super) weight: f64,
     pub(super) shape: Shape,
 }
@@ -153,6 +180,7 @@ pub(super) fn samples(kind: ElementKind, points: &[Point]) -> Vec<Sample> {
     points
         .iter()
         .map(|point| Sample {
+            at: point.at,
             weight: point.weight,
             shape: Shape::at(kind, point.at),
         })
@@ -162,6 +190,8 @@ pub(super) fn samples(kind: ElementKind, points: &[Point]) -> Vec<Sample> {
 /// Samples of one kind of element.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
+    /// How the stiffness of a solid is made of its samples.
+    pub(super) form: Form,
     /// The element of the corners alone, in the middle of a solid.
     pub(super) corners: Option<Shape>,
     pub(super) stiffness: Vec<Sample>,
@@ -170,7 +200,7 @@ pub(super) struct Table {
 }
 
 impl Table {
-    pub(super) fn new(kind: ElementKind, rules: &Rules) -> Self {
+    pub(super) fn new(kind: ElementKind, form: Form, mass: MassRule) -> Self {
         let centre = match shape::linear(kind) {
             ElementKind::Tetrahedron4 => Some([0.25; 3]),
             ElementKind::Hexahedron8 => Some([0.0; 3]),
@@ -180,9 +210,10 @@ impl Table {
         };
         Table {
             corners: centre.map(|at| Shape::at(shape::linear(kind), at)),
-            stiffness: samples(kind, &stiffness_points(kind, rules.stiffness)),
-            mass: samples(kind, &mass_points(kind, rules.mass)),
-            spread: spread(kind, rules.mass),
+            form,
+            stiffness: samples(kind, &stiffness_points(kind, form)),
+            mass: samples(kind, &mass_points(kind, form, mass)),
+            spread: spread(kind, mass),
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Stiffness and mass of one solid: isotropic, linear elastic, small displacements.
 
 use super::check::wrong;
+use super::form::Form;
+use super::hexahedron;
 use super::rules::{Sample, Spread, Table};
 use super::shape::{MOST_NODES, Shape};
 use super::vector::{cross, determinant, norm, subtract};
@@ -147,10 +149,20 @@ pub(super) fn gradients(
     Ok(Gradients { slope, jacobian })
 }
 
+/// Rows ∂ξ_i/∂x (1/m) for the rows ∂x/∂ξ_i and their determinant.
+pub(super) fn dual(rows: &[[f64; 3]; 3], jacobian: f64) -> [[f64; 3]; 3] {
+    [
+        cross(rows[1], rows[2]),
+        cross(rows[2], rows[0]),
+        cross(rows[0], rows[1]),
+    ]
+    .map(|row| row.map(|x| x / jacobian))
+}
+
 /// Adds stiffness and mass of an element to zeroed `blocks` ([`PAIR`] numbers a pair of its nodes, see [`pair`]):
 ///
 /// K_ab = ∫ λ g_a g_bᵀ + μ g_b g_aᵀ + μ (g_a·g_b) I dV (N/m), m_ab = ∫ ρ N_a N_b dV (kg) (M = m ⊗ I₃), with g = ∂N/∂x: the
-/// principle of virtual work for σ = λ tr ε I + 2 μ ε.
+/// principle of virtual work for σ = λ tr ε I + 2 μ ε. Of [`hexahedron`] where the form changes the strains.
 ///
 /// # Errors
 /// The Jacobian (m³) where it is not positive: that of the corners alone, or at the first such point of the stiffness.
@@ -166,6 +178,30 @@ pub(super) fn add_matrices(
     if let Some(corners) = &table.corners {
         gradients(corners, places, present.kind.corner_count())?;
     }
+    if matches!(table.form, Form::MeanDilatation | Form::Incompatible) {
+        hexahedron::add_stiffness(table, places, material, blocks)?;
+    } else {
+        add_stiffness(table, present, places, material, blocks)?;
+    }
+    let mass = |sample: &Sample| {
+        let shape = present.shape(&sample.shape);
+        // a curved element may be folded at its very edge: the signed volume is still the right one
+        let jacobian = determinant(&tangents(&shape, places, count));
+        (shape.values, material.density * sample.weight * jacobian)
+    };
+    add_mass(table, count, mass, blocks);
+    Ok(())
+}
+
+/// Adds ∫ λ g_a g_bᵀ + μ g_b g_aᵀ + μ (g_a·g_b) I dV (N/m) at the points of the stiffness.
+fn add_stiffness(
+    table: &Table,
+    present: &Present,
+    places: &[[f64; 3]; MOST_NODES],
+    material: &Material,
+    blocks: &mut [f64],
+) -> Result<(), f64> {
+    let count = present.count;
     for sample in &table.stiffness {
         let shape = present.shape(&sample.shape);
         let gradients = gradients(&shape, places, count)?;
@@ -196,13 +232,6 @@ pub(super) fn add_matrices(
             }
         }
     }
-    let mass = |sample: &Sample| {
-        let shape = present.shape(&sample.shape);
-        // a curved element may be folded at its very edge: the signed volume is still the right one
-        let jacobian = determinant(&tangents(&shape, places, count));
-        (shape.values, material.density * sample.weight * jacobian)
-    };
-    add_mass(table, count, mass, blocks);
     Ok(())
 }
 

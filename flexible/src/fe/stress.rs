@@ -3,8 +3,10 @@
 //! Components are in the order xx, yy, zz, xy, yz, zx, in basic axes; shear strains are engineering ones (γ = 2 ε).
 
 use super::check::{self, Role, role, wrong};
+use super::form::{self, Form};
 use super::freedoms::FreedomMap;
-use super::rules::{self, Rules};
+use super::hexahedron;
+use super::rules::{self, Rules, Table};
 use super::shape::{self, MOST_NODES, Shape};
 use super::solid::{Present, gradients, inverted, lame};
 use super::vector::add;
@@ -23,6 +25,8 @@ pub struct StrainPoint {
     pub volume: f64,
     /// ∂N/∂x of each node (1/m).
     pub gradients: Vec<[f64; 3]>,
+    /// What the element's form adds to the strain, for a unit displacement of each node along each axis (1/m); empty: nothing.
+    pub correction: Vec<Components>,
 }
 
 impl StrainPoint {
@@ -36,6 +40,11 @@ impl StrainPoint {
             strain[3] += g[1] * u[0] + g[0] * u[1];
             strain[4] += g[2] * u[1] + g[1] * u[2];
             strain[5] += g[0] * u[2] + g[2] * u[0];
+        }
+        for (correction, x) in self.correction.iter().zip(displacements.iter().flatten()) {
+            for (sum, c) in strain.iter_mut().zip(correction) {
+                *sum += c * x;
+            }
         }
         strain
     }
@@ -90,7 +99,8 @@ impl ElementRecovery {
         let Some(mut recovery) = Self::at_points(mesh, element, rules)? else {
             return Ok(None);
         };
-        let integration = rules::stiffness_points(element.kind, rules.stiffness);
+        let form = form::form(mesh, element, rules.stiffness)?;
+        let integration = rules::stiffness_points(element.kind, form);
         let at: Vec<[f64; 3]> = integration.iter().map(|point| point.at).collect();
         let corner = extrapolation(element.kind, &at);
         let edges = shape::edges(element.kind);
@@ -122,15 +132,25 @@ impl ElementRecovery {
             return Ok(None);
         };
         let present = Present::new(element.kind, mesh.nodes_of(element));
-        let integration = rules::stiffness_points(element.kind, rules.stiffness);
+        let form = form::form(mesh, element, rules.stiffness)?;
+        let integration = rules::stiffness_points(element.kind, form);
         let samples: Vec<([f64; 3], f64)> = integration
             .iter()
             .map(|point| (point.at, point.weight))
             .collect();
+        let mut points = strain_points(mesh, element, &present, &samples)?;
+        if matches!(form, Form::MeanDilatation | Form::Incompatible) {
+            let table = Table::new(element.kind, form, rules.mass);
+            let enhanced = hexahedron::enhanced(&table, &present.places(mesh), material)
+                .map_err(|jacobian| inverted(&[(element.id, jacobian)]))?;
+            for (point, enhanced) in points.iter_mut().zip(enhanced) {
+                point.correction = enhanced.correction.to_vec();
+            }
+        }
         Ok(Some(ElementRecovery {
             nodes: present.nodes().to_vec(),
             material: material.clone(),
-            points: strain_points(mesh, element, &present, &samples)?,
+            points,
             extrapolation: Vec::new(),
             kind: element.kind,
         }))
@@ -238,6 +258,7 @@ fn strain_points(
                 place,
                 volume: weight * gradients.jacobian,
                 gradients: gradients.slope[..count].to_vec(),
+                correction: Vec::new(),
             })
         })
         .collect()

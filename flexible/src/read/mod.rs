@@ -4,6 +4,7 @@ pub mod abaqus;
 mod content;
 pub(crate) mod faces;
 pub mod gmsh;
+mod held;
 mod labels;
 pub mod matrix;
 pub mod nastran;
@@ -15,7 +16,7 @@ mod vector;
 use std::io::{self, BufRead, BufReader, Read};
 
 use crate::error::{FileProblem, FlexibleError, Place};
-use crate::mesh::Mesh;
+use crate::mesh::{Code, Mesh};
 use content::{Content, Stated, explained};
 
 /// Gives the readers their files. Names are as the model writes them; a name inside a file (`INCLUDE`) is looked up relative to the
@@ -35,7 +36,7 @@ pub enum MeshFormat {
     Nastran,
     /// Input of Abaqus.
     Abaqus,
-    /// Input of CalculiX: read as that of Abaqus.
+    /// Input of CalculiX.
     CalculiX,
     /// A mesh of gmsh.
     Gmsh,
@@ -79,7 +80,8 @@ impl Stated for MeshFormat {
 pub fn read_mesh(files: &dyn Files, name: &str, format: MeshFormat) -> Result<Mesh, FlexibleError> {
     let read = match format {
         MeshFormat::Nastran => nastran::read_bulk(files, name),
-        MeshFormat::Abaqus | MeshFormat::CalculiX => abaqus::read_inp(files, name),
+        MeshFormat::Abaqus => abaqus::read_inp(files, name, Code::Abaqus),
+        MeshFormat::CalculiX => abaqus::read_inp(files, name, Code::CalculiX),
         MeshFormat::Gmsh => gmsh::read_msh(files, name),
     };
     explained(files, name, format, read)

@@ -58,7 +58,7 @@ pub(super) fn is_real(text: &str) -> bool {
     text.contains('.') && real(text).is_some()
 }
 
-/// Freedoms `1`…`6` in any order as bits 0…5; `0` is no freedom.
+/// Freedoms `1`…`6` in any order as bits 0…5, blanks between them or not; `0` is no freedom.
 pub(super) fn components(text: &str) -> Option<u8> {
     if text.is_empty() {
         return None;
@@ -66,7 +66,8 @@ pub(super) fn components(text: &str) -> Option<u8> {
     if text == "0" {
         return Some(0);
     }
-    text.bytes().try_fold(0u8, |bits, digit| match digit {
+    let mut digits = text.bytes().filter(|digit| *digit != b' ');
+    digits.try_fold(0u8, |bits, digit| match digit {
         b'1'..=b'6' => Some(bits | 1 << (digit - b'1')),
         _ => None,
     })
@@ -108,6 +109,7 @@ mod tests {
         assert_eq!(integer("99999999999999999999"), None);
         assert_eq!(components("135"), Some(0b01_0101));
         assert_eq!(components("0"), Some(0));
+        assert_eq!(components("12 6"), Some(0b10_0011));
         assert_eq!(components("127"), None);
         assert!(is_real("1.") && !is_real("1") && !is_real("A."));
     }

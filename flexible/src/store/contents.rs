@@ -4,8 +4,8 @@ use super::bytes::{Source, Stored, fields, variants};
 use super::{Key, StoreError};
 use crate::fe::{FreedomMap, MassRule, Rules, StiffnessRule};
 use crate::mesh::{
-    BeamAxes, Carries, Element, ElementKind, Frame, Material, Mesh, Node, PointMass, Property,
-    Section, Set, Spring, Support, Tie, Unread,
+    BeamAxes, Carries, Code, Element, ElementKind, Frame, Material, Mesh, Node, PointMass,
+    Property, Section, Set, Spring, Support, SupportCards, Tie, Unread, Variant,
 };
 use crate::modes::Dropped;
 use crate::recover::Surface;
@@ -113,7 +113,13 @@ fields!(Unserved {
     missing: f64,
 });
 
-variants!(StiffnessRule { Full, Reduced });
+variants!(StiffnessRule {
+    Named,
+    Full,
+    CalculiX,
+    Abaqus,
+    Nastran,
+});
 variants!(MassRule {
     Exact,
     CalculiX,
@@ -168,9 +174,37 @@ variants!(ElementKind {
     Quadrilateral8,
     Beam2,
 });
+variants!(Code {
+    None,
+    Nastran,
+    Abaqus,
+    CalculiX,
+});
+impl Stored for Variant {
+    const LEAST: usize = 1;
+    fn write(&self, out: &mut Vec<u8>) {
+        match self {
+            Variant::Plain => 0u8.write(out),
+            Variant::Letters(letters) => (1u8, *letters).write(out),
+            Variant::Network { points, full } => (2u8, *points, *full).write(out),
+        }
+    }
+    fn read(source: &mut Source) -> Result<Self, StoreError> {
+        match u8::read(source)? {
+            0 => Ok(Variant::Plain),
+            1 => Ok(Variant::Letters(u8::read(source)?)),
+            2 => Ok(Variant::Network {
+                points: u8::read(source)?,
+                full: bool::read(source)?,
+            }),
+            _ => Err(source.senseless("no such variant of an element")),
+        }
+    }
+}
 fields!(Element {
     id: u64,
     kind: ElementKind,
+    variant: Variant,
     property: u32,
     first: u32,
     beam: Option<u32>,
@@ -221,7 +255,14 @@ fields!(Unread {
     first: (String, u64),
     carries: Carries,
 });
+fields!(SupportCards {
+    name: String,
+    count: u64,
+    first: (String, u64),
+    moved: Option<(String, u64)>,
+});
 fields!(Mesh {
+    code: Code,
     nodes: Vec<Node>,
     frames: Vec<Frame>,
     elements: Vec<Element>,
@@ -233,9 +274,11 @@ fields!(Mesh {
     springs: Vec<Spring>,
     ties: Vec<Tie>,
     supports: Vec<Support>,
+    support_cards: Vec<SupportCards>,
     interface: Vec<Support>,
     sets: BTreeMap<String, Set>,
     unread: Vec<Unread>,
+    doubts: Vec<String>,
 });
 
 impl Stored for Section {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use eng_flexible::fe::{Reduction, Structure, shape};
 use eng_flexible::mesh::{
-    BeamAxes, Element, ElementKind, Material, Mesh, Node, Property, Section, Support,
+    BeamAxes, Element, ElementKind, Material, Mesh, Node, Property, Section, Support, Variant,
 };
 use eng_flexible::read::nastran::read_bulk;
 use eng_flexible::solve::{Analysis, Definiteness, Factorization};
@@ -108,6 +108,7 @@ pub fn add_element(mesh: &mut Mesh, kind: ElementKind, property: u32, nodes: &[u
     let element = Element {
         id: mesh.elements.len() as u64 + 1,
         kind,
+        variant: Variant::Plain,
         property,
         first: mesh.connectivity.len() as u32,
         beam: None,

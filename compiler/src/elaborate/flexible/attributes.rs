@@ -17,10 +17,19 @@ impl<'a> Elaborator<'a, '_> {
         let (Some(file), Some(units)) = (file, units) else {
             return Err(self.internal(value.span, "a mesh without file or units"));
         };
+        let mut ignored = Vec::new();
+        if let Some(ExprKind::List { items, .. }) =
+            argument(word, arguments, "ignore").map(|list| &list.kind)
+        {
+            for item in items {
+                ignored.extend(self.text_of(Some(item), scope)?);
+            }
+        }
         Ok(MeshSource {
             format: word.word.to_owned(),
             file,
             units,
+            ignored,
             at: location(value.span),
         })
     }

@@ -7,7 +7,7 @@ use super::bare_word;
 use crate::codes;
 use crate::words::{Place, argument};
 use eng_grammar::{Diagnostic, ast};
-use eng_system::flexible::{MarkerPlace, MarkerSource};
+use eng_system::flexible::{MarkerPlace, MarkerSource, MarkerTie};
 use eng_system::system::BodyRef;
 
 impl<'a> Elaborator<'a, '_> {
@@ -28,7 +28,7 @@ impl<'a> Elaborator<'a, '_> {
         let mut made = Vec::new();
         self.for_each(&declaration.index, scope, &mut |e, inner, position| {
             let text = format!("{name}{}", index_text(position));
-            let (place, rigid, center, axes) = e.place_on_mesh(value, inner)?;
+            let (place, tie, center, axes) = e.place_on_mesh(value, inner)?;
             let shape = markers.len() as u32;
             let marker = e.marker_of_mesh(
                 body,
@@ -42,7 +42,7 @@ impl<'a> Elaborator<'a, '_> {
                     name: text,
                     at: location(declaration.name.span),
                     place,
-                    rigid,
+                    tie,
                     center,
                     axes,
                 },
@@ -64,7 +64,7 @@ impl<'a> Elaborator<'a, '_> {
         &mut self,
         value: &'a ast::Expr,
         scope: ScopeId,
-    ) -> Eval<(MarkerPlace, bool, Option<[f64; 3]>, [f64; 9])> {
+    ) -> Eval<(MarkerPlace, Option<MarkerTie>, Option<[f64; 3]>, [f64; 9])> {
         let (word, arguments) = self.worded(Place::Marker, value)?;
         let get = |name: &str| argument(word, arguments, name);
         let vector = |e: &mut Self, name: &str| -> Eval<Option<[f64; 3]>> {
@@ -99,7 +99,10 @@ impl<'a> Elaborator<'a, '_> {
             e.text_of(get(name), scope)?.ok_or(Reported)
         };
         let center = vector(self, "center")?;
-        let rigid = get("tie").is_some_and(|t| bare_word(t) == "rigid");
+        let tie = get("tie").map(|tie| match bare_word(tie).as_str() {
+            "rigid" => MarkerTie::Rigid,
+            _ => MarkerTie::Averaging,
+        });
         let place = match word.word {
             "node" => {
                 let Some(id) = get("id") else {
@@ -174,6 +177,6 @@ impl<'a> Elaborator<'a, '_> {
                 }
             };
         }
-        Ok((place, rigid, center, axes))
+        Ok((place, tie, center, axes))
     }
 }

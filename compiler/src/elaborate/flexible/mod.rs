@@ -8,7 +8,7 @@ use super::scalar::Scalar;
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Entry, Eval, Reported, location};
 use crate::codes;
-use crate::words::{Place, Word, word};
+use crate::words::{DECK, Place, Word, word};
 use eng_grammar::ast::{self, ExprKind, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::flexible::{FlexibleSource, Freedoms, MarkerSource, ModeCount};
@@ -21,6 +21,13 @@ pub struct MarkerName {
     /// Of an array: these.
     index: Option<Vec<i64>>,
     span: Span,
+}
+
+impl MarkerName {
+    /// Whether it is this name, without an index.
+    fn is(&self, name: &str) -> bool {
+        self.name == name && self.index.is_none()
+    }
 }
 
 /// Part of a mode set before its markers are found.
@@ -128,8 +135,9 @@ impl<'a> Elaborator<'a, '_> {
         }
         let mut mesh = None;
         let (mut stiffness, mut mass, mut material) = (None, None, None);
-        let mut element_rules = "exact".to_owned();
+        let mut element_rules = None;
         let (mut support, mut support_span) = (Vec::new(), None);
+        let mut support_of_deck = false;
         let (mut terms, mut modes_at) = (Vec::new(), None);
         let mut damping = None;
         let mut geometric_stiffness = false;
@@ -143,11 +151,15 @@ impl<'a> Elaborator<'a, '_> {
                 "stiffness" => stiffness = Some(self.matrix_source(value, own)?),
                 "mass" => mass = Some(self.matrix_source(value, own)?),
                 "material" => material = Some(self.material_source(value, own)?),
-                "element_rules" => element_rules = bare_word(value),
+                "element_rules" => element_rules = Some(bare_word(value)),
                 "support" => {
                     support_span = Some(value.span);
                     let names = self.marker_names(value, own)?;
                     for name in names {
+                        if name.is(DECK) && !known.iter().any(|(marker, _)| marker == DECK) {
+                            support_of_deck = true;
+                            continue;
+                        }
                         support.extend(self.found(&name, &known, &path)?);
                     }
                     for index in &support {
@@ -204,6 +216,7 @@ impl<'a> Elaborator<'a, '_> {
                 element_rules,
                 markers: sources,
                 support,
+                support_of_deck,
                 support_at: support_span.map(location),
                 modes: Vec::new(),
                 modes_at,

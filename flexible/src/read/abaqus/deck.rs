@@ -48,6 +48,8 @@ pub(super) struct Deck {
     place: Place,
     /// Behind `*STEP`.
     in_step: bool,
+    /// Steps so far.
+    steps: u32,
     /// What `*SYSTEM` last said.
     system: Option<Motion>,
 }
@@ -143,9 +145,16 @@ impl Deck {
         if self.in_step {
             match keyword.key.as_str() {
                 "ENDSTEP" => self.in_step = false,
+                "BOUNDARY" => {
+                    return Ok(Open::Block(Block {
+                        keyword,
+                        rows: Vec::new(),
+                        step: self.steps,
+                    }));
+                }
                 name => {
                     let lost = match name {
-                        "BOUNDARY" | "MODELCHANGE" => Carries::Structure,
+                        "MODELCHANGE" => Carries::Structure,
                         _ => Carries::Nothing,
                     };
                     let name = format!("*{} in a *STEP", keyword.name);
@@ -157,6 +166,7 @@ impl Deck {
         Ok(match keyword.key.as_str() {
             "STEP" => {
                 self.in_step = true;
+                self.steps += 1;
                 self.unread.note("*STEP", &keyword.at, Carries::Nothing);
                 Open::Skipped
             }
@@ -203,6 +213,7 @@ impl Deck {
                 Open::Block(Block {
                     keyword,
                     rows: Vec::new(),
+                    step: 0,
                 })
             }
             "ENDPART" | "ENDINSTANCE" => {
@@ -254,6 +265,7 @@ impl Deck {
             _ => Open::Block(Block {
                 keyword,
                 rows: Vec::new(),
+                step: 0,
             }),
         })
     }
@@ -324,6 +336,9 @@ impl Deck {
                 if pending.len() >= needed {
                     let fields = std::mem::take(pending);
                     let label = self.element(*shape, &fields, &row.at)?;
+                    if matches!(shape, Shape::Shell(_)) {
+                        self.unread.note(name, &row.at, Carries::Structure);
+                    }
                     if let Some(set) = set {
                         set.add(label);
                     }

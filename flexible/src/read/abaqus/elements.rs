@@ -5,7 +5,7 @@ use super::model::Model;
 use super::sections::{Family, Sections, direction};
 use super::shapes::Shape;
 use crate::error::FileProblem;
-use crate::mesh::{BeamAxes, Carries, Element, ElementKind, Mesh};
+use crate::mesh::{BeamAxes, Carries, Element, ElementKind, Mesh, Variant};
 use crate::read::unread::UnreadCards;
 use crate::read::vector::{beam_axes, minus, rotate};
 
@@ -16,7 +16,7 @@ pub(super) fn make(
     materials: &Materials,
     unread: &mut UnreadCards,
 ) -> Result<(), FileProblem> {
-    let mut sections = Sections::new(model, unread)?;
+    let mut sections = Sections::new(model, mesh.code, unread)?;
     let mut made = Vec::with_capacity(model.rows.len());
     for (index, row) in model.rows.iter().enumerate() {
         let index = index as u32; // counted when they were numbered
@@ -32,7 +32,12 @@ pub(super) fn make(
         };
         let nodes = model.row_nodes(row);
         match (row.shape, nodes) {
-            (Shape::Solid(kind) | Shape::Shell(kind) | Shape::Facet(kind), nodes) => {
+            (Shape::Solid(kind, variant), nodes) => {
+                push(mesh, row.id, (kind, variant), property, nodes, None)
+                    .ok_or_else(|| row.at.problem("too many elements", "divide the model"))?;
+            }
+            (Shape::Shell(kind) | Shape::Facet(kind), nodes) => {
+                let kind = (kind, Variant::Plain);
                 push(mesh, row.id, kind, property, nodes, None)
                     .ok_or_else(|| row.at.problem("too many elements", "divide the model"))?;
             }
@@ -107,7 +112,7 @@ fn line(
     push(
         mesh,
         row.id,
-        ElementKind::Beam2,
+        (ElementKind::Beam2, Variant::Plain),
         property,
         &ends,
         Some(beam),
@@ -118,7 +123,7 @@ fn line(
 fn push(
     mesh: &mut Mesh,
     id: u64,
-    kind: ElementKind,
+    (kind, variant): (ElementKind, Variant),
     property: u32,
     nodes: &[u32],
     beam: Option<u32>,
@@ -128,6 +133,7 @@ fn push(
     mesh.elements.push(Element {
         id,
         kind,
+        variant,
         property,
         first,
         beam,

@@ -6,7 +6,8 @@
 //! adds k times the power of ten above all numbers. Sets of an instance are called `Instance.SET`, and `SET` where that is clear; a
 //! surface is the set of its nodes, `surface:NAME`, and `NAME` where no set is called so.
 //!
-//! Elements are taken by their shape: how a code integrates `C3D8` is none of the mesh's business. Nothing behind `*STEP` is read.
+//! The two codes differ in the dimensions of beam sections and in the rules of elements, whose variants (`R`, `I`, …) the mesh keeps.
+//! Of what stands behind `*STEP`, only `*BOUNDARY` is read: that of the first step holds with the model's.
 //!
 //! ```text
 //! lines ─▶ deck (parts, instances, scopes) ─▶ model (numbered through) ─▶ sets, surfaces ─▶ elements, points, ties, supports ─▶ mesh
@@ -29,8 +30,9 @@ mod ties;
 mod unread;
 
 use crate::error::FlexibleError;
-use crate::mesh::Mesh;
+use crate::mesh::{Code, Mesh};
 use crate::read::Files;
+use crate::read::held::HoldingCards;
 use crate::read::source::whole;
 use model::Model;
 
@@ -39,7 +41,7 @@ use model::Model;
 /// # Errors
 /// With file, line and keyword: a file that can't be read or isn't an input file, a number that is none, an element of too few or too
 /// many nodes, a missing or doubled node, element, set, surface, part or material, a keyword that can't be expressed.
-pub fn read_inp(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
+pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, FlexibleError> {
     let mut deck = deck::read(files, name)?;
     let mut model = Model::new(&mut deck, name)?;
     if model.nodes.is_empty() {
@@ -53,6 +55,7 @@ pub fn read_inp(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
     let unread = &mut deck.unread;
     sets::fill(&mut model, unread)?;
     let mut mesh = Mesh {
+        code,
         frames: supports::transform(&mut model)?,
         ..Mesh::default()
     };
@@ -60,7 +63,9 @@ pub fn read_inp(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
     elements::make(&mut model, &mut mesh, &deck.materials, unread)?;
     points::make(&model, &mut mesh, unread)?;
     mesh.ties = ties::ties(&model, unread)?;
-    mesh.supports = supports::supports(&model, unread)?;
+    let mut cards = HoldingCards::default();
+    mesh.supports = supports::supports(&model, &mut cards, unread)?;
+    mesh.support_cards = cards.into_list();
     mesh.sets = sets::sets(&model);
     mesh.nodes = model.nodes;
     mesh.unread = deck.unread.into_list();

@@ -14,6 +14,8 @@ pub(super) struct Block {
     pub keyword: Keyword,
     /// Its data lines.
     pub rows: Vec<Row>,
+    /// The `*STEP` it stands in, from 1; 0: the model.
+    pub step: u32,
 }
 
 /// A node.

@@ -8,7 +8,7 @@ use super::model::Model;
 use super::scope::Block;
 use super::shapes::Shape;
 use crate::error::FileProblem;
-use crate::mesh::{Carries, Material, Property, Section};
+use crate::mesh::{Carries, Code, Material, Property, Section};
 use crate::read::nastran::shapes;
 use crate::read::unread::UnreadCards;
 
@@ -31,7 +31,7 @@ impl Family {
     /// The family of a shape; `None` for what is no element of the mesh.
     pub fn of(shape: Shape) -> Option<Self> {
         match shape {
-            Shape::Solid(_) => Some(Family::Solid),
+            Shape::Solid(..) => Some(Family::Solid),
             Shape::Shell(_) => Some(Family::Shell),
             Shape::Facet(_) => Some(Family::Facet),
             Shape::Beam { shear, .. } => Some(Family::Beam(shear)),
@@ -46,6 +46,8 @@ impl Family {
 pub(super) struct Sections<'m> {
     /// Section blocks with their places.
     blocks: Vec<(usize, &'m Block)>,
+    /// Whose file it is.
+    code: Code,
     /// Section of each row.
     of_row: Vec<Option<u32>>,
     made: BTreeMap<(Option<u32>, Family), u32>,
@@ -65,8 +67,13 @@ const KEYWORDS: &[&str] = &[
 
 impl<'m> Sections<'m> {
     /// Finds the section of every element.
-    pub fn new(model: &'m Model, unread: &mut UnreadCards) -> Result<Self, FileProblem> {
+    pub fn new(
+        model: &'m Model,
+        code: Code,
+        unread: &mut UnreadCards,
+    ) -> Result<Self, FileProblem> {
         let mut sections = Sections {
+            code,
             of_row: vec![None; model.rows.len()],
             ..Sections::default()
         };
@@ -169,7 +176,7 @@ impl<'m> Sections<'m> {
                 Ok(row) => row.optional_real(0, "the area")?.unwrap_or(1.0),
                 Err(_) => 1.0,
             }),
-            (Family::Beam(shear), "BEAMSECTION") => shaped(block, shear)?,
+            (Family::Beam(shear), "BEAMSECTION") => shaped(block, shear, self.code)?,
             (Family::Beam(_), "BEAMGENERALSECTION") => {
                 let (section, material) = general(block, &name)?;
                 let material = self.push_material(material);
@@ -269,9 +276,22 @@ fn rod(area: f64) -> Section {
     }
 }
 
+/// The name of a section's shape. CalculiX looks at its first four letters, of `BOX` at three.
+fn shape_name(written: String, code: Code) -> String {
+    if code != Code::CalculiX {
+        return written;
+    }
+    let known = ["RECT", "CIRC", "PIPE", "BOX"];
+    match known.iter().find(|known| written.starts_with(**known)) {
+        Some(known) => (*known).to_string(),
+        None => written,
+    }
+}
+
 /// `*BEAM SECTION`: `RECT` a, b; `CIRC` r; `PIPE` r, t; `BOX` a, b, t1…t4, with a along n1 and b along n2. The element's y is n1, its
-/// z n2. Shear factors are Abaqus's: 0.85 for `RECT`, 0.89 for `CIRC`, 0.53 for `PIPE`, 0.44 for `BOX`.
-fn shaped(block: &Block, shear: bool) -> Result<Section, FileProblem> {
+/// z n2. CalculiX has the diameters along n1 and n2 for `CIRC`, and takes a second dimension of `RECT` and `CIRC` that is left out for the
+/// first. Shear factors are Abaqus's: 0.85 for `RECT`, 0.89 for `CIRC`, 0.53 for `PIPE`, 0.44 for `BOX`.
+fn shaped(block: &Block, shear: bool, code: Code) -> Result<Section, FileProblem> {
     let row = first_row(block)?;
     let keyword = &block.keyword;
     let positive = |i: usize, name: &str| {
@@ -285,10 +305,25 @@ fn shaped(block: &Block, shear: bool) -> Result<Section, FileProblem> {
             ))
         })
     };
-    let choice = keyword.choice("SECTION");
+    let choice = shape_name(keyword.choice("SECTION"), code);
     // the drawings behind these shapes have y up, along n2, and z to the right, along n1
     let (shape, dimensions, factor) = match choice.as_str() {
-        "RECT" => ("BAR", vec![positive(0, "a")?, positive(1, "b")?], 0.85),
+        "RECT" => {
+            let a = positive(0, "a")?;
+            let square = code == Code::CalculiX && row.text(1).is_empty();
+            let b = if square { a } else { positive(1, "b")? };
+            ("BAR", vec![a, b], 0.85)
+        }
+        "CIRC" if code == Code::CalculiX => {
+            let diameter = positive(0, "the diameter along n1")?;
+            if !row.text(1).is_empty() && positive(1, "the diameter along n2")? != diameter {
+                return Err(row.at.problem(
+                    "a CIRC of two diameters is an ellipse, which can't be read",
+                    "give one diameter, or mesh the beam with solids",
+                ));
+            }
+            ("ROD", vec![0.5 * diameter], 0.89)
+        }
         "CIRC" => ("ROD", vec![positive(0, "the radius")?], 0.89),
         "PIPE" => {
             let (outer, wall) = (positive(0, "the radius")?, positive(1, "the wall")?);

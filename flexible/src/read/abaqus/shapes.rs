@@ -1,12 +1,12 @@
 //! Types of elements.
 
-use crate::mesh::ElementKind;
+use crate::mesh::{ElementKind, VARIANT_LETTERS, Variant};
 
 /// What an element of a type is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     /// A solid.
-    Solid(ElementKind),
+    Solid(ElementKind, Variant),
     /// A shell.
     Shell(ElementKind),
     /// A surface without stiffness, or a plane element, which has none here.
@@ -74,11 +74,14 @@ impl Shape {
         if let Some(rest) = name.strip_prefix("C3D") {
             let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
             let (count, variant) = rest.split_at_checked(digits)?;
-            // reduced, incompatible, hybrid, modified, thermal, stress-improved: the same nodes
-            if !variant.chars().all(|c| "RIHMTSO".contains(c)) {
-                return None;
+            let mut letters = 0;
+            for letter in variant.chars() {
+                // with temperatures: the same mechanics
+                if letter != 'T' {
+                    letters |= 1 << VARIANT_LETTERS.find(letter)?;
+                }
             }
-            return Some(Shape::Solid(match count {
+            let kind = match count {
                 "4" => Tetrahedron4,
                 "5" => Pyramid5,
                 "6" => Wedge6,
@@ -88,7 +91,12 @@ impl Shape {
                 "15" => Wedge15,
                 "20" => Hexahedron20,
                 _ => return None,
-            }));
+            };
+            let variant = match letters {
+                0 => Variant::Plain,
+                letters => Variant::Letters(letters),
+            };
+            return Some(Shape::Solid(kind, variant));
         }
         let plane = ["SFM3D", "M3D", "R3D", "CPS", "CPE", "CAX", "DS"];
         let rest = plane.iter().find_map(|start| name.strip_prefix(start))?;
@@ -104,7 +112,7 @@ impl Shape {
     /// Number of nodes in the file.
     pub fn node_count(self) -> usize {
         match self {
-            Shape::Solid(kind) | Shape::Shell(kind) | Shape::Facet(kind) => kind.node_count(),
+            Shape::Solid(kind, _) | Shape::Shell(kind) | Shape::Facet(kind) => kind.node_count(),
             Shape::Beam { nodes, .. } => nodes,
             Shape::Truss | Shape::Spring(SpringKind::Freedoms | SpringKind::Axial) => 2,
             Shape::Mass | Shape::Rotary | Shape::Spring(SpringKind::Ground) => 1,
@@ -137,6 +145,13 @@ mod tests {
                 "{name}"
             );
         }
+        let variant = |name| match Shape::of(name) {
+            Some(Shape::Solid(_, variant)) => Some(variant),
+            _ => None,
+        };
+        assert_eq!(variant("C3D8T"), Some(Variant::Plain));
+        assert_eq!(variant("C3D8RT"), variant("C3D20R"));
+        assert_ne!(variant("C3D8I"), variant("C3D8R"));
         for name in [
             "C3D27", "C3D15V", "C3D", "U1", "CONN3D2", "T3D3", "C3Dé", "", "DS",
         ] {

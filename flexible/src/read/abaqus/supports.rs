@@ -4,8 +4,11 @@ use std::collections::BTreeMap;
 
 use super::frames::Transform;
 use super::model::Model;
+use super::scope::Block;
 use crate::error::FileProblem;
 use crate::mesh::{Carries, Frame, Support};
+use crate::read::held::HoldingCards;
+use crate::read::source::At;
 use crate::read::unread::UnreadCards;
 use crate::read::vector::product;
 
@@ -76,9 +79,11 @@ fn named(word: &str) -> Option<u8> {
     })
 }
 
-/// The freedoms that `*BOUNDARY` holds: `node or set, first, last, value` or `node or set, word`.
+/// The freedoms that `*BOUNDARY` holds: `node or set, first, last, value` or `node or set, word`. Those of steps behind the first are
+/// counted as changing.
 pub(super) fn supports(
     model: &Model,
+    cards: &mut HoldingCards,
     unread: &mut UnreadCards,
 ) -> Result<Vec<Support>, FileProblem> {
     let mut held: BTreeMap<u32, u8> = BTreeMap::new();
@@ -91,34 +96,64 @@ pub(super) fn supports(
             unread.note("*BOUNDARY, SUBMODEL", &keyword.at, Carries::Structure);
             continue;
         }
-        for row in block.rows.iter().filter(|row| !row.is_blank()) {
-            let word = super::lines::key(row.text(1));
-            let components = match (named(&word), word.parse::<u8>()) {
-                (Some(components), _) => components,
-                // temperature and other fields
-                (None, Ok(7..)) => {
-                    unread.note("*BOUNDARY of other fields", &row.at, Carries::Nothing);
-                    continue;
-                }
-                (None, Ok(_)) => row.freedom_range(1)?,
-                (None, Err(_)) => {
-                    return Err(row.at.problem(
-                        format!("*BOUNDARY: \"{}\" is no freedom or support", row.text(1)),
-                        "give first and last freedom 1 to 6, or ENCASTRE, PINNED, XSYMM, …",
-                    ));
-                }
+        let again = keyword.choice("OP") == "NEW";
+        if block.step > 1 || again {
+            let name = match again {
+                true => "*BOUNDARY, OP=NEW",
+                false => "*BOUNDARY of a later *STEP",
             };
-            if row.optional_real(3, "the value")?.unwrap_or(0.0) != 0.0 {
-                let name = "*BOUNDARY values other than zero";
-                unread.note(name, &row.at, Carries::Unknown);
+            cards.note(name, &keyword.at, true);
+            continue;
+        }
+        match holding(model, place, block, unread) {
+            Ok(found) => {
+                for (nodes, components, moved, at) in found {
+                    cards.note("*BOUNDARY", &at, moved);
+                    for node in nodes {
+                        *held.entry(node).or_default() |= components;
+                    }
+                }
             }
-            for node in model.nodes_of(place, row.text(0), &row.at)? {
-                *held.entry(node).or_default() |= components;
-            }
+            // a step is no part of the mesh: it counts when it is asked for
+            Err(_) if block.step > 0 => cards.note("*BOUNDARY of a *STEP", &keyword.at, true),
+            Err(problem) => return Err(problem),
         }
     }
     Ok(held
         .into_iter()
         .map(|(node, components)| Support { node, components })
         .collect())
+}
+
+/// Nodes and components of the lines of a `*BOUNDARY`, whether they are moved, and where they stand.
+#[allow(clippy::type_complexity)]
+fn holding(
+    model: &Model,
+    place: usize,
+    block: &Block,
+    unread: &mut UnreadCards,
+) -> Result<Vec<(Vec<u32>, u8, bool, At)>, FileProblem> {
+    let mut found = Vec::new();
+    for row in block.rows.iter().filter(|row| !row.is_blank()) {
+        let word = super::lines::key(row.text(1));
+        let components = match (named(&word), word.parse::<u8>()) {
+            (Some(components), _) => components,
+            // temperature and other fields
+            (None, Ok(7..)) => {
+                unread.note("*BOUNDARY of other fields", &row.at, Carries::Nothing);
+                continue;
+            }
+            (None, Ok(_)) => row.freedom_range(1)?,
+            (None, Err(_)) => {
+                return Err(row.at.problem(
+                    format!("*BOUNDARY: \"{}\" is no freedom or support", row.text(1)),
+                    "give first and last freedom 1 to 6, or ENCASTRE, PINNED, XSYMM, …",
+                ));
+            }
+        };
+        let moved = row.optional_real(3, "the value")?.unwrap_or(0.0) != 0.0;
+        let nodes = model.nodes_of(place, row.text(0), &row.at)?;
+        found.push((nodes, components, moved, row.at.clone()));
+    }
+    Ok(found)
 }

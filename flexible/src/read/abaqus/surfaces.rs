@@ -66,10 +66,11 @@ fn surface(
             }
         }
         _ => {
+            // what uses it misses it
             unread.note(
                 "*SURFACE that is no list of faces or nodes",
                 &keyword.at,
-                Carries::Unknown,
+                Carries::Nothing,
             );
             return Ok(None);
         }
@@ -91,7 +92,7 @@ fn add_faces(
             continue;
         };
         let (kind, solid) = match element.shape {
-            Shape::Solid(kind) => (kind, true),
+            Shape::Solid(kind, _) => (kind, true),
             Shape::Shell(kind) | Shape::Facet(kind) => (kind, false),
             _ => {
                 return Err(row.at.problem(
@@ -170,7 +171,7 @@ fn add_edge(model: &Model, ring: &[(u32, Option<u32>)], weights: &mut BTreeMap<u
 fn inner_faces(model: &Model) -> Vec<FaceKey> {
     let mut all = Vec::new();
     for row in &model.rows {
-        if let Shape::Solid(kind) = row.shape {
+        if let Shape::Solid(kind, _) = row.shape {
             let nodes = model.row_nodes(row);
             all.extend(faces::faces(kind).iter().map(|face| face_key(nodes, face)));
         }

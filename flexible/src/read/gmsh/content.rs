@@ -5,7 +5,9 @@ use std::collections::{BTreeMap, HashMap};
 use super::shapes::Type;
 use super::stream::Stream;
 use crate::error::FileProblem;
-use crate::mesh::{Carries, Element, ElementKind, Mesh, Node, Property, Section, Set, Unread};
+use crate::mesh::{
+    Carries, Element, ElementKind, Mesh, Node, Property, Section, Set, Unread, Variant,
+};
 use crate::read::labels::Labels;
 
 /// Dimension and number of a physical group.
@@ -165,6 +167,7 @@ impl Content {
         self.mesh.elements.push(Element {
             id: tag,
             kind,
+            variant: Variant::Plain,
             property,
             first,
             beam: None,

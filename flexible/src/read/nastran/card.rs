@@ -22,6 +22,15 @@ impl Piece {
     pub fn continues(&self) -> bool {
         self.head.is_empty() || self.head.starts_with(['+', '*'])
     }
+
+    /// Whether this repeats the card before, in all or some fields.
+    pub fn repeats(&self) -> bool {
+        self.head.starts_with('=')
+            || self
+                .fields
+                .iter()
+                .any(|field| field.starts_with('=') || field.starts_with("*("))
+    }
 }
 
 /// Cuts a line into fields: free field where it has a comma, otherwise columns; large field where the first field has an asterisk.
@@ -36,7 +45,8 @@ pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
         }
         let count = if head.contains('*') { 4 } else { 8 };
         // data may go on beyond the eighth field; a name there calls the continuation, on a short line even before
-        let called = fields.last().is_some_and(|last| is_call(last));
+        let repeats = head.starts_with('=');
+        let called = !repeats && fields.last().is_some_and(|last| is_call(last));
         let long = fields
             .get(count)
             .is_some_and(|next| number::real(next).is_some());
@@ -87,12 +97,6 @@ pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
             free: false,
         }
     };
-    if piece.head.starts_with('=') || piece.fields.iter().any(|field| field.starts_with('=')) {
-        return Err(line.at.problem(
-            format!("\"{}\" repeats another card", line.text.trim()),
-            "repeated cards (=, ==, *(1)) can't be read; write the deck in full",
-        ));
-    }
     Ok(piece)
 }
 
@@ -193,7 +197,7 @@ impl Card {
         Some(self.problem(
             &format!("its continuation \"{name}\" is missing"),
             "the line may have been lost, or its first field may differ from the last field of \
-             the line it continues",
+             the line it continues; where nothing is to follow, leave the last field blank",
         ))
     }
 

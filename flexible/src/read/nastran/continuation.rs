@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::card::{Card, Piece, cut};
 use super::lines::{At, Line};
+use super::replication::Repeated;
 use crate::error::FileProblem;
 
 struct Open {
@@ -51,23 +52,29 @@ pub(super) struct Assembler {
     in_orphan: bool,
     /// The open card was followed by an orphan, so that it has to wait.
     followed: bool,
+    /// What the next line may repeat.
+    repeated: Repeated,
 }
 
 impl Assembler {
-    /// Takes a line; gives the card before it, if this line shows that it is complete.
-    pub fn take(&mut self, line: &Line) -> Result<Option<Card>, FileProblem> {
+    /// Takes a line; gives the cards before it that it shows to be complete.
+    pub fn take(&mut self, line: &Line) -> Result<Vec<Card>, FileProblem> {
         let piece = cut(line)?;
         if piece.continues() {
+            self.repeated.continued();
             self.continuation(line, piece);
-            return Ok(None);
+            return Ok(Vec::new());
         }
-        let done = self.close();
-        let (tail, free) = (piece.tail.clone(), piece.free);
-        self.open = Some(Open {
-            card: Card::new(line, piece),
-            tail,
-            free,
-        });
+        let mut done = Vec::new();
+        for piece in self.repeated.cards(line, piece)? {
+            done.extend(self.close());
+            let (tail, free) = (piece.tail.clone(), piece.free);
+            self.open = Some(Open {
+                card: Card::new(line, piece),
+                tail,
+                free,
+            });
+        }
         Ok(done)
     }
 

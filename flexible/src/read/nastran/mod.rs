@@ -21,6 +21,7 @@ mod lines;
 mod masses;
 mod matrices;
 mod properties;
+mod replication;
 mod rigid;
 mod sections;
 mod sets;
@@ -30,11 +31,12 @@ mod ties;
 mod unread;
 
 use crate::error::{FileProblem, FlexibleError};
-use crate::mesh::{Carries, Element, Mesh};
+use crate::mesh::{Carries, Code, Element, ElementKind, Mesh};
+use crate::read::held::HoldingCards;
 use crate::read::{Files, number, vector};
 use beams::{Around, BeamDefaults, Beams};
 use card::{Card, IdRange};
-use elements::{Elements, Extra};
+use elements::{Elements, Extra, Family};
 use frames::{Shape, SystemCard, Systems};
 use grids::{GridCard, GridDefaults, Lookup};
 use lines::whole;
@@ -61,6 +63,12 @@ pub fn read_bulk(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
     Ok(deck.mesh(name, &case)?)
 }
 
+/// Cards whose continuation holds values that may all be left out.
+const CONTINUATION_WITH_VALUES: [&str; 13] = [
+    "MAT1", "PBAR", "PBEAM", "PSHELL", "PSOLID", "PROD", "PTUBE", "CBAR", "CBEAM", "CQUAD4",
+    "CTRIA3", "CONM2", "PARAM",
+];
+
 /// The cards of a deck in short form.
 #[derive(Default)]
 struct Deck {
@@ -80,19 +88,34 @@ struct Deck {
     sets: Sets,
     mass_scale: f64,
     unread: UnreadCards,
+    doubts: Vec<String>,
 }
 
 impl Deck {
-    /// Keeps a card, or counts it. A card that lacks a continuation is refused, unless it isn't read at all.
+    /// Keeps a card, or counts it. One that calls a continuation which is not there is read without it, as Nastran does, and this is
+    /// told; it is refused where nodes or whole lists could have stood there.
     fn take(&mut self, card: &Card) -> Result<(), FileProblem> {
-        let read = self.read(card);
-        if let (Some(problem), Err(_) | Ok(true)) = (card.lost_problem(), &read) {
-            return Err(problem);
+        match (self.read(card), card.lost_problem()) {
+            (Err(problem), None) => Err(problem),
+            (Err(_), Some(problem)) => Err(problem),
+            (Ok(true), Some(problem)) if !CONTINUATION_WITH_VALUES.contains(&&*card.name) => {
+                Err(problem)
+            }
+            (Ok(true), Some(problem)) => {
+                // what could follow there are limits of stress alone
+                if card.name != "MAT1" {
+                    let place = format!("{}:{}", card.at.file, card.at.line);
+                    self.doubts
+                        .push(format!("{place}: {}; it is read without", problem.problem));
+                }
+                Ok(())
+            }
+            (Ok(true), None) => Ok(()),
+            (Ok(false), _) => {
+                self.unread.card(&card.name, &card.at);
+                Ok(())
+            }
         }
-        if !read? {
-            self.unread.card(&card.name, &card.at);
-        }
-        Ok(())
     }
 
     /// Keeps a card; `false` where it isn't one that is read.
@@ -126,7 +149,7 @@ impl Deck {
             _ => {
                 return Ok(self.properties.read(card, &mut self.unread)?
                     || self.masses.read(card, &mut self.unread)?
-                    || self.supports.read(card, &mut self.unread)?
+                    || self.supports.read(card)?
                     || self.ties.read(card)?
                     || self.sets.read(card)?);
             }
@@ -190,6 +213,7 @@ impl Deck {
         let systems = Systems::place_all(&self.systems, &grids, &lookup)?;
         let (nodes, frames) = grids::nodes(&grids, &systems)?;
         let mut mesh = Mesh {
+            code: Code::Nastran,
             nodes,
             frames,
             ..Mesh::default()
@@ -216,17 +240,24 @@ impl Deck {
             &selected,
             &mut self.unread,
         )?;
-        mesh.supports =
-            self.supports
-                .supports(&grids, &lookup, case.spc.as_ref(), &mut self.unread)?;
+        let mut cards = HoldingCards::default();
+        mesh.supports = self.supports.supports(
+            &grids,
+            &lookup,
+            case.spc.as_ref(),
+            &mut cards,
+            &mut self.unread,
+        )?;
+        mesh.support_cards = cards.into_list();
         mesh.interface = self.supports.interface(&lookup)?;
         mesh.unread = self.unread.into_list();
+        mesh.doubts = self.doubts;
         Ok(mesh)
     }
 
     /// Elements with the number of their property.
     fn elements(
-        &self,
+        &mut self,
         mesh: &mut Mesh,
         grids: &[GridCard],
         systems: &Systems,
@@ -258,6 +289,19 @@ impl Deck {
                 },
                 _ => made.property(card.family, card.property, thickness, card.id, &card.at)?,
             };
+            let stiff = made
+                .properties
+                .get(property as usize)
+                .is_some_and(|property| property.material.is_some());
+            if card.family == Family::Shell && stiff {
+                let name = match card.kind {
+                    ElementKind::Triangle3 => "CTRIA3",
+                    ElementKind::Triangle6 => "CTRIA6",
+                    ElementKind::Quadrilateral4 => "CQUAD4",
+                    _ => "CQUAD8",
+                };
+                self.unread.note(name, &card.at, Carries::Structure);
+            }
             let ends = mesh.connectivity.get(first..first + 2);
             let beam = match (beam.and_then(|i| self.beams.cards.get(i as usize)), ends) {
                 (Some(beam), Some(&[a, b])) => {
@@ -278,6 +322,7 @@ impl Deck {
             let element = Element {
                 id: card.id,
                 kind: card.kind,
+                variant: self.properties.variant(card.family, card.property),
                 property,
                 first,
                 beam,

@@ -9,7 +9,7 @@ use super::lines::At;
 use super::shapes;
 use super::unread::UnreadCards;
 use crate::error::FileProblem;
-use crate::mesh::{Carries, Material, Property, Section};
+use crate::mesh::{Carries, Material, Property, Section, Variant};
 
 /// Section of a beam or rod as its card gives it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,7 +63,7 @@ impl LineSection {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
-    Solid,
+    Solid(Variant),
     Shell {
         thickness: Option<f64>,
         mass: f64,
@@ -138,6 +138,14 @@ impl Properties {
         }
     }
 
+    /// How the solids of a property are integrated.
+    pub fn variant(&self, family: Family, id: u64) -> Variant {
+        match self.properties.get(&(family, id)).map(|card| card.kind) {
+            Some(Kind::Solid(variant)) => variant,
+            _ => Variant::Plain,
+        }
+    }
+
     /// Reads a property or material card; `false` where it is none of those known.
     pub fn read(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<bool, FileProblem> {
         match card.name.as_str() {
@@ -189,7 +197,7 @@ impl Properties {
     fn solid(&mut self, card: &Card) -> Result<(), FileProblem> {
         let kind = match card.text(6) {
             "PFLUID" | "FFLUID" => Kind::Unreadable,
-            _ => Kind::Solid,
+            _ => Kind::Solid(network(card)?),
         };
         let material = card.id(1, "MID")?;
         self.insert(card, Family::Solid, Some(material), kind)
@@ -411,6 +419,35 @@ impl Properties {
     }
 }
 
+/// `IN` and `ISOP` of `PSOLID`: blank or 0 is the default of both.
+fn network(card: &Card) -> Result<Variant, FileProblem> {
+    let points = match card.text(3) {
+        "" | "0" | "1" | "BUBBLE" => 0,
+        "2" | "TWO" => 2,
+        "3" | "THREE" => 3,
+        other => {
+            return Err(card.problem(
+                &format!("the integration IN = \"{other}\" is not known"),
+                "leave it blank, or write BUBBLE, TWO or THREE",
+            ));
+        }
+    };
+    let full = match card.text(5) {
+        "" | "0" | "REDUCED" => false,
+        "1" | "FULL" => true,
+        other => {
+            return Err(card.problem(
+                &format!("the integration ISOP = \"{other}\" is not known"),
+                "leave it blank, or write REDUCED or FULL",
+            ));
+        }
+    };
+    Ok(match (points, full) {
+        (0, false) => Variant::Plain,
+        _ => Variant::Network { points, full },
+    })
+}
+
 /// Dimensions and added mass from field `from`.
 fn shaped(card: &Card, from: usize, count: usize) -> Result<LineSection, FileProblem> {
     let mut dimensions = Vec::with_capacity(count);
@@ -494,7 +531,7 @@ impl<'d> Made<'d> {
     ) -> Result<u32, FileProblem> {
         let scale = self.mass_scale;
         let section = match card.kind {
-            Kind::Solid => Section::Solid,
+            Kind::Solid(_) => Section::Solid,
             Kind::Shell { thickness, mass } => Section::Shell {
                 thickness: match own_thickness.or(thickness) {
                     Some(thickness) => thickness,

@@ -44,7 +44,7 @@ pub(super) fn read_cards(
                     "give each superelement as a deck of its own; a whole deck can be included before other cards",
                 ));
             }
-            if let Some(card) = cards.take(&line)? {
+            for card in cards.take(&line)? {
                 give(card)?;
             }
             continue;
@@ -66,12 +66,14 @@ pub(super) fn read_cards(
             .into_iter()
             .flat_map(|head| head.cards(begins, &mut case))
         {
-            if let Some(card) = cards.take(&earlier)? {
+            for card in cards.take(&earlier)? {
                 give(card)?;
             }
         }
-        if !begins && let Some(card) = cards.take(&line)? {
-            give(card)?;
+        if !begins {
+            for card in cards.take(&line)? {
+                give(card)?;
+            }
         }
     }
     if let Some(before) = head {
@@ -83,7 +85,7 @@ pub(super) fn read_cards(
             ));
         }
         for earlier in before.cards(false, &mut case) {
-            if let Some(card) = cards.take(&earlier)? {
+            for card in cards.take(&earlier)? {
                 give(card)?;
             }
         }

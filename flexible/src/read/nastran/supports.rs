@@ -8,6 +8,7 @@ use super::lines::At;
 use super::unread::UnreadCards;
 use crate::error::FileProblem;
 use crate::mesh::{Carries, Support};
+use crate::read::held::HoldingCards;
 
 #[derive(Clone, Debug)]
 struct Entry {
@@ -15,6 +16,8 @@ struct Entry {
     set: u64,
     /// Points and their freedoms.
     parts: Vec<(Ids, u8)>,
+    /// Moves its freedoms instead of holding them.
+    moved: bool,
     name: String,
     at: At,
 }
@@ -33,21 +36,22 @@ pub(super) struct Supports {
 
 impl Supports {
     /// Reads a card; `false` where it is none of these.
-    pub fn read(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<bool, FileProblem> {
+    pub fn read(&mut self, card: &Card) -> Result<bool, FileProblem> {
         match card.name.as_str() {
             "SPC" => {
                 let mut parts = Vec::new();
+                let mut moved = false;
                 for i in [1, 4] {
                     if i > 1 && card.is_blank(i) {
                         continue;
                     }
                     card.id(i, "G")?;
                     parts.push((card.ids(i, i + 1, "G")?, components(card, i + 1)?));
-                    if card.real_or_zero(i + 2, "D")? != 0.0 {
-                        unread.note("SPC displacement", &card.at, Carries::Nothing);
-                    }
+                    moved |= card.real_or_zero(i + 2, "D")? != 0.0;
                 }
-                self.held.push(entry(card, card.id(0, "SID")?, parts));
+                let mut entry = entry(card, card.id(0, "SID")?, parts);
+                entry.moved = moved;
+                self.held.push(entry);
             }
             "SPC1" => {
                 let parts = vec![(list_of(card, 2)?, components(card, 1)?)];
@@ -85,12 +89,14 @@ impl Supports {
         grids: &[GridCard],
         lookup: &Lookup,
         selection: Option<&(u64, At)>,
+        cards: &mut HoldingCards,
         unread: &mut UnreadCards,
     ) -> Result<Vec<Support>, FileProblem> {
         let mut bits: BTreeMap<u32, u8> = BTreeMap::new();
         for (index, grid) in grids.iter().enumerate() {
             if let Some(held) = grid.held.filter(|held| *held != 0) {
                 bits.insert(index as u32, held); // as many as nodes, which are u32
+                cards.note("PS of GRID", &grid.at, false);
             }
         }
         let sets = self.held.iter().map(|entry| entry.set).collect();
@@ -103,6 +109,7 @@ impl Supports {
                 unread.note("SPC of sets not selected", &entry.at, Carries::Nothing);
                 continue;
             }
+            cards.note(&entry.name, &entry.at, entry.moved);
             collect(entry, lookup, &mut bits)?;
         }
         Ok(list(bits))
@@ -130,6 +137,7 @@ fn entry(card: &Card, set: u64, parts: Vec<(Ids, u8)>) -> Entry {
     Entry {
         set,
         parts,
+        moved: false,
         name: card.name.clone(),
         at: card.at.clone(),
     }

@@ -22,15 +22,15 @@ const STRUCTURE: &[&str] = &[
     "MATT1", "MATT9", "NSM", "NSM1", "NSMADD", "NSML", "NSML1", "PBUSH", "PBUSH1D", "PCOMP",
     "PCOMPG", "PGAP", "PMASS", "PSHEAR", "RBE1", "RJOINT", "RROD", "RSPLINE", "RSSCON", "RTRPLT",
     "RTRPLT1", "SEBNDRY", "SEBULK", "SECONCT", "SEELT", "SEEXCLD", "SELABEL", "SELOC", "SEMPLN",
-    "SESET", "SETREE", "SNORM", "SPCOFF", "SPCOFF1", "CBARAO",
+    "SESET", "SETREE", "SNORM", "SPCOFF", "SPCOFF1", "CYJOIN", "CYSYM", "TF",
 ];
 
 /// Cards of loads, requests and solution methods. A name ending in `.` stands for all names that begin so.
 const NOTHING: &[&str] = &[
     "ACCEL", "ACCEL1", "AECOMP", "AEFACT", "AELIST", "AEPARM", "AERO", "AEROS", "AESTAT", "AESURF",
     "AESURFS", "AEFORCE", "AEPRESS", "ASSIGN", "BCPROP", "BCPROPS", "BLSEG", "BSURF", "BSURFS",
-    "CAERO.", "CLOAD", "CSSCHD", "CYJOIN", "CYSYM", "DAREA", "DCONADD", "DCONSTR", "DEFORM",
-    "DELAY", "DESVAR", "DEQATN", "DIVERG", "DLINK", "DLOAD", "DMI", "DOPTPRM", "DPHASE", "DRESP.",
+    "CAERO.", "CLOAD", "CSSCHD", "CBARAO", "DAREA", "DCONADD", "DCONSTR", "DEFORM", "DELAY",
+    "DESVAR", "DEQATN", "DIVERG", "DLINK", "DLOAD", "DMI", "DOPTPRM", "DPHASE", "DRESP.",
     "DSCREEN", "DTABLE", "DTI", "DVCREL.", "DVGRID", "DVMREL.", "DVPREL.", "ECHOOFF", "ECHOON",
     "EIGB", "EIGC", "EIGR", "EIGRL", "FLFACT", "FLUTTER", "FORCE", "FORCE1", "FORCE2", "FREQ",
     "FREQ.", "GRAV", "GUST", "LOAD", "LSEQ", "MAT4", "MAT5", "MDLPRM", "MKAERO.", "MOMENT",
@@ -38,11 +38,11 @@ const NOTHING: &[&str] = &[
     "PLOAD", "PLOAD.", "PLOTEL", "PLOTEL.", "POINT", "QBDY.", "QSET", "QSET1", "QVOL", "RANDPS",
     "RANDT1", "RFORCE", "RFORCE1", "RLOAD.", "SET2", "SLOAD", "SPCD", "SPLINE.", "STAT", "SUPAX",
     "SUPORT", "SUPORT1", "TABDMP1", "TABLE3D", "TABLED.", "TABLEM.", "TABLES1", "TABLEST",
-    "TABRND1", "TEMP", "TEMPD", "TEMPP.", "TEMPRB", "TEMPBC", "TF", "TIC", "TLOAD.", "TRIM",
-    "TSTEP", "TSTEPNL", "USET", "USET1", "MATS1", "MAT2", "MAT3", "MAT8", "MAT9", "MAT10", "MAT11",
-    "VIEW", "VIEW3D", "RADM", "RADSET", "PSET", "PVAL", "BNDFIX", "BNDFIX1", "BNDFREE", "BNDFREE1",
+    "TABRND1", "TEMP", "TEMPD", "TEMPP.", "TEMPRB", "TEMPBC", "TIC", "TLOAD.", "TRIM", "TSTEP",
+    "TSTEPNL", "USET", "USET1", "MATS1", "MAT2", "MAT3", "MAT8", "MAT9", "MAT10", "MAT11", "VIEW",
+    "VIEW3D", "RADM", "RADSET", "PSET", "PVAL", "BNDFIX", "BNDFIX1", "BNDFREE", "BNDFREE1",
     "OUTPUT", "PARAM", "DCONSTR", "TOPVAR", "NLSTEP", "TABRNDG", "BCPARA", "BCTPARA", "BCRPARA",
-    "DDVAL", "DSC", "SPCSET",
+    "DDVAL", "DSC",
 ];
 
 /// What a card carries, by its name.

@@ -1,0 +1,131 @@
+//! Cards that repeat the one before (MSC Nastran Quick Reference Guide, "Replication").
+//!
+//! | field | stands for |
+//! | --- | --- |
+//! | `=` | the same field of the card before; in the first field its name |
+//! | `==` | this and all further fields of the card before |
+//! | `*(d)`, `*d` | that field plus d |
+//! | `=(n)`, `=n` in the first field, alone | n more cards, each with the additions of the card before |
+
+use super::card::Piece;
+use super::lines::Line;
+use super::number;
+use crate::error::FileProblem;
+
+/// More cards than this are no repetition but a mistake.
+const MOST: i64 = 1_000_000;
+
+/// The card that others may repeat.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Repeated {
+    /// It, in one line; `None` before the first, and behind one of several lines.
+    card: Option<Piece>,
+    /// What was added to its fields.
+    added: Vec<Option<String>>,
+}
+
+impl Repeated {
+    /// The cards that a line stands for.
+    pub fn cards(&mut self, line: &Line, piece: Piece) -> Result<Vec<Piece>, FileProblem> {
+        if !piece.repeats() {
+            self.added.clear();
+            self.card = Some(piece.clone());
+            return Ok(vec![piece]);
+        }
+        let Some(before) = self.card.clone() else {
+            return Err(problem(line, "repeats a card of several lines, or none"));
+        };
+        let count = piece
+            .head
+            .strip_prefix('=')
+            .map(bracketed)
+            .filter(|n| !n.is_empty());
+        if let Some(count) = count {
+            let count = number::integer(count).filter(|n| (1..=MOST).contains(n));
+            let (Some(count), false) = (count, self.added.is_empty()) else {
+                return Err(problem(
+                    line,
+                    "repeats the card before a number of times, but what is added to its fields is not said",
+                ));
+            };
+            let mut made = Vec::new();
+            let mut last = before;
+            for _ in 0..count {
+                for (field, added) in last.fields.iter_mut().zip(&self.added) {
+                    if let Some(added) = added {
+                        *field = sum(field, added).ok_or_else(|| not_added(line, field))?;
+                    }
+                }
+                made.push(last.clone());
+            }
+            self.card = Some(last);
+            return Ok(made);
+        }
+        let mut made = piece.clone();
+        if made.head == "=" {
+            made.head.clone_from(&before.head);
+        }
+        self.added = vec![None; before.fields.len()];
+        made.fields
+            .resize(before.fields.len().max(made.fields.len()), String::new());
+        for (i, field) in made.fields.iter_mut().enumerate() {
+            let earlier = before.fields.get(i).map_or("", String::as_str);
+            if field == "=" {
+                *field = earlier.to_string();
+            } else if let Some(added) = addition(field) {
+                let added = added.to_string();
+                *field = sum(earlier, &added).ok_or_else(|| not_added(line, earlier))?;
+                if let Some(kept) = self.added.get_mut(i) {
+                    *kept = Some(added);
+                }
+            }
+        }
+        if let Some(from) = made.fields.iter().position(|field| field == "==") {
+            for (i, field) in made.fields.iter_mut().enumerate().skip(from) {
+                *field = before.fields.get(i).cloned().unwrap_or_default();
+            }
+        }
+        made.tail = String::new();
+        self.card = Some(made.clone());
+        Ok(vec![made])
+    }
+
+    /// A continuation follows: the card can't be repeated.
+    pub fn continued(&mut self) {
+        self.card = None;
+    }
+}
+
+fn problem(line: &Line, what: &str) -> FileProblem {
+    line.at.problem(
+        format!("\"{}\" {what}", line.text.trim()),
+        "write these cards in full",
+    )
+}
+
+fn not_added(line: &Line, field: &str) -> FileProblem {
+    problem(line, &format!("adds to \"{field}\", which is no number"))
+}
+
+/// Without brackets around it.
+fn bracketed(text: &str) -> &str {
+    let inner = text
+        .strip_prefix('(')
+        .and_then(|text| text.strip_suffix(')'));
+    inner.unwrap_or(text).trim()
+}
+
+/// What a field `*(d)` adds.
+fn addition(field: &str) -> Option<&str> {
+    let added = bracketed(field.strip_prefix('*')?);
+    number::real(added).map(|_| added)
+}
+
+/// Sum of two numbers as text: a whole number of whole ones.
+fn sum(value: &str, added: &str) -> Option<String> {
+    if let (Some(value), Some(added)) = (number::integer(value), number::integer(added)) {
+        return Some(value.checked_add(added)?.to_string());
+    }
+    let sum = number::real(value)? + number::real(added)?;
+    sum.is_finite().then(|| format!("{sum:?}"))
+}

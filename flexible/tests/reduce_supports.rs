@@ -1,0 +1,130 @@
+//! Supports: all nodes of a marker, the mean motion of an averaging one, the deck's own.
+#![allow(clippy::unwrap_used)]
+
+use eng_flexible::Files;
+use eng_flexible::fe::Rules;
+use eng_flexible::markers::{MESH_AXES, MarkerRequest, Place, Selection, Spider};
+use eng_flexible::mesh::{Code, Mesh};
+use eng_flexible::read::abaqus::read_inp;
+use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
+use eng_flexible::solve::Modes;
+use std::io::Read;
+use std::path::Path;
+
+struct Data;
+
+impl Files for Data {
+    fn open(&self, name: &str) -> std::io::Result<Box<dyn Read>> {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/variants");
+        Ok(Box::new(std::fs::File::open(folder.join(name))?))
+    }
+}
+
+/// CalculiX 2.20 with the nodes of one edge held (Hz): bending, torsion, …
+const CLAMPED: [f64; 5] = [110.6039, 268.6611, 690.7808, 860.3407, 993.5608];
+
+fn plate() -> Mesh {
+    read_inp(&Data, "plate.inp.gz", Code::CalculiX).unwrap()
+}
+
+fn request() -> Request {
+    Request {
+        rules: Rules::calculix(),
+        terms: vec![Term::Normal {
+            modes: Modes::Count(CLAMPED.len()),
+            fixed: Vec::new(),
+        }],
+        ..Request::default()
+    }
+}
+
+fn root(tie: Spider) -> MarkerRequest {
+    MarkerRequest {
+        name: "root".into(),
+        place: Place::Gathered {
+            nodes: Selection::Set("ROOT".into()),
+            tie,
+            center: None,
+        },
+        axes: MESH_AXES,
+    }
+}
+
+const ROOT: Interface = Interface {
+    marker: 0,
+    components: 0b11_1111,
+};
+
+fn reduced(request: &Request) -> Reduced {
+    match reduce(plate(), request) {
+        Ok(reduced) => reduced,
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn apart(reduced: &Reduced) -> Vec<f64> {
+    let pairs = reduced.body.frequencies.iter().zip(CLAMPED);
+    pairs.map(|(x, y)| x / y - 1.0).collect()
+}
+
+#[test]
+fn a_support_holds_its_nodes() {
+    let held = reduced(&Request {
+        markers: vec![root(Spider::Averaging)],
+        support: vec![ROOT],
+        held_nodes: vec![0],
+        ..request()
+    });
+    assert!(held.report.supported);
+    assert!(
+        apart(&held).iter().all(|x| x.abs() < 1e-6),
+        "{:?}",
+        apart(&held)
+    );
+    let rigid = reduced(&Request {
+        markers: vec![root(Spider::Rigid)],
+        support: vec![ROOT],
+        ..request()
+    });
+    assert!(
+        apart(&rigid).iter().all(|x| x.abs() < 1e-6),
+        "{:?}",
+        apart(&rigid)
+    );
+    // the mean motion alone lets the edge twist
+    let mean = reduced(&Request {
+        markers: vec![root(Spider::Averaging)],
+        support: vec![ROOT],
+        ..request()
+    });
+    assert!(apart(&mean)[1] < -0.1, "{:?}", apart(&mean));
+}
+
+#[test]
+fn the_decks_supports_hold() {
+    let held = reduced(&Request {
+        support_of_deck: true,
+        ..request()
+    });
+    assert!(held.report.supported);
+    assert!(
+        apart(&held).iter().all(|x| x.abs() < 1e-6),
+        "{:?}",
+        apart(&held)
+    );
+    let cards = &plate().support_cards;
+    assert_eq!((cards[0].name.as_str(), cards[0].count), ("*BOUNDARY", 1));
+
+    let mut moved = plate();
+    moved.support_cards[0].moved = Some(("plate.inp".into(), 7));
+    let held = Request {
+        support_of_deck: true,
+        ..request()
+    };
+    let error = reduce(moved, &held).unwrap_err().to_string();
+    assert!(error.contains("*BOUNDARY at plate.inp:7"), "{error}");
+    let mut none = plate();
+    none.supports.clear();
+    let error = reduce(none, &held).unwrap_err().to_string();
+    assert!(error.contains("holds no freedom"), "{error}");
+}
