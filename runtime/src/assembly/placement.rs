@@ -275,8 +275,14 @@ fn search(
     for (own, partner) in partners {
         let target = rows::marker(model, *partner, &state.pose, &state.velocity);
         let own = &model.markers[*own];
-        // A joint that lets the body slide may ask by a branch for a place to one side: look there too.
-        for offset in offsets(model.length) {
+        // A joint that lets the body slide may ask by a branch for a place to one side: look there too. A film lets none slide.
+        let places = offsets(model.length);
+        let places = if wishes.is_empty() {
+            &places[..]
+        } else {
+            &places[..1]
+        };
+        for offset in places {
             for cube in cubes {
                 if best.key == DONE {
                     return Ok(best);
