@@ -391,6 +391,17 @@ component Rig(m: Marker) {
     output inner_x = inner.in_m.x
     output inner_ground_x = inner.in_ground.x
 }
+record Pair { let a: Vector<Force>; let b: Vector<Force> }
+fn larger(v: Vector<Force>, w: Vector<Force>) -> Vector<Force> = if norm(v) > norm(w) then v else w
+/// Its own outputs name each other; its load is a state.
+force Memory(a: Marker, b: Marker) {
+    state pull: Force = 2 N
+    der(pull) = 0 N/s
+    apply force pull*b.x on a against b
+    output held: Vector<Force> = pull*b.x in a
+    output held_x = held.x
+    output twice = 2*held in b
+}
 model Hanging {
     gravity = [-10, 0, 0] m/s^2
     marker base = [0, 0, 0] mm
@@ -404,6 +415,19 @@ model Hanging {
     output bush_and_bearing: Force = dot(bush.force + rig.inner.hang.force, ground.x) as N
     output from_part = rig.inner.in_m in ground
     output rig_doubled = rig.doubled in disc.origin
+    let f = rig.inner.hang.force
+    let both = Pair(a: f, b: bush.force)
+    let all = [f, bush.force, f + bush.force]
+    param pulled: Vector<Force> = [1, 2, 3] N
+    force memory = Memory(disc.arm, disc.origin)
+    output by_let = f in ground
+    output by_let_x = (f).x
+    output by_record = both.a in ground
+    output by_record_sum = both.a + both.b in ground
+    output by_list = all[3] in disc.origin
+    output by_function = larger(all[1], all[2]) in ground
+    output stated = pulled in disc.origin
+    output of_state = memory.held in ground
 }
 analysis run = transient(Hanging(), duration: 250 ms, sample: 125 ms, start: assembled)";
 
@@ -443,5 +467,17 @@ fn a_bob_on_a_turning_disc_pulls_as_its_closed_form() {
         let bush = in_ground(disc, [100.0, 0.0, 0.0]);
         check("bush_in_ground", bush);
         single("bush_and_bearing", bush[0] + force[0]);
+        let both = std::array::from_fn(|i| bush[i] + force[i]);
+        check("by_let", force);
+        single("by_let_x", along(disc, force)[0]);
+        check("by_record", force);
+        check("by_record_sum", both);
+        check("by_list", along(disc, both));
+        // 100 N of the bushing against at most 14 N
+        check("by_function", bush);
+        check("stated", along(disc, [1.0, 2.0, 3.0]));
+        check("of_state", in_ground(disc, [2.0, 0.0, 0.0]));
+        check("memory.twice", [4.0, 0.0, 0.0]);
+        single("memory.held_x", 2.0);
     }
 }

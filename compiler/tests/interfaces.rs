@@ -124,6 +124,17 @@ fn a_law_that_does_not_fill_the_interface_is_no_journal() {
     );
 }
 
+#[test]
+fn the_measures_of_a_film_follow_from_parameters() {
+    let text = film("journal", "radial_clearance", ": JournalLaw");
+    let moving = text.replace("diameter: 40 mm", "diameter: 40 mm*(1 + time/1 s)");
+    let refused = elaborated(&moving).expect_err("a mistake");
+    assert!(
+        refused[0].contains("`own.diameter` depends on the motion"),
+        "{refused:?}"
+    );
+}
+
 const GAS: &str = "
 use std.forces.{GasPressure, GasLaw}
 use std.joints.{Translational, Revolute}

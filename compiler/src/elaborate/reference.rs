@@ -1,7 +1,7 @@
 //! What names and fields mean.
 
-use super::scalar::Scalar;
-use super::value::{Closure, ScopeId, TableValue, Value};
+use super::scalar::{Scalar, Stage};
+use super::value::{Axes, Closure, ScopeId, TableValue, Value};
 use super::{Elaborator, Entry, Eval, Lazy, Reported};
 use crate::codes;
 use crate::program::DefinitionId;
@@ -64,7 +64,7 @@ impl<'a> Elaborator<'a, '_> {
                 };
                 let node = element.graph.input(InputLayout::TIME);
                 Ok(Some(Value::Scalar(Scalar {
-                    stage: super::scalar::Stage::Motion,
+                    stage: Stage::Motion,
                     node,
                     dimension: Dimension::TIME,
                 })))
@@ -93,13 +93,36 @@ impl<'a> Elaborator<'a, '_> {
                 let result = self.deeper(span, |e| e.force(&lazy, scope));
                 self.guards = guards;
                 let entry = match &result {
-                    Ok(value) if self.scope(scope).lasting && value.moves() => Entry::Lazy(lazy),
+                    Ok(value) if self.scope(scope).lasting && self.moves(value) => {
+                        Entry::Lazy(lazy)
+                    }
                     Ok(value) => Entry::Value(value.clone()),
                     Err(_) => Entry::Failed,
                 };
                 self.define(scope, name, entry);
                 result
             }
+        }
+    }
+
+    /// Whether a value depends on the motion, and so belongs to one element.
+    pub fn moves(&self, value: &Value<'a>) -> bool {
+        let motion = |s: &Scalar| s.stage == Stage::Motion;
+        match value {
+            Value::Scalar(s) => motion(s),
+            Value::Flag(f) => f.stage == Stage::Motion,
+            Value::Vector(v) => v.iter().any(motion),
+            Value::Shown(shown) => {
+                matches!(shown.axes, Axes::Marker(_)) || shown.components.iter().any(motion)
+            }
+            Value::Components(c, _) => c.iter().any(motion),
+            Value::List(items) => items.iter().any(|v| self.moves(v)),
+            Value::Family(items) => items.iter().any(|(_, v)| self.moves(v)),
+            Value::Record(_, scope) => {
+                let mut fields = self.scope(*scope).entries.values();
+                fields.any(|entry| matches!(entry, Entry::Value(v) if self.moves(v)))
+            }
+            _ => false,
         }
     }
 
@@ -284,7 +307,7 @@ impl<'a> Elaborator<'a, '_> {
             Value::Cycle => match (name.text.as_str(), self.cycle.clone()) {
                 ("angle", Some(cycle)) => self.cycle_angle(&cycle),
                 ("period", Some(cycle)) => Ok(Value::Scalar(Scalar {
-                    stage: super::scalar::Stage::Bind,
+                    stage: Stage::Bind,
                     node: cycle.period,
                     dimension: Dimension::ANGLE,
                 })),
@@ -347,7 +370,7 @@ impl<'a> Elaborator<'a, '_> {
             None => self.bench.bind.graph.constant(f64::NAN),
         };
         Scalar {
-            stage: super::scalar::Stage::Motion,
+            stage: Stage::Motion,
             node,
             dimension,
         }

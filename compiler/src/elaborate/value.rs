@@ -80,24 +80,6 @@ pub(crate) struct TableValue {
 }
 
 impl Value<'_> {
-    /// Whether it depends on the motion, and so belongs to one element.
-    pub fn moves(&self) -> bool {
-        let motion = |stage| stage == super::scalar::Stage::Motion;
-        match self {
-            Value::Scalar(s) => motion(s.stage),
-            Value::Flag(f) => motion(f.stage),
-            Value::Vector(v) => v.iter().any(|s| motion(s.stage)),
-            Value::Shown(shown) => {
-                matches!(shown.axes, Axes::Marker(_))
-                    || shown.components.iter().any(|s| motion(s.stage))
-            }
-            Value::Components(c, _) => c.iter().any(|s| motion(s.stage)),
-            Value::List(items) => items.iter().any(Value::moves),
-            Value::Family(items) => items.iter().any(|(_, v)| v.moves()),
-            _ => false,
-        }
-    }
-
     /// Whether it is several numbers: a vector or a list.
     pub fn is_several(&self) -> bool {
         matches!(

@@ -63,7 +63,7 @@ impl<'a> Elaborator<'a, '_> {
                 )?,
             };
             let value = self.declared(value, Some(&parameter.ty));
-            let moves = value.moves();
+            let moves = self.moves(&value);
             bound.push((
                 name,
                 if moves {
