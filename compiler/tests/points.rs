@@ -302,3 +302,31 @@ model M {{
     assert_eq!(errors(&text("CrankAngle"))[0].0, "E0306");
     assert!(errors(&text("Angle")).is_empty());
 }
+
+/// `by 10 degC` would be a step of 283 K.
+#[test]
+fn the_step_of_a_range_is_a_difference() {
+    let text = |ends: &str, step: &str| {
+        format!(
+            "const step: {step}
+model N {{ param x: Temperature = 300 K
+    body b {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2 }}
+}}
+analysis n[x in {ends} by step] = assemble(N(x: x))"
+        )
+    };
+    for ends in ["20 degC .. 60 degC", "300 K .. 400 K"] {
+        for point in ["Temperature = 10 K", "Temperature = 10 degC"] {
+            let found: Vec<String> = errors(&text(ends, point))
+                .into_iter()
+                .map(|e| e.0)
+                .collect();
+            assert_eq!(found, ["E0306"], "{ends} by {point}");
+        }
+        assert!(errors(&text(ends, "TemperatureDifference = 10 K")).is_empty());
+    }
+    let literal =
+        |step: &str| text("20 degC .. 60 degC", "1 = 1").replace("by step", &format!("by {step}"));
+    assert_eq!(errors(&literal("10 degC"))[0].0, "E0306");
+    assert!(errors(&literal("10 K")).is_empty());
+}

@@ -439,7 +439,7 @@ impl<'p> Checker<'p> {
                 };
                 // The step is a difference even where the ends are points.
                 let ends = Quantity {
-                    kind: super::types::Kind::Any,
+                    kind: super::types::Kind::Difference,
                     ..whole
                 };
                 if let Err(misfit) = quantity.fits(&ends) {

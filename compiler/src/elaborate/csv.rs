@@ -221,6 +221,20 @@ impl<'a> Elaborator<'a, '_> {
                 .at(span, "the unit of this column does not fit"),
             ));
         }
+        let declared = self.program.dimensions.get(type_text);
+        if unit.offset != 0.0 && declared.is_none_or(|named| named.point_of.is_none()) {
+            let point = unit.point.unwrap_or_default();
+            return Err(self.report(
+                Diagnostic::error(
+                    codes::COLUMN_UNIT,
+                    format!("a column in {} does not give {type_text}", unit.symbol),
+                )
+                .at(span, format!("of the points {point}, counted from a zero of their own"))
+                .with_help(format!(
+                    "where the numbers are differences, name a unit without a zero of its own in the file and here; else declare {point}"
+                )),
+            ));
+        }
         Ok(DisplayUnit {
             symbol: unit.symbol,
             scale: unit.scale,
