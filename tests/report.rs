@@ -146,7 +146,7 @@ fn a_report_of_an_engine_shows_what_the_results_hold() {
     assert_eq!(spectra, 1, "{captions:?}");
     assert!(page.contains("Hann window, resolution 0.5000 orders"));
     let (_, speed) = page.split_once(">Frequency (Hz) at ").expect("its axis");
-    let speed = number(speed.split_once(" 1/min").expect("a speed").0);
+    let speed = number(speed.split_once(" rpm").expect("a speed").0);
     assert!((speed / 4200.0 - 1.0).abs() < 0.01, "{speed}");
     // curves have the letters of their journals, cylinders fire where the model says
     assert!(page.contains("data-name=\"E vertical[5]\""));

@@ -719,7 +719,8 @@ fn reports_read_linear_analyses() {
             value none = mode(standing.frequency, 2)
             value far = mode(standing.frequency, 200 Hz)
             figure swept_map = campbell(runup[*].wave, up_to: 100 Hz, orders: 1, modes: whirl[*])
-            figure one_map = campbell(runup[*].wave, up_to: 100 Hz, modes: standing)
+            figure one_map = campbell(runup[*].wave, up_to: 100 Hz, modes: standing, scale: linear)
+            figure plain_map = campbell(runup[*].wave)
         }",
         &[
             "runup[1]", "runup[2]", "runup[3]", "whirl[1]", "whirl[2]", "whirl[3]", "standing",
@@ -768,6 +769,25 @@ fn reports_read_linear_analyses() {
     assert_eq!(map.natural_frequencies[0].0, "mode 1");
     near(map.natural_frequencies[0].1, frequency, 1e-9);
     assert!(map.to_svg().contains("mode 1, 9 Hz"));
+    let largest = |map: &eng_report::figure::Campbell| {
+        let all = map.figure.map.amplitudes.iter().flatten();
+        all.fold(f64::NEG_INFINITY, |most, a| most.max(*a))
+    };
+    assert_eq!(map.figure.unit, "N");
+    let wave = largest(&map);
+    // nothing stated: frequencies up to 30 orders, levels down to 80 dB below the largest, the first orders
+    let map = campbell("plain_map");
+    assert_eq!(map.orders, [1.0, 2.0, 3.0, 4.0]);
+    near(map.figure.limit.expect("a limit"), 30.0 * 15.0, 1e-6);
+    assert!(
+        map.figure.unit.starts_with("dB re 1e-6 N"),
+        "{}",
+        map.figure.unit
+    );
+    near(largest(&map), 20.0 * (wave / 1e-6).log10(), 1e-9);
+    let all = || map.figure.map.amplitudes.iter().flatten();
+    let least = all().fold(f64::INFINITY, |least, a| least.min(*a));
+    near(largest(&map) - least, 80.0, 1e-9);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 /// Modes that are damped more than this stand out of no spectrum, and are left away.
 const DAMPED: f64 = 0.2;
-/// Speeds (1/min) that are nearer than this are one.
+/// Speeds (rpm) that are nearer than this are one.
 const SAME: f64 = 0.5;
 
 /// An oscillation at the speed at which it was linearised.
@@ -16,7 +16,7 @@ const SAME: f64 = 0.5;
 struct Oscillation {
     /// Its mode, counted from 1.
     mode: usize,
-    /// 1/min.
+    /// rpm.
     speed: f64,
     /// Hz.
     frequency: f64,
@@ -73,7 +73,7 @@ impl Natural {
         }
     }
 
-    /// The one speed (1/min) of all.
+    /// The one speed (rpm) of all.
     fn one_speed(&self) -> Option<f64> {
         let first = self.oscillations.first()?.speed;
         let same = |o: &Oscillation| (o.speed - first).abs() < SAME;
@@ -91,7 +91,7 @@ impl Natural {
         }
     }
 
-    /// Speed (1/min) and frequency (Hz) of each.
+    /// Speed (rpm) and frequency (Hz) of each.
     pub(crate) fn marks(&self) -> Vec<(f64, f64)> {
         let modes = self.oscillations.iter();
         modes.map(|o| (o.speed, o.frequency)).collect()
@@ -105,7 +105,7 @@ impl Natural {
             [first, .., last] => format!("{first} to {last}"),
         };
         let at = match self.one_speed() {
-            Some(speed) => format!(" at {speed:.0} 1/min"),
+            Some(speed) => format!(" at {speed:.0} rpm"),
             None => String::new(),
         };
         Some(format!(
@@ -128,7 +128,7 @@ mod tests {
         assert_eq!(natural.lines(), [("mode 1".to_owned(), 50.0)]);
         assert_eq!(
             natural.said().as_deref(),
-            Some("natural frequencies of a[1] at 6000 1/min, damping below 20 %")
+            Some("natural frequencies of a[1] at 6000 rpm, damping below 20 %")
         );
         natural.push("a[2]", &[55.0], &[0.01], &[-2.0 * speed]);
         assert!(natural.lines().is_empty());

@@ -22,7 +22,7 @@ fn axis(axis: plan::Axis) -> Axis {
     }
 }
 
-/// A spectrum, 0-peak, in the display unit or in decibels over a reference, with the shaft's mean speed (1/min) where there is
+/// A spectrum, 0-peak, in the display unit or in decibels over a reference, with the shaft's mean speed (rpm) where there is
 /// one. The last sample is left out: of whole cycles it is the first of the next, and one block of all is then as long as the signal.
 pub(super) fn spectrum_of(
     track: &Track,
@@ -119,12 +119,12 @@ pub(super) fn map_of(
     Ok((map, description))
 }
 
-/// A mean speed (1/min) to a hundredth, whatever rounding makes of it.
+/// A mean speed (rpm) to a hundredth, whatever rounding makes of it.
 fn told_speed(speed: f64) -> f64 {
     (speed * 100.0).round() / 100.0
 }
 
-/// Refuses that the last of some runs turns as fast as one before it: speed (1/min) and analysis of each.
+/// Refuses that the last of some runs turns as fast as one before it: speed (rpm) and analysis of each.
 fn of_other_speeds<'n>(
     mut runs: impl DoubleEndedIterator<Item = (f64, &'n str)> + ExactSizeIterator,
 ) -> Result<(), PostError> {

@@ -4,13 +4,11 @@ use super::Entry;
 use super::scene::shifted;
 use crate::cli::RunOutcome;
 use crate::cli::summary::last_cycle;
-use crate::post::{Sampled, on, sampled};
+use crate::post::{ORDERS, Sampled, on, sampled};
 use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
 use eng_report::figure::{Abscissa, History, Ordinate, Scale, spectra};
 use eng_report::signal::{Axis, Signal, Spectrum, SpectrumOptions, Window, spectrum};
 
-/// Highest order that is drawn.
-pub(super) const ORDERS: f64 = 30.0;
 /// Share of its size by which a signal must vary to have a spectrum.
 const STILL: f64 = 1e-9;
 

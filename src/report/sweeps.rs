@@ -2,10 +2,10 @@
 
 use super::Entry;
 use super::analyses::{acceleration, force};
-use super::spectra::{Hertz, ORDERS, in_hertz};
+use super::spectra::{Hertz, in_hertz};
 use crate::cli::RunOutcome;
 use crate::cli::sweep::{families, table};
-use crate::post::Natural;
+use crate::post::{Natural, ORDERS, main_orders, with_floor};
 use crate::results::{Column, Results};
 use eng_report::figure::{
     Abscissa, Campbell, Curve, History, Ordinate, Panel, Scale, SweepFigure, Waterfall,
@@ -13,14 +13,12 @@ use eng_report::figure::{
 };
 use eng_report::page::{self as pages, Cell, Section, Table};
 use eng_report::readable_unit;
-use eng_report::signal::{Level, Spectrum, SweepMap, sweep_map};
+use eng_report::signal::{Level, Spectrum, sweep_map};
 use eng_system::Dimension;
 use std::f64::consts::TAU;
 
 /// Fewer speeds than these make no map.
 const SPEEDS: usize = 4;
-/// Levels this far (dB) below the largest are one colour.
-const DYNAMIC: f64 = 80.0;
 /// As many points have a column each in their table.
 const FEW: usize = 6;
 /// Columns of the table of more points.
@@ -200,7 +198,7 @@ fn lettered(path: &str, journals: &[&str]) -> String {
 /// A column of all points as spectra over the mean speed.
 struct Spectra {
     column: Column,
-    /// Speed (1/min) and spectrum (Hz).
+    /// Speed (rpm) and spectrum (Hz).
     runs: Vec<(f64, Spectrum)>,
     made: String,
     largest: f64,
@@ -272,7 +270,9 @@ fn maps(mut section: Section, entry: &Entry, modes: &[Entry], family: &[&RunOutc
             map,
         };
         let natural = natural(modes, first.results.model());
-        let campbell = campbell(&figure, &spectra.column, &title, (orders(entry), &natural));
+        let described = &entry.described;
+        let orders = main_orders(described.cycle_period, described.firing.len());
+        let campbell = campbell(&figure, &spectra.column, &title, (orders, &natural));
         section = section.figure(
             Waterfall { figure },
             format!(
@@ -289,17 +289,6 @@ fn maps(mut section: Section, entry: &Entry, modes: &[Entry], family: &[&RunOutc
         }
     }
     section
-}
-
-/// Multiples of the firing order: firings a revolution; of a machine that does not fire the first orders.
-fn orders(entry: &Entry) -> Vec<f64> {
-    let described = &entry.described;
-    let revolutions = described.cycle_period.map_or(1.0, |period| period / TAU);
-    let main = match described.firing.len() {
-        0 => 1.0,
-        count => count as f64 / revolutions,
-    };
-    (1..=4).map(|k| main * f64::from(k)).collect()
 }
 
 /// Natural frequencies of a model: of the first sweep of a linear analysis, else of the first linear analysis.
@@ -328,43 +317,21 @@ fn campbell(
         "m/s²"
     };
     let level = Level::new(1e-6, unit).ok()?;
-    let of = |shown: f64| level.of(shown * column.display.scale);
-    let levels: Vec<Vec<f64>> = figure
-        .map
-        .amplitudes
-        .iter()
-        .map(|row| row.iter().map(|a| of(*a)).collect())
-        .collect();
-    let largest = levels
-        .iter()
-        .flatten()
-        .copied()
-        .filter(|l| l.is_finite())
-        .fold(f64::NEG_INFINITY, f64::max);
-    if !largest.is_finite() {
-        return None;
-    }
-    let lowest = largest - DYNAMIC;
-    // what is no number stays a gap
-    let floored = |level: f64| if level < lowest { lowest } else { level };
-    Some(Campbell {
-        figure: SweepFigure {
-            title: format!("Campbell diagram: {title}"),
-            subtitle: match natural.said() {
-                Some(said) => format!("{}; {said}", figure.subtitle),
-                None => figure.subtitle.clone(),
-            },
-            quantity: format!("{title}, 0-peak"),
-            unit: format!("{}, at least {lowest:.0}", level.label()),
-            map: SweepMap {
-                amplitudes: levels
-                    .into_iter()
-                    .map(|row| row.into_iter().map(floored).collect())
-                    .collect(),
-                ..figure.map.clone()
-            },
-            ..figure.clone()
+    let mut figure = SweepFigure {
+        title: format!("Campbell diagram: {title}"),
+        subtitle: match natural.said() {
+            Some(said) => format!("{}; {said}", figure.subtitle),
+            None => figure.subtitle.clone(),
         },
+        quantity: format!("{title}, 0-peak"),
+        unit: level.label(),
+        ..figure.clone()
+    };
+    for shown in figure.map.amplitudes.iter_mut().flatten() {
+        *shown = level.of(*shown * column.display.scale);
+    }
+    with_floor(&mut figure).then_some(Campbell {
+        figure,
         orders,
         natural_frequencies: natural.lines(),
         modes: natural.marks(),

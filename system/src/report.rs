@@ -296,8 +296,8 @@ pub enum Picture {
         members: Vec<Member>,
         /// How their spectra are made.
         settings: SpectrumSettings,
-        /// Orders with a line each.
-        orders: Vec<f64>,
+        /// Orders with a line each; absent: those of the firing, or the first four.
+        orders: Option<Vec<f64>>,
         /// Linear analyses whose natural frequencies are drawn.
         modes: Vec<String>,
     },

@@ -23,7 +23,7 @@ pub enum Abscissa {
         /// Mean speed (revolutions a second).
         speed: f64,
     },
-    /// Speed of the shaft (1/min).
+    /// Speed of the shaft (rpm).
     Speed,
     /// Any other quantity, such as the variable of a sweep.
     Other {
@@ -57,7 +57,7 @@ impl Abscissa {
             _ => return None,
         };
         (speed > 0.0 && speed.is_finite() && factor.is_finite()).then(|| Second {
-            title: format!("{name} at {} 1/min", significant(60.0 * speed)),
+            title: format!("{name} at {} rpm", significant(60.0 * speed)),
             factor,
             key,
         })
@@ -69,7 +69,7 @@ impl Abscissa {
             Abscissa::Time => ("Time", "s"),
             Abscissa::Frequency | Abscissa::FrequencyAt { .. } => ("Frequency", "Hz"),
             Abscissa::Order | Abscissa::OrderAt { .. } => ("Order", "cycles a revolution"),
-            Abscissa::Speed => ("Speed", "1/min"),
+            Abscissa::Speed => ("Speed", "rpm"),
             Abscissa::Other { name, unit } => (name, unit),
         }
     }

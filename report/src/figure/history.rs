@@ -437,19 +437,19 @@ mod tests {
         figure.abscissa = Abscissa::OrderAt { speed: 50.0 };
         figure.panels[0].x = vec![0.0, 5.0, 10.0];
         let svg = figure.to_svg();
-        assert!(svg.contains("Frequency (Hz) at 3000 1/min") && svg.contains(">500</text>"));
+        assert!(svg.contains("Frequency (Hz) at 3000 rpm") && svg.contains(">500</text>"));
         let left = |text: &str| {
             let (before, _) = svg.split_once(&format!(">{text}</text>"))?;
             let (_, tag) = before.rsplit_once("<text x=\"")?;
             tag.split_once('"')?.0.parse::<f64>().ok()
         };
-        // 250 Hz are the fifth order of 3000 1/min
+        // 250 Hz are the fifth order of 3000 rpm
         assert!(left("250").is_some() && left("250") == left("5"), "{svg}");
         figure.abscissa = Abscissa::FrequencyAt { speed: 0.5 };
         assert!(
             figure
                 .to_svg()
-                .contains("Order (cycles a revolution) at 30 1/min")
+                .contains("Order (cycles a revolution) at 30 rpm")
         );
         figure.abscissa = Abscissa::OrderAt { speed: f64::NAN };
         assert!(!figure.to_svg().contains("NaN"));

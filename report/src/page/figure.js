@@ -259,7 +259,7 @@
       return {
         dots: [[px, py]],
         parts: [
-          { text: `${short(map.speeds[column])} 1/min` },
+          { text: `${short(map.speeds[column])} rpm` },
           { text: `${data.yName} ${short(map.start + (row + 0.5) * map.step)} ${data.yUnit}` },
           { text: `${data.mapName} ${short(value)} ${data.mapUnit}` },
         ],

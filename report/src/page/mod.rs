@@ -428,15 +428,23 @@ impl Writer {
         let number = self.figures;
         let id = format!("figure-{number}");
         let drawing = plot.figure.in_page(&format!("{id}-"));
+        let (width, height) = size_of(&drawing);
         let written = match plot.written.is_empty() {
             true => String::new(),
             false => format!("<br><code>{}</code>", escaped(&plot.written)),
         };
         self.put(format_args!(
-            "<figure class=\"plot\" id=\"{id}\" aria-labelledby=\"{id}-caption\">\n<div class=\"sheet\">\n{drawing}</div>\n<div class=\"tools\" hidden><button type=\"button\" class=\"reset\" disabled>Show all</button> <span class=\"hint\">Drag to zoom, shift and drag to move; click the drawing to zoom by the wheel or + and −.</span></div>\n<output class=\"readout\" aria-live=\"off\"></output>\n<figcaption id=\"{id}-caption\"><b>Figure {number}.</b> {}{written}</figcaption>\n</figure>\n",
+            "<figure class=\"plot\" id=\"{id}\" aria-labelledby=\"{id}-caption\">\n<div class=\"sheet\">\n<div class=\"drawn-near\" style=\"max-width:{width}px;aspect-ratio:{width}/{height}\">\n{drawing}</div>\n</div>\n<div class=\"tools\" hidden><button type=\"button\" class=\"reset\" disabled>Show all</button> <span class=\"hint\">Drag to zoom, shift and drag to move; click the drawing to zoom by the wheel or + and −.</span></div>\n<output class=\"readout\" aria-live=\"off\"></output>\n<figcaption id=\"{id}-caption\"><b>Figure {number}.</b> {}{written}</figcaption>\n</figure>\n",
             escaped(plot.caption())
         ));
     }
+}
+
+/// Width and height of a drawing, as its own text states them.
+fn size_of(drawing: &str) -> (&str, &str) {
+    let (_, rest) = drawing.split_once("viewBox=\"0 0 ").unwrap_or_default();
+    let (size, _) = rest.split_once('"').unwrap_or_default();
+    size.split_once(' ').unwrap_or(("1200", "800"))
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ pub struct Component {
 /// A run at a steady speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run<'a> {
-    /// Speed of the shaft (1/min).
+    /// Speed of the shaft (rpm).
     pub speed: f64,
     /// What was sampled.
     pub signal: Signal<'a>,
@@ -30,7 +30,7 @@ pub struct Run<'a> {
 pub struct RunUp<'a> {
     /// The signal, one value an angle.
     pub values: &'a [f64],
-    /// Speed of the shaft at the samples (1/min).
+    /// Speed of the shaft at the samples (rpm).
     pub speeds: &'a [f64],
     /// Angle between the samples (°).
     pub step: f64,
@@ -45,7 +45,7 @@ pub struct RunUp<'a> {
 pub struct OrderTrack {
     /// The orders asked for.
     pub orders: Vec<f64>,
-    /// Speed (1/min) of each run or block.
+    /// Speed (rpm) of each run or block.
     pub speeds: Vec<f64>,
     /// For each order, one component a speed.
     pub components: Vec<Vec<Component>>,
@@ -90,7 +90,7 @@ pub fn component(
 }
 
 /// Amplitude and phase of orders in runs at steady speeds. Exact for runs of whole cycles and [`Window::Rectangular`];
-/// order k of a shaft at n (1/min) is the frequency k·n/60.
+/// order k of a shaft at n (rpm) is the frequency k·n/60.
 ///
 /// # Errors
 /// As [`component`]; an order beyond the Nyquist frequency of a run is refused.

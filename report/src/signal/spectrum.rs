@@ -250,7 +250,7 @@ impl Spectrum {
         self.options.window.noise_bandwidth(self.block_length) * self.step
     }
 
-    /// The same lines counted by orders of a shaft that turns at `speed` (1/min): order = f/(n/60).
+    /// The same lines counted by orders of a shaft that turns at `speed` (rpm): order = f/(n/60).
     ///
     /// # Errors
     /// A speed that is not a finite number above 0.

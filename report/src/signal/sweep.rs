@@ -7,7 +7,7 @@ use super::{Axis, SignalError, Spectrum, check_finite, check_increasing, check_l
 pub struct SweepMap {
     /// What `positions` are.
     pub axis: Axis,
-    /// Speed of each row (1/min), increasing.
+    /// Speed of each row (rpm), increasing.
     pub speeds: Vec<f64>,
     /// Frequency (Hz) or order of each column, from 0 in equal steps.
     pub positions: Vec<f64>,

@@ -24,6 +24,21 @@ await withPage(browser, page, 300000, async ({ call, evaluate, size, mouse, erro
   };
   found.figures = await evaluate("document.querySelectorAll('figure.plot svg.drawing').length");
   found.animations = await evaluate("document.querySelectorAll('figure.animation').length");
+  // each link of the contents lands with its heading at the top, before anything was drawn on the way
+  found.links = await evaluate("document.querySelectorAll('nav a').length");
+  found.missed_links = [];
+  for (let i = found.links - 1; i >= 0; i--) {
+    await evaluate("scrollTo({ top: 0, behavior: 'instant' })");
+    await evaluate(`document.querySelectorAll('nav a')[${i}].click()`);
+    await sleep(600);
+    const [title, off] = await evaluate(`(() => {
+      const heading = document.querySelector(document.querySelectorAll('nav a')[${i}].getAttribute("href"));
+      const end = scrollY + innerHeight >= document.documentElement.scrollHeight - 2;
+      return [heading.textContent, end ? 0 : heading.getBoundingClientRect().top - 16];
+    })()`);
+    if (Math.abs(off) > 40) found.missed_links.push([title, off]);
+  }
+  await evaluate("scrollTo({ top: 0, behavior: 'instant' })");
   found.overflow_wide = await evaluate("document.documentElement.scrollWidth - innerWidth");
 
   // a point inside of a drawing, in its own units, as pixels of the window

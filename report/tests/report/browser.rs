@@ -30,6 +30,8 @@ fn the_page_lives_in_a_browser() {
     assert_eq!(found["requests"], Value::Array(Vec::new()), "network");
     assert_eq!(number("figures"), 7.0);
     assert_eq!(number("animations"), 1.0);
+    assert!(number("links") > 5.0);
+    assert_eq!(found["missed_links"], Value::Array(Vec::new()), "links");
     // 2 panels of 5 curves, hidden one by one
     assert_eq!(number("curves"), 10.0);
     assert_eq!(number("curves_after_hiding"), 8.0);

@@ -64,7 +64,7 @@ pub fn history() -> History {
     };
     History {
         title: "Vertical force on the main journals".to_owned(),
-        subtitle: "made-up four-cylinder engine, 4000 1/min, not filtered".to_owned(),
+        subtitle: "made-up four-cylinder engine, 4000 rpm, not filtered".to_owned(),
         abscissa: Abscissa::CrankAngle,
         ordinate: Ordinate {
             quantity: "Force x".to_owned(),
@@ -128,7 +128,7 @@ fn paths(scale: f64) -> Vec<(Vec<f64>, Vec<f64>)> {
 pub fn orbits() -> Orbits {
     Orbits {
         title: "Orbits of the pins in their shells".to_owned(),
-        subtitle: "made-up engine, fired, 4000 1/min".to_owned(),
+        subtitle: "made-up engine, fired, 4000 rpm".to_owned(),
         period: 720.0,
         upright: Upright::X,
         orbits: paths(27e-6)
@@ -167,7 +167,7 @@ pub fn polar(fixed_to: FixedTo) -> Polar {
         .collect();
     Polar {
         title: "Journal load".to_owned(),
-        subtitle: "made-up engine, fired, 4000 1/min".to_owned(),
+        subtitle: "made-up engine, fired, 4000 rpm".to_owned(),
         quantity: "F".to_owned(),
         unit: "kN".to_owned(),
         fixed_to,
@@ -447,7 +447,7 @@ pub fn page() -> Page {
         notes: vec![("tolerance".to_owned(), "1e-6".to_owned())],
     };
     Page::new("Made-up engine <4 cylinders>")
-        .subtitle("analyses unfired and fired, 4000 1/min")
+        .subtitle("analyses unfired and fired, 4000 rpm")
         .section(
             Section::new("Summary")
                 .paragraph("Nothing here is a result: the page shows what a report looks like.")

@@ -3,6 +3,8 @@
 mod orders;
 mod plane;
 
+pub(crate) use orders::{ORDERS, main_orders, with_floor};
+
 use super::evaluate::{Evaluator, filter_of};
 use super::track::{Track, told_apart};
 use super::{PostError, Run};
@@ -46,7 +48,7 @@ pub(super) fn figure(
             settings,
             orders,
             modes,
-        } => drawer.campbell(members, settings, orders, modes),
+        } => drawer.campbell(members, settings, orders.as_deref(), modes),
     }
 }
 
@@ -211,24 +213,8 @@ impl Drawer<'_> {
         let lettered = self.lettered(&all);
         for members in panels {
             let names = named(told_apart(pairs(members)), members, &lettered);
-            let title = match members.first() {
-                Some(first)
-                    if panels.len() > 1 && members.iter().all(|m| m.analysis == first.analysis) =>
-                {
-                    first.analysis.clone()
-                }
-                Some(first) if members.len() > 1 => {
-                    let same = members.iter().all(|m| m.channel == first.channel);
-                    if same {
-                        first.channel.clone()
-                    } else {
-                        String::new()
-                    }
-                }
-                _ => String::new(),
-            };
             // curves over samples of their own stand in panels of their own
-            let mut own: Vec<(Vec<f64>, Vec<Curve>)> = Vec::new();
+            let mut own: Vec<(Vec<f64>, Vec<&Member>, Vec<Curve>)> = Vec::new();
             for (member, name) in members.iter().zip(names) {
                 let track = self.evaluator.track(&member.expression)?;
                 let x = abscissa(&track, by_time);
@@ -236,14 +222,18 @@ impl Drawer<'_> {
                     name,
                     values: shown(&track.values, self.display()),
                 };
-                let alike = own.iter_mut().find(|(other, _)| alike(other, &x));
+                let alike = own.iter_mut().find(|(other, ..)| alike(other, &x));
                 match alike {
-                    Some((_, curves)) => curves.push(curve),
-                    None => own.push((x, vec![curve])),
+                    Some((_, shown, curves)) => {
+                        shown.push(member);
+                        curves.push(curve);
+                    }
+                    None => own.push((x, vec![member], vec![curve])),
                 }
             }
-            drawn.extend(own.into_iter().map(|(x, curves)| Panel {
-                title: title.clone(),
+            let several = panels.len() > 1 || own.len() > 1;
+            drawn.extend(own.into_iter().map(|(x, shown, curves)| Panel {
+                title: panel_title(&shown, several),
                 x,
                 curves,
             }));
@@ -266,6 +256,20 @@ impl Drawer<'_> {
             panels: drawn,
         }
         .into())
+    }
+}
+
+/// The analysis that a panel among several shows; of several analyses the channel that they share.
+fn panel_title(members: &[&Member], several: bool) -> String {
+    let Some(first) = members.first() else {
+        return String::new();
+    };
+    if several && members.iter().all(|m| m.analysis == first.analysis) {
+        first.analysis.clone()
+    } else if members.len() > 1 && members.iter().all(|m| m.channel == first.channel) {
+        first.channel.clone()
+    } else {
+        String::new()
     }
 }
 

@@ -103,22 +103,40 @@ impl Drawer<'_> {
         Ok(ordinate)
     }
 
-    /// Spectra over speed, with the natural frequencies of linear analyses: of one speed lines across, of several a mark each.
+    /// Spectra over speed, with the natural frequencies of linear analyses: of one speed lines across, of several a mark each. What is
+    /// not stated is that of the maps of a page.
     pub(super) fn campbell(
         &self,
         members: &[Member],
         settings: &plan::SpectrumSettings,
-        orders: &[f64],
+        orders: Option<&[f64]>,
         modes: &[String],
     ) -> Result<Figure, PostError> {
         let mut figure = self.map(members, settings)?;
+        if settings.reference.is_some() {
+            with_floor(&mut figure);
+        }
+        let highest = ORDERS * figure.map.speeds.last().copied().unwrap_or(0.0) / 60.0;
+        let limit = match settings.axis {
+            plan::Axis::Frequency => highest,
+            plan::Axis::Order => ORDERS,
+        };
+        figure.limit = figure.limit.or(Some(limit).filter(|limit| *limit > 0.0));
+        let orders = match (orders, members.first()) {
+            (Some(orders), _) => orders.to_vec(),
+            (None, Some(first)) => {
+                let model = self.evaluator.run(&first.analysis)?.model;
+                main_orders(model.cycle_period, model.firing.len())
+            }
+            (None, None) => Vec::new(),
+        };
         let natural = Natural::of(modes, self.evaluator)?;
         if let Some(said) = natural.said() {
             figure.subtitle = format!("{}; {said}", figure.subtitle);
         }
         Ok(Campbell {
             figure,
-            orders: orders.to_vec(),
+            orders,
             natural_frequencies: natural.lines(),
             modes: natural.marks(),
         }
@@ -227,6 +245,40 @@ impl Drawer<'_> {
                 .collect(),
         }
     }
+}
+
+/// Highest order that is drawn where no end of the axis is stated.
+pub(crate) const ORDERS: f64 = 30.0;
+/// Levels this far (dB) below the largest are one colour.
+const DYNAMIC: f64 = 80.0;
+
+/// Raises levels (dB) to 80 dB below the largest, and says so; `false` where there is none. What is no number stays a gap.
+pub(crate) fn with_floor(figure: &mut SweepFigure) -> bool {
+    let levels = || figure.map.amplitudes.iter().flatten().copied();
+    let largest = levels()
+        .filter(|l| l.is_finite())
+        .fold(f64::NEG_INFINITY, f64::max);
+    if !largest.is_finite() {
+        return false;
+    }
+    let lowest = largest - DYNAMIC;
+    for level in figure.map.amplitudes.iter_mut().flatten() {
+        if *level < lowest {
+            *level = lowest;
+        }
+    }
+    figure.unit.push_str(&format!(", at least {lowest:.0}"));
+    true
+}
+
+/// Multiples of the firing order: firings a revolution; of a machine that does not fire the first orders. `period`: of its cycle (rad).
+pub(crate) fn main_orders(period: Option<f64>, firings: usize) -> Vec<f64> {
+    let revolutions = period.map_or(1.0, |period| period / std::f64::consts::TAU);
+    let main = match firings {
+        0 => 1.0,
+        count => count as f64 / revolutions,
+    };
+    (1..=4).map(|k| main * f64::from(k)).collect()
 }
 
 /// What is said where an axis is asked to go on beyond what samples hold, up to `reach` (Hz, or orders).

@@ -143,7 +143,7 @@ impl<'a> Reporter<'a, '_> {
         self.of_samples(first, &of, name)?;
         // an amplitude has no zero of its own
         of.quantity = difference(&of.quantity);
-        let shown = self.display(&of, display, first)?;
+        let mut shown = self.display(&of, display, first)?;
         let quantity = quantity_text(&of);
         let enough = match name {
             "spectrum" => true,
@@ -205,9 +205,10 @@ impl<'a> Reporter<'a, '_> {
             "waterfall" => Picture::Waterfall(planned(of.members), settings),
             _ => {
                 let orders = match taken.option("orders") {
-                    Some(expr) => self.orders(expr)?,
-                    None => Vec::new(),
+                    Some(expr) => Some(self.orders(expr)?),
+                    None => None,
                 };
+                let settings = self.campbell_settings(taken, settings, &of, &mut shown)?;
                 let modes = match taken.option("modes") {
                     Some(expr) => self.natural_modes(expr, &of)?,
                     None => Vec::new(),

@@ -10,9 +10,9 @@ use crate::codes;
 use crate::elaborate::AnalysisPlan;
 use eng_grammar::Diagnostic;
 use eng_grammar::ast::Expr;
-use eng_system::Dimension;
 use eng_system::report::{Averaging, Axis, Expression, Limit, SpectrumSettings, Window};
 use eng_system::system::{AnalysisKind, Extent};
+use eng_system::{Dimension, DisplayUnit};
 
 pub(super) const WINDOWS: [(&str, Window); 4] = [
     ("rectangular", Window::Rectangular),
@@ -275,6 +275,50 @@ impl<'a> Reporter<'a, '_> {
             remove_mean: mean.unwrap_or(true),
             logarithmic: scale.unwrap_or(false),
             reference,
+        })
+    }
+
+    /// What a Campbell diagram takes where nothing is stated: frequencies, and levels over 1 µN or 1 µm/s² (ISO 1683), of other quantities
+    /// over 1 of their unit.
+    pub(super) fn campbell_settings(
+        &mut self,
+        taken: &Taken<'a>,
+        settings: SpectrumSettings,
+        of: &Typed,
+        shown: &mut DisplayUnit,
+    ) -> Option<SpectrumSettings> {
+        let axis = match (taken.option("axis"), taken.option("up_to")) {
+            (None, None) => Axis::Frequency,
+            _ => settings.axis,
+        };
+        let scale = self.word(taken.option("scale"), "`scale`", &SCALES)?;
+        let mut reference = settings.reference;
+        if reference.is_none() && scale.unwrap_or(true) {
+            let force = Dimension::MASS
+                .times(Dimension::LENGTH)
+                .over(Dimension::TIME.times(Dimension::TIME));
+            let acceleration = force.over(Dimension::MASS);
+            let symbol = match of.quantity.dim.base {
+                dimension if dimension == force => Some("N"),
+                dimension if dimension == acceleration => Some("m/s^2"),
+                _ => None,
+            };
+            reference = Some(match symbol {
+                Some(symbol) => {
+                    *shown = DisplayUnit {
+                        symbol: symbol.to_owned(),
+                        scale: 1.0,
+                        offset: 0.0,
+                    };
+                    1e-6
+                }
+                None => shown.scale,
+            });
+        }
+        Some(SpectrumSettings {
+            axis,
+            reference,
+            ..settings
         })
     }
 

@@ -18,7 +18,7 @@ pub struct Campbell {
     pub orders: Vec<f64>,
     /// Natural frequencies (Hz) with names, drawn across.
     pub natural_frequencies: Vec<(String, f64)>,
-    /// Natural frequencies (Hz) at speeds (1/min), a mark each.
+    /// Natural frequencies (Hz) at speeds (rpm), a mark each.
     pub modes: Vec<(f64, f64)>,
 }
 
@@ -44,7 +44,7 @@ impl Campbell {
             (Some(from), Some(to)) => (*from, *to),
             _ => (0.0, 1.0),
         };
-        let x = Scaled::plain(ticks::inside(from, to, 9), "Speed", "1/min");
+        let x = Scaled::plain(ticks::inside(from, to, 9), "Speed", "rpm");
         let (name, unit) = figure.axis_name();
         let y = Scaled::plain(ticks::inside(0.0, figure.reach(), 9), name, unit);
         let cells = Cells::new(map, y.ticks.range.1);
@@ -65,7 +65,7 @@ impl Campbell {
         svg.text(
             area.left + area.width / 2.0,
             area.bottom() + 56.0,
-            "Speed (1/min)",
+            "Speed (rpm)",
             TextStyle::new(LABEL, Anchor::Middle),
         );
         svg.text(

@@ -93,7 +93,7 @@ impl Waterfall {
                 points.push((first.0, base));
                 svg.polygon(&points, Color::Sheet);
                 points.truncate(points.len() - 2);
-                let name = format!("{speed} 1/min");
+                let name = format!("{speed} rpm");
                 let tag = CurveTag {
                     name: &name,
                     base: Some(base),
@@ -138,7 +138,7 @@ impl Waterfall {
         svg.text(
             40.0,
             area.top + area.height / 2.0,
-            "Speed (1/min)",
+            "Speed (rpm)",
             TextStyle::new(LABEL, Anchor::Middle).upwards(),
         );
         svg.finish()
