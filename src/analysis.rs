@@ -4,15 +4,18 @@ use crate::model::{Model, Parameter};
 use crate::motion::Motion;
 use crate::repetition::Repetition;
 use crate::results::{Begun, Column, KeptWarning, Recording, Results, ResultsError, Table};
+use crate::significant::short;
 use crate::simulation::run_error_with;
 use crate::{Error, Program, Quantity, RuntimeError};
 use eng_runtime::{
-    CycleReport, LinearModes, Moment, Observer, PeriodicSummary, RunSummary, Sample, StartReport,
-    Warning, run_linear, run_periodic, run_transient,
+    Advance, CycleReport, LinearModes, Moment, Observer, Pace, PeriodicSummary, RunSummary, Sample,
+    Slow, StartReport, Verdict, Warning, run_linear, run_periodic, run_transient,
 };
 use eng_system::code::BindError;
 use eng_system::recorded::recorded;
-use eng_system::system::{AnalysisKind, Location, Origin, PointValue, Start};
+use eng_system::system::{
+    AnalysisKind, Extent, Location, Origin, PointValue, Start, StepControl, Transient,
+};
 use std::ops::ControlFlow;
 
 /// An analysis, ready to run.
@@ -24,19 +27,42 @@ pub struct Analysis {
     overrides: Vec<Option<f64>>,
     /// Parameters that were set over the text's.
     set_here: Vec<String>,
+    /// How steps were stated over the text's: `step` or `tolerance`, and its value.
+    stepped_here: Option<(&'static str, String)>,
     replaced: Vec<String>,
     recording: Recording,
 }
+
+/// Steps after which a cycle that has turned by less than this part of a run stands.
+const STANDING: (u64, f64) = (50, 1e-3);
 
 /// How far a run is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Done part, 0…1.
     pub fraction: f64,
+    /// Simulated time (s).
+    pub time: f64,
+    /// Steps since the start.
+    pub steps: u64,
     /// Unwrapped cycle angle (rad), if the model has a cycle.
     pub cycle_angle: Option<f64>,
     /// Of a periodic analysis: whole cycles so far, and the largest change from the last to this one as a share of its swing.
     pub cycles: Option<(u32, Option<f64>)>,
+}
+
+/// What watches a run while it goes on; a function of the progress is one.
+pub trait Watch {
+    /// After every step.
+    fn progress(&mut self, now: Progress) -> Verdict;
+    /// What makes steps short, after [`Verdict::Explain`].
+    fn paced(&mut self, _slow: &Slow) {}
+}
+
+impl<F: FnMut(Progress) -> Verdict> Watch for F {
+    fn progress(&mut self, now: Progress) -> Verdict {
+        self(now)
+    }
 }
 
 /// What a run made.
@@ -85,6 +111,7 @@ impl Analysis {
             program,
             overrides,
             set_here: Vec::new(),
+            stepped_here: None,
             replaced: Vec::new(),
             recording: Recording::default(),
         })
@@ -161,6 +188,30 @@ impl Analysis {
         Ok(self)
     }
 
+    /// Takes fixed steps, or steps of another tolerance, in place of those that the text states.
+    pub fn stepping(mut self, control: StepControl) -> Self {
+        let place = match &mut self.plan.kind {
+            AnalysisKind::Transient(transient) => &mut transient.step,
+            AnalysisKind::Periodic(periodic) => &mut periodic.step,
+            AnalysisKind::Linear(linear) => &mut linear.step,
+            // takes no steps
+            AnalysisKind::Assemble => return self,
+        };
+        let text = |control: StepControl| match control {
+            StepControl::Fixed(step) => ("step", format!("{} s", short(step, 12))),
+            StepControl::Tolerance(factor) => ("tolerance", factor.to_string()),
+        };
+        let ((name, value), (stated_name, stated)) = (text(control), text(*place));
+        if *place != control {
+            self.replaced.push(format!(
+                "{name} = {value}, not {stated_name} = {stated} as the text states or takes by itself"
+            ));
+        }
+        *place = control;
+        self.stepped_here = Some((name, value));
+        self
+    }
+
     /// Parameters that were set over what the text of the analysis states, in words.
     pub fn replaced(&self) -> &[String] {
         &self.replaced
@@ -196,13 +247,40 @@ impl Analysis {
             .collect())
     }
 
+    /// What is told of a run by angle that came to grief before its cycle turned.
+    fn stands(&self, last: &Advance) -> Option<String> {
+        let AnalysisKind::Transient(Transient {
+            duration: Extent::Angle(whole),
+            ..
+        }) = self.plan.kind
+        else {
+            return None;
+        };
+        (last.steps >= STANDING.0 && last.fraction < STANDING.1).then(|| {
+            format!(
+                "the duration is {:.0}° of the cycle, and until then it has turned {:.1e}° in {:.3} s: does anything turn it?",
+                whole.to_degrees(),
+                (last.fraction * whole).to_degrees(),
+                last.time
+            )
+        })
+    }
+
     /// A failure with its places; who set a parameter that does not fit is told.
     fn error(&self, cause: RuntimeError) -> Error {
+        self.error_with(cause, None)
+    }
+
+    fn error_with(&self, cause: RuntimeError, note: Option<String>) -> Error {
         let path = match &cause {
             RuntimeError::Bind(BindError::Limits { path, .. }) => Some(path.clone()),
             _ => None,
         };
-        let of_analysis = matches!(cause, RuntimeError::Options { .. });
+        let of_analysis = match &cause {
+            RuntimeError::Options { .. } => true,
+            RuntimeError::Stopped(slow) => matches!(*slow.pace, Pace::Stated | Pace::Longest),
+            _ => false,
+        };
         let argument = match &cause {
             RuntimeError::TurnsTooFar { .. } => Some("step"),
             RuntimeError::CycleStands { .. } => Some("duration"),
@@ -211,6 +289,10 @@ impl Analysis {
         let argument =
             argument.and_then(|wanted| self.plan.arguments.iter().find(|(name, _)| name == wanted));
         run_error_with(&self.model, cause, |message| {
+            let message = match note {
+                Some(note) => message.with_note(note),
+                None => message,
+            };
             if of_analysis {
                 return crate::failure::place(message, &self.plan.origin, "of this analysis");
             }
@@ -248,6 +330,9 @@ impl Analysis {
             AnalysisKind::Linear(l) => l.start,
             AnalysisKind::Assemble => Start::Assembled,
         };
+        if let AnalysisKind::Transient(transient) = &self.plan.kind {
+            eng_runtime::countable(transient).map_err(|cause| self.error(cause))?;
+        }
         let begun = match begins(Start::Assembled) {
             Err(RuntimeError::Require { .. }) if run_starts != Start::Assembled => {
                 begins(run_starts)
@@ -296,6 +381,16 @@ impl Analysis {
 
     /// Runs. `progress` is called after every step.
     pub fn run(&self, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, Failed> {
+        self.run_watched(&mut |now: Progress| {
+            progress(now);
+            Verdict::GoOn
+        })
+    }
+
+    /// Runs as long as a watch, which is asked after every step, wants it. One that is stopped ends with [`RuntimeError::Stopped`], which
+    /// tells what makes its steps as short as they are; what a recording has on disk then stays, to go on from. A run that ends has the
+    /// same bits as without being watched.
+    pub fn run_watched(&self, watch: &mut dyn Watch) -> Result<Outcome, Failed> {
         let failed = |error: Error| Failed {
             error: Box::new(error),
             partial: None,
@@ -337,7 +432,8 @@ impl Analysis {
             motion,
             start: None,
             cycles: None,
-            progress,
+            last: None,
+            watch,
         };
         let state = point.as_ref().map(|p| p.state.as_slice());
         let mut modes = None;
@@ -364,6 +460,11 @@ impl Analysis {
                 partial: None,
             });
         }
+        if let Err(cause @ RuntimeError::Stopped(_)) = &ran
+            && self.recorded_to().is_some()
+        {
+            return Err(failed(self.error(cause.clone())));
+        }
         let (summary, periodic, cause) = match ran {
             Ok((summary, periodic)) => (summary, periodic, None),
             Err(cause) => (None, None, Some(cause)),
@@ -382,7 +483,8 @@ impl Analysis {
             saved.map_err(|error| failed(error.into()))?;
         }
         let finished = recorder.table.finish(failure.as_deref());
-        let cause = cause.map(|cause| self.error(cause));
+        let stands = recorder.last.and_then(|last| self.stands(&last));
+        let cause = cause.map(|cause| self.error_with(cause, stands));
         match (finished, cause) {
             (Err(error), None) => Err(Failed {
                 error: Box::new(error.into()),
@@ -436,6 +538,9 @@ impl Analysis {
         results.set_metadata("version", env!("CARGO_PKG_VERSION"));
         results.set_metadata("file", self.program.file());
         results.set_metadata("source_hash", self.program.source_hash());
+        if let Some((name, value)) = &self.stepped_here {
+            results.set_metadata(format!("override.{name}"), value);
+        }
         for point in self.point() {
             results.set_metadata(
                 format!("point.{}", point.name),
@@ -538,7 +643,9 @@ struct Recorder<'a> {
     motion: Motion,
     start: Option<StartReport>,
     cycles: Option<(u32, Option<f64>)>,
-    progress: &'a mut dyn FnMut(Progress),
+    /// How far the run is.
+    last: Option<Advance>,
+    watch: &'a mut dyn Watch,
 }
 
 impl Recorder<'_> {
@@ -654,12 +761,19 @@ impl Observer for Recorder<'_> {
         let _ = self.keep(saved);
     }
 
-    fn progress(&mut self, fraction: f64, cycle_angle: Option<f64>) {
-        (self.progress)(Progress {
-            fraction,
-            cycle_angle,
+    fn progress(&mut self, advance: &Advance) -> Verdict {
+        self.last = Some(*advance);
+        self.watch.progress(Progress {
+            fraction: advance.fraction,
+            time: advance.time,
+            steps: advance.steps,
+            cycle_angle: advance.cycle_angle,
             cycles: self.cycles,
-        });
+        })
+    }
+
+    fn paced(&mut self, slow: &Slow) {
+        self.watch.paced(slow);
     }
 
     fn warning(&mut self, warning: &Warning) {

@@ -1,4 +1,4 @@
-//! The message codes of assembling, running and reducing (`07`), and all codes with their explanations.
+//! The message codes of assembling, running and reducing (`07`) and of the command line (`99`), and all codes with their explanations.
 //!
 //! The compiler's codes stand in [`eng_compiler::codes`], those of the grammar in [`mod@eng_grammar::codes`].
 
@@ -84,6 +84,17 @@ eng_grammar::codes! {
     HANGING = "W0762", "a body hangs on nothing",
         "No joint, film or force of the text holds it against a motion, though one joins it to others: a coupling turns it and does not carry it. It falls, and what hangs on it falls with it.",
         "", "";
+    JUMPS = "E0770", "a force, a torque or the rate of a state jumps, and the motion stays at the jump",
+        "A value by `if` changes at once where its condition does, and the motion is driven back to that place from both sides: steps fall without end. The message names the element and the size of the jump. Join the two values by a slope.",
+        "apply force (if v > 0 m/s then -20 N else 20 N)*b.y on a against b",
+        "apply force -20 N*tanh(v/(1 mm/s))*b.y on a against b";
+    STOPPED = "E0771", "a run was stopped before its end",
+        "At the pace of its steps its end lies days or years ahead. The message names what makes the steps short: a step that is stated, a load that jumps, a body that is very stiffly held or grows without bound. Mend that; `eng run --patient` goes on however long it takes.",
+        "", "";
+    FAR_GUESS = "E0772", "a body is guessed where no joint reaches",
+        "A `guess` is where the search for the assembled position begins. From a thousand times the size of the model it does not end near what is meant: a unit is wrong.",
+        "body crank { mass = 20 kg; inertia = [1, 1, 1] kg*m^2; guess position = [10, 1e9, 0] um }",
+        "body crank { mass = 20 kg; inertia = [1, 1, 1] kg*m^2; guess position = [10, 10, 0] um }";
     ADVISED = "W0711", "an `advise` fails during the run",
         "The run goes on, but its class takes this for doubtful. It is said once for each element, at the first moment. The text is its author's.",
         "", "";
@@ -146,6 +157,21 @@ eng_grammar::codes! {
         "", "";
 }
 
+eng_grammar::codes! {
+    COMMANDING:
+
+    JUMPING = "W0770", "a run goes on in very short steps, for a force, a torque or the rate of a state jumps",
+        "The motion stays where a value by `if` changes at once, and is driven back to that place from both sides. The run is right but slow; a slope in place of the jump makes it fast.",
+        "apply force (if v > 0 m/s then -20 N else 20 N)*b.y on a against b",
+        "apply force -20 N*tanh(v/(1 mm/s))*b.y on a against b";
+    USAGE = "E9902", "the command line cannot be followed",
+        "A word that no command takes, a value that is none, a parameter that is not there. `eng help` and `eng help COMMAND` tell what there is.",
+        "", "";
+    SYSTEM = "E9903", "the system refused",
+        "A file is not there, cannot be read or is no file. The message names it, and what the system said.",
+        "", "";
+}
+
 /// All codes of all stages, in order.
 pub fn all() -> Vec<&'static Code> {
     let mut all: Vec<&Code> = eng_grammar::CODES
@@ -153,6 +179,7 @@ pub fn all() -> Vec<&'static Code> {
         .chain(eng_compiler::codes::all())
         .chain(RUNNING)
         .chain(REDUCING)
+        .chain(COMMANDING)
         .collect();
     // by number; errors, warnings and notes of one stage stand together
     all.sort_by_key(|code| (code.code.get(1..3), code.code));

@@ -3,7 +3,7 @@
 use crate::codes;
 use crate::significant::significant;
 use eng_grammar::{Diagnostic, SourceId, Span};
-use eng_runtime::{PeriodicSummary, RuntimeError, StartReport, Unstable};
+use eng_runtime::{Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Unstable};
 use eng_system::code::BindError;
 use eng_system::system::{Location, Origin, System};
 use eng_system::table::Outside;
@@ -37,6 +37,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
                 .with_help(PLACING)
                 .with_help("or ask for another `branch` at the use")
         }
+        R::FarGuess { origin, .. } => place(d(codes::FAR_GUESS), origin, "guessed far away")
+            .with_help("check the unit of its `guess position`; what is meant to stand far away is stated by `start position`"),
         R::StartVelocity { rows, chain } => {
             let mut message = d(codes::START_VELOCITY);
             for row in rows.iter().take(3) {
@@ -84,6 +86,9 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             place(d(codes::STEP_TOO_SMALL), origin, "the largest error is here")
                 .with_help("make forces that jump continuous; give a table that ends here an `extrapolation`")
         }
+        R::Jumps { jump, .. } => place(d(codes::JUMPS), &jump.origin, "jumps")
+            .with_help(UNJUMPED),
+        R::Stopped(slow) => paced(d(codes::STOPPED), &slow.pace),
         R::TurnsTooFar { origin, step, degrees, .. } => place(d(codes::OPTIONS), origin, "turns this fast")
             .with_help(format!("state a `step` below {} s, or none: then the error decides", significant(step * 90.0 / degrees, 2))),
         R::Require { origin, value, .. } => {
@@ -127,7 +132,7 @@ fn turning(message: Diagnostic, bodies: &[eng_runtime::TurningBody]) -> Diagnost
         .iter()
         .take(3)
         .fold(message, |message, body| {
-            place(message, &body.origin, &format!("turns at {} rad/s and {}", significant(body.speed, 4), body.reason()))
+            place(message, &body.origin, &format!("turns at {} rpm and {}", significant(body.speed*30.0/std::f64::consts::PI, 4), body.reason()))
         })
         .with_help("`frozen: true` holds the coefficients at this moment: a picture for frequencies well above the speed, wrong for whirl, damping and stability")
 }
@@ -141,6 +146,34 @@ pub(crate) fn at_first(mut message: Diagnostic, at: Location, label: &str) -> Di
     first.rotate_right(1);
     message.labels = first;
     message
+}
+
+/// What to do about a load that jumps.
+const UNJUMPED: &str = "the motion comes to the jump from both sides, and no step passes it: join the branches of the `if` by a slope, such as `tanh(v/(1 mm/s))` in place of a sign";
+
+/// What is told of a run that goes on in short steps because something jumps; nothing of other reasons.
+pub(crate) fn slow(slow: &Slow, analysis: &str) -> Option<Diagnostic> {
+    let Pace::Jump(_) = &*slow.pace else {
+        return None;
+    };
+    let title = format!("{analysis} goes on slowly at {}; its {slow}", slow.moment);
+    Some(paced(
+        Diagnostic::warning(codes::JUMPING, title),
+        &slow.pace,
+    ))
+}
+
+/// Who makes the steps short, and what can be done.
+fn paced(message: Diagnostic, pace: &Pace) -> Diagnostic {
+    match pace {
+        Pace::Stated => message.with_help("take a longer `step`, or none: then the error decides"),
+        Pace::Longest => message.with_help("no step is longer than the distance of samples: take a longer `sample`"),
+        Pace::Jump(jump) => place(message, &jump.origin, "jumps").with_help(UNJUMPED),
+        Pace::Error { origin, .. } => place(message, origin, "its motion asks for these steps")
+            .with_help("something is very stiff or fast, or grows without bound: look at stiffness, damping (its sign, too), mass and clearance around this body"),
+        Pace::Unsolved { origin, .. } => place(message, origin, "the largest residual is here")
+            .with_help("something is very stiff, or a mechanism comes to the end of its reach: look at the outputs just before"),
+    }
 }
 
 /// Where a table stands whose points end, and what can be done.

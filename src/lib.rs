@@ -42,6 +42,7 @@ mod local;
 mod model;
 pub mod modes;
 pub mod motion;
+mod patience;
 mod program;
 mod quantity;
 mod reduction;
@@ -51,12 +52,13 @@ mod significant;
 mod simulation;
 mod sources;
 
-pub use analysis::{Analysis, Failed, Outcome, Progress};
+pub use analysis::{Analysis, Failed, Outcome, Progress, Watch};
 pub use eng_runtime::linearised::{Coefficients, LinearModes, Mode, Wanted};
 pub use eng_runtime::{
-    Energy, PeriodicSummary, RuntimeError, StartReport, Statistics, TopologyReport, Warning,
+    Energy, Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Statistics, TopologyReport,
+    Verdict, Warning,
 };
-pub use eng_system::system::Start;
+pub use eng_system::system::{Start, StepControl};
 pub use eng_system::{Dimension, DisplayUnit};
 pub use error::Error;
 pub use local::Local;

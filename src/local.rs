@@ -3,15 +3,20 @@
 use crate::analysis::{Failed, Outcome};
 use crate::cli::{
     AssemblyOutcome, CheckOutcome, Engine, EngineError, Event, JournalGeometry, Progress,
-    RunOutcome, Setting,
+    ReductionOutcome, RunOptions, RunOutcome, Setting,
 };
 use crate::counted::counted;
+use crate::patience::{Look, Patience, in_words};
 use crate::plot::Upright;
+use crate::program::Bodies;
 use crate::repetition::Repetition;
 use crate::report::Described;
 use crate::results::Recording;
 use crate::significant::significant;
-use crate::{Analysis, Error, Program, Quantity, Results, Sources};
+use crate::{
+    Analysis, Error, Program, Quantity, Results, RuntimeError, Slow, Sources, TopologyReport,
+    Verdict, Watch,
+};
 use eng_grammar::Diagnostics;
 use eng_system::code::Bound;
 use eng_system::system::{Slot, System};
@@ -20,18 +25,29 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
+use std::time::{Duration, Instant};
 
 /// Compiles and runs models of this machine's folders.
 #[derive(Debug, Default)]
 pub struct Local {
     program: Option<Program>,
     recording: Recording,
+    options: RunOptions,
 }
 
 impl Local {
     /// Nothing checked yet.
     pub fn new() -> Local {
         Local::default()
+    }
+
+    /// An analysis as the command line wants it to run.
+    fn prepared(&self, analysis: Analysis, settings: &[Setting]) -> Result<Analysis, EngineError> {
+        let analysis = with_settings(analysis, settings)?.record(self.recording.clone());
+        Ok(match self.options.step {
+            Some(step) => analysis.stepping(step),
+            None => analysis,
+        })
     }
 }
 
@@ -47,7 +63,10 @@ impl Engine for Local {
             _ => Path::new("."),
         };
         if !model.is_file() {
-            return Err(system(format!("there is no file {}", model.display())));
+            return Err(system(match model.exists() {
+                true => format!("{} is no file", model.display()),
+                false => format!("there is no file {}", model.display()),
+            }));
         }
         let mut sources = Sources::folder(folder).map_err(|e| system(e.to_string()))?;
         if let Some(cache) = cache_folder(|name| std::env::var_os(name)) {
@@ -56,50 +75,40 @@ impl Engine for Local {
         let checked = crate::check(&sources, file);
         let report = checked.report();
         self.program = checked.program().cloned();
-        let mut facts = Vec::new();
-        let mut diagnostics = report.diagnostics().clone();
-        if let Some(program) = &self.program {
-            for name in program.models() {
-                match program.model(name) {
-                    Ok(model) => {
-                        facts.push(model.summary());
-                        for doubt in model.reductions().iter().flat_map(|r| r.doubts()) {
-                            diagnostics.push(doubt);
-                        }
-                    }
-                    // a mesh that reads well may still make no structure
-                    Err(Error::Report(report)) => diagnostics.extend(report.diagnostics().clone()),
-                    Err(other) => return Err(engine_error(other)),
-                }
-            }
-        }
         Ok(CheckOutcome {
             sources: report.texts().clone(),
-            diagnostics,
+            diagnostics: report.diagnostics().clone(),
             analyses: self
                 .program
                 .as_ref()
                 .map(|p| p.analyses().iter().map(ToString::to_string).collect())
                 .unwrap_or_default(),
-            facts,
         })
     }
 
-    fn reduce(&mut self) -> Result<Vec<String>, EngineError> {
+    fn reduce(&mut self) -> Result<ReductionOutcome, EngineError> {
         let Some(program) = &self.program else {
             return Err(EngineError::System("no model was checked".into()));
         };
-        let mut texts = Vec::new();
+        let mut found = ReductionOutcome::default();
         for name in program.models() {
-            let model = program.model(name).map_err(engine_error)?;
+            let model = match program.model(name) {
+                Ok(model) => model,
+                Err(Error::Report(report)) => {
+                    found.diagnostics.extend(report.diagnostics().clone());
+                    continue;
+                }
+                Err(other) => return Err(engine_error(other)),
+            };
             for reduction in model.reductions() {
                 let text = reduction.text();
-                if !texts.contains(&text) {
-                    texts.push(text);
+                if !found.texts.contains(&text) {
+                    found.texts.push(text);
                 }
+                reduction.doubts().for_each(|d| found.diagnostics.push(d));
             }
         }
-        Ok(texts)
+        Ok(found)
     }
 
     fn describe(&mut self, results: &[&Results]) -> Result<Vec<Described>, EngineError> {
@@ -128,18 +137,39 @@ impl Engine for Local {
             return Err(EngineError::System("no model was checked".into()));
         };
         let mut found = AssemblyOutcome::default();
+        for name in program.models() {
+            match program.outlined(name) {
+                Ok(model) => found.facts.push(model.summary()),
+                // a mesh that reads well may still make no structure
+                Err(Error::Report(report)) => {
+                    found.diagnostics.extend(report.diagnostics().clone());
+                }
+                Err(other) => return Err(engine_error(other)),
+            }
+        }
+        if found.diagnostics.has_errors() {
+            return Ok(found);
+        }
         let mut told = Vec::new();
         let mut geometries = Vec::new();
         let names = program.analyses();
-        for (name, analysis) in names.iter().zip(program.analyses_of(&names)) {
-            let analysis = analysis.map_err(engine_error)?;
-            match analysis.topology() {
-                Ok(report) => {
-                    // of analyses that differ in loads and speeds alone one is turned
+        let analyses = program.analyses_with(&names, Bodies::Rigid);
+        for (name, analysis) in names.iter().zip(analyses) {
+            let analysis = match analysis {
+                Ok(analysis) => analysis,
+                Err(Error::Report(report)) => {
+                    found.diagnostics.extend(report.diagnostics().clone());
+                    continue;
+                }
+                Err(other) => return Err(engine_error(other)),
+            };
+            match topology(program, name, &analysis) {
+                Ok((report, bends)) => {
+                    // of analyses that differ in loads and speeds alone one is turned; a body that must bend is no geometry
                     let model = std::sync::Arc::as_ptr(&analysis.model().compiled().system);
                     let geometry = (model, analysis.geometry().map_err(engine_error)?);
                     let (mut turned, mut hanging) = (None, None);
-                    if !geometries.contains(&geometry) {
+                    if !bends && !geometries.contains(&geometry) {
                         geometries.push(geometry);
                         turned = analysis.dry_turn().map_err(engine_error)?;
                         hanging = analysis.hanging().map_err(engine_error)?;
@@ -151,16 +181,22 @@ impl Engine for Local {
                             found.diagnostics.push(diagnostic);
                         }
                     }
-                    found.facts.push(format!(
-                        "{name}: assembles; {}, {}, {}",
-                        counted(report.velocities, "velocity", "velocities"),
-                        counted(
-                            report.equations,
-                            "constraint equation",
-                            "constraint equations"
+                    let equations = counted(
+                        report.equations,
+                        "constraint equation",
+                        "constraint equations",
+                    );
+                    found.facts.push(match bends {
+                        false => format!(
+                            "{name}: assembles; {}, {equations}, {}{}",
+                            counted(report.velocities, "velocity", "velocities"),
+                            counted(report.freedom, "freedom", "freedoms"),
+                            analysis.model().besides(),
                         ),
-                        counted(report.freedom, "freedom", "freedoms"),
-                    ));
+                        true => format!(
+                            "{name}: assembles if its flexible bodies bend as the joints ask; {equations}"
+                        ),
+                    });
                 }
                 Err(Error::Run { report, .. } | Error::Report(report)) => {
                     // analyses of one model fail alike: each mistake once
@@ -187,8 +223,16 @@ impl Engine for Local {
             return Err(EngineError::System("no model was checked".into()));
         };
         let analysis = program.analysis(analysis).map_err(engine_error)?;
-        let analysis = with_settings(analysis, settings)?.record(self.recording.clone());
-        run(&analysis, progress)
+        let analysis = self.prepared(analysis, settings)?;
+        run(&analysis, self.options.patient, &mut |event| {
+            if let Event::Progress(now) = event {
+                progress(now);
+            }
+        })
+    }
+
+    fn options(&mut self, options: RunOptions) {
+        self.options = options;
     }
 
     fn record(&mut self, recording: &Recording) -> bool {
@@ -209,9 +253,9 @@ impl Engine for Local {
         let prepared: Vec<Result<Analysis, EngineError>> = program
             .analyses_of(analyses)
             .into_iter()
-            .map(|made| with_settings(made.map_err(engine_error)?, settings))
-            .map(|made| made.map(|analysis| analysis.record(self.recording.clone())))
+            .map(|made| self.prepared(made.map_err(engine_error)?, settings))
             .collect();
+        let patient = self.options.patient;
         let next = AtomicUsize::new(0);
         let (sender, receiver) = mpsc::channel();
         let (mut ready, mut refused) = (Vec::new(), Vec::new());
@@ -232,8 +276,8 @@ impl Engine for Local {
                         ready.get(next.fetch_add(1, Ordering::Relaxed))
                     {
                         // nobody listens any more only when the caller has gone
-                        let result = run(analysis, &mut |p| {
-                            let _ = sender.send((*index, Event::Progress(p)));
+                        let result = run(analysis, patient, &mut |event| {
+                            let _ = sender.send((*index, event));
                         });
                         let _ = sender.send((*index, Event::Done(Box::new(result))));
                     }
@@ -244,6 +288,26 @@ impl Engine for Local {
                 tell(index, event);
             }
         });
+    }
+}
+
+/// Whether an analysis of a model with rigid bodies in place of flexible ones assembles; if it does not, whether it does where the markers
+/// of these may move: joints may hold a body that bends in more ways than a rigid one.
+fn topology(
+    program: &Program,
+    name: &str,
+    analysis: &Analysis,
+) -> Result<(TopologyReport, bool), Error> {
+    match analysis.topology() {
+        Ok(report) => Ok((report, false)),
+        Err(Error::Run { .. }) if analysis.model().is_outlined() => {
+            let mut loose = program.analyses_with(&[name], Bodies::Loose);
+            match loose.pop() {
+                Some(loose) => Ok((loose?.topology()?, true)),
+                None => Ok((analysis.topology()?, false)),
+            }
+        }
+        Err(other) => Err(other),
     }
 }
 
@@ -261,18 +325,79 @@ fn with_settings(mut analysis: Analysis, settings: &[Setting]) -> Result<Analysi
     Ok(analysis)
 }
 
-fn run(analysis: &Analysis, progress: &mut dyn FnMut(Progress)) -> Result<RunOutcome, EngineError> {
-    let ran = analysis.run(&mut |p| {
-        progress(Progress {
-            fraction: p.fraction,
-            time: 0.0,
-            cycle_angle: p.cycle_angle,
-            cycles: p.cycles,
-        });
-    });
-    match ran {
-        Ok(outcome) => run_outcome(analysis, outcome).map_err(engine_error),
-        Err(Failed { error, partial }) => {
+/// Watches a run for the command line: tells of its progress and of what slows it down, and stops it where nobody waits for its end.
+struct Watching<'a> {
+    analysis: &'a Analysis,
+    tell: &'a mut dyn FnMut(Event),
+    patient: bool,
+    began: Instant,
+    patience: Patience,
+    /// Whether it was told what slows the run down.
+    told: bool,
+    /// Where it was stopped: time since it began, progress, seconds that the rest would take.
+    lost: Option<(Duration, crate::Progress, f64)>,
+}
+
+impl Watch for Watching<'_> {
+    fn progress(&mut self, now: crate::Progress) -> Verdict {
+        (self.tell)(Event::Progress(Progress {
+            fraction: now.fraction,
+            time: now.time,
+            cycle_angle: now.cycle_angle,
+            cycles: now.cycles,
+        }));
+        let passed = self.began.elapsed();
+        match self.patience.look(passed, now.fraction) {
+            Look::Lost(left) if !self.patient => {
+                self.lost = Some((passed, now, left));
+                Verdict::Stop
+            }
+            Look::Now | Look::Lost(_) if !self.told => Verdict::Explain,
+            _ => Verdict::GoOn,
+        }
+    }
+
+    fn paced(&mut self, slow: &Slow) {
+        if let Some(message) = crate::failure::slow(slow, self.analysis.name()) {
+            self.told = true;
+            (self.tell)(Event::Slow(Box::new(message)));
+        }
+    }
+}
+
+fn run(
+    analysis: &Analysis,
+    patient: bool,
+    tell: &mut dyn FnMut(Event),
+) -> Result<RunOutcome, EngineError> {
+    let mut watch = Watching {
+        analysis,
+        tell,
+        patient,
+        began: Instant::now(),
+        patience: Patience::default(),
+        told: false,
+        lost: None,
+    };
+    let ran = analysis.run_watched(&mut watch);
+    match (ran, watch.lost) {
+        (Ok(outcome), _) => run_outcome(analysis, outcome).map_err(engine_error),
+        (Err(Failed { error, .. }), Some((passed, now, left))) if was_stopped(&error) => {
+            let told = format!(
+                "{} steps in {} s of computing were {:.1e} % of the run; at this pace the rest takes {}",
+                now.steps,
+                passed.as_secs(),
+                100.0 * now.fraction,
+                in_words(left)
+            );
+            let mut noted = Diagnostics::new();
+            if let EngineError::Model { diagnostics, .. } = engine_error(*error) {
+                let messages = diagnostics.iter().cloned();
+                messages.for_each(|d| noted.push(d.with_note(told.clone())));
+            }
+            Err(EngineError::Stopped(noted))
+        }
+        (Err(Failed { error, partial }), _) => {
             let partial = partial.and_then(|o| run_outcome(analysis, *o).ok());
             Err(match engine_error(*error) {
                 EngineError::Model { diagnostics, .. } => EngineError::Model {
@@ -283,6 +408,10 @@ fn run(analysis: &Analysis, progress: &mut dyn FnMut(Progress)) -> Result<RunOut
             })
         }
     }
+}
+
+fn was_stopped(error: &Error) -> bool {
+    matches!(error, Error::Run { cause, .. } if matches!(**cause, RuntimeError::Stopped(_)))
 }
 
 /// Where reduced bodies are kept: `ENG_CACHE` (empty: nowhere), else a folder of the user's caches.
@@ -320,6 +449,9 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     let system = &analysis.model().compiled().system;
     let bound = analysis.bound()?;
     let mut diagnostics = Diagnostics::new();
+    for reduction in analysis.model().reductions() {
+        reduction.doubts().for_each(|d| diagnostics.push(d));
+    }
     analysis
         .advice()?
         .into_iter()

@@ -4,6 +4,7 @@ use crate::counted::counted;
 use crate::{Error, Quantity, SimulationBuilder};
 use eng_grammar::SourceMap;
 use eng_system::code::Compiled;
+use eng_system::system::{Body, BodyInertia};
 use eng_system::{Dimension, DisplayUnit};
 use std::sync::Arc;
 
@@ -171,10 +172,11 @@ impl Model {
             .sum();
         let bytes: usize = self.compiled.code.iter().map(|c| c.code_bytes()).sum();
         format!(
-            "{}: {} with {}, {} of {}, {}, {}, {}, {}; {} kB of machine code",
+            "{}: {} with {}{}, {} of {}, {}, {}, {}, {}; {} kB of machine code",
             system.name,
             counted(system.bodies.len(), "body", "bodies"),
             counted(6 * system.bodies.len() + modes, "velocity", "velocities"),
+            self.besides(),
             counted(dynamic().count(), "element", "elements"),
             counted(system.classes.len(), "class", "classes"),
             counted(rows, "constraint equation", "constraint equations"),
@@ -183,6 +185,20 @@ impl Model {
             counted(system.channels.len(), "channel", "channels"),
             bytes / 1024,
         )
+    }
+
+    /// Whether bodies that bend are here by their outlines alone.
+    pub(crate) fn is_outlined(&self) -> bool {
+        let flexible = |body: &Body| matches!(body.inertia, BodyInertia::Flexible(_));
+        self.reductions.is_empty() && self.compiled.system.bodies.iter().any(flexible)
+    }
+
+    /// What a count of velocities or freedoms leaves out.
+    pub(crate) fn besides(&self) -> &'static str {
+        match self.is_outlined() {
+            true => " besides those of modes",
+            false => "",
+        }
     }
 
     /// Bytes of machine code of each class of element.

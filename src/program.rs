@@ -108,6 +108,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             texts: Arc::clone(&texts),
             file: file.to_owned(),
             reducer: crate::reduction::Reducer::default(),
+            outlines: crate::reduction::Outlines::default(),
         }),
     });
     Checked {
@@ -186,6 +187,18 @@ struct Inner {
     texts: Arc<SourceMap>,
     file: String,
     reducer: crate::reduction::Reducer,
+    outlines: crate::reduction::Outlines,
+}
+
+/// What stands for the flexible bodies of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Bodies {
+    /// The bodies as they are reduced.
+    Reduced,
+    /// Rigid bodies of their mass, with their markers: what a check needs to know.
+    Rigid,
+    /// Bodies whose markers move by themselves: what joints hold on a body that bends.
+    Loose,
 }
 
 /// A checked program: models and analyses.
@@ -261,28 +274,45 @@ impl Program {
         }
     }
 
+    /// A model that is only looked at: rigid bodies stand for its flexible ones.
+    pub(crate) fn outlined(&self, name: &str) -> Result<Model, crate::Error> {
+        self.compile(self.model_of(name)?, &[], Bodies::Rigid)
+    }
+
     /// Compiles a model with its default constants.
     pub fn model(&self, name: &str) -> Result<Model, crate::Error> {
-        let id = models_of(&self.inner.resolved)
+        self.compile(self.model_of(name)?, &[], Bodies::Reduced)
+    }
+
+    fn model_of(&self, name: &str) -> Result<DefinitionId, crate::Error> {
+        models_of(&self.inner.resolved)
             .into_iter()
             .find(|id| self.name_of(*id) == Some(name))
             .ok_or_else(|| crate::Error::NoModel {
                 name: name.to_owned(),
                 known: self.models().iter().map(ToString::to_string).collect(),
-            })?;
-        self.compile(id, &[])
+            })
     }
 
     /// The plan of an analysis and its compiled model.
     pub fn analysis(&self, name: &str) -> Result<crate::Analysis, crate::Error> {
         let plan = self.plan(name)?;
-        let model = self.compile(plan.model, &plan.constants)?;
+        let model = self.compile(plan.model, &plan.constants, Bodies::Reduced)?;
         crate::Analysis::new(model, plan.analysis.clone(), self.clone())
     }
 
     /// Several analyses. Those of one model with the same constants, such as the points of a sweep over a parameter, share one
     /// compiled model.
     pub fn analyses_of(&self, names: &[&str]) -> Vec<Result<crate::Analysis, crate::Error>> {
+        self.analyses_with(names, Bodies::Reduced)
+    }
+
+    /// [`Program::analyses_of`], with other bodies in place of the flexible ones.
+    pub(crate) fn analyses_with(
+        &self,
+        names: &[&str],
+        bodies: Bodies,
+    ) -> Vec<Result<crate::Analysis, crate::Error>> {
         let mut models: Vec<(&AnalysisPlan, Model)> = Vec::new();
         names
             .iter()
@@ -294,7 +324,7 @@ impl Program {
                 let model = match known {
                     Some((_, model)) => model.clone(),
                     None => {
-                        let model = self.compile(plan.model, &plan.constants)?;
+                        let model = self.compile(plan.model, &plan.constants, bodies)?;
                         models.push((plan, model.clone()));
                         model
                     }
@@ -368,6 +398,7 @@ impl Program {
         &self,
         id: DefinitionId,
         constants: &[(String, Structural)],
+        bodies: Bodies,
     ) -> Result<Model, crate::Error> {
         let mut texts = SourceMap::clone(&self.inner.texts);
         let mut diagnostics = Diagnostics::new();
@@ -385,19 +416,32 @@ impl Program {
                 diagnostics,
             )));
         };
-        let mut reductions = Vec::with_capacity(elaborated.flexible.len());
+        let (mut reductions, mut reduced) = (Vec::new(), Vec::new());
         for (index, source) in (0..).zip(&elaborated.flexible) {
             let turned = elaborated.turned_markers(index);
-            let reduction = self
-                .inner
-                .reducer
-                .reduce(&self.inner.sources, source, &turned)
-                .map_err(|diagnostic| {
-                    let mut diagnostics = Diagnostics::new();
-                    diagnostics.push(*diagnostic);
-                    crate::Error::Report(Report::new(Arc::clone(&self.inner.texts), diagnostics))
-                })?;
-            reductions.push(reduction);
+            let Inner {
+                sources,
+                reducer,
+                outlines,
+                ..
+            } = &*self.inner;
+            let made = match bodies {
+                Bodies::Reduced => reducer.reduce(sources, source, &turned).map(|reduction| {
+                    reduced.push(Arc::clone(&reduction.body));
+                    reductions.push(reduction);
+                }),
+                Bodies::Rigid => outlines
+                    .outline(sources, source, &turned)
+                    .map(|outline| reduced.push(Arc::new(outline.rigid()))),
+                Bodies::Loose => outlines
+                    .outline(sources, source, &turned)
+                    .map(|outline| reduced.push(Arc::new(outline.loose()))),
+            };
+            made.map_err(|diagnostic| {
+                let mut diagnostics = Diagnostics::new();
+                diagnostics.push(*diagnostic);
+                crate::Error::Report(Report::new(Arc::clone(&self.inner.texts), diagnostics))
+            })?;
         }
         let mut code = Vec::with_capacity(elaborated.classes.len());
         for functions in elaborated.classes {
@@ -408,7 +452,7 @@ impl Program {
                 system: Arc::new(elaborated.system),
                 code,
                 bind: Arc::new(elaborated.bind),
-                reduced: reductions.iter().map(|r| Arc::clone(&r.body)).collect(),
+                reduced,
             },
             Arc::clone(&self.inner.texts),
             reductions,

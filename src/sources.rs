@@ -80,7 +80,7 @@ impl Sources {
     }
 }
 
-/// The real place of a file of a folder.
+/// The real place of a file of a folder; what is no file is refused.
 fn inside(folder: &Path, path: &str) -> Result<PathBuf, HostError> {
     let relative = Path::new(path);
     let stays = relative
@@ -97,7 +97,18 @@ fn inside(folder: &Path, path: &str) -> Result<PathBuf, HostError> {
     if !real.starts_with(folder) {
         return Err(HostError::Outside(path.into()));
     }
-    Ok(real)
+    // a pipe would be waited for, a device has no end
+    match std::fs::metadata(&real) {
+        Ok(found) if found.is_file() => Ok(real),
+        Ok(found) => Err(HostError::System {
+            path: path.into(),
+            message: match found.is_dir() {
+                true => "this is a folder, not a file".into(),
+                false => "this is no file, but a pipe or a device".into(),
+            },
+        }),
+        Err(error) => Err(refused(path, &error)),
+    }
 }
 
 fn refused(path: &str, error: &std::io::Error) -> HostError {

@@ -2,7 +2,7 @@
 
 use eng::cli::{
     AssemblyOutcome, CheckOutcome, Console, Engine, EngineError, JournalGeometry, Progress,
-    RunOutcome, Setting, run_on,
+    ReductionOutcome, RunOptions, RunOutcome, Setting, run_on,
 };
 use eng::plot::Upright;
 use eng::results::{Column, Results};
@@ -17,6 +17,7 @@ struct Known {
     wrong: bool,
     fails: bool,
     settings: Vec<Setting>,
+    options: RunOptions,
     ran: Vec<String>,
 }
 
@@ -115,6 +116,10 @@ fn outcome(analysis: &str) -> RunOutcome {
 }
 
 impl Engine for Known {
+    fn options(&mut self, options: RunOptions) {
+        self.options = options;
+    }
+
     fn check(&mut self, model: &Path) -> Result<CheckOutcome, EngineError> {
         if model != Path::new("known.eng") {
             return Err(EngineError::System(format!("{}: none", model.display())));
@@ -127,17 +132,18 @@ impl Engine for Known {
             analyses: ["fired", "sweep[1]", "sweep[2]"]
                 .map(str::to_owned)
                 .to_vec(),
-            facts: vec!["Known: 1 journal".to_owned()],
         })
     }
 
-    fn reduce(&mut self) -> Result<Vec<String>, EngineError> {
-        Ok(Vec::new())
+    fn reduce(&mut self) -> Result<ReductionOutcome, EngineError> {
+        Ok(ReductionOutcome::default())
     }
 
     fn assemble(&mut self) -> Result<AssemblyOutcome, EngineError> {
         Ok(AssemblyOutcome {
-            facts: vec!["fired: 5 freedoms".to_owned()],
+            facts: ["Known: 1 journal", "fired: 5 freedoms"]
+                .map(str::to_owned)
+                .to_vec(),
             ..AssemblyOutcome::default()
         })
     }

@@ -28,7 +28,7 @@ fn meshes_that_fail_raise_every_code_of_a_reduction() {
         let mut diagnostics = checked.diagnostics.clone();
         if !diagnostics.has_errors() {
             match engine.reduce() {
-                Ok(_) => {}
+                Ok(reduced) => diagnostics.extend(reduced.diagnostics),
                 Err(EngineError::Model {
                     diagnostics: why, ..
                 }) => diagnostics.extend(why),

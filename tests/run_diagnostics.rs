@@ -4,7 +4,7 @@
 use eng::cli::{Engine, EngineError};
 use eng::codes::{self, RUNNING};
 use eng::render::{Colors, human};
-use eng::{Error, Local, Sources};
+use eng::{Error, Local, Progress, Sources, Verdict};
 use eng_grammar::{Diagnostics, SourceMap};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -128,12 +128,30 @@ fn from_programs() -> Vec<&'static str> {
         .simulation()
         .resume(b"no checkpoint")
         .expect_err("not a checkpoint");
-    [options, checkpoint].into_iter().filter_map(code).collect()
+    let text = format!("{SWING}\n    analysis run = transient(Swing(), duration: 1 s)");
+    let program = eng::check(&Sources::from_text("swing.eng", text), "swing.eng")
+        .into_program()
+        .expect("a sound model");
+    let analysis = program.analysis("run").expect("an analysis");
+    let stopped = analysis.run_watched(&mut |now: Progress| match now.steps {
+        5.. => Verdict::Stop,
+        _ => Verdict::GoOn,
+    });
+    let stopped = stopped.expect_err("stopped");
+    // without a folder, what was computed is there
+    assert_eq!(stopped.partial.map(|made| made.results.samples()), Some(1));
+    [options, checkpoint, *stopped.error]
+        .into_iter()
+        .filter_map(code)
+        .collect()
 }
 
 #[test]
 fn codes_that_only_programs_can_raise() {
-    assert_eq!(from_programs(), [codes::OPTIONS, codes::CHECKPOINT]);
+    assert_eq!(
+        from_programs(),
+        [codes::OPTIONS, codes::CHECKPOINT, codes::STOPPED]
+    );
 }
 
 /// No panic, whatever a program hands over.

@@ -2,8 +2,10 @@
 
 mod candidates;
 mod interface;
+mod outline;
 mod report;
 
+pub use outline::{Outline, outline};
 pub use report::{BodyMass, ModeReport, Report, Served, Unserved};
 
 use crate::error::FlexibleError;

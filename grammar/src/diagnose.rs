@@ -443,12 +443,15 @@ fn first_word(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic>
 /// The item word that `word` was probably meant to be.
 fn nearest(word: &str) -> Option<&'static str> {
     let lower = word.to_ascii_lowercase();
+    let allowed = |known: &str| (known.len().min(word.len()) / 3).max(1);
     KINDS
         .iter()
         .map(|(kind, _)| *kind)
         .chain(ITEM_WORDS)
+        // no nearer than the lengths are
+        .filter(|known| known.len().abs_diff(word.len()) <= allowed(known))
         .map(|known| (strsim::osa_distance(&lower, known), known))
-        .filter(|(distance, known)| *distance <= (known.len().min(word.len()) / 3).max(1))
+        .filter(|(distance, known)| *distance <= allowed(known))
         // Among equals, the one that shares the longer beginning.
         .min_by(|(a, first), (b, second)| {
             let likeness = |known: &str| strsim::jaro_winkler(&lower, known);

@@ -2,6 +2,7 @@
 
 use crate::span::Span;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// How grave a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
@@ -147,6 +148,8 @@ impl Diagnostic {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Diagnostics {
     items: Vec<Diagnostic>,
+    /// Where in `items` those of a code stand that begin at a place: equal ones are found among very many.
+    places: BTreeMap<(&'static str, Option<u32>), Vec<usize>>,
 }
 
 impl Diagnostics {
@@ -157,7 +160,11 @@ impl Diagnostics {
 
     /// Adds a message; an equal one is kept once.
     pub fn push(&mut self, diagnostic: Diagnostic) {
-        if !self.items.contains(&diagnostic) {
+        let start = diagnostic.labels.first().map(|label| label.span.start);
+        let alike = self.places.entry((diagnostic.code, start)).or_default();
+        let known = |index: &usize| self.items.get(*index) == Some(&diagnostic);
+        if !alike.iter().any(known) {
+            alike.push(self.items.len());
             self.items.push(diagnostic);
         }
     }

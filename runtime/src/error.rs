@@ -1,5 +1,6 @@
 //! Everything that can go wrong between binding and the last sample.
 
+use crate::simulation::{Jump, Slow};
 use eng_system::DisplayUnit;
 use eng_system::code::BindError;
 use eng_system::system::Origin;
@@ -309,6 +310,19 @@ pub enum RuntimeError {
         /// The loop of the element.
         chain: Option<Box<Chain>>,
     },
+    /// A body is guessed where no joint reaches.
+    #[error(
+        "{} is guessed {distance:.4e} m away from what it is joined to, and the parts of the model are at most {length:.4e} m large",
+        origin.path
+    )]
+    FarGuess {
+        /// The body.
+        origin: Box<Origin>,
+        /// From the ground's markers and stated bodies (m).
+        distance: f64,
+        /// Size of the largest body (m).
+        length: f64,
+    },
     /// Start velocities contradict the constraints or each other.
     #[error("the start velocities contradict each other: {}", gaps(rows, "/s"))]
     StartVelocity {
@@ -388,6 +402,19 @@ pub enum RuntimeError {
         /// The name of that state.
         state: Option<String>,
     },
+    /// A load or a rate changes at once where the motion stands: no step passes it.
+    #[error("{jump} at {moment}, and the steps fall below {step:.3e} s there")]
+    Jumps {
+        /// When.
+        moment: Moment,
+        /// The step (s).
+        step: f64,
+        /// What jumps.
+        jump: Jump,
+    },
+    /// The observer ended the run before its end.
+    #[error("the run was stopped at {moment}; its {slow}", moment = .0.moment, slow = .0)]
+    Stopped(Slow),
     /// A stated step turns a body further than angles can be followed.
     #[error("a step of {step} s turns {} by {degrees:.0}°; angles are followed up to 90° a step", origin.path)]
     TurnsTooFar {

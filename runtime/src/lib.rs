@@ -50,7 +50,7 @@ pub use error::{Moment, NamedRow, RedundantGroup, RuntimeError, TurningBody, Var
 pub use integrator::Statistics;
 pub use linearised::{LinearModes, run_linear};
 pub use periodic::{CycleReport, PeriodicSummary, run_periodic};
-pub use simulation::{CscView, Energy, Options, Simulation, StepReport, Warning};
+pub use simulation::{CscView, Energy, Jump, Options, Pace, Simulation, Slow, StepReport, Warning};
 pub use start::{StartReport, Unstable};
 pub use topology::{TopologyReport, topology};
-pub use transient::{Observer, RunSummary, Sample, run_transient};
+pub use transient::{Advance, Observer, RunSummary, Sample, Verdict, countable, run_transient};

@@ -12,9 +12,9 @@ use crate::body::BodyModel;
 use crate::error::RuntimeError;
 use crate::linearised::Wanted;
 use crate::model::Model;
-use crate::simulation::{Energy, Simulation, Warning};
+use crate::simulation::{Energy, Simulation, Slow, Warning};
 use crate::start::{StartReport, Unstable};
-use crate::transient::{Observer, RunSummary, Sample, run_by_cycles};
+use crate::transient::{Advance, Observer, RunSummary, Sample, Verdict, run_by_cycles};
 use eng_system::code::Compiled;
 use eng_system::system::{Extent, Periodic, Transient};
 use repetition::{Comparison, Decay, Growth};
@@ -244,8 +244,8 @@ impl Observer for Cycles<'_> {
         }
     }
 
-    fn progress(&mut self, fraction: f64, cycle_angle: Option<f64>) {
-        let run = fraction * f64::from(self.limit.cycles);
+    fn progress(&mut self, advance: &Advance) -> Verdict {
+        let run = advance.fraction * f64::from(self.limit.cycles);
         let expected = match &self.slowest {
             Some(decay) if decay.factor > 0.0 && decay.factor < 1.0 => {
                 let far = decay.change.max(decay.distance()) / self.limit.change;
@@ -255,7 +255,14 @@ impl Observer for Cycles<'_> {
             _ => f64::from(self.limit.cycles),
         };
         self.fraction = self.fraction.max((run / expected).clamp(0.0, 1.0));
-        self.observer.progress(self.fraction, cycle_angle);
+        self.observer.progress(&Advance {
+            fraction: self.fraction,
+            ..*advance
+        })
+    }
+
+    fn paced(&mut self, slow: &Slow) {
+        self.observer.paced(slow);
     }
 
     fn warning(&mut self, warning: &Warning) {

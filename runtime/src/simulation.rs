@@ -1,5 +1,6 @@
 //! A simulation: one parameter set of a compiled model, its state, and everything to move it on.
 
+mod pace;
 mod sampling;
 mod saving;
 mod stepping;
@@ -20,6 +21,8 @@ use crate::state::State;
 use crate::topology;
 use eng_system::code::Compiled;
 use eng_system::system::{Origin, Start, StepControl};
+use pace::Limit;
+pub use pace::{Jump, Pace, Slow};
 
 /// How a simulation integrates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,6 +137,8 @@ pub struct Simulation {
     rows: Vec<f64>,
     size: StepSize,
     grid: FixedGrid,
+    /// What made the last step as long as it was.
+    limit: Limit,
     /// The last failure at a table's end, until a step succeeds at once.
     outside: Option<Box<RuntimeError>>,
     energy: Energy,
@@ -225,6 +230,7 @@ impl Simulation {
             rows: vec![0.0; model.rows],
             size: StepSize::default(),
             grid: FixedGrid::default(),
+            limit: Limit::default(),
             outside: None,
             energy: Energy::default(),
             energy_before: [0.0; 3],

@@ -5,10 +5,10 @@ mod renewal;
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::Statistics;
 use crate::periodic::CycleReport;
-use crate::simulation::{Energy, Options, Simulation, Warning};
+use crate::simulation::{Energy, Options, Simulation, Slow, Warning};
 use crate::start::StartReport;
 use eng_system::code::Compiled;
-use eng_system::system::{Extent, Transient};
+use eng_system::system::{Extent, StepControl, Transient};
 use renewal::Renewal;
 use std::ops::ControlFlow;
 
@@ -31,14 +31,54 @@ pub struct Sample<'a> {
     pub pose: &'a [f64],
 }
 
+/// How far a run is after a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Advance {
+    /// Done part, 0…1.
+    pub fraction: f64,
+    /// Time (s).
+    pub time: f64,
+    /// Unwrapped cycle angle (rad), if the model has a cycle.
+    pub cycle_angle: Option<f64>,
+    /// Steps since the start.
+    pub steps: u64,
+}
+
+impl Advance {
+    /// Of a simulation that has done a part of its run.
+    pub(crate) fn new(simulation: &Simulation, fraction: f64) -> Advance {
+        Advance {
+            fraction: fraction.clamp(0.0, 1.0),
+            time: simulation.time(),
+            cycle_angle: simulation.cycle_angle(),
+            steps: simulation.statistics().steps,
+        }
+    }
+}
+
+/// What an observer wants after a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The run goes on.
+    GoOn,
+    /// The run goes on, after [`Observer::paced`] was told what makes its steps as short as they are.
+    Explain,
+    /// The run ends with [`RuntimeError::Stopped`].
+    Stop,
+}
+
 /// What looks on.
 pub trait Observer {
     /// How the motion began; once, before the first sample.
     fn started(&mut self, _report: &StartReport) {}
     /// Takes a sample; `Break` ends the run after it.
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()>;
-    /// After every step: the fraction 0…1 that is done.
-    fn progress(&mut self, _fraction: f64, _cycle_angle: Option<f64>) {}
+    /// After every step. No verdict changes a bit of what a run gives.
+    fn progress(&mut self, _advance: &Advance) -> Verdict {
+        Verdict::GoOn
+    }
+    /// What makes steps short, where that was asked for.
+    fn paced(&mut self, _slow: &Slow) {}
     /// An `advise` does not hold; each comes once.
     fn warning(&mut self, _warning: &Warning) {}
     /// After every whole cycle of a periodic analysis.
@@ -121,6 +161,50 @@ impl Points {
     }
 }
 
+/// Steps or samples that a run has at most: double precision tells a thousandth of such a part of its length apart from none.
+const MOST: f64 = 1e12;
+
+/// Refuses a run whose length, samples or steps cannot be counted.
+///
+/// # Errors
+/// A length or distance that is not positive, steps or samples of less than 10⁻¹² of the run.
+pub fn countable(transient: &Transient) -> Result<(), RuntimeError> {
+    let refuse = |message: String| Err(RuntimeError::Options { message });
+    let named = [
+        (transient.duration, "duration"),
+        (transient.sample, "distance of the samples"),
+    ];
+    for (extent, name) in named {
+        let (Extent::Time(x) | Extent::Angle(x)) = extent;
+        if !(x > 0.0 && x.is_finite()) {
+            return refuse(format!("the {name} is {x}; it must be positive"));
+        }
+    }
+    let too_many = |part: f64, whole: f64, name: &str, unit: &str| {
+        refuse(format!(
+            "{name} of {part:e} {unit} are {:.1e} in {whole} {unit}: more than can be counted; take at least {:e} {unit}",
+            whole / part,
+            whole / MOST
+        ))
+    };
+    match (transient.duration, transient.sample) {
+        (Extent::Time(whole), Extent::Time(part)) if whole > MOST * part => {
+            return too_many(part, whole, "samples", "s");
+        }
+        (Extent::Angle(whole), Extent::Angle(part)) if whole > MOST * part => {
+            let [part, whole] = [part, whole].map(f64::to_degrees);
+            return too_many(part, whole, "samples", "°");
+        }
+        _ => {}
+    }
+    match (transient.duration, transient.step) {
+        (Extent::Time(whole), StepControl::Fixed(part)) if part > 0.0 && whole > MOST * part => {
+            too_many(part, whole, "steps", "s")
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Runs a transient, or goes on from a checkpoint of the same analysis.
 pub fn run_transient(
     compiled: &Compiled,
@@ -152,6 +236,7 @@ fn run(
     resume: Option<&[u8]>,
     period: Option<f64>,
 ) -> Result<(RunSummary, Simulation), RuntimeError> {
+    countable(transient)?;
     let options = Options {
         step: transient.step,
         rho_infinity: transient.rho_infinity,
@@ -162,18 +247,6 @@ fn run(
         Some(bytes) => Simulation::resume(compiled, overrides, options, bytes)?,
         None => Simulation::new(compiled, overrides, options)?,
     };
-    let positive = |extent: Extent, name: &str| -> Result<(), RuntimeError> {
-        let (Extent::Time(x) | Extent::Angle(x)) = extent;
-        if x > 0.0 && x.is_finite() {
-            Ok(())
-        } else {
-            Err(RuntimeError::Options {
-                message: format!("the {name} is {x}; it must be positive"),
-            })
-        }
-    };
-    positive(transient.duration, "duration")?;
-    positive(transient.sample, "distance of the samples")?;
     let by_angle = matches!(transient.duration, Extent::Angle(_))
         || matches!(transient.sample, Extent::Angle(_));
     if by_angle && simulation.cycle_angle().is_none() {
@@ -313,8 +386,8 @@ fn run(
                 return Ok((run.summary(&simulation, true), simulation));
             }
         }
-        run.observer
-            .progress(fraction.clamp(0.0, 1.0), simulation.cycle_angle());
+        let advance = Advance::new(&simulation, fraction);
+        follow(&simulation, run.observer, &advance, end.is_some())?;
         if let Some(end) = end {
             let (end, cycle) = match transient.duration {
                 Extent::Time(_) => (end, simulation.sample_at(end, &mut run.values)?),
@@ -332,6 +405,21 @@ fn run(
             run.observer.checkpoint(bytes);
         }
     }
+}
+
+/// Tells an observer how far a run is, and does what it wants: a run at its end is not stopped.
+pub(crate) fn follow(
+    simulation: &Simulation,
+    observer: &mut dyn Observer,
+    advance: &Advance,
+    ends: bool,
+) -> Result<(), RuntimeError> {
+    match observer.progress(advance) {
+        Verdict::Explain => observer.paced(&simulation.slow()),
+        Verdict::Stop if !ends => return Err(RuntimeError::Stopped(simulation.slow())),
+        Verdict::GoOn | Verdict::Stop => {}
+    }
+    Ok(())
 }
 
 struct Run<'a> {

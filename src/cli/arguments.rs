@@ -148,6 +148,15 @@ pub(super) struct RunArguments {
     /// themselves; not what a sweep varies
     #[arg(long, value_name = "PATH=VALUE", value_parser = setting)]
     pub set: Vec<Setting>,
+    /// Scale the tolerance of the steps by this factor, over what the text states: `--tolerance 0.1`
+    #[arg(long, value_name = "FACTOR", conflicts_with = "step")]
+    pub tolerance: Option<f64>,
+    /// Take fixed steps of this length, over what the text states: `--step 10us`
+    #[arg(long, value_name = "TIME")]
+    pub step: Option<String>,
+    /// Go on however long a run takes; without it a run whose rest would take more than a day is stopped after some seconds
+    #[arg(long)]
+    pub patient: bool,
     /// Write into this folder [default: results/MODEL, without .eng, where the command is called]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -1,29 +1,31 @@
 //! `eng check`.
 
 use super::arguments::{CheckArguments, Format};
-use super::{CheckOutcome, Console, Engine, MODEL_WRONG, Stop, run::explain_error};
-use crate::render::{self, Colors};
+use super::run::explain_error;
+use super::terminal::Terminal;
+use super::{CheckOutcome, Engine, EngineError, MODEL_WRONG, Stop, USAGE_OR_SYSTEM, refused};
+use crate::render;
+use eng_grammar::SourceMap;
 
 pub(super) fn check(
     arguments: &CheckArguments,
     engine: &mut dyn Engine,
-    console: &mut Console<'_>,
+    console: &mut Terminal<'_>,
 ) -> Result<(), Stop> {
-    let refused =
-        |error, console: &mut Console<'_>| Err(explain_error(&error, &Default::default(), console));
     let mut outcome = match engine.check(&arguments.model) {
         Ok(outcome) => outcome,
-        Err(error) => return refused(error, console),
+        Err(error) => return Err(refuse(&error, &SourceMap::new(), arguments.format, console)),
     };
+    let mut facts = Vec::new();
     if !outcome.diagnostics.has_errors() {
         match engine.assemble() {
             Ok(assembled) => {
-                outcome.facts.extend(assembled.facts);
-                for diagnostic in assembled.diagnostics.iter() {
-                    outcome.diagnostics.push(diagnostic.clone());
-                }
+                facts = assembled.facts;
+                outcome.diagnostics.extend(assembled.diagnostics);
             }
-            Err(error) => return refused(error, console),
+            Err(error) => {
+                return Err(refuse(&error, &outcome.sources, arguments.format, console));
+            }
         }
     }
     match arguments.format {
@@ -32,7 +34,7 @@ pub(super) fn check(
             "{}",
             render::json(&outcome.diagnostics, &outcome.sources)
         )?,
-        Format::Human => human(&outcome, console)?,
+        Format::Human => human(&outcome, &facts, console)?,
     }
     if outcome.diagnostics.has_errors() {
         Err(Stop::Code(MODEL_WRONG))
@@ -41,15 +43,31 @@ pub(super) fn check(
     }
 }
 
-fn human(outcome: &CheckOutcome, console: &mut Console<'_>) -> Result<(), Stop> {
-    let colors = if console.colored_output {
-        Colors::Ansi
-    } else {
-        Colors::None
+/// Tells why nothing could be checked, in the form that is asked for, and gives the way to stop for it.
+fn refuse(
+    error: &EngineError,
+    sources: &SourceMap,
+    format: Format,
+    console: &mut Terminal<'_>,
+) -> Stop {
+    if format == Format::Human {
+        return explain_error(error, sources, console);
+    }
+    let code = match error {
+        EngineError::Model { .. } | EngineError::Stopped(_) => MODEL_WRONG,
+        EngineError::Usage(_) | EngineError::System(_) => USAGE_OR_SYSTEM,
     };
-    let text = render::human(&outcome.diagnostics, &outcome.sources, colors);
-    write!(console.output, "{text}")?;
-    for fact in &outcome.facts {
+    match write!(console.output, "{}", render::json(&refused(error), sources)) {
+        Ok(()) => Stop::Code(code),
+        Err(error) => Stop::Output(error),
+    }
+}
+
+fn human(outcome: &CheckOutcome, facts: &[String], console: &mut Terminal<'_>) -> Result<(), Stop> {
+    console
+        .output
+        .messages(&outcome.diagnostics, &outcome.sources)?;
+    for fact in facts {
         writeln!(console.output, "{fact}")?;
     }
     if outcome.diagnostics.is_empty() {

@@ -3,8 +3,8 @@
 use crate::plot::Upright;
 use crate::report::Described;
 use crate::results::{Recording, Results};
-use eng_grammar::{Diagnostics, SourceMap};
-use eng_system::system::PointValue;
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
+use eng_system::system::{PointValue, StepControl};
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -13,8 +13,8 @@ pub trait Engine {
     /// Reads a model and everything it uses, and checks it. An `Err` means that its file could not be read.
     fn check(&mut self, model: &Path) -> Result<CheckOutcome, EngineError>;
 
-    /// Reduces the flexible bodies of the models that were checked last and had no errors: a text a body.
-    fn reduce(&mut self) -> Result<Vec<String>, EngineError>;
+    /// Reduces the flexible bodies of the models that were checked last and had no errors.
+    fn reduce(&mut self) -> Result<ReductionOutcome, EngineError>;
 
     /// What a report needs to know of the model behind each of these results of the model that was checked last; parameters are
     /// those that the results were computed with.
@@ -40,6 +40,9 @@ pub trait Engine {
         false
     }
 
+    /// States how the runs that follow are integrated, and whether one that takes days is stopped.
+    fn options(&mut self, options: RunOptions);
+
     /// The reports of the checked text, in its order.
     fn reports(&self) -> Vec<eng_system::report::Report> {
         Vec::new()
@@ -61,11 +64,22 @@ pub trait Engine {
     }
 }
 
+/// How analyses are run, over what the text states.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RunOptions {
+    /// Fixed steps, or another tolerance.
+    pub step: Option<StepControl>,
+    /// Whether a run goes on however long it takes.
+    pub patient: bool,
+}
+
 /// What is heard of an analysis among several.
 #[derive(Debug)]
 pub enum Event {
     /// It goes on.
     Progress(Progress),
+    /// It goes on slowly, and why.
+    Slow(Box<Diagnostic>),
     /// It has ended.
     Done(Box<Result<RunOutcome, EngineError>>),
 }
@@ -79,8 +93,15 @@ pub struct CheckOutcome {
     pub diagnostics: Diagnostics,
     /// Names of the analyses, in the order of the text: `unfired`, `sweep[3]`.
     pub analyses: Vec<String>,
-    /// Facts worth a line each: `Inline4: 11 bodies, 5 journals, 54 unknowns, 31 constraints`.
-    pub facts: Vec<String>,
+}
+
+/// What reducing the flexible bodies gave.
+#[derive(Clone, Debug, Default)]
+pub struct ReductionOutcome {
+    /// What is doubtful about them; places are of the checked model's sources.
+    pub diagnostics: Diagnostics,
+    /// A text a body: mass, modes, frequencies.
+    pub texts: Vec<String>,
 }
 
 /// What assembling the models found.
@@ -88,7 +109,7 @@ pub struct CheckOutcome {
 pub struct AssemblyOutcome {
     /// Loops that stay open, equations that repeat each other; their places are of the checked model's sources.
     pub diagnostics: Diagnostics,
-    /// A line a model: its freedoms.
+    /// A line a model (`Inline4: 11 bodies …, 5 journals …`) and a line an analysis: its freedoms.
     pub facts: Vec<String>,
 }
 
@@ -165,6 +186,9 @@ pub enum EngineError {
         /// Results up to the failure.
         partial: Option<Box<RunOutcome>>,
     },
+    /// At its pace a run would take days: it was stopped, and what is on disk stays, to go on from.
+    #[error("the run was stopped")]
+    Stopped(Diagnostics),
     /// A wrong parameter path or value on the command line.
     #[error("{0}")]
     Usage(String),

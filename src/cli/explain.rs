@@ -1,13 +1,17 @@
 //! `eng explain`.
 
 use super::arguments::ExplainArguments;
-use super::{Console, Stop, USAGE_OR_SYSTEM};
+use super::terminal::Terminal;
+use super::{Stop, USAGE_OR_SYSTEM};
 use crate::codes::{self, Code};
 
 /// Width of the text.
 const WIDTH: usize = 96;
 
-pub(super) fn explain(arguments: &ExplainArguments, console: &mut Console<'_>) -> Result<(), Stop> {
+pub(super) fn explain(
+    arguments: &ExplainArguments,
+    console: &mut Terminal<'_>,
+) -> Result<(), Stop> {
     let Some(asked) = &arguments.code else {
         for code in codes::all() {
             writeln!(console.output, "{}  {}", code.code, code.title)?;

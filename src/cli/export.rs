@@ -1,12 +1,13 @@
 //! `eng export`.
 
 use super::arguments::{ExportArguments, Target};
-use super::{Console, Stop, USAGE_OR_SYSTEM};
+use super::terminal::Terminal;
+use super::{Stop, USAGE_OR_SYSTEM};
 use crate::results::{CsvForm, Results, ResultsError, Selection};
 use std::path::PathBuf;
 
 /// Writes a result file in another format, beside it or where the user says.
-pub(super) fn export(arguments: &ExportArguments, console: &mut Console<'_>) -> Result<(), Stop> {
+pub(super) fn export(arguments: &ExportArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
     match write(arguments) {
         Ok(path) => {
             writeln!(console.output, "wrote {}", path.display())?;

@@ -18,18 +18,22 @@ mod run;
 pub(crate) mod summary;
 pub(crate) mod sweep;
 mod table;
+mod terminal;
 
 pub use engine::{
     AssemblyOutcome, CheckOutcome, Engine, EngineError, Event, JournalGeometry, Progress,
-    RunOutcome, Setting,
+    ReductionOutcome, RunOptions, RunOutcome, Setting,
 };
 pub use summary::{JournalSummary, journal_table};
 
+use crate::codes;
 use arguments::{Arguments, Command};
 use clap::Parser;
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
+use terminal::Terminal;
 
 /// Done.
 pub const DONE: u8 = 0;
@@ -86,9 +90,11 @@ pub fn run_on(
     engine: &mut dyn Engine,
     console: &mut Console<'_>,
 ) -> u8 {
-    let arguments = match Arguments::try_parse_from(arguments) {
+    let console = &mut Terminal::new(console);
+    let words: Vec<OsString> = arguments.into_iter().collect();
+    let arguments = match Arguments::try_parse_from(&words) {
         Ok(arguments) => arguments,
-        Err(refusal) => return show_refusal(&refusal, console),
+        Err(refusal) => return show_refusal(&refusal, wants_json(&words), console),
     };
     let done = match &arguments.command {
         Command::Run(run) => run::run(run, engine, console),
@@ -113,16 +119,41 @@ pub fn run_on(
     }
 }
 
-/// Prints clap's text: help and version to the output, refusals to the errors.
-fn show_refusal(refusal: &clap::Error, console: &mut Console<'_>) -> u8 {
-    let text = refusal.render();
-    let (writer, code): (&mut dyn Write, u8) = if refusal.use_stderr() {
-        (&mut *console.errors, USAGE_OR_SYSTEM)
+/// Whether messages are asked for as JSON, by words that clap refuses as a whole.
+fn wants_json(words: &[OsString]) -> bool {
+    let pairs = words.windows(2).any(|pair| pair == ["--format", "json"]);
+    pairs || words.iter().any(|word| word == "--format=json")
+}
+
+/// Prints clap's text: help and version to the output, refusals to the errors, or as JSON to the output.
+fn show_refusal(refusal: &clap::Error, as_json: bool, console: &mut Terminal<'_>) -> u8 {
+    let text = refusal.render().to_string();
+    let (written, code) = if !refusal.use_stderr() {
+        (write!(console.output, "{text}"), DONE)
+    } else if as_json {
+        let text = text.trim().trim_start_matches("error: ");
+        let messages = refused(&EngineError::Usage(text.to_owned()));
+        let json = crate::render::json(&messages, &SourceMap::new());
+        (write!(console.output, "{json}"), USAGE_OR_SYSTEM)
     } else {
-        (&mut *console.output, DONE)
+        (write!(console.errors, "{text}"), USAGE_OR_SYSTEM)
     };
-    match write!(writer, "{text}") {
+    match written {
         Ok(()) => code,
         Err(_) => USAGE_OR_SYSTEM,
     }
+}
+
+/// The messages of an error.
+fn refused(error: &EngineError) -> Diagnostics {
+    let (code, text) = match error {
+        EngineError::Model { diagnostics, .. } | EngineError::Stopped(diagnostics) => {
+            return diagnostics.clone();
+        }
+        EngineError::Usage(text) => (codes::USAGE, text),
+        EngineError::System(text) => (codes::SYSTEM, text),
+    };
+    let mut messages = Diagnostics::new();
+    messages.push(Diagnostic::error(code, text));
+    messages
 }

@@ -2,7 +2,8 @@
 
 use super::arguments::RunArguments;
 use super::run::{draw, explain_error, told_of};
-use super::{CheckOutcome, Console, Engine, RunOutcome, Stop};
+use super::terminal::Terminal;
+use super::{CheckOutcome, Engine, RunOutcome, Stop};
 use crate::post::{self, EvaluatedReport, Outcome, Run, RunModel};
 use crate::report::mixed;
 use crate::results::{Results, file_stem};
@@ -16,7 +17,7 @@ pub(super) fn reports(
     checked: &CheckOutcome,
     folder: &Path,
     engine: &mut dyn Engine,
-    console: &mut Console<'_>,
+    console: &mut Terminal<'_>,
 ) -> Result<bool, Stop> {
     let ran = |name: &str| outcomes.iter().any(|o| o.results.analysis() == name);
     // a report of which nothing was run has nothing new to say; one that names no analysis says what it says each time

@@ -2,7 +2,8 @@
 
 use super::arguments::ReportArguments;
 use super::run::{checked, chosen, explain_error, results_folder, told_of};
-use super::{Console, Engine, Stop, USAGE_OR_SYSTEM};
+use super::terminal::Terminal;
+use super::{Engine, Stop, USAGE_OR_SYSTEM};
 use crate::Quantity;
 use crate::modes::are_modes;
 use crate::motion::SUFFIX;
@@ -17,7 +18,7 @@ use std::path::{Path, PathBuf};
 pub(super) fn report(
     arguments: &ReportArguments,
     engine: &mut dyn Engine,
-    console: &mut Console<'_>,
+    console: &mut Terminal<'_>,
 ) -> Result<(), Stop> {
     let checked = checked(&arguments.model, engine, console)?;
     let moments = match moments(&arguments.stress_at) {

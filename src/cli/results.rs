@@ -2,13 +2,17 @@
 
 use super::arguments::ResultsArguments;
 use super::table::Table;
-use super::{Console, Stop, USAGE_OR_SYSTEM};
+use super::terminal::Terminal;
+use super::{Stop, USAGE_OR_SYSTEM};
 use crate::repetition::Repetition;
 use crate::results::{Kind, Listed, Selection, listed};
 use crate::significant::short;
 
 /// Lists what result files hold. Files that can't be read are told of, and the others listed all the same.
-pub(super) fn results(arguments: &ResultsArguments, console: &mut Console<'_>) -> Result<(), Stop> {
+pub(super) fn results(
+    arguments: &ResultsArguments,
+    console: &mut Terminal<'_>,
+) -> Result<(), Stop> {
     let files = match listed(&arguments.path) {
         Ok(files) => files,
         Err(error) => {
@@ -51,7 +55,7 @@ pub(super) fn results(arguments: &ResultsArguments, console: &mut Console<'_>) -
     }
 }
 
-fn show(found: &Listed, console: &mut Console<'_>) -> Result<(), Stop> {
+fn show(found: &Listed, console: &mut Terminal<'_>) -> Result<(), Stop> {
     let results = &found.results;
     let output = &mut console.output;
     writeln!(output, "{} ({})", results.analysis(), results.model())?;

@@ -2,16 +2,18 @@
 
 use super::arguments::RunArguments;
 use super::summary::{JournalSummary, journal_table};
+use super::terminal::Terminal;
 use super::{
-    CheckOutcome, Console, Engine, EngineError, Event, MODEL_WRONG, Progress, RunOutcome, Stop,
-    USAGE_OR_SYSTEM, figures, modes, post, sweep,
+    CheckOutcome, Engine, EngineError, Event, MODEL_WRONG, Progress, RunOptions, RunOutcome,
+    Setting, Stop, USAGE_OR_SYSTEM, figures, modes, post, sweep,
 };
 use crate::Quantity;
 use crate::modes::are_modes;
 use crate::plot;
-use crate::render::{self, Colors};
 use crate::results::{Last, Recording, Selection, failed_twin, stem_of, writable};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
+use eng_system::Dimension;
+use eng_system::system::StepControl;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -20,7 +22,7 @@ use std::path::{Path, PathBuf};
 pub(super) fn checked(
     model: &Path,
     engine: &mut dyn Engine,
-    console: &mut Console<'_>,
+    console: &mut Terminal<'_>,
 ) -> Result<CheckOutcome, Stop> {
     let checked = match engine.check(model) {
         Ok(checked) => checked,
@@ -36,8 +38,9 @@ pub(super) fn checked(
 pub(super) fn run(
     arguments: &RunArguments,
     engine: &mut dyn Engine,
-    console: &mut Console<'_>,
+    console: &mut Terminal<'_>,
 ) -> Result<(), Stop> {
+    told_of(set_once(&arguments.set), console)?;
     let checked = checked(&arguments.model, engine, console)?;
     let analyses = chosen(&arguments.model, &arguments.analysis, &checked, console)?;
     let folder = arguments
@@ -55,6 +58,7 @@ pub(super) fn run(
         }
     }
     let written = engine.record(&recording);
+    engine.options(told_of(options(arguments), console)?);
     let bars = MultiProgress::with_draw_target(if !arguments.quiet && console.live {
         ProgressDrawTarget::stderr()
     } else {
@@ -83,6 +87,14 @@ pub(super) fn run(
                 Event::Progress(progress) => {
                     let bar = bar.get_or_insert_with(|| bars.add(progress_bar(name)));
                     show_progress(bar, progress);
+                }
+                Event::Slow(message) => {
+                    let mut messages = Diagnostics::new();
+                    messages.push(*message);
+                    // a console that takes nothing more is found out at the end
+                    bars.suspend(|| {
+                        let _ = console.errors.messages(&messages, &checked.sources);
+                    });
                 }
                 Event::Done(result) => {
                     if let Some(bar) = bar.take() {
@@ -150,6 +162,20 @@ pub(super) fn run(
     Ok(())
 }
 
+/// Refuses a parameter with two values.
+fn set_once(settings: &[Setting]) -> Result<(), String> {
+    for (index, setting) in settings.iter().enumerate() {
+        let before = settings.iter().take(index);
+        if let Some(other) = before.clone().find(|other| other.path == setting.path) {
+            return Err(format!(
+                "--set {} is given twice: {} and {}; give it once",
+                setting.path, other.value, setting.value
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// What is kept, and where.
 fn recording(arguments: &RunArguments, folder: &Path) -> Result<Recording, String> {
     let last = match &arguments.last {
@@ -165,6 +191,38 @@ fn recording(arguments: &RunArguments, folder: &Path) -> Result<Recording, Strin
         resume: arguments.resume,
         channels: Selection::new(arguments.channels.iter().map(String::as_str)),
         last,
+    })
+}
+
+/// How the analyses are run.
+fn options(arguments: &RunArguments) -> Result<RunOptions, String> {
+    let step = match (&arguments.step, arguments.tolerance) {
+        (Some(text), _) => {
+            let step: Quantity = text.parse().map_err(|e| format!("--step {text}: {e}"))?;
+            if step.dimension() != Dimension::TIME {
+                return Err(format!("--step {text}: a step is a time, such as 10us"));
+            }
+            Some(StepControl::Fixed(step.value()))
+        }
+        (None, tolerance) => tolerance.map(StepControl::Tolerance),
+    };
+    let value = match step {
+        Some(StepControl::Fixed(value) | StepControl::Tolerance(value)) => value,
+        None => 1.0,
+    };
+    if !(value > 0.0 && value.is_finite()) {
+        let name = if arguments.step.is_some() {
+            "step"
+        } else {
+            "tolerance"
+        };
+        return Err(format!(
+            "--{name}: it must be positive and finite, not {value}"
+        ));
+    }
+    Ok(RunOptions {
+        step,
+        patient: arguments.patient,
     })
 }
 
@@ -199,7 +257,7 @@ impl Told {
         arguments: &RunArguments,
         checked: &CheckOutcome,
         folder: &Path,
-        console: &mut Console<'_>,
+        console: &mut Terminal<'_>,
     ) {
         while self.stop.is_none()
             && let Some(result) = ended.get_mut(self.next).and_then(Option::take)
@@ -219,7 +277,7 @@ impl Told {
         arguments: &RunArguments,
         checked: &CheckOutcome,
         folder: &Path,
-        console: &mut Console<'_>,
+        console: &mut Terminal<'_>,
     ) -> Result<(), Stop> {
         match result {
             Ok(outcome) => {
@@ -254,6 +312,14 @@ impl Told {
                     )?,
                 }
             }
+            Err(EngineError::Stopped(diagnostics)) => {
+                self.show(&diagnostics, checked, console)?;
+                self.failures.push(analysis.to_owned());
+                writeln!(
+                    console.errors,
+                    "{analysis} was stopped: `--patient` runs it to its end however long that takes, `--patient --resume` from where it stands"
+                )?;
+            }
             Err(error) => return Err(explain_error(&error, &checked.sources, console)),
         }
         Ok(())
@@ -263,7 +329,7 @@ impl Told {
         &mut self,
         diagnostics: &Diagnostics,
         checked: &CheckOutcome,
-        console: &mut Console<'_>,
+        console: &mut Terminal<'_>,
     ) -> Result<(), Stop> {
         let mut new = Diagnostics::new();
         for diagnostic in diagnostics.iter() {
@@ -281,7 +347,7 @@ pub(super) fn chosen<'a>(
     model: &Path,
     wanted: &[String],
     checked: &'a CheckOutcome,
-    console: &mut Console<'_>,
+    console: &mut Terminal<'_>,
 ) -> Result<Vec<&'a str>, Stop> {
     let known = &checked.analyses;
     let mut analyses: Vec<&str> = Vec::new();
@@ -336,7 +402,7 @@ fn report(
     written: bool,
     arguments: &RunArguments,
     folder: &Path,
-    console: &mut Console<'_>,
+    console: &mut Terminal<'_>,
 ) -> Result<(), Stop> {
     let results = &outcome.results;
     if !arguments.quiet {
@@ -407,7 +473,7 @@ pub(super) fn draw(
     failed: bool,
     folder: &Path,
     arguments: &RunArguments,
-    console: &mut Console<'_>,
+    console: &mut Terminal<'_>,
 ) -> Result<(), Stop> {
     for (name, svg) in figures {
         let written = plot::write_svg_and_png(&svg, folder, &stem_of(&name, failed));
@@ -418,7 +484,7 @@ pub(super) fn draw(
     Ok(())
 }
 
-fn wrote(path: &Path, arguments: &RunArguments, console: &mut Console<'_>) -> Result<(), Stop> {
+fn wrote(path: &Path, arguments: &RunArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
     // what a failed run left is out of date; where it can't be removed, it still says what it is
     if let Some(twin) = failed_twin(path) {
         let _ = std::fs::remove_file(twin);
@@ -432,7 +498,7 @@ fn wrote(path: &Path, arguments: &RunArguments, console: &mut Console<'_>) -> Re
 /// The value, or the error on the console.
 pub(super) fn told_of<T, E: std::fmt::Display>(
     result: Result<T, E>,
-    console: &mut Console<'_>,
+    console: &mut Terminal<'_>,
 ) -> Result<T, Stop> {
     match result {
         Ok(value) => Ok(value),
@@ -446,29 +512,19 @@ pub(super) fn told_of<T, E: std::fmt::Display>(
 pub(super) fn show(
     diagnostics: &Diagnostics,
     sources: &SourceMap,
-    console: &mut Console<'_>,
+    console: &mut Terminal<'_>,
 ) -> Result<(), Stop> {
-    let colors = if console.colored_errors {
-        Colors::Ansi
-    } else {
-        Colors::None
-    };
-    write!(
-        console.errors,
-        "{}",
-        render::human(diagnostics, sources, colors)
-    )?;
-    Ok(())
+    Ok(console.errors.messages(diagnostics, sources)?)
 }
 
 /// Tells an error and gives the way to stop for it.
 pub(super) fn explain_error(
     error: &EngineError,
     sources: &SourceMap,
-    console: &mut Console<'_>,
+    console: &mut Terminal<'_>,
 ) -> Stop {
     let (told, code) = match error {
-        EngineError::Model { diagnostics, .. } => {
+        EngineError::Model { diagnostics, .. } | EngineError::Stopped(diagnostics) => {
             (show(diagnostics, sources, console), MODEL_WRONG)
         }
         EngineError::Usage(message) | EngineError::System(message) => (

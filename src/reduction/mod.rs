@@ -1,9 +1,12 @@
 //! Flexible bodies between the compiler and the runtime: meshes are looked at for `check`, reduced for a run.
 
 mod cache;
+mod outline;
 mod request;
 mod sense;
 mod table;
+
+pub(crate) use outline::Outlines;
 
 use crate::Sources;
 use crate::codes;
@@ -196,7 +199,13 @@ impl Reducer {
                 stored
             }
         };
-        sense::bare_markers(&stored.body, source, turned)?;
+        let turns = stored
+            .body
+            .markers
+            .iter()
+            .map(sense::turns)
+            .collect::<Vec<_>>();
+        sense::bare_markers(&turns, source, turned)?;
         let mut body = stored.body.clone();
         body.damp(&source.damping);
         Ok(Reduction {

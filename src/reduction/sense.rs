@@ -7,7 +7,7 @@ use eng_flexible::FlexibleError;
 use eng_flexible::mesh::{Carries, Mesh};
 use eng_grammar::Diagnostic;
 use eng_system::flexible::{FlexibleSource, MarkerPlace};
-use eng_system::reduced::ReducedBody;
+use eng_system::reduced::ReducedMarker;
 
 /// Sizes of parts that engines and rigs have (m).
 const SIZES: (f64, f64) = (1e-3, 50.0);
@@ -213,16 +213,19 @@ fn unread(mesh: &Mesh, source: &FlexibleSource) -> Option<Box<Diagnostic>> {
     ))))
 }
 
-/// A marker that elements turn stands on a node that does not turn.
+/// Whether the shapes of a reduced body turn a marker, as far as they move it at all.
+pub(super) fn turns(marker: &ReducedMarker) -> bool {
+    marker.rotation.iter().any(|x| *x != 0.0) || marker.translation.iter().all(|x| *x == 0.0)
+}
+
+/// A marker that elements turn stands on a node that does not turn; `turns` says which do.
 pub(super) fn bare_markers(
-    body: &ReducedBody,
+    turns: &[bool],
     source: &FlexibleSource,
     turned: &[bool],
 ) -> Result<(), Box<Diagnostic>> {
-    for ((marker, reduced), turned) in source.markers.iter().zip(&body.markers).zip(turned) {
-        let bare = matches!(marker.place, MarkerPlace::Node(_))
-            && reduced.rotation.iter().all(|x| *x == 0.0)
-            && reduced.translation.iter().any(|x| *x != 0.0);
+    for ((marker, turns), turned) in source.markers.iter().zip(turns).zip(turned) {
+        let bare = matches!(marker.place, MarkerPlace::Node(_)) && !turns;
         if *turned && bare {
             return Err(failed(
                 codes::MESH_MARKER,

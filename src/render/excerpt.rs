@@ -1,6 +1,8 @@
-//! Texts as messages show them: very long lines are cut around what the message speaks of.
+//! Texts as messages show them: very long lines are cut around what the message speaks of, control characters are escaped.
 
+use super::visible::{acts, shown, visible};
 use codespan_reporting::files::{Error, Files};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Characters of a line that is shown whole.
@@ -13,7 +15,7 @@ const CUT: &str = "…";
 /// A text with its long lines cut; places are told as in the whole text.
 #[derive(Debug)]
 pub(super) struct Excerpt<'a> {
-    name: &'a str,
+    name: Cow<'a, str>,
     whole: &'a str,
     shown: String,
     /// What is kept, in order: first byte in the whole text, bytes, first byte in what is shown.
@@ -26,7 +28,7 @@ impl<'a> Excerpt<'a> {
     /// The text, cut around the places (bytes) that are shown of it.
     pub fn new(name: &'a str, whole: &'a str, places: &[Range<usize>]) -> Excerpt<'a> {
         let mut excerpt = Excerpt {
-            name,
+            name: visible(name),
             whole,
             shown: String::with_capacity(whole.len()),
             kept: Vec::new(),
@@ -92,7 +94,27 @@ impl<'a> Excerpt<'a> {
         }
     }
 
+    /// Shows a part of the text.
     fn keep(&mut self, part: Range<usize>) {
+        let whole = self.whole;
+        let text = whole.get(part.clone()).unwrap_or_default();
+        let mut from = part.start;
+        for (at, c) in text.match_indices(acts) {
+            let (start, end) = (part.start + at, part.start + at + c.len());
+            // the line ends of other systems are line ends
+            if c == "\r" && whole[end..].starts_with('\n') {
+                continue;
+            }
+            self.keep_plain(from..start);
+            self.kept.push((start, c.len(), self.shown.len()));
+            self.shown.extend(c.chars().map(shown));
+            from = end;
+        }
+        self.keep_plain(from..part.end);
+    }
+
+    /// Shows a part of the text as it is.
+    fn keep_plain(&mut self, part: Range<usize>) {
         let Some(text) = self.whole.get(part.clone()).filter(|text| !text.is_empty()) else {
             return;
         };
@@ -138,7 +160,10 @@ impl<'a> Files<'a> for Excerpts<'_> {
     type Source = &'a str;
 
     fn name(&'a self, id: usize) -> Result<&'a str, Error> {
-        self.0.get(id).map(|e| e.name).ok_or(Error::FileMissing)
+        self.0
+            .get(id)
+            .map(|e| e.name.as_ref())
+            .ok_or(Error::FileMissing)
     }
 
     fn source(&'a self, id: usize) -> Result<&'a str, Error> {
@@ -206,6 +231,25 @@ mod tests {
             excerpts.line_index(0, shown.find("last").unwrap()).unwrap(),
             2
         );
+    }
+
+    #[test]
+    fn control_characters_are_escaped_and_places_stay() {
+        let text = "let a = x // \u{1b}[31m\u{9b}\r\nlet b = \u{202e}HERE";
+        let at = text.find("HERE").unwrap();
+        let place = at..at + 4;
+        let excerpt = Excerpt::new("\u{7}.eng", text, &[place]);
+        assert_eq!(
+            excerpt.shown,
+            "let a = x // \\u{1b}[31m\\u{9b}\r\nlet b = \\u{202e}HERE"
+        );
+        assert_eq!(excerpt.name, "\\u{7}.eng");
+        let place = excerpt.place(at);
+        assert_eq!(&excerpt.shown[place..], "HERE");
+        assert_eq!(excerpt.original(place), at);
+        let excerpts = Excerpts(vec![excerpt]);
+        assert_eq!(excerpts.line_index(0, place).unwrap(), 1);
+        assert_eq!(excerpts.column_number(0, 1, place).unwrap(), 10);
     }
 
     #[test]

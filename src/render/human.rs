@@ -1,6 +1,7 @@
 //! Messages with the lines they speak of.
 
 use super::excerpt::{Excerpt, Excerpts};
+use super::visible::visible;
 use super::{count, inside};
 use codespan_reporting::diagnostic as codespan;
 use codespan_reporting::term::termcolor::Buffer;
@@ -18,11 +19,15 @@ pub enum Colors {
     None,
 }
 
-/// All messages, then a line that counts them; empty without messages.
+/// Messages that are shown; the others are counted.
+const MOST: usize = 100;
+
+/// The messages, then a line that counts them; empty without messages. Of more than a hundred a hundred are shown, errors before warnings.
 pub fn human(diagnostics: &Diagnostics, sources: &SourceMap, colors: Colors) -> String {
     let config = Config::default();
     let mut text = String::new();
-    for diagnostic in diagnostics.iter() {
+    let shown = shown(diagnostics);
+    for diagnostic in &shown {
         let files = excerpts(diagnostic, sources);
         let message = translate(diagnostic, sources, &files);
         let files = Excerpts(files.into_iter().map(|(_, excerpt)| excerpt).collect());
@@ -36,6 +41,10 @@ pub fn human(diagnostics: &Diagnostics, sources: &SourceMap, colors: Colors) -> 
         }
     }
     if !diagnostics.is_empty() {
+        match diagnostics.len() - shown.len() {
+            0 => {}
+            more => text.push_str(&format!("… and {more} more messages\n")),
+        }
         text.push_str(&summary(diagnostics));
         text.push('\n');
     }
@@ -43,6 +52,17 @@ pub fn human(diagnostics: &Diagnostics, sources: &SourceMap, colors: Colors) -> 
     text.lines()
         .flat_map(|line| [line.trim_end(), "\n"])
         .collect()
+}
+
+/// Those that are shown, in their order.
+fn shown(diagnostics: &Diagnostics) -> Vec<&Diagnostic> {
+    let mut ranked: Vec<(usize, &Diagnostic)> = diagnostics.iter().enumerate().collect();
+    if ranked.len() > MOST {
+        ranked.sort_by_key(|(at, d)| (d.severity, *at));
+        ranked.truncate(MOST);
+        ranked.sort_by_key(|(at, _)| *at);
+    }
+    ranked.into_iter().map(|(_, d)| d).collect()
 }
 
 /// `2 errors, 1 warning`; notes are not counted.
@@ -98,7 +118,10 @@ fn translate(
                 } else {
                     codespan::LabelStyle::Secondary
                 };
-                labels.push(codespan::Label::new(style, file, range).with_message(&label.message));
+                labels.push(
+                    codespan::Label::new(style, file, range)
+                        .with_message(shortened(&label.message)),
+                );
             }
             _ => notes.push(bullet("note", &label.message)),
         }
@@ -126,11 +149,12 @@ fn bullet(kind: &str, text: &str) -> String {
 /// Characters of a title or note that are shown.
 const LONGEST: usize = 1000;
 
-/// A text of a message, whose middle is left out where it repeats a very long text.
+/// A text of a message: control characters are shown, and the middle is left out where it repeats a very long text.
 fn shortened(text: &str) -> String {
+    let text = visible(text);
     let count = text.chars().count();
     if count <= LONGEST {
-        return text.to_owned();
+        return text.into_owned();
     }
     let begin: String = text.chars().take(LONGEST / 2).collect();
     let end: String = text.chars().skip(count - LONGEST / 2).collect();
@@ -175,12 +199,11 @@ fn without_source(diagnostic: &Diagnostic) -> String {
         Severity::Warning => "warning",
         Severity::Note => "note",
     };
-    let mut text = format!("{severity}[{}]: {}\n", diagnostic.code, diagnostic.title);
-    for label in &diagnostic.labels {
-        text.push_str(&format!("  = {}\n", label.message));
-    }
-    for line in diagnostic.notes.iter().chain(&diagnostic.help) {
-        text.push_str(&format!("  = {line}\n"));
+    let title = shortened(&diagnostic.title);
+    let mut text = format!("{severity}[{}]: {title}\n", diagnostic.code);
+    let labels = diagnostic.labels.iter().map(|label| &label.message);
+    for line in labels.chain(&diagnostic.notes).chain(&diagnostic.help) {
+        text.push_str(&format!("  = {}\n", shortened(line)));
     }
     text
 }
@@ -252,6 +275,53 @@ mod tests {
     fn json_document() {
         let (diagnostics, sources) = example();
         insta::assert_snapshot!(json(&diagnostics, &sources));
+    }
+
+    #[test]
+    fn control_characters_are_shown() {
+        let mut sources = SourceMap::new();
+        let text = "let a = \u{1b}[31mx\n";
+        let id = sources.add("a\u{9b}.eng", text);
+        let mut diagnostics = Diagnostics::new();
+        diagnostics.push(
+            Diagnostic::error("E0001", "no \u{1b}]0;x\u{7}")
+                .at(Span::new(id, 13, 14), "\u{202e}here")
+                .with_note("\u{8}note")
+                .with_help("help\r")
+                .with_fix("", Span::new(id, 8, 13), "\u{1b}"),
+        );
+        let text = human(&diagnostics, &sources, Colors::None);
+        assert!(
+            !text.chars().any(|c| c != '\n' && c.is_control()),
+            "{text:?}"
+        );
+        assert!(!text.contains('\u{202e}'), "{text}");
+        assert!(text.contains(r"a\u{9b}.eng:1:14"), "{text}");
+        let document = json(&diagnostics, &sources);
+        assert!(
+            !document.chars().any(|c| c != '\n' && c.is_control()),
+            "{document:?}"
+        );
+        let value: serde_json::Value = serde_json::from_str(&document).unwrap();
+        assert_eq!(value["diagnostics"][0]["file"], "a\u{9b}.eng");
+    }
+
+    #[test]
+    fn of_very_many_messages_a_hundred_are_shown_errors_first() {
+        let mut diagnostics = Diagnostics::new();
+        for i in 0..400 {
+            diagnostics.push(Diagnostic::warning("W0001", format!("doubt {i}")));
+        }
+        for i in 0..99 {
+            diagnostics.push(Diagnostic::error("E0001", format!("mistake {i}")));
+        }
+        let text = human(&diagnostics, &SourceMap::new(), Colors::None);
+        assert_eq!(text.matches("warning[").count(), 1, "{text}");
+        assert_eq!(text.matches("error[").count(), 99, "{text}");
+        assert!(
+            text.ends_with("… and 399 more messages\n99 errors, 400 warnings\n"),
+            "{text}"
+        );
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Messages for tools.
 
+use super::visible::visible_json;
 use super::{count, inside};
 use eng_grammar::{Diagnostic, Diagnostics, Severity, SourceMap, Span};
 use serde::Serialize;
@@ -83,8 +84,8 @@ pub fn document<'a>(diagnostics: &'a Diagnostics, sources: &'a SourceMap) -> Doc
 /// The messages as JSON text, described at [`Document`], with a line end.
 pub fn json(diagnostics: &Diagnostics, sources: &SourceMap) -> String {
     // strings and numbers alone: serialising cannot fail
-    let mut text =
-        serde_json::to_string_pretty(&document(diagnostics, sources)).unwrap_or_default();
+    let text = serde_json::to_string_pretty(&document(diagnostics, sources)).unwrap_or_default();
+    let mut text = visible_json(&text).into_owned();
     text.push('\n');
     text
 }

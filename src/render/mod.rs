@@ -5,9 +5,11 @@
 mod excerpt;
 mod human;
 mod json;
+mod visible;
 
 pub use human::{Colors, human};
 pub use json::{Document, document, json};
+pub(crate) use visible::visible;
 
 use eng_grammar::{Severity, SourceMap, Span};
 

@@ -35,6 +35,15 @@ pub(super) fn section(entries: &[Entry], command: &str) -> Section {
         if let Some(hash) = metadata.get("source_hash") {
             tell("texts of the model", sha256(hash), entry.name());
         }
+        for (key, value) in metadata {
+            if let Some(name) = key.strip_prefix("override.") {
+                tell(
+                    &format!("{name} over the text's"),
+                    value.clone(),
+                    entry.name(),
+                );
+            }
+        }
         for body in &entry.described.bodies {
             let Matter::Flexible(reduction) = &body.matter else {
                 continue;

@@ -14,10 +14,29 @@ fn regular(path: &Path) -> io::Result<PathBuf> {
         Ok(found) if found.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
         Ok(_) => Err(io::Error::new(
             io::ErrorKind::InvalidInput,
-            "what is there is no file that could be replaced",
+            "what is there is no file, but a pipe or a device",
         )),
         // a link that leads nowhere is replaced
         Err(_) => Ok(path.to_owned()),
+    }
+}
+
+/// Opens a file to be read.
+///
+/// # Errors
+/// What is there is no file: a pipe would be waited for, a device has no end.
+pub(super) fn open(path: &Path) -> io::Result<File> {
+    File::open(regular(path)?)
+}
+
+/// Refuses a link: who may put one into the folder of results would choose the file that is overwritten.
+pub(super) fn refuse_link(path: &Path) -> io::Result<()> {
+    match std::fs::symlink_metadata(path) {
+        Ok(found) if found.is_symlink() => Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "this is a link, and a run writes no unfinished results through one: remove it",
+        )),
+        _ => Ok(()),
     }
 }
 
@@ -189,6 +208,10 @@ mod tests {
         assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(std::fs::read(&file).unwrap(), b"new");
         assert!(regular(Path::new("/dev/null")).is_err());
+        assert!(open(Path::new("/dev/null")).is_err());
+        assert!(open(&link).is_ok());
+        assert!(refuse_link(&link).is_err());
+        assert!(refuse_link(&file).is_ok() && refuse_link(&folder.join("none")).is_ok());
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! A column a channel, 64-bit floats in the DISPLAY unit; metadata as told at [`schema`].
 
+use super::file::open;
 use super::{Column, Results, ResultsError, replace_file, schema};
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::Schema;
@@ -142,12 +143,8 @@ impl Results {
             path: path.to_owned(),
             source,
         };
-        let file = File::open(path).map_err(system)?;
-        let found = file.metadata().map_err(system)?;
-        if found.is_dir() {
-            return Err(system(io::ErrorKind::IsADirectory.into()));
-        }
-        let length = found.len();
+        let file = open(path).map_err(system)?;
+        let length = file.metadata().map_err(system)?.len();
         // the library panics on some damaged files: on sizes and offsets, which are looked at before, and perhaps on others
         let read = std::panic::catch_unwind(|| read(file, length));
         match read.unwrap_or(Err(Refused::Damage)) {
@@ -228,7 +225,7 @@ const MARK: [u8; 4] = *b"PAR1";
 /// What is wrong with a file that the library does not read, as far as its ends tell.
 fn damage(path: &Path) -> String {
     let ends = || -> io::Result<(u64, [u8; 4], [u8; 4])> {
-        let mut file = File::open(path)?;
+        let mut file = open(path)?;
         let length = file.metadata()?.len();
         let (mut head, mut tail) = ([0; 4], [0; 4]);
         if length >= 8 {

@@ -3,6 +3,7 @@
 //! The file: `ENGRUN` and the version of the format (a byte), the length of the description (8 bytes, little-endian), the
 //! description as JSON, the runtime's checkpoint, and the SHA-256 of all that.
 
+use super::file::refuse_link;
 use super::{ResultsError, replace_file};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -52,7 +53,12 @@ struct Description {
 impl ResumePoint {
     /// Replaces the file; there is always a whole one.
     pub fn write(&self, path: &Path) -> Result<(), ResultsError> {
-        let written = replace_file(path, |file| -> io::Result<()> {
+        let refused = |source| ResultsError::File {
+            path: path.to_owned(),
+            source,
+        };
+        refuse_link(path).map_err(refused)?;
+        replace_file(path, |file| -> io::Result<()> {
             let description = serde_json::to_vec(&Description {
                 identity: self.identity.clone(),
                 samples: self.samples,
@@ -65,11 +71,8 @@ impl ResumePoint {
             let sum = Sha256::digest(&bytes);
             bytes.extend(sum.iter());
             file.write_all(&bytes)
-        });
-        written.map_err(|source| ResultsError::File {
-            path: path.to_owned(),
-            source,
         })
+        .map_err(refused)
     }
 
     /// Reads what [`ResumePoint::write`] wrote; `None` where there is no file.

@@ -3,6 +3,7 @@
 //! Columns and metadata are those of the Parquet file; see [`super::schema`]. Every batch is handed to the system in one
 //! piece. What a killed run leaves of a batch is ignored by [`read`], and cut by [`Stream::resume`].
 
+use super::file::{open, refuse_link};
 use super::{Column, Results, ResultsError, schema};
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_ipc::reader::StreamReader;
@@ -139,6 +140,7 @@ impl Stream {
 
 /// Opens a stream for one writer alone; makes it where that is meant.
 fn locked(path: &Path, make: bool) -> Result<File, ResultsError> {
+    refuse_link(path).map_err(at(path))?;
     let file = OpenOptions::new()
         .read(true)
         .write(true)
@@ -200,7 +202,7 @@ pub(super) struct Portions {
 impl Portions {
     /// Reads the header.
     pub fn open(path: &Path) -> Result<Portions, ResultsError> {
-        let file = File::open(path).map_err(at(path))?;
+        let file = open(path).map_err(at(path))?;
         let position = Rc::new(Cell::new(0));
         let counting = Counting {
             inner: BufReader::new(file),

@@ -3,6 +3,7 @@
 use super::Checker;
 use super::types::{Dim, Kind as PointKind, Quantity, Type};
 use crate::program::{DefinitionId, USUAL_UNITS};
+use crate::resolve::suggest::LONGEST;
 use eng_grammar::ast::Kind;
 use eng_system::Dimension;
 
@@ -33,7 +34,10 @@ pub(super) fn nearest_unit<'a>(
     name: &str,
     known: impl Iterator<Item = &'a String>,
 ) -> Option<String> {
-    let length = name.chars().count();
+    let length = name.chars().take(LONGEST + 1).count();
+    if length > LONGEST {
+        return None;
+    }
     let allowed = if length < 2 { 0 } else { (length / 3).max(1) };
     known
         .map(|unit| {

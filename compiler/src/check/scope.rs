@@ -74,6 +74,9 @@ pub(super) enum Found<'p> {
     Top(DefinitionId),
 }
 
+/// Messages up to which a name that is not known is compared with those that are.
+const EXPLAINED: usize = 100;
+
 impl<'p> Scope<'p> {
     pub(super) fn top(module: u32) -> Scope<'p> {
         Scope {
@@ -272,6 +275,12 @@ impl<'p> Checker<'p> {
     }
 
     fn unknown_name(&mut self, scope: &Scope<'p>, name: &str, span: Span) {
+        // nobody reads what was meant in a hundred places, and each costs a look at all names
+        if self.diagnostics.len() > EXPLAINED {
+            let message =
+                Diagnostic::error(codes::UNKNOWN_NAME, format!("there is no `{name}` here"));
+            return self.report(message.at(span, "not known"));
+        }
         let mut known: Vec<String> = scope.locals.iter().map(|(n, _)| n.clone()).collect();
         for definition in [scope.at_use, scope.definition].into_iter().flatten() {
             let table = self.class_table(definition);

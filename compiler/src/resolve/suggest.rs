@@ -1,17 +1,23 @@
 //! "Did you mean": the nearest known name.
 
+/// Characters of a name for which others are looked for: the work grows with the square.
+pub(crate) const LONGEST: usize = 100;
+
 /// The known name nearest to one that is not known, if any is near enough to have been meant.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let length = name.chars().count();
+    let length = name.chars().take(LONGEST + 1).count();
     let allowed = match length {
         0..=1 => 0,
+        _ if length > LONGEST => return None,
         2..=3 => 1,
         4..=6 => 2,
         _ => length / 3,
     };
     let mut best: Option<(usize, &str)> = None;
     for candidate in known {
-        if candidate == name {
+        // no nearer than the lengths are
+        let apart = candidate.chars().take(2 * LONGEST).count().abs_diff(length);
+        if candidate == name || apart > allowed {
             continue;
         }
         let distance = if candidate.eq_ignore_ascii_case(name) {

@@ -20,7 +20,7 @@ pub mod velocity;
 
 use crate::error::RuntimeError;
 use crate::model::Model;
-use crate::rotation::{M3, quaternion};
+use crate::rotation::{M3, V3, quaternion};
 use crate::state::State;
 use eng_system::system::{ConditionKind, Role, Rotation};
 use rows::{At, Rows};
@@ -81,6 +81,8 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
         });
     }
 
+    check_guesses(model, &state)?;
+
     // what a marker follows holds its body where that stands: there is nothing to place it by
     for marker in &model.markers {
         if let Some(body) = marker
@@ -130,6 +132,60 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
     check_branches(model, &state)?;
     velocity::assemble(model, &mut state)?;
     Ok(state)
+}
+
+/// How far from all else a guessed body may stand, in sizes of the largest body.
+const FAR: f64 = 1e3;
+
+/// Refuses a guess so far away that closing the loops would take thousands of steps, which end somewhere: a unit is wrong.
+fn check_guesses(model: &Model, state: &State) -> Result<(), RuntimeError> {
+    let system = &model.compiled.system;
+    let of_bodies = |e: usize| {
+        model.elements[e]
+            .markers
+            .iter()
+            .map(|m| model.markers[*m].body)
+    };
+    let rows = |wanted: &dyn Fn(&Role) -> bool| -> Vec<usize> {
+        (0..model.elements.len())
+            .filter(|e| wanted(&system.elements[*e].role) && !model.class(*e).rows.is_empty())
+            .collect()
+    };
+    let joints = rows(&|role| *role == Role::Dynamic);
+    let stated = rows(&|role| *role == Role::StartPosition { exact: true });
+    for (index, (body, info)) in model.bodies.iter().zip(&system.bodies).enumerate() {
+        let touches = |e: &&usize| of_bodies(**e).any(|b| b == Some(index));
+        if info.position.is_none() || stated.iter().any(|e| touches(&e)) {
+            continue;
+        }
+        let place = V3::from_column_slice(&state.pose[body.pose..body.pose + 3]);
+        // the partners in its joints, as far as they have a place
+        let partners = joints
+            .iter()
+            .filter(touches)
+            .flat_map(|e| &model.elements[*e].markers);
+        let distance = partners
+            .map(|m| &model.markers[*m])
+            .filter(|marker| marker.body != Some(index) && marker.placed_at.is_none())
+            .map(|marker| match marker.body {
+                None => (place - marker.position).norm(),
+                Some(other) => {
+                    let p = model.bodies[other].pose;
+                    (place - V3::from_column_slice(&state.pose[p..p + 3])).norm()
+                }
+            })
+            .reduce(f64::min);
+        if let Some(distance) = distance
+            && distance > FAR * model.length
+        {
+            return Err(RuntimeError::FarGuess {
+                origin: Box::new(body.origin.clone()),
+                distance,
+                length: model.length,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// A branch is taken where its condition exceeds this (SI): closing is far more exact, so that a false solution on the border of

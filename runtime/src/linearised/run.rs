@@ -3,7 +3,7 @@
 use super::{LinearModes, Wanted, linearise};
 use crate::error::{Moment, RuntimeError};
 use crate::simulation::{Options, Simulation};
-use crate::transient::Observer;
+use crate::transient::{Advance, Observer, follow};
 use eng_system::code::Compiled;
 use eng_system::system::{Extent, Linear};
 
@@ -42,7 +42,7 @@ pub fn run_linear(
             }
             while simulation.time() < end {
                 simulation.step_within(end)?;
-                tell(&mut simulation, observer, |s| s.time() / end);
+                tell(&mut simulation, observer, |s| s.time() / end)?;
             }
             simulation.evaluate_channels(&mut values)?;
         }
@@ -52,7 +52,7 @@ pub fn run_linear(
         observer.warning(&warning);
     }
     let modes = simulation.sampled_modes(wanted)?;
-    observer.progress(1.0, simulation.cycle_angle());
+    follow(&simulation, observer, &Advance::new(&simulation, 1.0), true)?;
     Ok(modes)
 }
 
@@ -60,11 +60,12 @@ fn tell(
     simulation: &mut Simulation,
     observer: &mut dyn Observer,
     part: impl Fn(&Simulation) -> f64,
-) {
+) -> Result<(), RuntimeError> {
     for warning in simulation.take_warnings() {
         observer.warning(&warning);
     }
-    observer.progress(part(simulation).clamp(0.0, 1.0), simulation.cycle_angle());
+    let advance = Advance::new(simulation, part(simulation));
+    follow(simulation, observer, &advance, false)
 }
 
 /// Steps until the cycle has turned by an angle (rad), and takes the outputs there.
@@ -91,7 +92,7 @@ fn turn_by(
     let (mut farthest, mut standing) = (f64::NEG_INFINITY, 0);
     loop {
         simulation.step()?;
-        tell(simulation, observer, |s| done(s) / angle);
+        tell(simulation, observer, |s| done(s) / angle)?;
         let now = done(simulation);
         if now >= angle {
             simulation.sample_at_angle(start + sense * angle, values)?;

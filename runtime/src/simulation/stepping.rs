@@ -1,5 +1,6 @@
 //! The start and the steps of a simulation.
 
+use super::pace::Limit;
 use super::{Simulation, StepReport, Warning};
 use crate::control::{FixedGrid, StepSize};
 use crate::elements::Inputs;
@@ -324,7 +325,7 @@ impl Simulation {
             StepControl::Fixed(nominal) => self.fixed_step(nominal, end),
             StepControl::Tolerance(factor) => self.controlled_step(factor, end, longest),
         };
-        let (h, time) = stepped.map_err(|error| self.or_locked(error))?;
+        let (h, time) = stepped.map_err(|error| self.explained(self.or_locked(error)))?;
         self.integrator.accept(&self.model, h, time);
         self.evaluated = None;
         let old = self.powers;
@@ -476,11 +477,12 @@ impl Simulation {
         let rest = end - begin;
         let mut failures = 0;
         let turning = self.fastest().0;
-        self.size.limit(self.options.max_step);
+        let mut allowed = longest.min(self.options.max_step);
         if turning > 0.0 {
-            self.size.limit(TURN / turning);
+            allowed = allowed.min(TURN / turning);
         }
-        self.size.limit(longest);
+        let limited = self.size.step >= allowed;
+        self.size.limit(allowed);
         loop {
             let mut h = self.size.step;
             let last = h >= rest * (1.0 - 1e-9);
@@ -506,6 +508,11 @@ impl Simulation {
                 Trial::Solved { error } if error <= 1.0 => {
                     if failures == 0 {
                         self.outside = None;
+                        self.limit = if limited {
+                            Limit::Longest
+                        } else {
+                            Limit::Error
+                        };
                     }
                     self.size.accepted(h, error);
                     return Ok((h, if last { end } else { begin + h }));
@@ -529,6 +536,7 @@ impl Simulation {
                     if failures > 12 {
                         return Err(self.at_moment(*error));
                     }
+                    self.limit = Limit::Unsolved(error);
                     self.size.halved(h);
                 }
             }

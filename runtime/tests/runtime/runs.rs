@@ -3,7 +3,9 @@
 use crate::mechanisms::*;
 use crate::support::classes::*;
 use crate::support::*;
-use eng_runtime::{Observer, Options, RuntimeError, Sample, Simulation, Warning, run_transient};
+use eng_runtime::{
+    Advance, Observer, Options, RuntimeError, Sample, Simulation, Verdict, Warning, run_transient,
+};
 use eng_system::code::Compiled;
 use eng_system::system::{Extent, Role, Start, StepControl, Transient};
 use std::ops::ControlFlow;
@@ -24,9 +26,10 @@ impl Observer for Record {
             .push((s.time, s.cycle_angle, s.values.to_vec()));
         ControlFlow::Continue(())
     }
-    fn progress(&mut self, fraction: f64, _: Option<f64>) {
-        assert!(fraction >= self.fraction);
-        self.fraction = fraction;
+    fn progress(&mut self, advance: &Advance) -> Verdict {
+        assert!(advance.fraction >= self.fraction);
+        self.fraction = advance.fraction;
+        Verdict::GoOn
     }
     fn warning(&mut self, warning: &Warning) {
         self.warnings.push(warning.clone());

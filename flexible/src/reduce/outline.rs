@@ -1,0 +1,101 @@
+//! A flexible body before it is reduced: what it weighs and where its markers stand.
+
+use super::{Request, matrices};
+use crate::error::FlexibleError;
+use crate::fe::mass::RigidMass;
+use crate::markers::place;
+use crate::mesh::Mesh;
+use crate::reduce::Report;
+use crate::rotary::split_offsets;
+use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
+
+/// Frequency (Hz) of the motions of markers in [`Outline::loose`]: that of stiff static modes.
+const STIFF: f64 = 2e4;
+/// Share of the body's inertia that one of them moves.
+const SHARE: f64 = 1e-3;
+
+/// A body as a rigid one, of the mass and inertia that its mesh has, with its markers where the mesh has them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outline {
+    /// Mass, first moment and inertia about the frame's origin.
+    mass: RigidMass,
+    /// Name and place (m) of each marker.
+    markers: Vec<(String, [f64; 3])>,
+    /// Whether the node of each marker can turn.
+    pub turns: Vec<bool>,
+}
+
+/// Looks at a mesh in SI without reducing it: elements and matrices are put together, modes are not computed.
+///
+/// # Errors
+/// Those of [`super::reduce`] that show before modes are computed: meshes that make no sense, markers that are not there, matrices that
+/// don't fit the mesh.
+pub fn outline(mut mesh: Mesh, request: &Request) -> Result<Outline, FlexibleError> {
+    let nodal = match &request.matrices {
+        Some(foreign) => Some(foreign.nodal(&mesh)?),
+        None => None,
+    };
+    let places = place(&mut mesh, &request.markers)?;
+    if nodal.is_none() {
+        split_offsets(&mut mesh);
+    }
+    let (full, _) = matrices(&mesh, request, nodal, &mut Report::default())?;
+    let position = |node: &u32| mesh.nodes.get(*node as usize).map(|node| node.position);
+    let names = request.markers.iter().map(|marker| marker.name.clone());
+    Ok(Outline {
+        mass: full.mass.rigid(&mesh),
+        markers: names.zip(places.iter().filter_map(position)).collect(),
+        turns: places
+            .iter()
+            .map(|node| full.freedoms.freedom(*node, 3).is_some())
+            .collect(),
+    })
+}
+
+impl Outline {
+    /// As a rigid body: one without modes.
+    pub fn rigid(&self) -> ReducedBody {
+        self.with_modes(0)
+    }
+
+    /// As a body whose markers move and turn each by itself, stiffly: joints on it hold nothing that they would not hold on the flexible
+    /// body, and loops that its bending closes can be closed.
+    pub fn loose(&self) -> ReducedBody {
+        self.with_modes(6 * self.markers.len())
+    }
+
+    fn with_modes(&self, modes: usize) -> ReducedBody {
+        let mut invariants = Invariants::zero(modes);
+        invariants.mass = self.mass.mass;
+        invariants.first_moment = self.mass.first_moment;
+        invariants.inertia = self.mass.inertia;
+        let trace: f64 = (0..3).map(|i| self.mass.inertia[i][i]).sum();
+        let omega = 2.0 * std::f64::consts::PI * STIFF;
+        for mode in 0..modes {
+            let moved = if mode % 6 < 3 { self.mass.mass } else { trace };
+            let at = mode * modes + mode;
+            invariants.modal_mass[at] = SHARE * moved;
+            invariants.stiffness[at] = SHARE * moved * omega * omega;
+        }
+        let unit = |marker: usize, first: usize| -> Vec<f64> {
+            let mut rows = vec![0.0; 3 * modes];
+            for component in 0..3.min(modes) {
+                rows[component * modes + 6 * marker + first + component] = 1.0;
+            }
+            rows
+        };
+        let markers = self.markers.iter().enumerate();
+        ReducedBody {
+            frequencies: vec![STIFF; modes],
+            markers: markers
+                .map(|(index, (name, position))| ReducedMarker {
+                    name: name.clone(),
+                    position: *position,
+                    translation: unit(index, 0),
+                    rotation: unit(index, 3),
+                })
+                .collect(),
+            invariants,
+        }
+    }
+}

@@ -1,0 +1,337 @@
+//! Why steps are as short as they are.
+
+use super::Simulation;
+use crate::dynamics::Dynamics;
+use crate::error::{Moment, RuntimeError};
+use crate::state::move_pose;
+use eng_system::system::{Origin, StepControl};
+
+/// What keeps steps from being longer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pace {
+    /// The text states the step.
+    Stated,
+    /// Nothing but the distance of samples, or how far a body turns in a step.
+    Longest,
+    /// A load or a rate that jumps.
+    Jump(Jump),
+    /// The error of a body's motion, or of an element's state.
+    Error {
+        /// The body, or the element.
+        origin: Box<Origin>,
+        /// The state's name.
+        state: Option<String>,
+    },
+    /// Newton's iteration, which finds no solution of longer steps.
+    Unsolved {
+        /// Element or body of the worst row.
+        origin: Box<Origin>,
+        /// The equation of the worst row.
+        equation: String,
+    },
+}
+
+/// How long the steps of a run are, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slow {
+    /// When.
+    pub moment: Moment,
+    /// The last step (s).
+    pub step: f64,
+    /// What keeps it from being longer.
+    pub pace: Box<Pace>,
+}
+
+impl std::fmt::Display for Slow {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "steps are {:.3e} s long: {}", self.step, self.pace)
+    }
+}
+
+/// A load, or the rate of a state, that changes at once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Jump {
+    /// The element.
+    pub origin: Box<Origin>,
+    /// Size of the jump.
+    pub by: f64,
+    /// `N`, `N m`, or `SI units per second` of a state.
+    pub unit: &'static str,
+}
+
+impl std::fmt::Display for Jump {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let what = match self.unit {
+            "N" => "force",
+            "N m" => "torque",
+            _ => "rate of a state",
+        };
+        write!(
+            f,
+            "the {what} of {} jumps by {:.4e} {}",
+            self.origin.path, self.by, self.unit
+        )
+    }
+}
+
+impl std::fmt::Display for Pace {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Pace::Stated => f.write_str("the text states this step"),
+            Pace::Longest => f.write_str("samples lie this close"),
+            Pace::Jump(jump) => write!(f, "{jump}"),
+            Pace::Error { origin, state } => {
+                let of = state
+                    .as_deref()
+                    .map_or(String::new(), |state| format!("{state} of "));
+                write!(f, "the error of {of}{} allows no longer ones", origin.path)
+            }
+            Pace::Unsolved { origin, equation } => {
+                write!(
+                    f,
+                    "longer ones have no solution: {} ({equation})",
+                    origin.path
+                )
+            }
+        }
+    }
+}
+
+/// What ended the last step's search for its length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) enum Limit {
+    /// The longest step that is allowed.
+    #[default]
+    Longest,
+    /// The estimated error.
+    Error,
+    /// A trial without solution.
+    Unsolved(Box<RuntimeError>),
+}
+
+/// Moments, in last steps from the present state, between which jumps are looked for.
+const MOMENTS: [f64; 11] = [
+    -64.0, -16.0, -4.0, -1.0, -0.25, 0.0, 0.25, 1.0, 4.0, 16.0, 64.0,
+];
+/// Least change between two moments of what may jump, of its own size.
+const NOTABLE: f64 = 0.05;
+/// Halvings of the time between two moments.
+const HALVINGS: usize = 60;
+/// Part of a change that is left after all halvings if it is a jump: of a steep slope nothing is.
+const LEFT: f64 = 0.5;
+/// Elements that are looked at.
+const LOOKED_AT: usize = 8;
+
+/// What an element puts out: where its numbers begin, how many there are, their unit.
+struct Part {
+    element: usize,
+    first: usize,
+    count: usize,
+    unit: &'static str,
+}
+
+impl Simulation {
+    /// What keeps steps from being longer.
+    fn pace(&self) -> Pace {
+        if let StepControl::Fixed(_) = self.options.step {
+            return Pace::Stated;
+        }
+        if self.limit == Limit::Longest {
+            return Pace::Longest;
+        }
+        if let Some(jump) = self.jump(self.earlier_step) {
+            return Pace::Jump(jump);
+        }
+        match &self.limit {
+            Limit::Unsolved(error) => match error.as_ref() {
+                RuntimeError::Newton {
+                    origin, equation, ..
+                } => Pace::Unsolved {
+                    origin: origin.clone(),
+                    equation: equation.clone(),
+                },
+                RuntimeError::NotFinite { origin, .. } => Pace::Unsolved {
+                    origin: origin.clone(),
+                    equation: "no number".to_owned(),
+                },
+                _ => self.error_allows(),
+            },
+            _ => self.error_allows(),
+        }
+    }
+
+    fn error_allows(&self) -> Pace {
+        let (origin, state) = self.integrator.governing(&self.model);
+        Pace::Error {
+            origin: Box::new(origin),
+            state,
+        }
+    }
+
+    /// How long its steps are, and why.
+    pub(crate) fn slow(&self) -> Slow {
+        Slow {
+            moment: self.moment(),
+            step: self.earlier_step,
+            pace: Box::new(self.pace()),
+        }
+    }
+
+    /// The error of a step that could not be taken, or the jump that is its cause.
+    pub(super) fn explained(&self, error: RuntimeError) -> RuntimeError {
+        let (moment, step) = match &error {
+            RuntimeError::StepTooSmall { moment, step, .. }
+            | RuntimeError::Newton { moment, step, .. } => (*moment, *step),
+            _ => return error,
+        };
+        match self.jump(step) {
+            Some(jump) => RuntimeError::Jumps { moment, step, jump },
+            None => error,
+        }
+    }
+
+    /// The load or rate that jumps most along the motion near the present state, `step` (s) being the distance to look at.
+    ///
+    /// Between two moments in which it differs, the time is halved again and again, towards the larger change: of what is continuous,
+    /// however steep, the change shrinks with the time; of a jump it stays.
+    fn jump(&self, step: f64) -> Option<Jump> {
+        let mut dynamics = Dynamics::new(&self.model);
+        let moments: Vec<Vec<f64>> = MOMENTS
+            .iter()
+            .map(|at| self.loads_at(at * step, &mut dynamics))
+            .collect::<Option<_>>()?;
+        let mut found: Vec<(f64, usize, Part)> = Vec::new();
+        for part in self.parts() {
+            let pairs = moments.windows(2).enumerate();
+            let changes = pairs.filter_map(|(index, pair)| match pair {
+                [a, b] => Some((relative_change(a, b, &part), index)),
+                _ => None,
+            });
+            if let Some((change, index)) = changes.max_by(|a, b| a.0.total_cmp(&b.0))
+                && change > NOTABLE
+            {
+                found.push((change, index, part));
+            }
+        }
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        found
+            .into_iter()
+            .take(LOOKED_AT)
+            .find_map(|(_, index, part)| {
+                let ends = [MOMENTS.get(index)?, MOMENTS.get(index + 1)?];
+                let loads = [moments.get(index)?, moments.get(index + 1)?];
+                self.halved(
+                    ends.map(|at| at * step),
+                    loads.map(Clone::clone),
+                    part,
+                    &mut dynamics,
+                )
+            })
+    }
+
+    /// Elements' wrenches, forces and torques apart, and rates of states.
+    fn parts(&self) -> Vec<Part> {
+        let mut parts = Vec::new();
+        for (element, info) in self.model.elements.iter().enumerate() {
+            if !info.dynamic {
+                continue;
+            }
+            let part = |first, count, unit| Part {
+                element,
+                first,
+                count,
+                unit,
+            };
+            for marker in 0..info.markers.len() {
+                let first = info.wrench + 6 * marker;
+                parts.push(part(first, 3, "N"));
+                parts.push(part(first + 3, 3, "N m"));
+            }
+            let states = self.model.class(element).states.len();
+            if states > 0 {
+                let first = self.model.wrenches + info.state;
+                parts.push(part(first, states, "SI units per second"));
+            }
+        }
+        parts
+    }
+
+    /// Wrenches and rates some time (s) after the present state, as it moves; `None` where something is no number.
+    fn loads_at(&self, time: f64, dynamics: &mut Dynamics) -> Option<Vec<f64>> {
+        let model = &self.model;
+        let current = &self.integrator.current;
+        let mut near = current.clone();
+        near.time += time;
+        let motion = current.velocity.iter().zip(&current.acceleration);
+        let increment: Vec<f64> = motion.map(|(v, a)| time * (v + 0.5 * time * a)).collect();
+        move_pose(model, &current.pose, &increment, 1.0, &mut near.pose);
+        for (v, a) in near.velocity.iter_mut().zip(&current.acceleration) {
+            *v += time * a;
+        }
+        for (state, rate) in near.states.iter_mut().zip(&near.rates) {
+            *state += time * rate;
+        }
+        dynamics.place(model, near.time, &near.pose, &near.velocity);
+        dynamics.gather(model, &near.states, &near.multipliers, &near.rotations);
+        dynamics.evaluate(model).ok()?;
+        Some([&dynamics.wrenches[..], &dynamics.rates[..]].concat())
+    }
+
+    /// The jump of a part between two moments, if it is one.
+    fn halved(
+        &self,
+        mut ends: [f64; 2],
+        mut loads: [Vec<f64>; 2],
+        part: Part,
+        dynamics: &mut Dynamics,
+    ) -> Option<Jump> {
+        let begun = change(&loads[0], &loads[1], &part);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (ends[0] + ends[1]);
+            if middle == ends[0] || middle == ends[1] {
+                break;
+            }
+            let between = self.loads_at(middle, dynamics)?;
+            if change(&loads[0], &between, &part) > change(&between, &loads[1], &part) {
+                (ends[1], loads[1]) = (middle, between);
+            } else {
+                (ends[0], loads[0]) = (middle, between);
+            }
+        }
+        let by = change(&loads[0], &loads[1], &part);
+        let element = self.model.compiled.system.elements.get(part.element)?;
+        (by > LEFT * begun).then(|| Jump {
+            origin: Box::new(element.origin.clone()),
+            by,
+            unit: part.unit,
+        })
+    }
+}
+
+fn size(numbers: impl Iterator<Item = f64>) -> f64 {
+    libm::sqrt(numbers.map(|x| x * x).sum())
+}
+
+/// Length of the difference of a part.
+fn change(a: &[f64], b: &[f64], part: &Part) -> f64 {
+    let of = |x: &[f64]| {
+        x.iter()
+            .skip(part.first)
+            .take(part.count)
+            .copied()
+            .collect()
+    };
+    let (a, b): (Vec<f64>, Vec<f64>) = (of(a), of(b));
+    size(a.iter().zip(&b).map(|(a, b)| b - a))
+}
+
+/// The same as a share of the part's own size.
+fn relative_change(a: &[f64], b: &[f64], part: &Part) -> f64 {
+    let own = |x: &[f64]| size(x.iter().skip(part.first).take(part.count).copied());
+    let largest = own(a).max(own(b));
+    if largest > 0.0 {
+        change(a, b, part) / largest
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,66 @@
+//! Characters that act on a terminal instead of being shown.
+
+use std::borrow::Cow;
+use std::fmt::Write;
+
+/// Whether a terminal would act on a character: control characters (Unicode's class Cc) but line ends and tabs, and those that change
+/// the direction of the text around them or end a line unseen.
+pub(crate) fn acts(c: char) -> bool {
+    match c {
+        '\n' | '\t' => false,
+        '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => true,
+        c => c.is_control(),
+    }
+}
+
+/// How such a character is shown: `\u{1b}`.
+pub(crate) fn shown(c: char) -> String {
+    c.escape_unicode().to_string()
+}
+
+/// A text with all of them shown.
+pub(crate) fn visible(text: &str) -> Cow<'_, str> {
+    with(text, shown)
+}
+
+/// The text of a JSON document: what the writer of JSON left as it is, by JSON's own escapes.
+pub(super) fn visible_json(text: &str) -> Cow<'_, str> {
+    with(text, |c| {
+        let mut escaped = String::new();
+        for unit in c.encode_utf16(&mut [0; 2]) {
+            // a text takes all that is written to it
+            let _ = write!(escaped, "\\u{unit:04x}");
+        }
+        escaped
+    })
+}
+
+fn with(text: &str, escape: impl Fn(char) -> String) -> Cow<'_, str> {
+    if !text.contains(acts) {
+        return Cow::Borrowed(text);
+    }
+    let mut out = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        if acts(c) {
+            out.push_str(&escape(c));
+        } else {
+            out.push(c);
+        }
+    }
+    Cow::Owned(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_acts_is_shown_and_all_else_stays() {
+        assert_eq!(visible("a\tb\nµ…°"), "a\tb\nµ…°");
+        assert_eq!(
+            visible("\u{1b}[31m\u{9b}0m\r\u{7}\u{202e}"),
+            r"\u{1b}[31m\u{9b}0m\u{d}\u{7}\u{202e}"
+        );
+        assert_eq!(visible_json("\u{9b}\u{202e}"), r"\u009b\u202e");
+    }
+}

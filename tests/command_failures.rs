@@ -1,0 +1,333 @@
+//! What the command says where something refuses: as JSON if asked for, without an escape sequence of a text or a name, and in the end.
+
+use eng::results::Results;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Folder {
+        let folder =
+            std::env::temp_dir().join(format!("eng-failures-{name}-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        Folder(folder)
+    }
+
+    fn with(name: &str, model: &str) -> Folder {
+        let folder = Folder::new(name);
+        std::fs::write(folder.path("model.eng"), model).unwrap();
+        folder
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    fn eng(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_eng"))
+            .current_dir(&self.0)
+            .args(arguments)
+            .output()
+            .unwrap()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Output and errors one after the other.
+fn said(output: &Output) -> String {
+    text(&output.stdout) + &text(&output.stderr)
+}
+
+const SWING: &str = "use std.joints.Revolute
+model Swing {
+    param length: Length = 1 m
+    gravity = [0, -9.81, 0] m/s^2
+    marker pivot = [0, 0, 0] mm
+    body bob { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker top = [0, 1, 0]*length }
+    joint pin = Revolute(bob.top, pivot)
+    start pin.angle = 30 deg
+}
+analysis swing = transient(Swing(), duration: 100 ms, sample: 10 ms)
+";
+
+/// A table in a file that is read at the check.
+const TABLED: &str =
+    "table push(t: Time) -> Force = csv(\"push.csv\", columns: [\"t [s]\", \"F [N]\"])
+model Pushed { output thrust = push(time) as N }
+";
+
+#[cfg(unix)]
+fn pipe(path: &Path) {
+    assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
+}
+
+#[cfg(unix)]
+#[test]
+fn every_failure_of_a_check_is_json_where_that_is_asked_for() {
+    let folder = Folder::with("json", "model Wrong { mass = }\n");
+    std::fs::create_dir(folder.path("folder.eng")).unwrap();
+    std::fs::write(folder.path("latin.eng"), b"// \xe9\n").unwrap();
+    std::fs::write(folder.path("tabled.eng"), TABLED).unwrap();
+    pipe(&folder.path("pipe.eng"));
+    pipe(&folder.path("push.csv"));
+    for (arguments, exit, code) in [
+        (&["check", "--format", "json"][..], 2, "E9902"),
+        (&["check", "--format=json", "a.eng", "--wrong"], 2, "E9902"),
+        (&["chek", "a.eng", "--format", "json"], 2, "E9902"),
+        (&["check", "none.eng", "--format", "json"], 2, "E9903"),
+        (&["check", "folder.eng", "--format", "json"], 2, "E9903"),
+        (&["check", "pipe.eng", "--format", "json"], 2, "E9903"),
+        (&["check", "latin.eng", "--format", "json"], 1, "E0201"),
+        (&["check", "tabled.eng", "--format", "json"], 1, "E0518"),
+        (&["check", "model.eng", "--format", "json"], 1, "E0101"),
+    ] {
+        let output = folder.eng(arguments);
+        assert_eq!(output.status.code(), Some(exit), "{arguments:?}");
+        assert_eq!(text(&output.stderr), "", "{arguments:?}");
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(document["version"], 1);
+        assert_eq!(document["errors"], 1, "{document:#}");
+        let first = &document["diagnostics"][0];
+        assert_eq!(first["code"], code, "{arguments:?}: {document:#}");
+        assert!(!first["title"].as_str().unwrap().is_empty());
+    }
+    // help is no failure
+    let help = folder.eng(&["check", "--help", "--format", "json"]);
+    assert!(help.status.success() && text(&help.stdout).contains("Usage"));
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_are_no_files() {
+    let folder = Folder::with("pipe", TABLED);
+    pipe(&folder.path("push.csv"));
+    pipe(&folder.path("run.parquet"));
+    pipe(&folder.path("run.partial.arrows"));
+    for arguments in [
+        &["check", "model.eng"][..],
+        &["results", "run.parquet"],
+        &["results", "run.partial.arrows"],
+        &["export", "run.parquet", "--to", "csv"],
+    ] {
+        let output = folder.eng(arguments);
+        assert!(!output.status.success(), "{arguments:?}");
+        let said = said(&output);
+        assert!(said.contains("a pipe or a device"), "{arguments:?}: {said}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn nothing_of_a_text_or_a_name_acts_on_the_terminal() {
+    let hostile = "\u{1b}]0;owned\u{7}\u{1b}[31mred\u{9b}0m\u{202e}";
+    let folder = Folder::with("escape", &format!("const a = nothing // {hostile}\n"));
+    let name = format!("{hostile}.eng");
+    std::fs::write(folder.path(&name), SWING.replace("1 kg", "1 kh")).unwrap();
+    let good = format!("{hostile}-good.eng");
+    std::fs::write(folder.path(&good), SWING).unwrap();
+    let set = format!("{hostile}=1 m");
+    for arguments in [
+        &["check", "model.eng"][..],
+        &["check", "model.eng", "--format", "json"],
+        &["check", &name],
+        &["check", &name, "--format", "json"],
+        &["run", &name],
+        &["run", &good, "--no-plots"],
+        &["run", &good, "--set", &set],
+        &["run", &good, "--analysis", hostile],
+        &["run", &good, hostile],
+        &["check", &good, hostile, "--format", "json"],
+        &["results", hostile],
+        &["explain", hostile],
+        &["report", &good],
+    ] {
+        let said = said(&folder.eng(arguments));
+        let acts = |c: char| (c.is_control() && c != '\n') || c == '\u{202e}';
+        assert!(!said.contains(acts), "{arguments:?}: {said:?}");
+        let shown = said.contains("owned");
+        assert!(
+            shown || arguments[1] == "model.eng",
+            "{arguments:?}: {said}"
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn unfinished_results_are_not_written_through_a_link() {
+    let folder = Folder::with("link", SWING);
+    let victim = folder.path("victim");
+    let results = folder.path("results/model");
+    std::fs::create_dir_all(&results).unwrap();
+    for name in [
+        "swing.partial.arrows",
+        "swing.motion.partial.arrows",
+        "swing.checkpoint",
+    ] {
+        std::fs::write(&victim, "precious").unwrap();
+        let link = results.join(name);
+        std::os::unix::fs::symlink(&victim, &link).unwrap();
+        let output = folder.eng(&["run", "model.eng", "--no-plots"]);
+        assert_eq!(
+            std::fs::read_to_string(&victim).unwrap(),
+            "precious",
+            "{name}"
+        );
+        // a short run may need no checkpoint
+        if name != "swing.checkpoint" || !output.status.success() {
+            assert_eq!(output.status.code(), Some(2), "{name}");
+            let said = said(&output);
+            assert!(
+                said.contains(name) && said.contains("this is a link"),
+                "{said}"
+            );
+        }
+        let _ = std::fs::remove_file(&link);
+    }
+}
+
+#[test]
+fn a_parameter_is_set_once() {
+    let folder = Folder::with("once", SWING);
+    let output = folder.eng(&[
+        "run",
+        "model.eng",
+        "--set",
+        "length=2 m",
+        "--set",
+        "length = 3 m",
+    ]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = text(&output.stderr);
+    assert!(
+        said.contains("--set length is given twice: 2 m and 3 m"),
+        "{said}"
+    );
+}
+
+#[test]
+fn steps_and_tolerance_are_stated_on_the_command_line() {
+    let folder = Folder::with("step", SWING);
+    let run = |arguments: &[&str]| {
+        let output = folder.eng(&[&["run", "model.eng", "--no-plots"], arguments].concat());
+        assert!(output.status.success(), "{}", said(&output));
+        let results = Results::read_parquet(folder.path("results/model/swing.parquet")).unwrap();
+        (text(&output.stdout), results)
+    };
+    let steps = |said: &str| -> u32 {
+        let line = said.lines().find(|line| line.contains(" steps, ")).unwrap();
+        line.split_whitespace().next().unwrap().parse().unwrap()
+    };
+    let (plain, results) = run(&[]);
+    let overrides = |results: &Results| -> Vec<(String, String)> {
+        let metadata = results.metadata().clone().into_iter();
+        metadata
+            .filter(|(key, _)| key.starts_with("override."))
+            .collect()
+    };
+    assert_eq!(overrides(&results), []);
+    let (fixed, results) = run(&["--step", "100 us"]);
+    assert_eq!(steps(&fixed), 1000);
+    assert!(
+        fixed.contains(" s, not tolerance = 1 as the text states"),
+        "{fixed}"
+    );
+    assert_eq!(
+        overrides(&results),
+        [("override.step".to_owned(), "0.0001 s".to_owned())]
+    );
+    let (fine, results) = run(&["--tolerance", "0.001"]);
+    assert!(steps(&fine) > 2 * steps(&plain), "{fine}{plain}");
+    assert_eq!(
+        overrides(&results),
+        [("override.tolerance".to_owned(), "0.001".to_owned())]
+    );
+    for (wrong, says) in [
+        (&["--step", "1 mm"][..], "a step is a time"),
+        (&["--step", "0 s"], "must be positive"),
+        (&["--tolerance=-1"], "must be positive"),
+        (&["--tolerance", "nan"], "must be positive"),
+        (
+            &["--tolerance", "1", "--step", "1 ms"],
+            "cannot be used with",
+        ),
+    ] {
+        let output = folder.eng(&[&["run", "model.eng"], wrong].concat());
+        assert_eq!(output.status.code(), Some(2), "{wrong:?}");
+        assert!(said(&output).contains(says), "{}", said(&output));
+    }
+}
+
+#[test]
+fn of_very_many_mistakes_a_hundred_are_shown() {
+    let wrong: String = (0..100_000)
+        .map(|i| format!("const a{i} = missing{i}\n"))
+        .collect();
+    let folder = Folder::with("many", &wrong);
+    let output = folder.eng(&["check", "model.eng"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = said(&output);
+    assert_eq!(said.matches("error[").count(), 100, "{}", said.len());
+    assert!(
+        said.ends_with("… and 99900 more messages\n100000 errors, 0 warnings\n"),
+        "{}",
+        said.lines().last().unwrap()
+    );
+}
+
+#[test]
+fn a_very_long_name_is_shown_in_short() {
+    let name = "n".repeat(10_000_000);
+    let folder = Folder::with(
+        "name",
+        &format!("const {name} = missing\nconst b = {name}s\n"),
+    );
+    let output = folder.eng(&["check", "model.eng"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = said(&output);
+    assert!(said.len() < 20_000, "{} bytes", said.len());
+}
+
+/// A force that jumps drives the body back to the jump from both sides.
+const RUBBED: &str = "force Rub(a: Marker, b: Marker) {
+    let v = dot(a.velocity, b.y)
+    apply force (if v > 0 m/s then -20 N else 20 N)*b.y on a against b
+}
+model Rubbed {
+    gravity = [0, -9.81, 0] m/s^2
+    marker wall = [0, 0, 0] mm
+    body bob { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }
+    force rub = Rub(bob.origin, wall)
+    output height = dot(bob.origin.origin, ground.y) as mm
+}
+analysis a = transient(Rubbed(), duration: 1e6 s, sample: 1 s)
+";
+
+#[test]
+fn a_run_that_nobody_waits_for_is_stopped_with_its_reason() {
+    let folder = Folder::with("chatter", RUBBED);
+    let began = std::time::Instant::now();
+    let output = folder.eng(&["run", "model.eng", "--no-plots"]);
+    assert!(began.elapsed().as_secs() < 60);
+    assert_eq!(output.status.code(), Some(1));
+    let told = text(&output.stderr);
+    // after some seconds, while it goes on
+    assert!(told.contains("warning[W0770]: a goes on slowly"), "{told}");
+    assert!(told.contains("error[E0771]"), "{told}");
+    assert!(told.contains("the force of rub jumps by 4"), "{told}");
+    assert!(told.contains("model.eng:9:11"), "{told}");
+    assert!(told.contains("at this pace the rest takes about"), "{told}");
+    assert!(told.contains("--patient"), "{told}");
+}
