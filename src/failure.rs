@@ -105,6 +105,15 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             };
             message.with_help("such a duration never passes: give it as a time, or start the crank turning")
         }
+        R::NotRepeating { origin, .. } => {
+            let message = d(codes::NOT_REPEATING);
+            let message = match origin {
+                Some(origin) => place(message, origin, "is farthest off"),
+                None => message,
+            };
+            message.with_help("check the period that `over` states (a four-stroke cycle has two turns); begin nearer to the steady motion with `after:`, a longer one or with a finer tolerance")
+        }
+        R::NoPeriod { .. } => d(codes::NO_PERIOD).with_help("give the period as a time, such as `over: 20 ms`"),
         R::Turning { bodies, .. } => turning(d(codes::TURNING), bodies),
         R::Singular { repeated, .. } if !repeated.is_empty() => {
             let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {
@@ -134,7 +143,7 @@ fn turning(message: Diagnostic, bodies: &[eng_runtime::TurningBody]) -> Diagnost
         .fold(message, |message, body| {
             place(message, &body.origin, &format!("turns at {} rpm and {}", significant(body.speed*30.0/std::f64::consts::PI, 4), body.reason()))
         })
-        .with_help("`frozen: true` holds the coefficients at this moment: a picture for frequencies well above the speed, wrong for whirl, damping and stability")
+        .with_help("where the motion repeats, `over: 1 rev` (a period: an angle or a time) gives its modes; `frozen: true` holds the coefficients at this moment: a picture for frequencies well above the speed, wrong for whirl, damping and stability")
 }
 
 /// A message with a place before those that it has.

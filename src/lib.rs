@@ -53,7 +53,9 @@ mod simulation;
 mod sources;
 
 pub use analysis::{Analysis, Failed, Outcome, Progress, Watch};
-pub use eng_runtime::linearised::{Coefficients, LinearModes, Mode, Wanted};
+pub use eng_runtime::linearised::{
+    Coefficients, Harmonics, LinearModes, Mode, Orbit, Repeating, Wanted,
+};
 pub use eng_runtime::{
     Energy, Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Statistics, TopologyReport,
     Verdict, Warning,

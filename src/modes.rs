@@ -13,7 +13,9 @@
 
 use crate::counted::counted;
 use crate::results::{Column, Results, ResultsError};
-use eng_runtime::linearised::{Coefficients, LinearModes, Mode, Part, parts_of, stores};
+use eng_runtime::linearised::{
+    Coefficients, LinearModes, Mode, Orbit, Part, Repeating, parts_of, stores,
+};
 use eng_runtime::model::Model;
 use eng_system::recorded::{
     DAMPING_RATIO, FREQUENCY, KINETIC, LOST, MODE, POTENTIAL, RIGID, Recorded, of_modes,
@@ -26,6 +28,8 @@ pub const ROWS: &str = "rows";
 pub const MODES: &str = "modes";
 /// Key of the metadata that tells what the coefficients are, and its value where they were held at a moment.
 const COEFFICIENTS: &str = "coefficients";
+/// The value where they repeat.
+const PERIODIC: &str = "periodic";
 /// See [`COEFFICIENTS`].
 const FROZEN: &str = "frozen";
 /// Columns of every mode.
@@ -36,6 +40,8 @@ pub const COLUMNS: [&str; 5] = [
     DAMPING_RATIO,
     "growth",
 ];
+/// Modes whose harmonics are listed.
+const MOST_HARMONICS: usize = 20;
 /// What frozen modes are good for.
 const FROZEN_PICTURE: &str = "frozen picture: the coefficients change while bodies turn and were held at this moment; frequencies well above the speed are about right, whirl, damping and stability are not those of the motion";
 /// Parts that a line of the table names, and the smallest share that it does.
@@ -139,15 +145,25 @@ pub(crate) fn row(modes: &LinearModes, index: usize, mode: &Mode) -> Vec<f64> {
 }
 
 /// Where and how it was linearised: keys and values of metadata.
-pub(crate) fn metadata(modes: &LinearModes) -> [(&'static str, String); 2] {
+pub(crate) fn metadata(modes: &LinearModes) -> Vec<(&'static str, String)> {
     let coefficients = match modes.coefficients {
         Coefficients::Constant => "constant",
         Coefficients::Frozen => FROZEN,
+        Coefficients::Periodic => PERIODIC,
     };
-    [
+    let mut known = vec![
         ("linearised", format!("at {}", modes.moment)),
         (COEFFICIENTS, coefficients.to_owned()),
-    ]
+    ];
+    if let Some(orbit) = &modes.orbit {
+        known.push(("period", format!("{:.9e} s", orbit.period)));
+    }
+    known
+}
+
+/// Whether results hold modes of a period.
+pub(crate) fn are_of_a_period(results: &Results) -> bool {
+    results.metadata().get(COEFFICIENTS).map(String::as_str) == Some(PERIODIC)
 }
 
 /// Whether results hold the picture of a moment of changing coefficients.
@@ -168,7 +184,7 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
     if modes.states > 0 {
         told.push_str(&format!(", {} states of elements", modes.states));
     }
-    if modes.zeros > 0 {
+    if modes.zeros > 0 && modes.orbit.is_none() {
         told.push_str(&format!(
             "; {} eigenvalues are zero (below {:.1e} Hz)",
             modes.zeros,
@@ -185,6 +201,9 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
     if modes.coefficients == Coefficients::Frozen {
         facts.push(FROZEN_PICTURE.to_owned());
     }
+    if let Some(orbit) = &modes.orbit {
+        facts.extend(of_orbit(modes, orbit));
+    }
     for (index, mode) in modes.modes.iter().enumerate().filter(|(_, m)| m.grows()) {
         let named: Vec<(String, f64)> = mode
             .leading(NAMED)
@@ -192,7 +211,7 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
             .filter_map(|(part, share)| Some((modes.parts.get(part)?.to_string(), share)))
             .collect();
         let verdict = match modes.coefficients {
-            Coefficients::Constant => "unstable",
+            Coefficients::Constant | Coefficients::Periodic => "unstable",
             Coefficients::Frozen => "unstable in the frozen picture",
         };
         facts.push(format!(
@@ -202,6 +221,76 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
             mode.value.re,
             listed(named)
         ));
+    }
+    facts
+}
+
+/// What is told of a motion that repeats: its period, how well it and its exponents are known, what is left out or doubtful.
+fn of_orbit(modes: &LinearModes, orbit: &Orbit) -> Vec<String> {
+    let error = |mode: &Mode| mode.repeating.as_ref().map_or(0.0, |r| r.error);
+    let worst = modes.modes.iter().map(error).fold(0.0, f64::max);
+    let mut told = format!(
+        "modes of a period of {:.6} ms in {} steps: exponents change by at most {worst:.1e} 1/s with steps of double length; the state comes back within {:.1e} of what is allowed",
+        1e3 * orbit.period,
+        orbit.steps,
+        orbit.gap
+    );
+    if let Some(phase) = orbit.phase {
+        told.push_str(&format!(", its own direction within {phase:.1e}"));
+    }
+    let mut facts = vec![told];
+    if modes.zeros > 0 {
+        facts.push(format!(
+            "{} multipliers are neutral (within {:.1e} of 1): free turning or sliding, the phase of the motion, or an oscillation at a multiple of its frequency; they are judged neither stable nor unstable",
+            modes.zeros, orbit.neutral
+        ));
+    }
+    if orbit.lost > 0 {
+        facts.push(format!(
+            "{} motions decay faster than {:.3e} 1/s and are lost in rounding",
+            orbit.lost, orbit.reach
+        ));
+    }
+    let listed = |test: &dyn Fn(&Repeating) -> bool| -> String {
+        let numbers: Vec<String> = modes
+            .modes
+            .iter()
+            .enumerate()
+            .filter(|(_, mode)| mode.repeating.as_ref().is_some_and(test))
+            .map(|(index, _)| (index + 1).to_string())
+            .collect();
+        numbers.join(", ")
+    };
+    let unresolved = listed(&|r| !r.resolved);
+    if !unresolved.is_empty() {
+        facts.push(format!(
+            "not resolved by the steps (|λ|h > 1): modes {unresolved}; state a shorter `step`"
+        ));
+    }
+    let ambiguous = listed(&|r| r.harmonics.share < 0.5);
+    if !ambiguous.is_empty() {
+        facts.push(format!(
+            "ambiguous frequency, for no harmonic holds half of the motion: modes {ambiguous}; growth is definite"
+        ));
+    }
+    for (index, mode) in modes.modes.iter().enumerate().take(MOST_HARMONICS) {
+        if let Some(r) = &mode.repeating
+            && !r.harmonics.further.is_empty()
+        {
+            let others: Vec<String> = r
+                .harmonics
+                .further
+                .iter()
+                .map(|(f, share)| format!("{:.0} % at {:.4} Hz", 100.0 * share, f / (2.0 * PI)))
+                .collect();
+            facts.push(format!(
+                "mode {}: {:.0} % at {:.4} Hz, {}",
+                index + 1,
+                100.0 * r.harmonics.share,
+                mode.frequency(),
+                others.join(", ")
+            ));
+        }
     }
     facts
 }

@@ -469,6 +469,24 @@ pub enum RuntimeError {
         /// The bodies that change them.
         bodies: Vec<TurningBody>,
     },
+    /// A motion that should repeat does not.
+    #[error("the motion from {moment} on does not repeat after {period:.6e} s: {what}")]
+    NotRepeating {
+        /// Where the period begins.
+        moment: Moment,
+        /// The period (s).
+        period: f64,
+        /// The body that is farthest off, if it is one.
+        origin: Option<Box<Origin>>,
+        /// What is off, and by how much.
+        what: String,
+    },
+    /// There is no period to take.
+    #[error("{message}")]
+    NoPeriod {
+        /// Why.
+        message: String,
+    },
     /// An angle was asked for, but the model states no cycle.
     #[error("the analysis counts in cycle angle, but the model has no cycle")]
     NoCycle,

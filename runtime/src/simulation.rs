@@ -183,6 +183,15 @@ impl Simulation {
         Ok(simulation)
     }
 
+    /// A simulation of the same model and options that begins in another state.
+    pub(crate) fn restarted(&self, state: State) -> Result<Simulation, RuntimeError> {
+        let mut simulation = Simulation::with_state(self.model.clone(), state, self.options)?;
+        simulation.warnings.clear();
+        simulation.start = self.start.clone();
+        simulation.begin()?;
+        Ok(simulation)
+    }
+
     fn with_state(
         model: Model,
         state: State,

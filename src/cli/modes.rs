@@ -2,7 +2,7 @@
 
 use super::RunOutcome;
 use super::table::Table;
-use crate::modes::{are_frozen, composition, values};
+use crate::modes::{are_frozen, are_of_a_period, composition, values};
 use crate::results::{Column, Results};
 use crate::significant::significant;
 
@@ -27,23 +27,38 @@ fn at(results: &Results, path: &str, row: usize) -> f64 {
         .unwrap_or(f64::NAN)
 }
 
-/// Frequency, damping and what moves, a line a mode.
+/// Frequency, damping and what moves, a line a mode; of a period also the growth, which is definite whatever the frequency.
 pub(super) fn table(results: &Results) -> String {
-    let mut text = Table::new(&[&["mode", "frequency", "damping", ""], &["", "Hz", "%", ""]]);
+    let growth = are_of_a_period(results);
+    let mut head = [vec!["mode", "frequency", "damping"], vec!["", "Hz", "%"]];
+    if growth {
+        head[0].push("growth");
+        head[1].push("1/s");
+    }
+    head.iter_mut().for_each(|line| line.push(""));
+    let mut text = Table::new(&[&head[0], &head[1]]);
     let rows = results.samples();
     for row in 0..rows.min(MOST_ROWS) {
-        text.row(vec![
+        let mut cells = vec![
             format!("{:.0}", at(results, "mode", row)),
             frequency(at(results, "frequency", row)),
             format!("{:.2}", 100.0 * at(results, "damping_ratio", row)),
-            composition(results, row),
-        ]);
+        ];
+        if growth {
+            cells.push(significant(at(results, "growth", row), 5));
+        }
+        cells.push(composition(results, row));
+        text.row(cells);
     }
     let rest = match rows.saturating_sub(MOST_ROWS) {
         0 => String::new(),
         more => format!("  and {more} more in the file\n"),
     };
-    format!("{}{}{rest}", mark(results), text.render_left(3))
+    format!(
+        "{}{}{rest}",
+        mark(results),
+        text.render_left(3 + usize::from(growth))
+    )
 }
 
 /// A line above a table of frozen modes.

@@ -432,6 +432,8 @@ pub struct Linear {
     pub number: Option<u32>,
     /// Largest |λ| (rad/s) that is reported.
     pub up_to: Option<f64>,
+    /// The period of the motion about which the modes are, where coefficients repeat; `None`: about a state.
+    pub over: Option<Extent>,
     /// Whether coefficients that change while bodies turn are held at their values of the moment.
     pub frozen: bool,
 }

@@ -118,7 +118,7 @@ impl<'p> Checker<'p> {
         // A time or an angle, which the cycle counts.
         let extents: &[&str] = match name {
             "transient" => &["duration", "sample"],
-            "linear" => &["after"],
+            "linear" => &["after", "over"],
             _ => &[],
         };
         let mut slots = Vec::new();
@@ -175,7 +175,13 @@ impl<'p> Checker<'p> {
                         self.start_word(&argument.value);
                         continue;
                     }
-                    self.extent(scope, name, &label.text, &argument.value, with_cycle);
+                    // a turn of the fastest body, where there is no cycle
+                    let cycle = if label.text == "over" {
+                        None
+                    } else {
+                        with_cycle
+                    };
+                    self.extent(scope, name, &label.text, &argument.value, cycle);
                 }
                 None => others.push(argument.clone()),
             }
@@ -200,6 +206,17 @@ impl<'p> Checker<'p> {
                 .find(|a| a.name.as_ref().is_some_and(|n| n.text == wanted))
                 .map(|a| a.value.span)
         };
+        if let (Some(frozen), Some(over)) = (place("frozen"), place("over")) {
+            self.report(
+                Diagnostic::error(
+                    codes::ANALYSIS,
+                    "modes are those of a period or of a frozen moment, not of both",
+                )
+                .at(frozen, "for one moment")
+                .also(over, "for a motion that repeats")
+                .with_help("give one of the two, or none where the coefficients are constant"),
+            );
+        }
         if let (Some(step), Some(tolerance)) = (place("step"), place("tolerance")) {
             self.report(
                 Diagnostic::error(

@@ -288,6 +288,10 @@ impl<'a> Elaborator<'a, '_> {
             }
             None => None,
         };
+        let over = match self.option(arguments, "over", scope)? {
+            Some(over) => Some(self.extent("over", over)?),
+            None => None,
+        };
         let frozen = self.switch(arguments, "frozen", scope)?;
         let (step, rho_infinity) = self.steps(arguments, scope)?;
         let unstated = match after {
@@ -301,6 +305,7 @@ impl<'a> Elaborator<'a, '_> {
             start: self.start(arguments, unstated)?,
             number,
             up_to,
+            over,
             frozen,
         })
     }

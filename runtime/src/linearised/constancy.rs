@@ -1,7 +1,7 @@
 //! Whether the coefficients stay as they are while bodies turn.
 //!
-//! Every body turns on as it does at the state, with its velocity in its own axes kept, by two finite angles; the loads' time, shapes and
-//! states stay. There the equations are made anew, with the accelerations of that place. Coefficients are constant where nothing of
+//! Every body turns on as it does at the state, with its velocity in its own axes kept, by two finite angles, and time goes on with them;
+//! shapes and states stay. There the equations are made anew, with the accelerations of that place. Coefficients are constant where nothing of
 //! them has changed in ground axes: the mass M, the allowed moves `Π = N NᵀM`, `ΠᵀKΠ`, `ΠᵀCΠ` and the blocks of the states. These do not
 //! depend on the choice of N, and where all of them stay, N can stay as well, so that the equations in x are those of every moment.
 //!
@@ -68,22 +68,46 @@ impl Coefficients {
         }
     }
 
-    /// Whether nothing differs; `groups` are ranges of the velocities that have one unit and one body.
-    fn same(&self, other: &Coefficients, groups: &[Range<usize>]) -> bool {
-        same_blocks(&self.mass, &other.mass, groups)
-            && same_blocks(&self.moves, &other.moves, groups)
-            && same_blocks(&self.stiffness, &other.stiffness, groups)
-            && same_blocks(&self.damping, &other.damping, groups)
+    /// Whether nothing differs by more than a `share` of the largest entry of its kind between the same two bodies, and of a `floor` of
+    /// all, mass, damping and stiffness measured by each other at a pace (rad/s); `groups` are ranges of the velocities that have one
+    /// unit and one body.
+    fn same(
+        &self,
+        other: &Coefficients,
+        groups: &[Range<usize>],
+        pace: f64,
+        [share, floor]: [f64; 2],
+    ) -> bool {
+        let largest = |a: &DMatrix<f64>, b: &DMatrix<f64>| a.amax().max(b.amax());
+        let mass = largest(&self.mass, &other.mass);
+        let damping = largest(&self.damping, &other.damping);
+        let stiffness = largest(&self.stiffness, &other.stiffness);
+        let of_all = mass * pace + damping + stiffness / pace;
+        same_blocks(&self.mass, &other.mass, groups, share, floor * mass)
+            && same_blocks(&self.moves, &other.moves, groups, share, floor)
+            && same_blocks(&self.damping, &other.damping, groups, share, floor * of_all)
+            && same_blocks(
+                &self.stiffness,
+                &other.stiffness,
+                groups,
+                share,
+                floor * of_all * pace,
+            )
             && self
                 .of_states
                 .iter()
                 .zip(&other.of_states)
-                .all(|(a, b)| (a - b).amax() <= SAME * a.amax().max(b.amax()))
+                .all(|(a, b)| (a - b).amax() <= share * largest(a, b))
     }
 }
 
-fn same_blocks(a: &DMatrix<f64>, b: &DMatrix<f64>, groups: &[Range<usize>]) -> bool {
-    let floor = ROUNDING * a.amax().max(b.amax());
+fn same_blocks(
+    a: &DMatrix<f64>,
+    b: &DMatrix<f64>,
+    groups: &[Range<usize>],
+    share: f64,
+    floor: f64,
+) -> bool {
     groups.iter().all(|rows| {
         groups.iter().all(|columns| {
             let view = |m: &DMatrix<f64>| {
@@ -91,7 +115,7 @@ fn same_blocks(a: &DMatrix<f64>, b: &DMatrix<f64>, groups: &[Range<usize>]) -> b
                     .into_owned()
             };
             let (a, b) = (view(a), view(b));
-            (&a - &b).amax() <= SAME * a.amax().max(b.amax()) + floor
+            (&a - &b).amax() <= share * a.amax().max(b.amax()) + floor
         })
     })
 }
@@ -122,6 +146,30 @@ pub(super) fn turning(model: &Model, state: &State) -> Vec<usize> {
     (0..model.bodies.len()).filter(turns).collect()
 }
 
+/// The largest change of a body's spin from one state to another (rad/s).
+pub(super) fn change_of_spin(model: &Model, from: &State, to: &State) -> f64 {
+    let change = |v: usize| (spin(to, v) - spin(from, v)).norm();
+    model
+        .bodies
+        .iter()
+        .fold(0.0_f64, |most, body| most.max(change(body.velocity)))
+}
+
+/// The speed of the fastest body that turns (rad/s), zero where none does.
+pub(super) fn fastest(model: &Model, state: &State) -> f64 {
+    turning(model, state)
+        .into_iter()
+        .map(|b| spin(state, model.bodies[b].velocity).norm())
+        .fold(0.0, f64::max)
+}
+
+/// Whether two sets of equations are the same but for a `share` of the largest of each kind; `pace` (rad/s) measures mass, damping and
+/// stiffness by each other.
+pub(super) fn alike(model: &Model, both: [&Equations; 2], pace: f64, share: f64) -> bool {
+    let [a, b] = both.map(|e| Coefficients::new(model, e));
+    a.same(&b, &groups(model), pace, [share, 1e-3 * share])
+}
+
 /// The equations where `bodies` have turned on for a time (s): each about its own axis, which stands in space; its velocity in its own
 /// axes is kept.
 fn turned_on(
@@ -132,6 +180,8 @@ fn turned_on(
     moment: Moment,
 ) -> Result<Equations, RuntimeError> {
     let mut moved = state.clone();
+    // drives that turn bodies over time turn on with them
+    moved.time += time;
     let mut increment = vec![0.0; model.velocities];
     for index in bodies {
         let (first, pose) = (model.bodies[*index].velocity, model.bodies[*index].pose);
@@ -171,10 +221,7 @@ pub(super) fn varying(
     name: bool,
 ) -> Vec<TurningBody> {
     let bodies = turning(model, state);
-    let fastest = bodies
-        .iter()
-        .map(|b| spin(state, model.bodies[*b].velocity).norm())
-        .fold(0.0_f64, f64::max);
+    let fastest = fastest(model, state);
     if bodies.is_empty() {
         return Vec::new();
     }
@@ -186,7 +233,10 @@ pub(super) fn varying(
         Some(Coefficients::new(model, &there))
     };
     let constant = |bodies: &[usize]| {
-        let same = |angle: f64| at(bodies, angle).is_some_and(|there| here.same(&there, &groups));
+        let same = |angle: f64| {
+            at(bodies, angle)
+                .is_some_and(|there| here.same(&there, &groups, fastest, [SAME, ROUNDING]))
+        };
         ANGLES.into_iter().all(same)
     };
     if constant(&bodies) {
@@ -199,7 +249,7 @@ pub(super) fn varying(
         let unequal = || {
             ANGLES.into_iter().any(|angle| {
                 at(&[index], angle)
-                    .is_some_and(|there| !same_blocks(&here.mass, &there.mass, &rigid))
+                    .is_some_and(|there| !same_blocks(&here.mass, &there.mass, &rigid, SAME, 0.0))
             })
         };
         let varies = if body.modes() > 0 {

@@ -405,6 +405,12 @@ impl Equations {
         out
     }
 
+    /// A vector of the runtime's moves or rates, rotations in body axes, in ground axes.
+    pub fn in_ground_axes(&self, mut x: DVector<f64>) -> DVector<f64> {
+        self.axes.to_ground(x.as_view_mut());
+        x
+    }
+
     /// A vector of moves or rates in ground axes as the runtime's, rotations in body axes.
     pub fn in_body_axes(&self, mut x: DVector<f64>) -> DVector<f64> {
         self.axes.to_body(x.as_view_mut());

@@ -34,19 +34,21 @@ mod constancy;
 mod eigen;
 mod energies;
 mod equations;
+mod floquet;
 mod outputs;
 mod run;
 mod slow;
 
 pub use energies::{Part, Shares, parts_of, stores};
 pub use equations::Equations;
+pub use floquet::{Harmonics, Orbit, Repeating};
 pub use run::run_linear;
 
 use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
 use crate::state::State;
 use energies::{Ledger, parts};
-use nalgebra::{Complex, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 use outputs::{Direction, Probe};
 
 /// Growth below this share of |λ| is rounding.
@@ -72,6 +74,8 @@ pub enum Coefficients {
     Constant,
     /// Held at their values of the moment.
     Frozen,
+    /// They repeat, and the modes are those of a period.
+    Periodic,
 }
 
 /// A motion `u(t) = Re (place e^{λt})` of the linearised system, scaled so that its kinetic energy has the peak of 1 J:
@@ -87,6 +91,8 @@ pub struct Mode {
     pub shares: Shares,
     /// Amplitude of every channel (SI).
     pub outputs: Vec<Complex<f64>>,
+    /// What is known of it beside, about a motion that repeats; place, shares and outputs are those at the begin of its period.
+    pub repeating: Option<Repeating>,
 }
 
 impl Mode {
@@ -110,9 +116,10 @@ impl Mode {
         -self.value.re / self.value.norm()
     }
 
-    /// Whether it grows.
+    /// Whether it grows, by more than it is uncertain.
     pub fn grows(&self) -> bool {
-        self.value.re > GROWTH * self.value.norm()
+        let error = self.repeating.as_ref().map_or(0.0, |r| r.error);
+        self.value.re > (GROWTH * self.value.norm()).max(error)
     }
 
     /// The parts with most kinetic energy, the largest first: index and share.
@@ -150,6 +157,8 @@ pub struct LinearModes {
     pub zeros: usize,
     /// |λ| (rad/s) below which an eigenvalue is found about zero, and counts as zero where nothing but rounding holds it.
     pub resolution: f64,
+    /// The motion that repeats, where the modes are those of its period.
+    pub orbit: Option<Orbit>,
 }
 
 impl LinearModes {
@@ -194,16 +203,60 @@ pub fn linearise(
     let slow = slow::resolve(&equations, unresolved, resolution)?;
     let zeros = slow.zeros;
     pairs.extend(slow.pairs);
+    let found = pairs
+        .into_iter()
+        .map(|pair| {
+            let x = pair.vector.rows(0, p).into_owned();
+            Found {
+                value: pair.value,
+                rate: complex(&equations.basis, &x) * pair.value
+                    + complex(&equations.basis_rate, &x),
+                vector: pair.vector,
+                repeating: None,
+            }
+        })
+        .collect();
+    let modes = collected(model, state, moment, &equations, wanted, found)?;
+    Ok(LinearModes {
+        coefficients,
+        zeros,
+        resolution,
+        ..modes
+    })
+}
+
+/// An eigenvalue with its vector ξ and the rates of the moves u there.
+struct Found {
+    value: Complex<f64>,
+    vector: DVector<Complex<f64>>,
+    rate: DVector<Complex<f64>>,
+    repeating: Option<Repeating>,
+}
+
+fn complex(real: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    let [a, b] = parts(x);
+    (real * a).zip_map(&(real * b), Complex::new)
+}
+
+/// The modes that are wanted, in order, with shares and outputs at a state. Coefficients, zeros and resolution are the caller's.
+fn collected(
+    model: &Model,
+    state: &State,
+    moment: Moment,
+    equations: &Equations,
+    wanted: Wanted,
+    found: Vec<Found>,
+) -> Result<LinearModes, RuntimeError> {
     let (oscillations, others): (Vec<_>, Vec<_>) =
-        pairs.into_iter().partition(|pair| pair.value.im > 0.0);
-    let mut kinds: [Vec<eigen::Eigenpair>; 2] = [oscillations, others];
+        found.into_iter().partition(|pair| pair.value.im > 0.0);
+    let mut kinds: [Vec<Found>; 2] = [oscillations, others];
     let ledger = Ledger::new(model, state)?;
     let mut probe = Probe::new(model, state, moment)?;
     let mut modes = Vec::new();
     let mut left_out = [0; 2];
     for (kind, left_out) in kinds.iter_mut().zip(&mut left_out) {
         kind.sort_by(|a, b| {
-            let key = |pair: &eigen::Eigenpair| [pair.value.norm(), pair.value.im, pair.value.re];
+            let key = |pair: &Found| [pair.value.norm(), pair.value.im, pair.value.re];
             let (a, b) = (key(a), key(b));
             a.iter()
                 .zip(&b)
@@ -219,22 +272,24 @@ pub fn linearise(
             .filter(|pair| pair.value.norm() <= limit);
         let before = modes.len();
         for pair in kept {
-            modes.push(mode(model, &equations, &ledger, &mut probe, pair)?);
+            modes.push(mode(model, equations, &ledger, &mut probe, pair)?);
         }
         *left_out = kind.len() - (modes.len() - before);
     }
+    let p = equations.freedoms();
     Ok(LinearModes {
         moment,
-        coefficients,
+        coefficients: Coefficients::Constant,
         cycle_speed: None,
         freedoms: p,
-        states: unknowns - 2 * p,
+        states: equations.first_order_size() - 2 * p,
         parts: ledger.parts,
         stores: ledger.stores,
         modes,
         left_out,
-        zeros,
-        resolution,
+        zeros: 0,
+        resolution: 0.0,
+        orbit: None,
     })
 }
 
@@ -244,17 +299,13 @@ fn mode(
     equations: &Equations,
     ledger: &Ledger,
     probe: &mut Probe<'_>,
-    pair: &eigen::Eigenpair,
+    pair: &Found,
 ) -> Result<Mode, RuntimeError> {
     let p = equations.freedoms();
     let value = pair.value;
-    let complex = |real: &nalgebra::DMatrix<f64>, x: &DVector<Complex<f64>>| {
-        let [a, b] = parts(x);
-        (real * a).zip_map(&(real * b), Complex::new)
-    };
     let coordinates = pair.vector.rows(0, p).into_owned();
     let mut place = complex(&equations.basis, &coordinates);
-    let mut rate = &place * value + complex(&equations.basis_rate, &coordinates);
+    let mut rate = pair.rate.clone();
     let mut states = pair
         .vector
         .rows(2 * p, pair.vector.len() - 2 * p)
@@ -320,5 +371,6 @@ fn mode(
             .zip(imaginary)
             .map(|(re, im)| Complex::new(re, im))
             .collect(),
+        repeating: pair.repeating.clone(),
     })
 }

@@ -1,5 +1,6 @@
 //! From a model to its modes: the start, the transient to the state, the linearisation.
 
+use super::floquet::about_an_orbit;
 use super::{LinearModes, Wanted, linearise};
 use crate::error::{Moment, RuntimeError};
 use crate::simulation::{Options, Simulation};
@@ -51,7 +52,10 @@ pub fn run_linear(
     for warning in simulation.take_warnings() {
         observer.warning(&warning);
     }
-    let modes = simulation.sampled_modes(wanted)?;
+    let modes = match linear.over {
+        None => simulation.sampled_modes(wanted)?,
+        Some(over) => about_an_orbit(&mut simulation, over, linear.step, wanted, observer)?,
+    };
     follow(&simulation, observer, &Advance::new(&simulation, 1.0), true)?;
     Ok(modes)
 }
@@ -69,7 +73,7 @@ fn tell(
 }
 
 /// Steps until the cycle has turned by an angle (rad), and takes the outputs there.
-fn turn_by(
+pub(super) fn turn_by(
     simulation: &mut Simulation,
     angle: f64,
     values: &mut [f64],
