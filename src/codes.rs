@@ -118,6 +118,9 @@ eng_grammar::codes! {
     UPSIDE_DOWN = "W0715", "a balance or a steady motion is unstable",
         "The forces are in balance, but the least push leads away from it: a pendulum above its pivot, a column pressed beyond its load. The run stays there until rounding or a load moves it. Where that is not meant, begin beside it with `guess`; the message names the body that leaves it and how fast.",
         "", "";
+    BENT_AS_IF_LOADS_TURNED = "W0745", "a turning flexible body starts bent as if all loads turned with it",
+        "A load that is still in space, such as weight, bends a turning shaft as at rest; one that turns with it, such as an unbalance, bends it by 1/(1 − Ω²/ω²). The start tells them apart by the motion that repeats after a turn or a cycle. Here there is none, for the reason given: a speed that changes, shafts whose turns never meet, a load in resonance with a shape that nothing damps. So all loads are taken to turn, and the body rings at first. Give the model a cycle or constant speeds, damp the shape, or begin with `start: assembled`.",
+        "", "";
     PARAMETER_ADVISED = "W0720", "parameters do not follow an `advise`",
         "The run goes on, but the class takes these parameters for doubtful: a clearance that may be diametral instead of radial. The text is its author's.",
         "", "";

@@ -3,7 +3,7 @@
 use crate::codes;
 use crate::significant::significant;
 use eng_grammar::{Diagnostic, SourceId, Span};
-use eng_runtime::{Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Unstable};
+use eng_runtime::{Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Turning, Unstable};
 use eng_system::code::BindError;
 use eng_system::system::{Location, Origin, System};
 use eng_system::table::Outside;
@@ -365,6 +365,17 @@ pub(crate) fn start_advice(start: &StartReport) -> Option<Diagnostic> {
     let obstacle = match start {
         StartReport::NoBalance(obstacle) => obstacle,
         StartReport::QuasiStatic(found) => {
+            if let Some(Turning::WithTheBody { origin, reason }) = &found.turning {
+                let message = Diagnostic::warning(
+                    codes::BENT_AS_IF_LOADS_TURNED,
+                    format!("{} starts bent as if all loads turned with it", origin.path),
+                );
+                return Some(
+                    place(message, origin, "turns")
+                        .with_note(reason.clone())
+                        .with_help("`start: assembled` takes the straight body without a warning"),
+                );
+            }
             return found
                 .unstable
                 .as_ref()

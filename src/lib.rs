@@ -58,7 +58,7 @@ pub use eng_runtime::linearised::{
 };
 pub use eng_runtime::{
     Energy, Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Statistics, TopologyReport,
-    Verdict, Warning,
+    Turning, Verdict, Warning,
 };
 pub use eng_system::system::{Start, StepControl};
 pub use eng_system::{Dimension, DisplayUnit};

@@ -51,6 +51,6 @@ pub use integrator::Statistics;
 pub use linearised::{LinearModes, run_linear};
 pub use periodic::{CycleReport, PeriodicSummary, run_periodic};
 pub use simulation::{CscView, Energy, Jump, Options, Pace, Simulation, Slow, StepReport, Warning};
-pub use start::{StartReport, Unstable};
+pub use start::{StartReport, Turning, Unstable};
 pub use topology::{TopologyReport, topology};
 pub use transient::{Advance, Observer, RunSummary, Sample, Verdict, countable, run_transient};

@@ -6,7 +6,7 @@
 //!
 //! - what the text states holds: every `start` row, the cycle's angle, and what is stated to move stays where it is;
 //! - the motion is steady ([`motion`]): modal rates, the rates of the eccentricities seen from their shells and the relative rates
-//!   of springs are zero, and remain zero;
+//!   of springs are zero, and remain zero; where flexible bodies turn, they are bent as in the motion that repeats;
 //! - all other freedoms are in balance ([`balance`]) with the inertia of that motion, gas, gravity and the films.
 //!
 //! The accelerations of the simulation's start are then those of the steady motion, save along what is held: there the engine
@@ -54,6 +54,31 @@ pub struct Equilibrium {
     pub held: Vec<Held>,
     /// How a balance at rest is left: it stands upside down. Not judged where something moves or is held.
     pub unstable: Option<Unstable>,
+    /// How flexible bodies that turn are bent, where there are any.
+    pub turning: Option<Turning>,
+}
+
+/// How flexible bodies that turn are bent at the start.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Turning {
+    /// As in the motion that repeats: by loads that turn with them and by those that are still in space, each in its own way.
+    Repeating {
+        /// Equal parts of the period at which it was solved.
+        angles: usize,
+        /// The period (s).
+        period: f64,
+        /// Change of the start from half as many angles, as a share of the largest bending.
+        change: f64,
+    },
+    /// As if all loads turned with them, in a model with films: the orbits of pins in their films are not solved for.
+    OnFilms,
+    /// As if all loads turned with them, for the reason told.
+    WithTheBody {
+        /// A body that turns.
+        origin: Origin,
+        /// Why no motion that repeats was found.
+        reason: String,
+    },
 }
 
 /// A balance at rest from which the least push leads away.
@@ -123,6 +148,21 @@ impl std::fmt::Display for StartReport {
                         "; {} held with {:.4} {unit}",
                         held.origin.path, held.effort
                     )?;
+                }
+                match &e.turning {
+                    Some(Turning::Repeating { angles, period, change }) => write!(
+                        f,
+                        "; turning flexible bodies as in the motion that repeats after {:.4} ms, at {angles} angles to {change:.1e}",
+                        1e3 * period
+                    )?,
+                    Some(Turning::OnFilms) => f.write_str(
+                        "; turning flexible bodies as if all loads turned with them, for they turn on films",
+                    )?,
+                    Some(Turning::WithTheBody { reason, .. }) => write!(
+                        f,
+                        "; turning flexible bodies as if all loads turned with them: {reason}"
+                    )?,
+                    None => {}
                 }
                 if let Some(unstable) = &e.unstable {
                     write!(

@@ -98,6 +98,30 @@ impl Rows {
         self.scales.is_empty()
     }
 
+    /// Values of the rows.
+    pub fn values(&self, model: &Model, at: &At) -> Result<DVector<f64>, RuntimeError> {
+        let mut values = DVector::zeros(self.len());
+        let mut first = 0;
+        for element in &self.elements {
+            let rows = model.class(*element).rows.len();
+            let class = model.elements[*element].class;
+            let layout = &model.compiled.system.classes[class].layout;
+            let mut out = vec![[0.0; 2]; layout.residual_len() as usize];
+            elements::call(
+                model,
+                class,
+                Function::Residual,
+                &inputs(model, *element, at),
+                &mut out,
+            )?;
+            for i in 0..rows {
+                values[first + i] = out[i][0];
+            }
+            first += rows;
+        }
+        Ok(values)
+    }
+
     /// Values of the rows, and their derivatives by all velocities of the model (rows × velocities).
     pub fn evaluate(
         &self,

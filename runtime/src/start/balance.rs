@@ -15,6 +15,7 @@
 mod holding;
 mod stability;
 mod telling;
+mod turning;
 
 use super::motion::{SteadyMotion, film_ratios};
 use super::picking::{split, unit_rows};
@@ -113,6 +114,8 @@ pub struct Balance<'a> {
     unit: f64,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
+    /// Rows of what is held at another angle of a turn, in scaled velocities.
+    turned: Option<DMatrix<f64>>,
 }
 
 /// A place with its multipliers and efforts.
@@ -157,8 +160,9 @@ impl<'a> Balance<'a> {
             velocity,
             acceleration,
             motion,
+            turned: None,
         };
-        balance.hold_what_moves(state)?;
+        (balance.fixed, balance.fixed_names) = balance.what_moves(state)?;
         let (_, mut rows) = balance.holds(state)?;
         balance.factors = unit_rows(&mut rows, 1e-12);
         let mut free = balance.motion.free.clone();
@@ -176,13 +180,18 @@ impl<'a> Balance<'a> {
 
     /// Scaled residual: balance, constraints, holds.
     fn residual(&mut self, place: &Place) -> Result<DVector<f64>, Stop> {
+        self.velocity = self
+            .motion
+            .velocity(self.model, &place.state)
+            .map_err(|e| locked(self.model, e))?;
+        self.imbalance(place)
+    }
+
+    /// The same with the velocities as they are.
+    fn imbalance(&mut self, place: &Place) -> Result<DVector<f64>, Stop> {
         let model = self.model;
         let (n, m) = (model.velocities, model.rows);
         let state = &place.state;
-        self.velocity = self
-            .motion
-            .velocity(model, state)
-            .map_err(|e| locked(model, e))?;
         self.dynamics
             .place(model, state.time, &state.pose, &self.velocity);
         self.dynamics
@@ -209,8 +218,8 @@ impl<'a> Balance<'a> {
         Ok(out)
     }
 
-    /// The matrix of the step's equations at the place of the last residual, with a weight of the velocities.
-    fn fill(&mut self, velocity_weight: f64) -> Result<(), RuntimeError> {
+    /// The matrix of the step's equations at the place of the last residual.
+    fn fill(&mut self, weights: Weights) -> Result<(), RuntimeError> {
         let model = self.model;
         self.plan.fill(
             model,
@@ -218,10 +227,7 @@ impl<'a> Balance<'a> {
             &self.velocity,
             &self.acceleration,
             &vec![0.0; model.velocities],
-            Weights {
-                acceleration: 0.0,
-                velocity: velocity_weight,
-            },
+            weights,
             1.0,
             &mut self.values,
         )
@@ -231,9 +237,13 @@ impl<'a> Balance<'a> {
     fn matrix(&mut self, state: &State) -> Result<DMatrix<f64>, Stop> {
         let model = self.model;
         let (n, m, s) = (model.velocities, model.rows, model.states);
-        self.fill(1.0)?;
+        let by_velocity = |velocity: f64| Weights {
+            acceleration: 0.0,
+            velocity,
+        };
+        self.fill(by_velocity(1.0))?;
         let moving = self.values.clone();
-        self.fill(0.0)?;
+        self.fill(by_velocity(0.0))?;
         let (_, rows) = self.held(state)?;
         let size = n + m + rows.nrows();
         let mut out = DMatrix::zeros(size, size);
@@ -289,6 +299,9 @@ impl<'a> Balance<'a> {
 
     /// Brings a state into balance: its places, velocities and multipliers.
     pub fn solve(&mut self, state: &mut State) -> Result<Equilibrium, Stop> {
+        if self.turns() {
+            return self.turning(state);
+        }
         if !self.rests() {
             return self.search(state);
         }
@@ -321,7 +334,12 @@ impl<'a> Balance<'a> {
 
     /// By the load in portions; velocities follow.
     fn search(&mut self, state: &mut State) -> Result<Equilibrium, Stop> {
-        let model = self.model;
+        let (place, found) = self.balanced(state)?;
+        self.told_of(state, &place, found)
+    }
+
+    /// Where the search begins.
+    fn assembled(&mut self, state: &State) -> Result<Place, Stop> {
         let mut place = Place {
             state: state.clone(),
             efforts: DVector::zeros(self.holding.len() + self.neutral.nrows()),
@@ -332,10 +350,20 @@ impl<'a> Balance<'a> {
         } else {
             place.state.multipliers.fill(0.0);
         }
-        let mut found = Equilibrium {
+        Ok(place)
+    }
+
+    fn nothing_found(&self) -> Equilibrium {
+        Equilibrium {
             freedoms: self.freedoms,
             ..Equilibrium::default()
-        };
+        }
+    }
+
+    fn balanced(&mut self, state: &State) -> Result<(Place, Equilibrium), Stop> {
+        let model = self.model;
+        let mut place = self.assembled(state)?;
+        let mut found = self.nothing_found();
         let goal = self.goal();
         for round in 0..ROUNDS {
             let before = place.state.pose.clone();
@@ -354,7 +382,7 @@ impl<'a> Balance<'a> {
                 break;
             }
         }
-        self.told_of(state, &place, found)
+        Ok((place, found))
     }
 
     /// By following the motion at rest; `None` where that comes to no balance.
@@ -525,12 +553,21 @@ impl<'a> Balance<'a> {
 
     /// Moves by a step of Newton's method, scaled as its matrix and `size` large, as far as [`Self::allowed`]; gives that part of it.
     fn advance(&self, place: &mut Place, step: &DVector<f64>, size: f64) -> f64 {
+        let scales = self.motion.scales();
+        let increment: Vec<f64> = (0..scales.len()).map(|i| step[i] * scales[i]).collect();
+        let mut pose = place.state.pose.clone();
+        let factor = self.allowed(&place.state.pose, &increment, size, &mut pose);
+        self.shift(place, step, factor);
+        factor
+    }
+
+    /// Moves by a part of such a step.
+    fn shift(&self, place: &mut Place, step: &DVector<f64>, factor: f64) {
         let model = self.model;
         let (n, m) = (model.velocities, model.rows);
         let scales = self.motion.scales();
         let increment: Vec<f64> = (0..n).map(|i| step[i] * scales[i]).collect();
         let mut pose = place.state.pose.clone();
-        let factor = self.allowed(&place.state.pose, &increment, size, &mut pose);
         move_pose(model, &place.state.pose, &increment, factor, &mut pose);
         place.state.pose.copy_from_slice(&pose);
         for (i, scale) in model.row_scales().iter().enumerate() {
@@ -539,7 +576,6 @@ impl<'a> Balance<'a> {
         for i in 0..place.efforts.len() {
             place.efforts[i] += factor * step[n + m + i];
         }
-        factor
     }
 
     /// The part of an increment that leaves films and reason.

@@ -11,6 +11,9 @@
 //! 6. relative rates of what damps, then of what springs (the rows of its forces' derivatives): zero;
 //! 7. what is left has the least kinetic energy.
 //!
+//! Along a path that is known at all angles of a period ([`SteadyMotion::along_path`]) all velocities are the path's own, changed by
+//! least squares (scaled) so that the constraints, 1, 2 and 4 hold.
+//!
 //! Zeros come after the films: a shaft that is stated to turn about the ground's axis alone tilts by microradians in its bearings
 //! and turns about its own axis, else its pins would circle in their shells as fast as the shaft turns.
 //!
@@ -29,7 +32,7 @@ use crate::rotation::V3;
 use crate::state::{State, move_pose};
 use eng_system::code::Function;
 use eng_system::system::Role;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// A row shorter than this (in scaled velocities) says nothing.
 const EMPTY: f64 = 1e-12;
@@ -45,7 +48,8 @@ const APART: f64 = 5e-4;
 enum Wish {
     /// Some of the rows that state velocities.
     Stated(Rows, Vec<usize>),
-    Bending,
+    /// These velocities.
+    Own(Vec<usize>),
     Films,
     Loads(Vec<usize>),
 }
@@ -72,6 +76,23 @@ pub struct SteadyMotion {
     pub free: DMatrix<f64>,
 }
 
+/// Rows that velocities keep at a place: `rows · y + values = 0`, y the scaled velocities.
+pub struct Kept {
+    /// H.
+    pub rows: DMatrix<f64>,
+    values: DVector<f64>,
+    /// Factors of HHᵀ.
+    square: LU<f64, Dyn, Dyn>,
+}
+
+impl Kept {
+    /// The least change of scaled velocities by which the rows give `wanted`.
+    pub fn least(&self, wanted: &DVector<f64>) -> Result<DVector<f64>, NoMotion> {
+        let solved = self.square.solve(wanted).ok_or(NoMotion::Singular)?;
+        Ok(self.rows.tr_mul(&solved))
+    }
+}
+
 /// Why there is no steady motion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoMotion {
@@ -90,19 +111,7 @@ impl From<RuntimeError> for NoMotion {
 impl SteadyMotion {
     /// Decides what gives the velocities, at an assembled state.
     pub fn new(model: &Model, state: &State) -> Result<SteadyMotion, NoMotion> {
-        let system = &model.compiled.system;
-        let of = |wanted: &dyn Fn(usize) -> bool| -> Rows {
-            let with_rows = |e: &usize| !model.class(*e).rows.is_empty();
-            Rows::new(
-                model,
-                (0..model.elements.len())
-                    .filter(|e| wanted(*e) && with_rows(e))
-                    .collect(),
-            )
-        };
-        let velocity =
-            |exact| move |e: usize| system.elements[e].role == Role::StartVelocity { exact };
-        let films: Vec<usize> = system.journals.iter().map(|j| j.element as usize).collect();
+        let films = films(model);
         let loads = |damping: bool| -> Vec<usize> {
             (0..model.elements.len())
                 .filter(|e| {
@@ -114,24 +123,35 @@ impl SteadyMotion {
                 })
                 .collect()
         };
-        let mut resting = state.clone();
-        resting.velocity.fill(0.0);
-        let stated = of(&velocity(true));
-        let (values, _) = stated.evaluate(model, &at(&resting), Along::Velocity)?;
-        let (moving, still) = (0..stated.len()).partition(|i| values[*i] != 0.0);
-        let guessed = of(&velocity(false));
-        let all = (0..guessed.len()).collect();
+        let [moving, still, guessed] = stated(model, state)?;
         let wishes = vec![
-            Wish::Stated(stated.clone(), moving),
+            moving,
             Wish::Films,
-            Wish::Bending,
-            Wish::Stated(stated, still),
-            Wish::Stated(guessed, all),
+            Wish::Own(modal(model)),
+            still,
+            guessed,
             Wish::Loads(loads(true)),
             Wish::Loads(loads(false)),
         ];
+        SteadyMotion::decide(model, state, wishes)
+    }
+
+    /// The rows that velocities along a path must keep. Stated zeros come after the shapes and frames of flexible bodies: a shaft that
+    /// sags turns about an axis that is tilted.
+    pub fn along_path(model: &Model, state: &State) -> Result<SteadyMotion, NoMotion> {
+        let flexible = model
+            .bodies
+            .iter()
+            .filter(|b| b.modes() > 0)
+            .flat_map(|b| b.velocity..b.velocity + b.width());
+        let [moving, still, _] = stated(model, state)?;
+        let wishes = vec![moving, Wish::Films, Wish::Own(flexible.collect()), still];
+        SteadyMotion::decide(model, state, wishes)
+    }
+
+    fn decide(model: &Model, state: &State, wishes: Vec<Wish>) -> Result<SteadyMotion, NoMotion> {
         let mut motion = SteadyMotion {
-            constraints: of(&|e| model.elements[e].dynamic),
+            constraints: rows_of(model, |e| model.elements[e].dynamic),
             factors: Vec::new(),
             levels: Vec::new(),
             rest: DMatrix::zeros(0, model.velocities),
@@ -219,16 +239,9 @@ impl SteadyMotion {
                 let (values, matrix) = rows.evaluate(model, &at(&resting), Along::Velocity)?;
                 (values.select_rows(chosen), matrix.select_rows(chosen))
             }
-            Wish::Bending => {
-                let modal: Vec<usize> = model
-                    .bodies
-                    .iter()
-                    .flat_map(|b| b.velocity + 6..b.velocity + b.width())
-                    .collect();
-                homogeneous(DMatrix::from_fn(modal.len(), n, |i, j| {
-                    f64::from(u8::from(modal[i] == j))
-                }))
-            }
+            Wish::Own(chosen) => homogeneous(DMatrix::from_fn(chosen.len(), n, |i, j| {
+                f64::from(u8::from(chosen[i] == j))
+            })),
             Wish::Films => homogeneous(eccentricity_rates(model, state)),
             Wish::Loads(elements) => {
                 let mut parts = Vec::new();
@@ -363,6 +376,82 @@ impl SteadyMotion {
         matrix.lu().solve(&rhs).ok_or(NoMotion::Singular)
     }
 
+    /// The rows that velocities on a path keep, at a place.
+    fn kept(&self, model: &Model, state: &State) -> Result<Kept, RuntimeError> {
+        let (values, rows) = self.constraint_rows(model, state)?;
+        let mut parts = vec![weighed(values, rows, &self.factors)];
+        let mut count = self.factors.len();
+        for level in self.kept_levels() {
+            count += level.pick.nrows();
+            let (values, rows) = self.wished(model, state, &level.wish)?;
+            let (values, rows) = weighed(values, rows, &level.factors);
+            parts.push((&level.pick * values, &level.pick * rows));
+        }
+        let mut values = DVector::zeros(count);
+        let mut rows = DMatrix::zeros(count, model.velocities);
+        let mut next = 0;
+        for (own, part) in parts {
+            values.rows_mut(next, own.len()).copy_from(&own);
+            rows.rows_mut(next, own.len()).copy_from(&part);
+            next += own.len();
+        }
+        Ok(Kept {
+            square: (&rows * rows.transpose()).lu(),
+            values,
+            rows,
+        })
+    }
+
+    /// The velocities nearest to wished ones (scaled) that keep their rows at a place, and these rows.
+    pub fn nearest(
+        &self,
+        model: &Model,
+        state: &State,
+        wished: &[f64],
+    ) -> Result<(Vec<f64>, Kept), NoMotion> {
+        let kept = self.kept(model, state)?;
+        let mut y = DVector::from_fn(model.velocities, |i, _| wished[i] / self.scales[i]);
+        // once more for what rounding leaves
+        for _ in 0..2 {
+            let missed = &kept.rows * &y + &kept.values;
+            y -= kept.least(&missed)?;
+        }
+        if y.iter().any(|x| !x.is_finite()) {
+            return Err(NoMotion::Singular);
+        }
+        let velocity = y.iter().zip(&self.scales).map(|(y, s)| y * s).collect();
+        Ok((velocity, kept))
+    }
+
+    fn kept_levels(&self) -> impl Iterator<Item = &Level> {
+        self.levels
+            .iter()
+            .filter(|l| l.pick.nrows() > 0 && !matches!(l.wish, Wish::Own(_) | Wish::Loads(_)))
+    }
+
+    /// What the rows that are kept give at the velocities of a state.
+    pub fn missed(&self, model: &Model, state: &State) -> Result<DVector<f64>, RuntimeError> {
+        let rates = self.constraints.rates(model, &at(state))?;
+        let mut out: Vec<f64> = rates
+            .iter()
+            .zip(&self.factors)
+            .map(|(r, f)| r * f)
+            .collect();
+        for level in self.kept_levels() {
+            let mut values = match &level.wish {
+                Wish::Stated(rows, chosen) => rows.values(model, &at(state))?.select_rows(chosen),
+                _ => {
+                    DVector::from_vec(rates_of_eccentricities(model, &state.pose, &state.velocity))
+                }
+            };
+            for (value, factor) in values.iter_mut().zip(&level.factors) {
+                *value *= factor;
+            }
+            out.extend((&level.pick * values).iter());
+        }
+        Ok(DVector::from_vec(out))
+    }
+
     /// The equations of the velocities: matrix and right side, and the first row of the films' level.
     #[allow(clippy::type_complexity)]
     fn equations(
@@ -433,7 +522,7 @@ impl SteadyMotion {
     }
 
     /// Moves a place along the motion by h (s), a step of Runge and Kutta's fourth order; gives the velocities there.
-    fn advance(
+    pub fn advance(
         &self,
         model: &Model,
         from: &State,
@@ -462,6 +551,51 @@ impl SteadyMotion {
             .zip(&self.scales)
             .fold(0.0_f64, |w, (v, s)| w.max((v / s).abs()))
     }
+}
+
+/// Elements that are films.
+fn films(model: &Model) -> Vec<usize> {
+    let journals = &model.compiled.system.journals;
+    journals.iter().map(|j| j.element as usize).collect()
+}
+
+/// All modal rates.
+fn modal(model: &Model) -> Vec<usize> {
+    model
+        .bodies
+        .iter()
+        .flat_map(|b| b.velocity + 6..b.velocity + b.width())
+        .collect()
+}
+
+fn rows_of(model: &Model, wanted: impl Fn(usize) -> bool) -> Rows {
+    Rows::new(
+        model,
+        (0..model.elements.len())
+            .filter(|e| wanted(*e) && !model.class(*e).rows.is_empty())
+            .collect(),
+    )
+}
+
+/// Velocities stated not to be zero, to be zero, and guessed.
+fn stated(model: &Model, state: &State) -> Result<[Wish; 3], RuntimeError> {
+    let of = |exact| {
+        rows_of(model, |e| {
+            model.compiled.system.elements[e].role == Role::StartVelocity { exact }
+        })
+    };
+    let mut resting = state.clone();
+    resting.velocity.fill(0.0);
+    let stated = of(true);
+    let (values, _) = stated.evaluate(model, &at(&resting), Along::Velocity)?;
+    let (moving, still) = (0..stated.len()).partition(|i| values[*i] != 0.0);
+    let guessed = of(false);
+    let all = (0..guessed.len()).collect();
+    Ok([
+        Wish::Stated(stated.clone(), moving),
+        Wish::Stated(stated, still),
+        Wish::Stated(guessed, all),
+    ])
 }
 
 fn weighed(

@@ -37,6 +37,9 @@ fn skew(v: &Vector3<f64>) -> Matrix3<f64> {
     v.cross_matrix()
 }
 
+/// Place (m), mass (kg) and moves (m) in each shape of a point.
+pub type Point = ([f64; 3], f64, Vec<[f64; 3]>);
+
 /// A structure of nodes with three translations and three rotations each (all translations first).
 pub struct Nodes {
     pub places: Vec<Vector3<f64>>,
@@ -80,6 +83,36 @@ impl Nodes {
             places,
             mass,
             shapes,
+        }
+    }
+
+    /// Masses in points, with the moves (m) of each point in each shape.
+    pub fn lumped(points: &[Point]) -> Nodes {
+        let count = points.len();
+        let modes = points.first().map_or(0, |p| p.2.len());
+        let mut mass = DMatrix::zeros(6 * count, 6 * count);
+        let mut shapes = DMatrix::zeros(6 * count, modes);
+        for (i, (_, own, moves)) in points.iter().enumerate() {
+            for k in 0..3 {
+                mass[(3 * i + k, 3 * i + k)] = *own;
+                for (mode, by) in moves.iter().enumerate() {
+                    shapes[(3 * i + k, mode)] = by[k];
+                }
+            }
+        }
+        Nodes {
+            places: points.iter().map(|p| Vector3::from(p.0)).collect(),
+            mass,
+            shapes,
+        }
+    }
+
+    /// With stiffness and damping of the shapes.
+    pub fn reduced(&self, stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> ReducedBody {
+        ReducedBody {
+            invariants: self.invariants(stiffness, damping),
+            frequencies: vec![0.0; self.shapes.ncols()],
+            markers: (0..self.places.len()).map(|i| self.marker(i)).collect(),
         }
     }
 
@@ -409,11 +442,7 @@ pub fn reduced(nodes: &Nodes, scale: f64, draw: &mut Draw) -> ReducedBody {
     let n = nodes.shapes.ncols();
     let k = stiffness(n, draw) * scale;
     let c = &k * 2e-4;
-    ReducedBody {
-        invariants: nodes.invariants(&k, &c),
-        frequencies: vec![0.0; n],
-        markers: (0..nodes.places.len()).map(|i| nodes.marker(i)).collect(),
-    }
+    nodes.reduced(&k, &c)
 }
 
 fn flexible_chain() -> Compiled {

@@ -12,3 +12,4 @@ mod order;
 mod runs;
 mod start;
 mod support;
+mod turning;

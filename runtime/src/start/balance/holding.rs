@@ -11,13 +11,17 @@ use crate::start::picking::unit_rows;
 use crate::state::State;
 use eng_system::system::{Origin, Role};
 use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeSet;
 
 /// Singular value of rows, as a share of the largest, below which they depend on each other.
 const LEAST_ROW: f64 = 1e-12;
 
+/// Rows of what moves (scaled velocities), and of each what states it and whether it is a length.
+type Moving = (DMatrix<f64>, Vec<(Origin, bool)>);
+
 impl Balance<'_> {
     /// Rows of what is stated to move, and of the cycle's angle.
-    pub(super) fn hold_what_moves(&mut self, state: &State) -> Result<(), Stop> {
+    pub(super) fn what_moves(&mut self, state: &State) -> Result<Moving, Stop> {
         let model = self.model;
         let system = &model.compiled.system;
         let mut rows: Vec<(Vec<f64>, Origin, bool)> = Vec::new();
@@ -51,9 +55,8 @@ impl Balance<'_> {
                 ));
             }
         }
-        self.fixed = DMatrix::from_fn(rows.len(), model.velocities, |i, j| rows[i].0[j]);
-        self.fixed_names = rows.into_iter().map(|(_, o, l)| (o, l)).collect();
-        Ok(())
+        let fixed = DMatrix::from_fn(rows.len(), model.velocities, |i, j| rows[i].0[j]);
+        Ok((fixed, rows.into_iter().map(|(_, o, l)| (o, l)).collect()))
     }
 
     /// The cycle's rate by scaled velocities: it is affine in them.
@@ -69,14 +72,32 @@ impl Balance<'_> {
             Ok(watch.watched_values[1])
         };
         let still = rate(&mut self.dynamics, &moving)?;
-        let mut row = Vec::with_capacity(model.velocities);
-        for i in 0..model.velocities {
+        let mut row = vec![0.0; model.velocities];
+        for i in self.velocities_of(element) {
             let scale = self.motion.scales()[i];
             moving.velocity[i] = scale;
-            row.push(rate(&mut self.dynamics, &moving)? - still);
+            row[i] = rate(&mut self.dynamics, &moving)? - still;
             moving.velocity[i] = 0.0;
         }
         Ok(row)
+    }
+
+    /// Velocities on which an element's outputs can depend: all where it reads other elements' outputs.
+    fn velocities_of(&self, element: usize) -> Vec<usize> {
+        let model = self.model;
+        if !model.compiled.system.elements[element].signals.is_empty() {
+            return (0..model.velocities).collect();
+        }
+        let bodies: BTreeSet<usize> = model.elements[element]
+            .markers
+            .iter()
+            .filter_map(|m| model.markers[*m].body)
+            .collect();
+        bodies
+            .iter()
+            .map(|b| &model.bodies[*b])
+            .flat_map(|b| b.velocity..b.velocity + b.width())
+            .collect()
     }
 
     /// Values and rows (scaled velocities) of everything that may be held.
@@ -100,6 +121,9 @@ impl Balance<'_> {
 
     /// What is held at a place: values and rows.
     pub(super) fn held(&self, state: &State) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
+        if let Some(rows) = &self.turned {
+            return Ok((DVector::zeros(rows.nrows()), rows.clone()));
+        }
         let (mut values, mut rows) = self.holds(state)?;
         for (i, factor) in self.factors.iter().enumerate() {
             values[i] *= factor;
@@ -175,7 +199,9 @@ impl Balance<'_> {
         };
         self.carry(&mut place)?;
         self.residual(&place)?;
-        let matrix = self.matrix(&place.state)?;
+        let mut matrix = self.matrix(&place.state)?;
+        // softened at a critical speed a shaft is not free
+        self.add_softening(state, -1.0, &mut matrix);
         let free = self.free_stiffness(&place.state, &matrix, free)?;
         let svd = (free.stiffness / (pace * pace))
             .try_svd(false, true, f64::EPSILON, 10_000)

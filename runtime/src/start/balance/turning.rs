@@ -1,0 +1,137 @@
+//! The start of flexible bodies that turn: a motion that repeats, at equal parts of its period.
+//!
+//! In the axes of a turning body a load that is still in space turns, and one that turns with the body is still. Neither may be
+//! answered as the other: with ȧ = 0 and ä = 0 the sag of a shaft under its weight would be larger by `1/(1 − Ω²/ω²)`. Which of them
+//! a load is follows from the motion that repeats. Its places q_j at N equal parts of the period T obey
+//!
+//! ```text
+//! M v̇_j − Q(q_j, v_j) + Gᵀλ_j + Eᵀσ_j = 0        Φ(q_j) = 0        E_j δq_j = 0
+//! v_j = w_j − Hᵀ(HHᵀ)⁻¹(H w_j + c)               v̇ = D v
+//! ```
+//!
+//! w_j are the rates along the places themselves (`ṙ = D r`, `ω = 2 q̄ ∘ D q`, `ȧ = D a`, D the derivative of [`derivative`]), H and c
+//! the rows that velocities must keep: `Φ̇ = 0`, stated speeds, and `ė = 0` of the films ([`SteadyMotion::along_path`]). All
+//! velocities are scaled in this projection. Loads of each order get their own answer: `(k − Ω²n)⁻¹` where they turn with
+//! the body, `(k − Ω²n − Ω²m + iΩ(c + Ωg))⁻¹` where they are still. Orders from N/2 on are quasi-static.
+//!
+//! All angles are solved together by Newton's method with [`krylov::gmres`], preconditioned by the matrix of the balance at each
+//! angle without the centrifugal softening, with which it would be singular where the speed meets a frequency.
+
+mod angles;
+mod derivative;
+mod krylov;
+mod path;
+mod tangent;
+
+use super::{Balance, Place, Stop};
+use crate::start::motion::NoMotion;
+use crate::start::{Equilibrium, Turning};
+use crate::state::State;
+use angles::Angles;
+use eng_system::system::Origin;
+use path::Path;
+
+/// Share of the motion's pace above which a body turns.
+const TURNS: f64 = 1e-6;
+
+/// Why there is no motion that repeats.
+#[derive(Debug)]
+pub(super) enum NoOrbit {
+    /// A reason.
+    Told(String),
+    /// The model cannot be evaluated.
+    Stop(Stop),
+}
+
+impl<E: Into<Stop>> From<E> for NoOrbit {
+    fn from(error: E) -> NoOrbit {
+        NoOrbit::Stop(error.into())
+    }
+}
+
+fn singular(error: NoMotion) -> NoOrbit {
+    match error {
+        NoMotion::Singular => {
+            NoOrbit::Told("its velocities are not determined at every angle of a turn".to_owned())
+        }
+        NoMotion::Error(error) => NoOrbit::Stop(error.into()),
+    }
+}
+
+impl Balance<'_> {
+    /// Whether a flexible body turns in the steady motion.
+    pub(super) fn turns(&self) -> bool {
+        self.turning_body().is_some()
+    }
+
+    fn turning_body(&self) -> Option<&Origin> {
+        let fast = |x: &[f64], pace: f64| x.iter().any(|x| x.abs() > TURNS * pace);
+        let found = self.model.bodies.iter().find(|body| {
+            let turn = body.velocity + 3..body.velocity + 6;
+            body.modes() > 0
+                && (fast(&self.velocity[turn.clone()], self.pace)
+                    || fast(&self.acceleration[turn], self.pace * self.pace))
+        });
+        found.map(|body| &body.origin)
+    }
+
+    /// Brings a state with turning flexible bodies to where it is in the motion that repeats; where there is none, to the balance in
+    /// which all loads turn with the bodies.
+    pub(super) fn turning(&mut self, state: &mut State) -> Result<Equilibrium, Stop> {
+        if !self.model.compiled.system.journals.is_empty() {
+            let (place, mut found) = self.balanced(state)?;
+            found.turning = Some(Turning::OnFilms);
+            return self.told_of(state, &place, found);
+        }
+        let (place, mut found, obstacle) = match self.balanced(state) {
+            Ok((place, found)) => (place, found, None),
+            Err(Stop::Obstacle(obstacle)) => {
+                let place = self.assembled(state)?;
+                (place, self.nothing_found(), Some(obstacle))
+            }
+            Err(error) => return Err(error),
+        };
+        let orbit = self.orbit(&place, &mut found);
+        self.turned = None;
+        let reason = match orbit {
+            Ok(orbit) => {
+                found.turning = Some(orbit.told);
+                found.portions = found.portions.max(1);
+                self.velocity = orbit.velocity;
+                self.acceleration = orbit.acceleration;
+                return self.told_of(state, &orbit.place, found);
+            }
+            Err(NoOrbit::Stop(Stop::Error(error))) => return Err(Stop::Error(error)),
+            Err(NoOrbit::Stop(Stop::Obstacle(stop))) => {
+                format!("{}: {}", stop.origin.path, stop.message)
+            }
+            Err(NoOrbit::Told(reason)) => reason,
+        };
+        if let Some(mut obstacle) = obstacle {
+            obstacle.message = format!("{}; {reason}", obstacle.message);
+            return Err(Stop::Obstacle(obstacle));
+        }
+        let origin = self.turning_body().cloned().unwrap_or_default();
+        found.turning = Some(Turning::WithTheBody { origin, reason });
+        self.told_of(state, &place, found)
+    }
+
+    /// The motion that repeats, from a place in it.
+    fn orbit(&mut self, place: &Place, found: &mut Equilibrium) -> Result<Orbit, NoOrbit> {
+        let path = Path::new(self, place)?;
+        let mut coarse = Angles::along(self, &path, 2, place)?;
+        coarse.solve(self, found)?;
+        let mut fine = coarse.refined(self, &path)?;
+        fine.solve(self, found)?;
+        let change = fine.change(self.model, &coarse);
+        Ok(fine.first(self, path.period, change))
+    }
+}
+
+/// The motion that repeats, where it starts.
+struct Orbit {
+    place: Place,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    told: Turning,
+}

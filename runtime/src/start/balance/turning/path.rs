@@ -1,0 +1,174 @@
+//! Where the bodies come by in a period, as far as rigid bodies tell: the steady motion followed until it repeats.
+
+use super::super::{Balance, Place};
+use super::{NoOrbit, TURNS, singular};
+use crate::dynamics::Dynamics;
+use crate::elements::Inputs;
+use crate::error::RuntimeError;
+use crate::model::Model;
+use crate::outputs::{Outputs, Watch};
+use crate::rotation::{Quaternion, logarithm, product};
+use crate::state::State;
+use std::f64::consts::TAU;
+
+/// Angles of a turn where there is no cycle.
+const OF_A_TURN: usize = 16;
+/// Angles of a turn of a cycle.
+const OF_A_CYCLE: usize = 48;
+/// Turns after which a motion without a cycle must have repeated.
+const MOST_TURNS: usize = 20;
+/// Steps between two angles of the fine grid.
+const STEPS: usize = 2;
+/// Share of the model's length, or rad, within which a place has come back.
+const BACK: f64 = 1e-4;
+
+/// States at equal parts of a period.
+pub(super) struct Path {
+    /// Places and velocities; twice as many as the coarse grid has.
+    pub states: Vec<State>,
+    /// The period (s).
+    pub period: f64,
+}
+
+impl Path {
+    /// Follows the steady motion from a place until it repeats.
+    pub fn new(balance: &Balance, place: &Place) -> Result<Path, NoOrbit> {
+        let model = balance.model;
+        let cycle = cycle_time(balance, place)?;
+        let (part, turns, count) = match cycle {
+            Some((time, turns)) => (time, 1, 2 * even(turns * OF_A_CYCLE as f64)),
+            None => (slowest_turn(balance)?, MOST_TURNS, 2 * OF_A_TURN),
+        };
+        let step = part / count as f64;
+        let mut watch = Watch::new(model, |_| true);
+        let mut dynamics = Dynamics::new(model);
+        let mut states = Vec::new();
+        let mut now = place.state.clone();
+        let motion = &balance.motion;
+        now.velocity = motion.velocity(model, &now).map_err(singular)?;
+        let first = now.clone();
+        let mut off = String::new();
+        for _ in 0..turns {
+            for _ in 0..count {
+                states.push(now.clone());
+                for _ in 0..STEPS {
+                    let from = now.clone();
+                    let h = step / STEPS as f64;
+                    now.velocity = motion
+                        .advance(model, &from, &from.velocity, h, &mut now)
+                        .map_err(singular)?;
+                }
+                unwrap(model, &mut watch, &mut dynamics, &mut now)?;
+            }
+            match returned(model, &first, &now) {
+                Ok(()) => {
+                    let period = now.time - first.time;
+                    return Ok(Path { states, period });
+                }
+                Err((body, by)) => {
+                    off = format!("{body} is off by {by:.1e} of the model's size or of a radian");
+                }
+            }
+        }
+        Err(NoOrbit::Told(if cycle.is_some() {
+            format!("the motion does not repeat after a cycle: {off}")
+        } else {
+            format!("the motion does not repeat within {MOST_TURNS} turns: {off}")
+        }))
+    }
+}
+
+fn even(x: f64) -> usize {
+    (2.0 * libm::ceil(0.5 * x)).max(OF_A_TURN as f64) as usize
+}
+
+/// Time of a cycle (s) and its turns, where the model has a cycle and it turns.
+fn cycle_time(balance: &Balance, place: &Place) -> Result<Option<(f64, f64)>, RuntimeError> {
+    let model = balance.model;
+    let Some(cycle) = &model.compiled.system.cycle else {
+        return Ok(None);
+    };
+    let mut watch = Outputs::watching(model, cycle.element as usize)?;
+    let mut dynamics = Dynamics::new(model);
+    let mut state = place.state.clone();
+    state.velocity.copy_from_slice(&balance.velocity);
+    dynamics.place(model, state.time, &state.pose, &state.velocity);
+    watch.evaluate(model, &dynamics, &state)?;
+    let (period, rate) = (model.slot(cycle.period), watch.watched_values[1].abs());
+    Ok((rate > TURNS * balance.pace).then_some((period / rate, period / TAU)))
+}
+
+/// Time of a turn (s) of the flexible body that turns slowest.
+fn slowest_turn(balance: &Balance) -> Result<f64, NoOrbit> {
+    let speeds = balance
+        .model
+        .bodies
+        .iter()
+        .filter(|b| b.modes() > 0)
+        .map(|b| {
+            let v = &balance.velocity[b.velocity + 3..b.velocity + 6];
+            libm::sqrt(v.iter().map(|x| x * x).sum())
+        });
+    let slowest = speeds
+        .filter(|s| *s > TURNS * balance.pace)
+        .reduce(f64::min);
+    match slowest {
+        Some(speed) => Ok(TAU / speed),
+        None => Err(NoOrbit::Told("the motion has no period".to_owned())),
+    }
+}
+
+/// The unwrapped angles where a state has come to.
+fn unwrap(
+    model: &Model,
+    watch: &mut Watch,
+    dynamics: &mut Dynamics,
+    state: &mut State,
+) -> Result<(), RuntimeError> {
+    dynamics.place(model, state.time, &state.pose, &state.velocity);
+    let references = state.rotations.clone();
+    let from = Inputs {
+        time: state.time,
+        markers: &dynamics.markers,
+        states: &state.states,
+        multipliers: &state.multipliers,
+        rotations: &references,
+    };
+    watch.unwrap(model, &from, &mut state.rotations)
+}
+
+/// The turn from one orientation to another, in the axes of the first (rad).
+pub(super) fn turn_between(from: &[f64], to: &[f64]) -> crate::rotation::V3 {
+    let back: Quaternion = [from[0], -from[1], -from[2], -from[3]];
+    let to: Quaternion = [to[0], to[1], to[2], to[3]];
+    let mut turn = product(&back, &to);
+    if turn[0] < 0.0 {
+        turn = turn.map(|x| -x);
+    }
+    logarithm(&turn)
+}
+
+/// Whether a state has come back to a place with its velocities, up to whole turns; else the body that is farthest off, and by how
+/// much.
+fn returned<'a>(model: &'a Model, first: &State, now: &State) -> Result<(), (&'a str, f64)> {
+    let scales = model.velocity_scales();
+    let pace = first
+        .velocity
+        .iter()
+        .zip(&scales)
+        .fold(0.0_f64, |w, (v, s)| w.max((v / s).abs()));
+    let mut worst = ("", 0.0);
+    for body in &model.bodies {
+        let (a, b) = (&first.pose[body.pose..], &now.pose[body.pose..]);
+        let moved = (0..3).map(|i| (a[i] - b[i]).abs() / model.length);
+        let rates = (body.velocity..body.velocity + 6)
+            .map(|i| 0.1 * (first.velocity[i] - now.velocity[i]).abs() / (pace * scales[i]));
+        let off = moved
+            .chain(rates)
+            .fold(turn_between(&a[3..7], &b[3..7]).norm(), f64::max);
+        if off > worst.1 || off.is_nan() {
+            worst = (body.origin.path.as_str(), off);
+        }
+    }
+    if worst.1 <= BACK { Ok(()) } else { Err(worst) }
+}
