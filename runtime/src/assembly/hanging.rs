@@ -72,7 +72,7 @@ fn found(model: &Model, state: &State) -> Result<Option<Hanging>, RuntimeError> 
             continue;
         }
         let mut derivatives = motion.load_derivatives(model, state, e)?;
-        if derivatives.is_empty() {
+        if derivatives.iter().all(|matrix| matrix.amax() == 0.0) {
             asleep.push(e);
         }
         for matrix in &mut derivatives {

@@ -321,8 +321,11 @@ impl SteadyMotion {
                     let keep = scaled.row(i).norm() > SOFT * largest;
                     matrix.row_mut(i).scale_mut(f64::from(u8::from(keep)));
                 }
-                made.push(matrix);
+            } else {
+                // an open contact answers nothing here, though it may elsewhere: its rows stay
+                matrix.fill(0.0);
             }
+            made.push(matrix);
         }
         Ok(made)
     }
