@@ -1,5 +1,6 @@
 //! Running the analyses of a program.
 
+use crate::lint::{self, Finding};
 use crate::model::{Model, Parameter};
 use crate::motion::Motion;
 use crate::repetition::Repetition;
@@ -237,14 +238,36 @@ impl Analysis {
             .map_err(|e| self.error(e.into()))
     }
 
-    /// What `advise`s say of its parameters.
-    pub(crate) fn advice(&self) -> Result<Vec<eng_grammar::Diagnostic>, Error> {
-        let bound = self.bound()?;
-        Ok(bound
-            .advice
-            .iter()
-            .map(crate::failure::parameter_advice)
-            .collect())
+    /// What lints say of its numbers, and of the model as it is assembled, with the `advise`s that the start does not follow. What
+    /// does not assemble is told elsewhere.
+    pub(crate) fn findings(&self) -> Result<Vec<Finding>, Error> {
+        let (compiled, overrides) = (self.model.compiled(), &self.overrides);
+        let mut found = lint::of_numbers(&compiled.system, &self.bound()?);
+        let Ok(mut model) = eng_runtime::model::Model::bind(compiled, overrides) else {
+            return Ok(found);
+        };
+        if let Ok(state) = eng_runtime::assembly::assemble(&mut model) {
+            let origin = &self.plan.origin;
+            found.extend(lint::of_start(&model, &state, &self.plan.kind, origin));
+            // the points of a sweep turn alike
+            let first = self.plan.point.is_empty() || self.plan.origin.path.ends_with("[1]");
+            if first {
+                found.extend(lint::of_turn(compiled, overrides, &self.bound()?));
+            }
+        }
+        Ok(found)
+    }
+
+    /// What `advise`s on the motion say of the start.
+    pub(crate) fn findings_of_start(&self) -> Vec<Finding> {
+        let options = eng_runtime::Options::default();
+        let start = eng_runtime::Simulation::new(self.model.compiled(), &self.overrides, options);
+        let Ok(mut simulation) = start else {
+            return Vec::new();
+        };
+        let parameters = simulation.model().advice.len();
+        let told = simulation.take_warnings();
+        told.iter().skip(parameters).map(Finding::of_run).collect()
     }
 
     /// What is told of a run by angle that came to grief before its cycle turned.
@@ -684,6 +707,7 @@ fn kept(warning: &Warning) -> KeptWarning {
         path: warning.origin.path.clone(),
         used_at: warning.origin.used_at.map(place),
         defined_at: warning.origin.defined_at.map(place),
+        name: warning.name.clone(),
         message: warning.message.clone(),
         time: warning.moment.time.to_bits(),
         cycle_angle: warning.moment.cycle_angle.map(f64::to_bits),
@@ -699,6 +723,7 @@ fn given(kept: &KeptWarning) -> Warning {
             used_at: kept.used_at.map(place),
             defined_at: kept.defined_at.map(place),
         },
+        name: kept.name.clone(),
         message: kept.message.clone(),
         moment: Moment {
             time: f64::from_bits(kept.time),

@@ -121,6 +121,46 @@ eng_grammar::codes! {
     BENT_AS_IF_LOADS_TURNED = "W0745", "a turning flexible body starts bent as if all loads turned with it",
         "A load that is still in space, such as weight, bends a turning shaft as at rest; one that turns with it, such as an unbalance, bends it by 1/(1 − Ω²/ω²). The start tells them apart by the motion that repeats after a turn or a cycle. Here there is none, for the reason given: a speed that changes, shafts whose turns never meet, a load in resonance with a shape that nothing damps. So all loads are taken to turn, and the body rings at first. Give the model a cycle or constant speeds, damp the shape, or begin with `start: assembled`.",
         "", "";
+    ACCEPT_UNHEARD = "W0750", "an `accept` accepts nothing",
+        "No lint of this name has anything to say of the item it stands in, in any analysis of the file. An acceptance that is not needed would hide a later mistake: take it away.",
+        "joint big_end = Revolute(rod.big, crank.pin) { accept loose }",
+        "joint big_end = Revolute(rod.big, crank.pin)";
+    INERTIA = "W0751", "the inertia of a body does not fit its mass and size",
+        "The radius of gyration, the root of inertia over mass, is compared with the way from the centre of mass to the markers (0.13 to 2.6 of it; the lower limit where markers stand on both sides), with that of all bodies, and with a ball of tungsten, which has the least inertia of all bodies of a mass. Outside, a unit is probably wrong. `accept inertia` in the body takes it for meant.",
+        "body rod { mass = 0.62 kg; inertia = [0.12, 3.0, 3.1] kg*m^2 }",
+        "body rod { mass = 0.62 kg; inertia = [0.12, 3.0, 3.1] g*m^2 }";
+    GRAVITY = "W0752", "gravity is neither 0 nor that of the earth",
+        "9.7 to 10.1 m/s^2 pass, and 0. A unit or a component is probably wrong. `accept gravity` in the model takes it for meant.",
+        "model Engine { gravity = [0, -9.81, 0] mm/s^2 }",
+        "model Engine { gravity = [0, -9.81, 0] m/s^2 }";
+    PERIOD = "W0753", "a periodic table does not fit the cycle",
+        "The cycle's period is no whole number of periods of the table: a four-stroke's pressure over 720 deg in a cycle of 360 deg is read at other angles each time. `accept period` in the model takes it for meant.",
+        "cycle angle = rotation(crank.flange, ground) { period = 360 deg }",
+        "cycle angle = rotation(crank.flange, ground) { period = 720 deg }";
+    LOOSE = "W0754", "nothing holds a body in some direction",
+        "No joint holds it, and no force answers its displacement or its velocity, while the machine has a cycle or films. Gas, gravity and loads hold nothing. The turning of the cycle is left out. `accept loose` in the body takes it for meant.",
+        "journal main[j in 1..5] = Impedance(pin: crank.main[j], shell: block.main[j], diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)",
+        "journal main[j in 1..5] = Impedance(pin: crank.main[j], shell: block.main[j], diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)\njoint thrust = PointOnPlane(crank.main[3], block.main[3])";
+    APART = "W0755", "markers of an element stand far apart",
+        "A point on a line that stands two radii of gyration beside the other marker and does not move along the line: a rod and a piston of different cylinders. Or a slide that nothing but its guide places: it stands where the model's origin is, 10 mm or more from the other marker. State where it begins. `accept apart` in the element takes it for meant.",
+        "joint wrist[i in 1..4] = PointOnLine(rod[i].small, piston[5 - i].pin)",
+        "joint wrist[i in 1..4] = PointOnLine(rod[i].small, piston[i].pin)";
+    SWAPPED = "W0756", "a shell turns on a pin that does not",
+        "At the start the shell turns at more than twice the speed of the pin. The film's frame, its angles and its tables are those of the shell: pin and shell are probably swapped. `accept swapped` in the journal takes it for meant, as for a rotating bush.",
+        "journal main = Short(pin: block.main, shell: crank.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)",
+        "journal main = Short(pin: crank.main, shell: block.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)";
+    IDLE = "W0757", "a coupling slips at the start, or a body does nothing",
+        "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that it winds up at once; or a body is held on the ground and nothing else touches it. A flywheel that was joined to the ground instead of the crank does both. `accept idle` takes it for meant.",
+        "joint bolts = Fixed(flywheel.hub, ground)",
+        "joint bolts = Fixed(flywheel.hub, crank.flange)";
+    LONG_STEP = "W0758", "a fixed step turns the cycle by more than 10 degrees",
+        "Gas, films and stroke change much within such a step, and no error is controlled. Leave `step` out, or state a shorter one. `accept step` in the model takes it for meant.",
+        "analysis run = transient(Engine(), duration: 4 rev, step: 1 ms)",
+        "analysis run = transient(Engine(), duration: 4 rev)";
+    CYLINDER = "W0759", "a cylinder's gas does not fit the motion of its piston",
+        "The machine is turned through its cycle by its geometry. A firing angle is more than 25 degrees from the piston's dead centre, or the same for all cylinders; bore over stroke is outside 0.6 to 1.7; the rod stands between piston and head, so that gas pulls it; the head moves and the piston stands. `accept firing`, `bore`, `mirrored` or `swapped` in the element takes it for meant.",
+        "force gas[i in 1..4] = GasPressure(piston[i].bore, block.liner[i], bore: 86 mm, pressure: indicated)",
+        "force gas[i in 1..4] = GasPressure(piston[i].bore, block.liner[i], bore: 86 mm, pressure: indicated, firing: firing[i])";
     PARAMETER_ADVISED = "W0720", "parameters do not follow an `advise`",
         "The run goes on, but the class takes these parameters for doubtful: a clearance that may be diametral instead of radial. The text is its author's.",
         "", "";

@@ -311,6 +311,21 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
     }
 }
 
+/// Most places of numbers that a message shows.
+const MOST_PLACES: usize = 3;
+
+/// Where the numbers stand that decide a condition; those of a condition of many say nothing.
+pub(crate) fn decided(message: Diagnostic, by: &[Origin]) -> Diagnostic {
+    if by.len() > MOST_PLACES {
+        return message;
+    }
+    by.iter()
+        .fold(message, |message, origin| match origin.used_at {
+            Some(at) => message.also(span(at), format!("{} is stated here", origin.path)),
+            None => message,
+        })
+}
+
 /// Where the thing of a path stands in the text.
 fn place_of(path: &str, system: &System) -> Option<Location> {
     let parameters = system.parameters.iter().map(|p| &p.origin);
@@ -333,31 +348,19 @@ pub(crate) fn place(message: Diagnostic, origin: &Origin, label: &str) -> Diagno
     related(message, origin, "defined here")
 }
 
-fn related(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
+pub(crate) fn related(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
     match origin.defined_at {
         Some(at) => message.also(span(at), label),
         None => message,
     }
 }
 
-fn span(at: Location) -> Span {
+pub(crate) fn span(at: Location) -> Span {
     Span {
         source: SourceId(at.source),
         start: at.start,
         end: at.end,
     }
-}
-
-/// An `advise` that did not hold during a run.
-pub(crate) fn advice(warning: &eng_runtime::Warning) -> Diagnostic {
-    let message = Diagnostic::warning(
-        codes::ADVISED,
-        format!(
-            "{}: {} at {}",
-            warning.origin.path, warning.message, warning.moment
-        ),
-    );
-    condition(message, &warning.origin, "this should hold")
 }
 
 /// A start that is not the one wanted.
@@ -487,13 +490,6 @@ pub(crate) fn periodic(
         }
     }
     (facts, warnings)
-}
-
-/// An `advise` on parameters that does not hold.
-pub(crate) fn parameter_advice(advice: &eng_system::code::Advice) -> Diagnostic {
-    let title = format!("{}: {}", advice.origin.path, advice.message);
-    let message = Diagnostic::warning(codes::PARAMETER_ADVISED, title);
-    condition(message, &advice.origin, "this should hold")
 }
 
 /// The analysis that set a parameter.

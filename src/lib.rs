@@ -38,6 +38,7 @@ mod analysis;
 mod counted;
 mod error;
 mod failure;
+mod lint;
 mod local;
 mod model;
 pub mod modes;

@@ -6,6 +6,7 @@ use crate::cli::{
     ReductionOutcome, RunOptions, RunOutcome, Setting,
 };
 use crate::counted::counted;
+use crate::lint::{self, Finding, Heard};
 use crate::patience::{Look, Patience, in_words};
 use crate::plot::Upright;
 use crate::program::Bodies;
@@ -152,6 +153,7 @@ impl Engine for Local {
         }
         let mut told = Vec::new();
         let mut geometries = Vec::new();
+        let mut heard = Heard::default();
         let names = program.analyses();
         let analyses = program.analyses_with(&names, Bodies::Rigid);
         for (name, analysis) in names.iter().zip(analyses) {
@@ -163,6 +165,7 @@ impl Engine for Local {
                 }
                 Err(other) => return Err(engine_error(other)),
             };
+            heard.take(&analysis);
             match topology(program, name, &analysis) {
                 Ok((report, bends)) => {
                     // of analyses that differ in loads and speeds alone one is turned; a body that must bend is no geometry
@@ -174,8 +177,7 @@ impl Engine for Local {
                         turned = analysis.dry_turn().map_err(engine_error)?;
                         hanging = analysis.hanging().map_err(engine_error)?;
                     }
-                    let advice = analysis.advice().map_err(engine_error)?;
-                    for diagnostic in advice.into_iter().chain(hanging).chain(turned) {
+                    for diagnostic in hanging.into_iter().chain(turned) {
                         if !told.contains(&diagnostic) {
                             told.push(diagnostic.clone());
                             found.diagnostics.push(diagnostic);
@@ -210,6 +212,7 @@ impl Engine for Local {
                 Err(other) => return Err(engine_error(other)),
             }
         }
+        heard.tell(&mut found);
         Ok(found)
     }
 
@@ -453,19 +456,22 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         reduction.doubts().for_each(|d| diagnostics.push(d));
     }
     analysis
-        .advice()?
+        .hanging()?
         .into_iter()
-        .chain(analysis.hanging()?)
         .for_each(|d| diagnostics.push(d));
+    let mut findings = analysis.findings()?;
     for warning in &outcome.warnings {
         // a run repeats what its parameters are advised at its start
         let repeated = |advice: &eng_system::code::Advice| {
             advice.origin == warning.origin && advice.message == warning.message
         };
         if !bound.advice.iter().any(repeated) {
-            diagnostics.push(crate::failure::advice(warning));
+            findings.push(Finding::of_run(warning));
         }
     }
+    lint::diagnostics(&lint::sift(findings, system).told)
+        .into_iter()
+        .for_each(|d| diagnostics.push(d));
     let mut facts = analysis.replaced().to_vec();
     if outcome.made_before {
         facts.push("was complete, and is not run again".to_owned());

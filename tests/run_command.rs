@@ -290,8 +290,13 @@ fn check_tells_what_is_advised_and_required_of_parameters() {
     let output = folder.eng(&["check", "model.eng"]);
     assert_eq!(output.status.code(), Some(1));
     let told = text(&output);
-    // two journals, each once for all analyses
-    assert_eq!(told.matches("warning[W0720]").count(), 2, "{told}");
+    // two journals and all analyses: once
+    assert_eq!(told.matches("warning[W0720]").count(), 1, "{told}");
+    assert!(
+        told.contains("b[1], b[2]: a radial clearance of 60 um"),
+        "{told}"
+    );
+    assert!(told.contains("clearance is stated here"), "{told}");
     assert!(told.contains("is it the diametral one?"), "{told}");
     assert_eq!(told.matches("error[E0720]").count(), 1, "{told}");
     assert!(

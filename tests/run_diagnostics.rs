@@ -44,6 +44,17 @@ fn messages(path: &Path) -> (SourceMap, Vec<(String, Diagnostics)>) {
         }
         found.push((analysis.clone(), diagnostics));
     }
+    // what no run needs is told by the check
+    let assembled = engine.assemble().expect("a checked fixture").diagnostics;
+    let mut needless = Diagnostics::new();
+    for diagnostic in assembled.iter() {
+        if diagnostic.code == codes::ACCEPT_UNHEARD {
+            needless.push(diagnostic.clone());
+        }
+    }
+    if !needless.is_empty() {
+        found.push(("check".to_owned(), needless));
+    }
     (checked.sources, found)
 }
 

@@ -9,7 +9,7 @@ pub(crate) use usual::USUAL_UNITS;
 use eng_grammar::ast;
 use eng_grammar::{SourceId, Span};
 use eng_system::Dimension;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// An item of a module at its top level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -126,6 +126,15 @@ impl Program {
         self.lookup(module, &name.text)
     }
 
+    /// Names of all lints that a text may accept: of the language, and of the `advise`s of all modules.
+    pub fn lints(&self) -> BTreeSet<&str> {
+        let mut names: BTreeSet<&str> = eng_system::lint::BUILT_IN.into_iter().collect();
+        for module in &self.modules {
+            lints_of(&module.file.items, &mut names);
+        }
+        names
+    }
+
     /// The root module's index.
     pub fn root(&self) -> u32 {
         self.modules.len().saturating_sub(1) as u32
@@ -164,6 +173,33 @@ impl Program {
             dimension,
             point: None,
         })
+    }
+}
+
+fn lints_of<'p>(items: &'p [ast::Item], names: &mut BTreeSet<&'p str>) {
+    for item in items {
+        match &item.kind {
+            ast::ItemKind::Statement(ast::Statement::Require {
+                name: Some(name), ..
+            }) => {
+                names.insert(&name.text);
+            }
+            ast::ItemKind::Function(function) => names.extend(
+                function
+                    .requirements
+                    .iter()
+                    .filter_map(|r| r.name.as_ref())
+                    .map(|name| name.text.as_str()),
+            ),
+            ast::ItemKind::Declaration(declaration) => {
+                if let ast::Form::Class { block, .. } | ast::Form::Plain { block } =
+                    &declaration.form
+                {
+                    lints_of(&block.items, names);
+                }
+            }
+            _ => {}
+        }
     }
 }
 

@@ -208,6 +208,8 @@ pub struct Function {
 pub struct Requirement {
     /// `advise`: a warning.
     pub advise: bool,
+    /// The name under which an `advise` is accepted.
+    pub name: Option<Name>,
     /// What must hold.
     pub condition: Expr,
     /// What is said where it does not.
@@ -259,15 +261,19 @@ pub enum Statement {
         /// The marker that takes the reaction; absent for an external load.
         against: Option<Expr>,
     },
-    /// `require condition else "message {x as mm}"`; `advise` likewise as a lint.
+    /// `require condition else "message {x as mm}"`; `advise usual: condition else "…"` likewise as a lint.
     Require {
         /// `advise` instead of `require`.
         advise: bool,
+        /// The name under which an `advise` is accepted.
+        name: Option<Name>,
         /// What must hold.
         condition: Expr,
         /// The text with `{expression as unit}` places, and its span.
         message: Name,
     },
+    /// `accept usual, short`: what lints of these names say here is meant.
+    Accept(Vec<Name>),
     /// `der(p) = expr`.
     Rate {
         /// The state.

@@ -30,7 +30,7 @@ pub(crate) struct Finding {
 const MAX_SPLITS: usize = 8;
 
 /// Words that begin an item and are not kinds.
-const ITEM_WORDS: [&str; 21] = [
+const ITEM_WORDS: [&str; 22] = [
     "use",
     "dimension",
     "unit",
@@ -48,6 +48,7 @@ const ITEM_WORDS: [&str; 21] = [
     "apply",
     "require",
     "advise",
+    "accept",
     "der",
     "report",
     "figure",

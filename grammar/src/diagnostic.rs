@@ -111,6 +111,16 @@ impl Diagnostic {
         self
     }
 
+    /// Says how a lint of a name is accepted; one without a name is not.
+    pub fn acceptable(self, name: &str) -> Self {
+        match name {
+            "" => self,
+            name => self.with_note(format!(
+                "if it is meant: `accept {name}` in its block, or in the model for all"
+            )),
+        }
+    }
+
     /// Adds advice.
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help.push(help.into());

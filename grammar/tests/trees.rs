@@ -220,6 +220,8 @@ force Law(
     branch dot(a.z, b.z) > 0
     require k > 0 N/m else "stiffness {k as N/mm} \"k\""
     advise k < 1e9 N/m else "large"
+    advise usual: k < 1e9 N/m else "large"
+    accept usual, short
     let start = 3; let on = start
 }
 interface Nothing {}

@@ -10,7 +10,7 @@
 //! | [`body`], [`chain`], [`shape`] | what depends on the kind of a body: inertia; markers and generalised forces |
 //! | [`elements`], [`dynamics`] | calls of element code; residual and exact matrix |
 //! | [`linear`] | sparse factorisation behind a trait |
-//! | [`assembly`], [`mod@topology`] | start positions and velocities; freedom and redundancy |
+//! | [`assembly`], [`mod@topology`], [`mod@loose`] | start positions and velocities; freedom and redundancy; what nothing holds |
 //! | [`mod@start`] | the quasi-static start of a turning engine |
 //! | [`acceleration`] | projection of outputs, accelerations and reactions |
 //! | [`integrator`], [`control`] | generalised-α on the Lie group; step sizes |
@@ -35,6 +35,7 @@ pub mod flexible;
 pub mod integrator;
 pub mod linear;
 pub mod linearised;
+pub mod loose;
 pub mod model;
 pub mod outputs;
 pub mod periodic;

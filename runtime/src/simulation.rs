@@ -96,6 +96,8 @@ impl Energy {
 /// An `advise` that does not hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Warning {
+    /// The name under which it is accepted; empty where it has none.
+    pub name: String,
     /// The element and the place of the condition.
     pub origin: Origin,
     /// The author's message.
@@ -211,6 +213,7 @@ impl Simulation {
         let mut warnings = Vec::new();
         for advice in &model.advice {
             warnings.push(Warning {
+                name: advice.name.clone(),
                 origin: advice.origin.clone(),
                 message: advice.message.clone(),
                 moment: Moment {

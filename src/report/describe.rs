@@ -95,6 +95,8 @@ pub struct Described {
     pub set: BTreeMap<String, String>,
     /// Parameters in a fixed order.
     pub inputs: Vec<InputValue>,
+    /// What the text accepts of lints, a line each.
+    pub accepted: Vec<String>,
     /// Journals in the order of the text.
     pub journals: Vec<JournalGeometry>,
     /// Their pins and shells, in the same order.
@@ -163,6 +165,10 @@ impl Described {
             source_hash,
             set,
             inputs,
+            accepted: {
+                let sifted = crate::lint::sift(analysis.findings()?, system);
+                crate::lint::accepted(system, &sifted.accepted)
+            },
             journals: journals(system, &bound),
             axes: axes(system, &bound),
             point: analysis.point().to_vec(),

@@ -243,6 +243,17 @@ fn inputs(entries: &[Entry]) -> Section {
             .filter(|e| e.outcome.results.model() == model)
             .collect();
         section = section.table(tables::inputs(model, &own));
+        let mut accepted: Vec<&String> = Vec::new();
+        for line in own.iter().flat_map(|e| &e.described.accepted) {
+            if !accepted.contains(&line) {
+                accepted.push(line);
+            }
+        }
+        if !accepted.is_empty() {
+            section = section
+                .paragraph(format!("The text of {model} accepts these lints:"))
+                .list(accepted);
+        }
     }
     section
 }

@@ -22,6 +22,8 @@ pub struct KeptWarning {
     pub used_at: Option<(u32, u32, u32)>,
     /// The class's line.
     pub defined_at: Option<(u32, u32, u32)>,
+    /// The name under which it is accepted.
+    pub name: String,
     /// The author's message.
     pub message: String,
     /// Bits of the time (s): all numbers come back as they were.
@@ -137,6 +139,7 @@ mod tests {
                 path: "main[1]".to_owned(),
                 used_at: Some((0, 5, 9)),
                 defined_at: None,
+                name: "thin".to_owned(),
                 message: "film is thin".to_owned(),
                 time: 0.1_f64.to_bits(),
                 cycle_angle: Some(f64::to_bits(1.0)),

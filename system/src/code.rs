@@ -108,10 +108,14 @@ pub struct Bound {
 /// An `advise` on parameters that does not hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
+    /// The name under which it is accepted; empty where it has none.
+    pub name: String,
     /// The element and the place of the condition.
     pub origin: crate::system::Origin,
     /// The author's message with its numbers.
     pub message: String,
+    /// The parameters and tables whose numbers decide it, where they are stated.
+    pub decided_by: Vec<crate::system::Origin>,
 }
 
 /// A parameter set that cannot be used.

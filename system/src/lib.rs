@@ -9,6 +9,7 @@ pub mod dimension;
 pub mod flexible;
 pub mod host;
 pub mod layout;
+pub mod lint;
 pub mod recorded;
 pub mod reduced;
 pub mod report;

@@ -170,6 +170,8 @@ pub enum MessagePart {
 pub struct Condition {
     /// What it means.
     pub kind: ConditionKind,
+    /// The name under which an `advise` is accepted; empty where it has none.
+    pub name: String,
     /// The condition as written, or the message of a `require` with its expressions as written.
     pub text: String,
     /// The message in parts; empty where `text` is all.
@@ -305,6 +307,12 @@ pub struct FiringInfo {
     pub element: u32,
     /// Cycle angle of its firing dead centre (rad).
     pub angle: Slot,
+    /// Bore (m).
+    pub bore: Slot,
+    /// Index into the element's markers: the piston.
+    pub piston: u32,
+    /// Index into the element's markers: the head.
+    pub head: u32,
 }
 
 /// What the summary knows about a journal: an element whose class fills `std.journals.JournalLaw`.
@@ -353,6 +361,10 @@ pub struct System {
     pub journals: Vec<JournalInfo>,
     /// Cylinders that fire, for figures and orders.
     pub firings: Vec<FiringInfo>,
+    /// Where attributes are stated, by path: `gravity`, `crank.inertia`.
+    pub stated: std::collections::BTreeMap<String, Location>,
+    /// What the text accepts of lints.
+    pub accepted: Vec<crate::lint::Accepted>,
 }
 
 /// A time or an angle of the cycle.

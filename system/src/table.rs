@@ -159,6 +159,11 @@ pub enum TableError {
 const CLOSURE: f64 = 1e-9;
 
 impl Table {
+    /// Where the text states it, if a text does.
+    pub fn stated_at(&self) -> Option<Location> {
+        self.written.as_ref().map(|(at, _)| *at)
+    }
+
     /// Builds the interpolant through the points (x, y).
     ///
     /// With a period, the point at x₀ + period may be given (its value must then equal the first) or left out; the
@@ -311,6 +316,13 @@ impl Table {
     /// The period, if it has one.
     pub fn period(&self) -> Option<f64> {
         self.period
+    }
+
+    /// The period of a table over an angle (rad).
+    pub fn period_of_angle(&self) -> Option<f64> {
+        let (_, unit) = self.written.as_ref()?;
+        let angle = matches!(unit.symbol.as_str(), "deg" | "rad" | "rev");
+        self.period.filter(|_| angle)
     }
 
     /// What happens outside; of no meaning for a periodic table.

@@ -101,6 +101,11 @@ pub(super) fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'st
                 "a requirement",
                 "it belongs into a model or a class",
             ),
+            Statement::Accept(_) => (
+                holds_parts,
+                "an `accept`",
+                "it belongs into a model, a component, a body, or the block of a use: `journal main = Impedance(…) { accept usual }`",
+            ),
         },
         ItemKind::Declaration(declaration) => match declaration.kind {
             Kind::Default => (true, "", ""),
@@ -473,7 +478,11 @@ impl<'p> Checker<'p> {
         for item in &block.items {
             match &item.kind {
                 ItemKind::Error => {}
-                ItemKind::Statement(statement @ (Statement::Branch(_) | Statement::Require { .. })) => {
+                ItemKind::Statement(
+                    statement @ (Statement::Branch(_)
+                    | Statement::Require { .. }
+                    | Statement::Accept(_)),
+                ) => {
                     if matches!(statement, Statement::Branch(_))
                         && !matches!(declaration.kind, Kind::Joint | Kind::Drive)
                     {
@@ -491,7 +500,7 @@ impl<'p> Checker<'p> {
                     item_place(item),
                     "this",
                     "into the block of a use",
-                    "it takes `branch`, `require` and `advise`; start values stand in the model: `start joint.angle = 30 deg`",
+                    "it takes `branch`, `require`, `advise` and `accept`; start values stand in the model: `start joint.angle = 30 deg`",
                 ),
             }
         }

@@ -45,9 +45,16 @@ impl<'p> Checker<'p> {
     pub(super) fn infer(&mut self, scope: &Scope<'p>, expr: &Expr) -> Type {
         match &expr.kind {
             ExprKind::Error => Type::Error,
-            ExprKind::Number { integer, unit, .. } => match unit {
+            ExprKind::Number {
+                value,
+                integer,
+                unit,
+            } => match unit {
                 Some(unit) => match self.quantity_of(scope, unit) {
-                    Some(quantity) => Type::Scalar(quantity),
+                    Some(quantity) => {
+                        self.many_turns(scope, *value, unit, expr.span);
+                        Type::Scalar(quantity)
+                    }
                     None => Type::Error,
                 },
                 None if *integer => Type::Int,
@@ -56,7 +63,16 @@ impl<'p> Checker<'p> {
             ExprKind::Text(_) => Type::Text,
             ExprKind::Bool(_) => Type::Bool,
             ExprKind::Name(name) => self.name(scope, name, expr.span),
-            ExprKind::List { items, unit } => self.list(scope, items, unit.as_ref(), expr.span),
+            ExprKind::List { items, unit } => {
+                if let Some(unit) = unit {
+                    for item in items {
+                        if let ExprKind::Number { value, .. } = &item.kind {
+                            self.many_turns(scope, *value, unit, item.span);
+                        }
+                    }
+                }
+                self.list(scope, items, unit.as_ref(), expr.span)
+            }
             ExprKind::Comprehension {
                 body,
                 binders,

@@ -83,6 +83,9 @@ impl<'p> Checker<'p> {
                 ItemKind::Statement(
                     Statement::Start { target, value } | Statement::Guess { target, value },
                 ) => self.start_of_body(&inner, target, value),
+                ItemKind::Statement(statement @ Statement::Accept(_)) => {
+                    self.statement(&inner, statement);
+                }
                 _ => self.misplaced_in_body(item),
             }
         }

@@ -212,6 +212,7 @@ impl<'p> Levels<'_, 'p> {
                 let level = self.level(place, condition);
                 self.bear(level, 1, condition.span, "a requirement");
             }
+            Statement::Accept(_) => {}
             Statement::Rate { value, .. } => {
                 let level = self.level(place, value);
                 self.bear(level, 1, value.span, "the rate of a state");

@@ -18,6 +18,7 @@ mod flexible;
 mod function;
 mod interface;
 mod level;
+mod lint;
 mod mismatch;
 mod operator;
 mod report;
@@ -72,12 +73,17 @@ struct Checker<'p> {
     depth: u32,
     /// Units that each module reads.
     used_units: BTreeSet<(u32, String)>,
+    /// Names of lints that a text may accept.
+    lints: BTreeSet<&'p str>,
+    /// Places of angles that were looked at.
+    turns_told: BTreeSet<Span>,
 }
 
 /// Checks every definition of every module.
 pub fn check(program: &Program, sources: &SourceMap, diagnostics: &mut Diagnostics) -> Checked {
     let earlier = diagnostics.has_errors();
     let mut checker = Checker::new(program, sources);
+    checker.names_of_lints();
     for (index, module) in program.modules.iter().enumerate() {
         for (item_index, item) in module.file.items.iter().enumerate() {
             let id = DefinitionId {
@@ -130,6 +136,8 @@ impl<'p> Checker<'p> {
             used_units: BTreeSet::new(),
             wanted: None,
             depth: 0,
+            lints: program.lints(),
+            turns_told: BTreeSet::new(),
         }
     }
 

@@ -5,6 +5,7 @@ use super::mismatch::Due;
 use super::scope::{Scope, force_dimension, torque_dimension};
 use super::types::{Quantity, Type};
 use crate::codes;
+use crate::resolve::suggest::nearest;
 use eng_grammar::ast::{Attribute, Declaration, Expr, Form, ItemKind, Kind, Name, Statement};
 
 use eng_grammar::{Diagnostic, Diagnostics, MessagePart, parse_message};
@@ -42,10 +43,12 @@ impl<'p> Checker<'p> {
                     self.expect(scope, against, &Type::Marker, &due);
                 }
             }
+            Statement::Accept(names) => self.accept(names),
             Statement::Require {
                 advise,
                 condition,
                 message,
+                ..
             } => {
                 let word = if *advise { "advise" } else { "require" };
                 self.condition(scope, condition, &format!("what follows `{word}`"));
@@ -68,6 +71,29 @@ impl<'p> Checker<'p> {
                     .declared(state.span, "a rate is the state's dimension in a time");
                 self.expect(scope, value, &rate, &due);
             }
+        }
+    }
+
+    /// `accept usual`: names of lints that the texts or the language have.
+    fn accept(&mut self, names: &[Name]) {
+        for name in names {
+            if self.lints.contains(name.text.as_str()) {
+                continue;
+            }
+            let mut message = Diagnostic::warning(
+                codes::ACCEPT_UNKNOWN,
+                format!("no lint is called `{}`", name.text),
+            )
+            .at(name.span, "accepts nothing");
+            message = match nearest(&name.text, self.lints.iter().copied()) {
+                Some(near) => message
+                    .with_help(format!("did you mean `{near}`?"))
+                    .with_fix(format!("write `{near}`"), name.span, near),
+                None => {
+                    message.with_help("a warning that can be accepted ends with its `accept NAME`")
+                }
+            };
+            self.report(message);
         }
     }
 

@@ -110,6 +110,14 @@ eng_grammar::codes! {
         "The form is reserved for a later version.",
         "analysis rest = static(Engine())",
         "analysis rest = assemble(Engine())";
+    ACCEPT_UNKNOWN = "W0550", "an `accept` names a lint that does not exist",
+        "`accept NAME` takes a warning of that name for meant: of an `advise NAME: …` of the class that is used, or of a lint of the language. Each warning that can be accepted says its name.",
+        "accept usul",
+        "accept usual";
+    MANY_TURNS = "W0551", "an angle in rad is many turns",
+        "More than 20 rad, three turns, stand where engines have parts of a turn: degrees were probably meant. Where it is meant, `accept turns` stands in the definition around.",
+        "start crank.angle = 180 rad",
+        "start crank.angle = 180 deg";
     UNUSED_LET = "W0301", "a value is not used",
         "The model runs. The value may have been meant where another stands; else remove it.",
         "let volume = area*stroke",

@@ -165,6 +165,10 @@ eng_grammar::codes! {
         "More than 10,000 bar, three times the pressure of fuel injection. Mostly the numbers are in another unit than is stated: pascal read as bar.",
         "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 360] deg, [6e6, 1e5] bar, extrapolation: hold)",
         "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 360] deg, [60, 1] bar, extrapolation: hold)";
+    MUCH_DAMPING = "W0552", "a flexible body is damped like no structure",
+        "More than 20 % of critical damping over all frequencies, or more than critical damping: `2` is 200 %, `2 %` was probably meant. Where it is meant, `accept damping` stands in the body.",
+        "flexible crank { damping = 2 }",
+        "flexible crank { damping = 2 % }";
     NO_GRAVITY = "N0501", "no gravity is stated",
         "It is zero then. State it, or state zeros to say that this is meant.",
         "model Engine { }",

@@ -68,6 +68,7 @@ pub fn analyses(
             });
         }
     }
+    elaborator.tell_advised();
     plans
 }
 

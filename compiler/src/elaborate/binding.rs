@@ -12,6 +12,7 @@ use eng_system::code::{Advice, BindCode, BindError, Bound, Pair};
 use eng_system::system::{Location, Origin, Parameter, Slot};
 use eng_system::table::{Outside, Table};
 use eng_system::{Dimension, DisplayUnit};
+use std::collections::BTreeSet;
 
 /// The node that a parameter takes its value from when it is not set.
 pub type ParameterDefault = Node;
@@ -32,6 +33,8 @@ pub struct Check {
     pub holds: Node,
     /// A lint.
     pub advise: bool,
+    /// The name under which a lint is accepted; empty where it has none.
+    pub name: String,
     /// The author's message.
     pub message: Vec<MessagePart>,
     /// Path of the element.
@@ -100,6 +103,71 @@ impl BindProgram {
     }
 }
 
+impl BindProgram {
+    /// The parameters and tables that a value is made of: of parameters that others give their default those others.
+    fn decided_by(&self, value: Node, tables: &[Table]) -> Vec<Origin> {
+        let graph = &self.function.graph;
+        let mut waiting = vec![value];
+        let mut seen = BTreeSet::new();
+        let mut found: Vec<Origin> = Vec::new();
+        let mut add = |origin: Origin| {
+            if !found.iter().any(|known| known.used_at == origin.used_at) {
+                found.push(origin);
+            }
+        };
+        while let Some(node) = waiting.pop() {
+            if !seen.insert(node) {
+                continue;
+            }
+            match graph.op(node) {
+                Op::Input(k) if k < FIXED => {
+                    let (Some(parameter), Some(default)) = (
+                        self.parameters.get(k as usize),
+                        self.defaults.get(k as usize),
+                    ) else {
+                        continue;
+                    };
+                    match self.is_stated(*default) {
+                        true => add(parameter.origin.clone()),
+                        false => waiting.push(*default),
+                    }
+                }
+                Op::Table(handle, argument, _) => {
+                    let table = graph
+                        .as_constant(handle)
+                        .and_then(|index| tables.get(index as usize));
+                    if let Some(table) = table {
+                        add(Origin {
+                            path: table.name().to_owned(),
+                            used_at: table.stated_at(),
+                            defined_at: None,
+                        });
+                    }
+                    waiting.push(argument);
+                }
+                op => waiting.extend(op.operands()),
+            }
+        }
+        found.retain(|origin| origin.used_at.is_some());
+        found.sort_by_key(|origin| origin.used_at.map(|at| (at.source, at.start)));
+        found
+    }
+
+    /// Whether a default is a number of the text, and not made of parameters or tables.
+    fn is_stated(&self, default: Node) -> bool {
+        let graph = &self.function.graph;
+        let mut waiting = vec![default];
+        while let Some(node) = waiting.pop() {
+            match graph.op(node) {
+                Op::Input(k) if k < FIXED => return false,
+                Op::Table(..) => return false,
+                op => waiting.extend(op.operands()),
+            }
+        }
+        true
+    }
+}
+
 impl BindCode for BindProgram {
     fn bind(&self, overrides: &[Option<f64>], tables: &[Table]) -> Result<Bound, BindError> {
         let nodes = self.function.graph.nodes();
@@ -151,6 +219,14 @@ impl BindCode for BindProgram {
             if at(&check.holds) == 1.0 {
                 continue;
             }
+            // where its numbers do not exist nothing can be said of them: a table that ends, a root
+            let known = |part: &MessagePart| match part {
+                MessagePart::Text(_) => true,
+                MessagePart::Value(n, _) => at(n).is_finite(),
+            };
+            if check.advise && !check.message.iter().all(known) {
+                continue;
+            }
             let message: String = check
                 .message
                 .iter()
@@ -161,12 +237,14 @@ impl BindCode for BindProgram {
                 .collect();
             if check.advise {
                 advice.push(Advice {
+                    name: check.name.clone(),
                     origin: Origin {
                         path: check.path.clone(),
                         used_at: check.used_at,
                         defined_at: check.defined_at,
                     },
                     message,
+                    decided_by: self.decided_by(check.holds, tables),
                 });
             } else {
                 return Err(BindError::Require {
@@ -208,6 +286,16 @@ impl BindCode for BindProgram {
     }
 }
 
+/// A `require` or `advise` as written.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    pub advise: bool,
+    /// The name under which it is accepted.
+    pub name: Option<&'a ast::Name>,
+    pub condition: &'a ast::Expr,
+    pub message: &'a ast::Name,
+}
+
 /// What the author of a `require` or `advise` says, evaluated where the condition is.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Message {
@@ -225,6 +313,14 @@ pub(crate) enum Part {
         display: DisplayUnit,
         span: Span,
     },
+}
+
+/// What is said of some things, as a title.
+fn titled(text: &str, paths: &[&str]) -> String {
+    match paths {
+        [] | [""] => text.to_owned(),
+        paths => format!("{}: {text}", super::topology::listed(paths)),
+    }
 }
 
 /// The place of something in the texts.
@@ -444,13 +540,17 @@ impl<'a> Elaborator<'a, '_> {
     /// their message.
     pub fn requirement(
         &mut self,
-        advise: bool,
-        condition: &'a ast::Expr,
-        message: &'a ast::Name,
+        asked: Asked<'a>,
         scope: ScopeId,
         path: &str,
         used_at: Option<Location>,
     ) -> Eval<Option<(Flag, Message)>> {
+        let Asked {
+            advise,
+            name,
+            condition,
+            message,
+        } = asked;
         let truth = self.truth(condition, scope)?;
         if let Truth::Known(true) = truth {
             return Ok(None);
@@ -475,6 +575,7 @@ impl<'a> Elaborator<'a, '_> {
                 self.checks.push(Check {
                     holds,
                     advise,
+                    name: name.map_or(String::new(), |name| name.text.clone()),
                     message: parts,
                     path: path.to_owned(),
                     used_at,
@@ -483,24 +584,41 @@ impl<'a> Elaborator<'a, '_> {
                 Ok(None)
             }
             Truth::Known(_) => {
+                if let Some(name) = name
+                    && self.accepts(&name.text, path)
+                {
+                    return Ok(None);
+                }
                 let text = self.known_text(message);
-                let title = match path {
-                    "" => text,
-                    path => format!("{path}: {text}"),
-                };
-                let diagnostic = if advise {
-                    Diagnostic::warning(codes::ADVISED, title)
-                } else {
-                    Diagnostic::error(codes::REQUIRED, title)
-                };
-                let reported = self.report(match used_at.map(span_of) {
+                let title = |paths: &[&str]| titled(&text, paths);
+                let places = |diagnostic: Diagnostic| match used_at.map(span_of) {
                     Some(place) => diagnostic
                         .at(place, "asked for by what is used here")
                         .also(condition.span, "this does not hold"),
                     None => diagnostic.at(condition.span, "this does not hold"),
-                });
-                if advise { Ok(None) } else { Err(reported) }
+                };
+                if !advise {
+                    let message = places(Diagnostic::error(codes::REQUIRED, title(&[path])));
+                    return Err(self.report(message));
+                }
+                let message = places(Diagnostic::warning(codes::ADVISED, text.clone()))
+                    .acceptable(name.map_or("", |name| &name.text));
+                // told once of all that it is said of
+                match self.advised.iter_mut().find(|(known, _)| *known == message) {
+                    Some((_, paths)) => paths.push(path.to_owned()),
+                    None => self.advised.push((message, vec![path.to_owned()])),
+                }
+                Ok(None)
             }
+        }
+    }
+
+    /// Tells of the `advise`s on what is known while compiling that do not hold.
+    pub fn tell_advised(&mut self) {
+        for (mut message, paths) in std::mem::take(&mut self.advised) {
+            let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+            message.title = titled(&message.title, &paths);
+            self.diagnostics.push(message);
         }
     }
 

@@ -342,6 +342,7 @@ impl<'a> Elaborator<'a, '_> {
         self.count_instance(declaration.name.span)?;
         let module = self.scope(scope).module;
         let own = self.new_scope(Some(scope), module, path.clone());
+        self.accepted_in(&block.items, &path);
         self.bench.bind.owner.clone_from(&path);
         let index = self.bodies.len() as u32;
         let zero = self.zero();
@@ -351,6 +352,8 @@ impl<'a> Elaborator<'a, '_> {
         let mut center = [zero; 3];
         for item in &block.items {
             if let ItemKind::Attribute(a) = &item.kind {
+                let attribute = format!("{path}.{}", a.name.text);
+                self.stated.insert(attribute, location(a.value.span));
                 match a.name.text.as_str() {
                     "mass" => {
                         let value = self.evaluate(&a.value, own)?;
@@ -483,6 +486,7 @@ impl<'a> Elaborator<'a, '_> {
         self.checks.push(super::Check {
             holds,
             advise: false,
+            name: String::new(),
             message,
             path: path.to_owned(),
             used_at: Some(location(span)),

@@ -28,7 +28,9 @@ impl<'a, 'd> Constants<'a, 'd> {
 
     /// The number (SI) of an expression, or those of a list. Where there is none, a message was given.
     pub fn numbers(&mut self, expr: &'a Expr) -> Option<Vec<f64>> {
-        self.known(expr).ok()
+        let found = self.known(expr).ok();
+        self.elaborator.tell_advised();
+        found
     }
 
     fn known(&mut self, expr: &'a Expr) -> Eval<Vec<f64>> {

@@ -62,6 +62,7 @@ pub fn elaborate(
     let mut found = Diagnostics::new();
     let mut elaborator = Elaborator::new(program, sources, host, &mut found);
     let result = elaborator.model(model, constants);
+    elaborator.tell_advised();
     let failed = found.has_errors();
     diagnostics.extend(found);
     match result {
@@ -102,6 +103,10 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             channels: Vec::new(),
             journals: Vec::new(),
             firings: Vec::new(),
+            accepted: Vec::new(),
+            advised: Vec::new(),
+            lints: program.lints(),
+            stated: BTreeMap::new(),
             gravity: None,
             cycle: None,
             pending: Vec::new(),
@@ -354,6 +359,8 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             cycle,
             journals: std::mem::take(&mut self.journals),
             firings: std::mem::take(&mut self.firings),
+            accepted: std::mem::take(&mut self.accepted),
+            stated: std::mem::take(&mut self.stated),
         };
         let mut elaborated = Elaborated {
             system,

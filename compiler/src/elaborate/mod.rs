@@ -190,6 +190,13 @@ pub(crate) struct Elaborator<'a, 'd> {
     pub channels: Vec<eng_system::system::Channel>,
     pub journals: Vec<eng_system::system::JournalInfo>,
     pub firings: Vec<eng_system::system::FiringInfo>,
+    pub accepted: Vec<eng_system::lint::Accepted>,
+    /// `advise`s on what is known while compiling that do not hold, with the paths they are said of.
+    pub advised: Vec<(Diagnostic, Vec<String>)>,
+    /// Names of all lints.
+    pub lints: std::collections::BTreeSet<&'a str>,
+    /// Where attributes are stated, by path.
+    pub stated: std::collections::BTreeMap<String, Location>,
     pub gravity: Option<[crate::ir::Node; 3]>,
     pub cycle: Option<CycleDraft<'a>>,
     pub pending: Vec<model::Pending<'a>>,
@@ -232,6 +239,36 @@ impl<'a> Elaborator<'a, '_> {
     pub fn unfit(&mut self, span: Span, expected: &str, found: &Value<'_>) -> Reported {
         let found = found.kind();
         self.internal(span, &format!("{expected} is due, but this is {found}"))
+    }
+
+    /// Takes in what a block accepts of lints about the thing of a path.
+    pub fn accepted_in(&mut self, items: &'a [ast::Item], path: &str) {
+        for item in items {
+            let ast::ItemKind::Statement(ast::Statement::Accept(names)) = &item.kind else {
+                continue;
+            };
+            for name in names {
+                self.accepted.push(eng_system::lint::Accepted {
+                    name: name.text.clone(),
+                    path: path.to_owned(),
+                    at: location(name.span),
+                    // one that is no lint's is told by the checker
+                    used: !self.lints.contains(name.text.as_str()),
+                });
+            }
+        }
+    }
+
+    /// Whether a lint about the thing of a path is accepted: those that accept it are used.
+    pub fn accepts(&mut self, name: &str, path: &str) -> bool {
+        let mut found = false;
+        for accepted in &mut self.accepted {
+            if accepted.covers(name, path) {
+                accepted.used = true;
+                found = true;
+            }
+        }
+        found
     }
 
     pub fn scope(&self, id: ScopeId) -> &Scope<'a> {

@@ -62,6 +62,8 @@ impl<'a> Elaborator<'a, '_> {
 
     /// All items of a model's or component's block.
     pub fn block(&mut self, items: &'a [ast::Item], scope: ScopeId) {
+        let path = self.scope(scope).path.clone();
+        self.accepted_in(items, &path);
         self.register(items, scope);
         // outputs of a block are channels, not values inside it
         for item in items {
@@ -121,7 +123,6 @@ impl<'a> Elaborator<'a, '_> {
                 }
             }
         }
-        let path = self.scope(scope).path.clone();
         for item in items {
             match &item.kind {
                 ItemKind::Statement(Statement::Start { target, value }) => {
@@ -140,16 +141,39 @@ impl<'a> Elaborator<'a, '_> {
                         scope,
                     });
                 }
-                ItemKind::Statement(Statement::Require {
-                    advise,
-                    condition,
-                    message,
-                }) => {
-                    let _ = self.requirement(*advise, condition, message, scope, &path, None);
+                ItemKind::Statement(statement) => {
+                    // a message was given
+                    let _ = self.condition_of_block(statement, scope, &path, None);
                 }
                 _ => {}
             }
         }
+    }
+
+    /// A `require` or `advise` of a model or a component, or at the use of a component.
+    fn condition_of_block(
+        &mut self,
+        statement: &'a Statement,
+        scope: ScopeId,
+        path: &str,
+        used_at: Option<eng_system::system::Location>,
+    ) -> Eval<()> {
+        if let Statement::Require {
+            advise,
+            name,
+            condition,
+            message,
+        } = statement
+        {
+            let asked = super::binding::Asked {
+                advise: *advise,
+                name: name.as_ref(),
+                condition,
+                message,
+            };
+            self.requirement(asked, scope, path, used_at)?;
+        }
+        Ok(())
     }
 
     fn cycle_of(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) {
@@ -214,6 +238,8 @@ impl<'a> Elaborator<'a, '_> {
     fn model_attribute(&mut self, attribute: &'a ast::Attribute, scope: ScopeId) -> Eval<()> {
         match attribute.name.text.as_str() {
             "gravity" => {
+                self.stated
+                    .insert("gravity".to_owned(), super::location(attribute.value.span));
                 self.gravity = Some(self.bind_vector(&attribute.value, scope)?);
                 Ok(())
             }
@@ -223,7 +249,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// `part name[index] = Component(arguments)`.
     pub fn part(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) -> Eval<Value<'a>> {
-        let Form::Instance { value, .. } = &declaration.form else {
+        let Form::Instance { value, block } = &declaration.form else {
             return Err(self.internal(declaration.name.span, "a part without a component"));
         };
         let ExprKind::Call { callee, arguments } = &value.kind else {
@@ -263,12 +289,24 @@ impl<'a> Elaborator<'a, '_> {
             }
             let own = e.class_scope(&source, class, &path)?;
             e.lasting(own);
+            if let Some(block) = block {
+                e.accepted_in(&block.items, &path);
+            }
             e.deeper(value.span, |e| {
                 let outer = std::mem::replace(&mut e.in_part, true);
                 e.block(&class.block.items, own);
                 e.in_part = outer;
                 Ok(())
             })?;
+            if let Some(block) = block {
+                let at_use = e.use_scope(own, inner);
+                let place = Some(super::location(declaration.name.span));
+                for item in &block.items {
+                    if let ItemKind::Statement(statement) = &item.kind {
+                        e.condition_of_block(statement, at_use, &path, place)?;
+                    }
+                }
+            }
             made.push((position.to_vec(), Value::Part(own)));
             Ok(())
         })?;

@@ -111,6 +111,8 @@ pub(crate) struct ElementBuilder {
 #[derive(Debug)]
 pub(crate) struct Asked {
     pub advise: bool,
+    /// The name under which it is accepted; empty where it has none.
+    pub name: String,
     pub flag: Flag,
     pub message: super::binding::Message,
     /// Place of the condition.

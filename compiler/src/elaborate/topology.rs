@@ -161,7 +161,7 @@ fn by_place<'o>(origins: impl Iterator<Item = &'o Origin>) -> Vec<(Location, Vec
 }
 
 /// Paths in a sentence; many are shortened.
-fn listed(paths: &[&str]) -> String {
+pub(super) fn listed(paths: &[&str]) -> String {
     match paths {
         [first, second, .., last] if paths.len() > 5 => {
             format!("{first}, {second} to {last} ({} in all)", paths.len())

@@ -400,12 +400,14 @@ impl<'t> Builder<'t, '_> {
                 Rule::lint => {
                     if let Some(Statement::Require {
                         advise,
+                        name,
                         condition,
                         message,
                     }) = self.statement(part, depth + 1)
                     {
                         function.requirements.push(Requirement {
                             advise,
+                            name,
                             condition,
                             message,
                         });
@@ -492,6 +494,10 @@ impl<'t> Builder<'t, '_> {
             }
             Rule::lint => {
                 let lint = inner.find(|part| part.as_rule() == Rule::lint_kind)?;
+                let named = inner
+                    .peek()
+                    .filter(|part| part.as_rule() == Rule::lint_name);
+                let name = named.map(|part| self.next_name(&mut part.into_inner()));
                 let condition = self.next_expression(&mut inner, span, depth);
                 let text = inner.find(|part| part.as_rule() == Rule::string)?;
                 let (start, end) = self.inside_quotes(&text);
@@ -499,6 +505,7 @@ impl<'t> Builder<'t, '_> {
                 let raw = self.text.get(start..end).unwrap_or("");
                 Statement::Require {
                     advise: lint.as_str() == "advise",
+                    name,
                     condition,
                     message: Name {
                         text: raw.to_string(),
@@ -506,6 +513,12 @@ impl<'t> Builder<'t, '_> {
                     },
                 }
             }
+            Rule::accept => Statement::Accept(
+                inner
+                    .filter(|part| part.as_rule() == Rule::name)
+                    .map(|part| self.name(&part))
+                    .collect(),
+            ),
             Rule::rate => {
                 let state = inner.find(|part| part.as_rule() == Rule::name)?;
                 let state = self.name(&state);

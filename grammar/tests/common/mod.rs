@@ -174,7 +174,8 @@ fn item_text(kind: &ItemKind) -> String {
             let mut lets: Vec<_> = item.lets.iter().map(binding).collect();
             lets.extend(item.requirements.iter().map(|r| {
                 let word = if r.advise { "advise" } else { "require" };
-                format!("({word} {} {:?})", expr(&r.condition), r.message.text)
+                let name = lint_name(&r.name);
+                format!("({word}{name} {} {:?})", expr(&r.condition), r.message.text)
             }));
             format!(
                 "(fn {}<{}> {}{} {{{}}} {})",
@@ -247,16 +248,27 @@ fn statement_text(statement: &Statement) -> String {
         ),
         Statement::Require {
             advise,
+            name,
             condition,
             message,
         } => format!(
-            "({} {} {:?})",
+            "({}{} {} {:?})",
             if *advise { "advise" } else { "require" },
+            lint_name(name),
             expr(condition),
             message.text
         ),
+        Statement::Accept(names) => {
+            let names: Vec<_> = names.iter().map(|name| name.text.as_str()).collect();
+            format!("(accept {})", names.join(" "))
+        }
         Statement::Rate { state, value } => format!("(der {} {})", state.text, expr(value)),
     }
+}
+
+fn lint_name(name: &Option<Name>) -> String {
+    name.as_ref()
+        .map_or(String::new(), |name| format!(" {}:", name.text))
 }
 
 fn binding(item: &Binding) -> String {

@@ -246,6 +246,7 @@ impl Simulation {
                     if !*seen {
                         *seen = true;
                         warnings.push(Warning {
+                            name: condition.name.clone(),
                             origin: origin(),
                             message: condition.told(values),
                             moment,

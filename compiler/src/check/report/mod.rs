@@ -185,6 +185,7 @@ impl<'a> Reporter<'a, '_> {
                     advise,
                     condition,
                     message,
+                    ..
                 }) => self.require(*advise, condition, message).map(Some),
                 _ => continue,
             };

@@ -180,7 +180,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Names of the class before those of the place where it is used.
-    pub(super) fn use_scope(&mut self, own: ScopeId, caller: ScopeId) -> ScopeId {
+    pub fn use_scope(&mut self, own: ScopeId, caller: ScopeId) -> ScopeId {
         let module = self.scope(caller).module;
         let path = self.scope(own).path.clone();
         let inner = self.new_scope(Some(caller), module, path);

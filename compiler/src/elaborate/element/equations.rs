@@ -1,6 +1,6 @@
 //! What a class says: states, conditions, constraints, loads.
 
-use super::super::binding::{Message, Part};
+use super::super::binding::{Asked, Message, Part};
 use super::super::scalar::{Flag, PROVISIONAL, RowDraft, Scalar, Stage, StateDraft};
 use super::super::value::{ScopeId, Value};
 use super::super::{Check, Elaborator, Entry, Eval, MessagePart as Told, Reported, location};
@@ -105,6 +105,7 @@ impl<'a> Elaborator<'a, '_> {
             self.checks.push(Check {
                 holds,
                 advise: false,
+                name: String::new(),
                 message: vec![Told::Text(told)],
                 path: path.to_owned(),
                 used_at,
@@ -134,7 +135,7 @@ impl<'a> Elaborator<'a, '_> {
                             text: self.sources.text(expr.span).to_owned(),
                             parts: Vec::new(),
                         };
-                        self.condition(flag, ConditionKind::Branch, written, expr.span, draft);
+                        self.condition(flag, ConditionKind::Branch, "", written, expr.span, draft);
                     }
                 }
                 Statement::Apply {
@@ -145,20 +146,28 @@ impl<'a> Elaborator<'a, '_> {
                 } => self.apply_load(*torque, value, on, against.as_ref(), scope)?,
                 Statement::Require {
                     advise,
+                    name,
                     condition,
                     message,
                 } => {
-                    if let Some((flag, message)) =
-                        self.requirement(*advise, condition, message, scope, path, used_at)?
-                    {
+                    let asked = Asked {
+                        advise: *advise,
+                        name: name.as_ref(),
+                        condition,
+                        message,
+                    };
+                    if let Some((flag, message)) = self.requirement(asked, scope, path, used_at)? {
                         let kind = if *advise {
                             ConditionKind::Advise
                         } else {
                             ConditionKind::Require
                         };
-                        self.condition(flag, kind, message, condition.span, draft);
+                        let name = asked.name.map_or("", |name| &name.text);
+                        self.condition(flag, kind, name, message, condition.span, draft);
                     }
                 }
+                // taken in before the equations
+                Statement::Accept(_) => {}
                 Statement::Rate { state, value } => {
                     let v = self.evaluate(value, scope)?;
                     let s = self.as_scalar(v, value.span)?;
@@ -182,8 +191,9 @@ impl<'a> Elaborator<'a, '_> {
 
     pub(super) fn condition(
         &mut self,
-        flag: super::super::scalar::Flag,
+        flag: Flag,
         kind: ConditionKind,
+        name: &str,
         message: Message,
         span: Span,
         draft: &mut Draft,
@@ -207,6 +217,7 @@ impl<'a> Elaborator<'a, '_> {
                 } => {
                     let entry = Condition {
                         kind: ConditionKind::Shown,
+                        name: String::new(),
                         text: self.sources.text(span).to_owned(),
                         message: Vec::new(),
                         defined_at: Some(location(span)),
@@ -224,6 +235,7 @@ impl<'a> Elaborator<'a, '_> {
             node,
             Condition {
                 kind,
+                name: name.to_owned(),
                 text: message.text,
                 message: parts,
                 defined_at: Some(location(span)),

@@ -35,6 +35,9 @@ impl<'a> Elaborator<'a, '_> {
             known.firing = Some(FiringInfo {
                 element: 0,
                 angle: self.measure(class, own, "firing")?,
+                bore: self.measure(class, own, "bore")?,
+                piston: self.marker_of_law(class, own, "piston")?,
+                head: self.marker_of_law(class, own, "head")?,
             });
         }
         Ok(known)

@@ -118,6 +118,9 @@ impl<'a> Elaborator<'a, '_> {
         self.rates = None;
         self.bench.bind.owner.clone_from(&path);
         let used_at = Some(location(span));
+        if let Some(block) = block {
+            self.accepted_in(&block.items, &path);
+        }
         let source = ElementSource {
             definition: class.definition,
             arguments: bound,
@@ -206,7 +209,14 @@ impl<'a> Elaborator<'a, '_> {
             } else {
                 ConditionKind::Require
             };
-            self.condition(asked.flag, kind, asked.message, asked.span, draft);
+            self.condition(
+                asked.flag,
+                kind,
+                &asked.name,
+                asked.message,
+                asked.span,
+                draft,
+            );
         }
     }
 }

@@ -140,10 +140,14 @@ impl<'a> Elaborator<'a, '_> {
         call: Span,
     ) -> Eval<()> {
         let path = self.bench.bind.owner.clone();
+        let name = requirement.name.as_ref();
         let found = self.requirement(
-            requirement.advise,
-            &requirement.condition,
-            &requirement.message,
+            super::super::binding::Asked {
+                advise: requirement.advise,
+                name,
+                condition: &requirement.condition,
+                message: &requirement.message,
+            },
             scope,
             &path,
             Some(super::super::location(call)),
@@ -178,6 +182,7 @@ impl<'a> Elaborator<'a, '_> {
             }
             element.asked.push(super::super::scalar::Asked {
                 advise: requirement.advise,
+                name: name.map_or(String::new(), |name| name.text.clone()),
                 flag,
                 message,
                 span: requirement.condition.span,

@@ -9,6 +9,9 @@ use eng_grammar::ast::ExprKind;
 use eng_grammar::{Diagnostic, Span, ast};
 use eng_system::flexible::{Damping, MaterialSource, MatrixSource, MeshSource};
 
+/// Damping ratio of all modes above which a structure is none.
+const MUCH_DAMPING: f64 = 0.2;
+
 impl<'a> Elaborator<'a, '_> {
     pub(super) fn mesh_source(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<MeshSource> {
         let (word, arguments) = self.worded(Place::Mesh, value)?;
@@ -186,5 +189,25 @@ impl<'a> Elaborator<'a, '_> {
                 stiffness: not_negative(self, stiffness, "the factor of the stiffness")?,
             })
         }
+    }
+
+    /// Tells of a damping of all modes that no metal part has.
+    pub(super) fn much_damping(&mut self, damping: &Damping, path: &str, span: Span) {
+        let Damping::Modal { ratio, up_to } = damping else {
+            return;
+        };
+        let whole = up_to.is_infinite() && *ratio > MUCH_DAMPING;
+        if !(whole || *ratio > 1.0) || self.accepts(eng_system::lint::DAMPING, path) {
+            return;
+        }
+        self.diagnostics.push(
+            Diagnostic::warning(
+                codes::MUCH_DAMPING,
+                format!("{path}: a damping of {} % of critical in its modes is that of no structure", 100.0 * ratio),
+            )
+            .at(span, format!("{path}: {} %", 100.0 * ratio))
+            .with_help("a part of metal has 0.1 to 3 %: write `2 %`; modes that no step resolves are damped by `modal(2 %, up_to: 4000 Hz)`")
+            .acceptable(eng_system::lint::DAMPING),
+        );
     }
 }

@@ -92,6 +92,7 @@ impl<'a> Elaborator<'a, '_> {
         self.count_instance(declaration.name.span)?;
         let module = self.scope(scope).module;
         let own = self.new_scope(Some(scope), module, path.clone());
+        self.accepted_in(&block.items, &path);
         self.bench.bind.owner.clone_from(&path);
         let body = self.bodies.len() as u32;
         let index = self.flexible.len() as u32;
@@ -178,7 +179,11 @@ impl<'a> Elaborator<'a, '_> {
                         terms.push(self.term(part, &known, &path)?);
                     }
                 }
-                "damping" => damping = Some(self.damping(value, own)?),
+                "damping" => {
+                    let stated = self.damping(value, own)?;
+                    self.much_damping(&stated, &path, value.span);
+                    damping = Some(stated);
+                }
                 "geometric_stiffness" => match self.evaluate(value, own)? {
                     Value::Bool(b) => geometric_stiffness = b,
                     other => return Err(self.unfit(value.span, "true or false", &other)),

@@ -353,6 +353,8 @@ impl Builder {
                 cycle: None,
                 journals: vec![],
                 firings: vec![],
+                accepted: vec![],
+                stated: Default::default(),
             },
             reduced: vec![],
             code: vec![],
@@ -563,6 +565,7 @@ pub fn output(name: &str) -> OutputInfo {
 
 pub fn condition(kind: ConditionKind, text: &str) -> Condition {
     Condition {
+        name: String::new(),
         kind,
         text: text.into(),
         message: Vec::new(),

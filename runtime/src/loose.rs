@@ -1,0 +1,331 @@
+//! Motions of an assembled model that nothing holds: no constraint, and no force that answers a displacement or a velocity.
+//!
+//! With G the gradients of the constraints and N a basis of their null space, and K and D the derivatives of all loads by pose and
+//! velocity, at rest, a motion `N z` is loose where `Nᵀ K N z = 0` and `Nᵀ D N z = 0`, and where that stays so on a finite way along it (a contact with play
+//! answers only then). Loads that do not change with the motion (gas, gravity) hold nothing. Bodies count as rigid. The motion that turns the cycle is what the machine is for, and is left out.
+
+use crate::assembly::at;
+use crate::assembly::rows::{Along, Rows, inputs};
+use crate::chain;
+use crate::elements;
+use crate::error::RuntimeError;
+use crate::model::Model;
+use crate::rotation::V3;
+use crate::state::{State, move_pose};
+use eng_system::code::Function;
+use nalgebra::{DMatrix, DVector};
+
+/// A singular value below this share of the largest is none.
+const NONE: f64 = 1e-7;
+/// Ways along a motion (of the model's length, or rad) where loads are asked again.
+const WAYS: [f64; 6] = [0.01, -0.01, 0.05, -0.05, 0.3, -0.3];
+/// A share of a motion below this is none.
+const NO_PART: f64 = 1e-6;
+/// A translation is pure, or a rotation, where the other is below this share of it (both as displacements of the model's length).
+const PURE: f64 = 1e-3;
+/// Largest way of a centre of mass, as a share of the model's length a radian, in a rotation about it.
+const CENTRED: f64 = 1e-3;
+
+/// Motions of bodies that hang together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loose {
+    /// Indices of the bodies that move: the heaviest, then the others in their order.
+    pub bodies: Vec<usize>,
+    /// How many independent motions there are.
+    pub motions: usize,
+    /// In how many directions of space the heaviest body moves.
+    pub directions: usize,
+    /// Of a single motion that is a translation: its direction (inertial, unit length).
+    pub along: Option<V3>,
+    /// Of a single motion that is a rotation: its axis (inertial, unit length), and whether it moves the centres of mass, so that gravity or
+    /// spin may hold it.
+    pub about: Option<(V3, bool)>,
+}
+
+/// The loose motions of a model at a position.
+///
+/// # Errors
+///
+/// What evaluating the elements says.
+pub fn loose(model: &Model, state: &State) -> Result<Vec<Loose>, RuntimeError> {
+    let mut rest = state.clone();
+    rest.velocity.fill(0.0);
+    let scales = model.velocity_scales();
+    let rigid: Vec<usize> = model
+        .bodies
+        .iter()
+        .flat_map(|body| body.velocity..body.velocity + 6)
+        .collect();
+    let basis = free_motions(model, &rest, &rigid)?;
+    let [stiffness, damping] = answers(model, &rest)?;
+    let of_rigid = |matrix: &DMatrix<f64>| {
+        DMatrix::from_fn(rigid.len(), rigid.len(), |i, j| {
+            matrix[(rigid[i], rigid[j])] * scales[rigid[i]] * scales[rigid[j]]
+        })
+    };
+    let mut held = DMatrix::zeros(0, basis.ncols());
+    for matrix in [&stiffness, &damping] {
+        let reduced = basis.transpose() * of_rigid(matrix) * &basis;
+        let largest = reduced.amax();
+        if largest > 0.0 && largest.is_finite() {
+            held = stacked(&held, &(reduced / largest));
+        }
+    }
+    if let Some(turning) = cycle_row(model, &rest) {
+        let row = DMatrix::from_fn(1, rigid.len(), |_, j| turning[rigid[j]] * scales[rigid[j]]);
+        let row = row * &basis;
+        let largest = row.amax();
+        if largest > NONE {
+            held = stacked(&held, &(row / largest));
+        }
+    }
+    let mut motions = &basis * null_space(&held);
+    // what answers only after a way: a contact with play, a spring that begins to be stretched
+    let mut answered = Vec::new();
+    for column in 0..motions.ncols() {
+        let along = motions.column(column).into_owned();
+        if is_answered(model, &rest, &rigid, &along, &of_rigid)? {
+            answered.push(column);
+        }
+    }
+    motions = motions.remove_columns_at(&answered);
+    Ok(groups(model, &rest, &motions))
+}
+
+/// Whether a load answers a motion, or its velocity, somewhere on a finite way along it.
+fn is_answered(
+    model: &Model,
+    rest: &State,
+    rigid: &[usize],
+    along: &DVector<f64>,
+    of_rigid: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
+) -> Result<bool, RuntimeError> {
+    let scales = model.velocity_scales();
+    let mut increment = vec![0.0; model.velocities];
+    for (part, index) in along.iter().zip(rigid) {
+        increment[*index] = part * scales[*index];
+    }
+    for way in WAYS {
+        let mut moved = rest.clone();
+        move_pose(model, &rest.pose, &increment, way, &mut moved.pose);
+        for matrix in answers(model, &moved)? {
+            let matrix = of_rigid(&matrix);
+            let largest = matrix.amax();
+            let answer = along.dot(&(&matrix * along)).abs();
+            if answer.is_finite() && answer > NONE * largest {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
+}
+
+fn stacked(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(a.nrows() + b.nrows(), b.ncols());
+    out.rows_mut(0, a.nrows()).copy_from(a);
+    out.rows_mut(a.nrows(), b.nrows()).copy_from(b);
+    out
+}
+
+/// An orthonormal basis of what a matrix maps to zero, by the eigenvectors of its square.
+fn null_space(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let columns = matrix.ncols();
+    if matrix.nrows() == 0 || columns == 0 {
+        return DMatrix::identity(columns, columns);
+    }
+    let eigen = (matrix.transpose() * matrix).symmetric_eigen();
+    let largest = eigen.eigenvalues.amax();
+    let chosen: Vec<usize> = (0..columns)
+        .filter(|i| eigen.eigenvalues[*i] <= NONE * NONE * largest.max(f64::MIN_POSITIVE))
+        .collect();
+    DMatrix::from_fn(columns, chosen.len(), |i, j| {
+        eigen.eigenvectors[(i, chosen[j])]
+    })
+}
+
+/// What the constraints leave to the bodies as rigid ones, in scaled velocities.
+fn free_motions(
+    model: &Model,
+    rest: &State,
+    rigid: &[usize],
+) -> Result<DMatrix<f64>, RuntimeError> {
+    let constraining: Vec<usize> = (0..model.elements.len())
+        .filter(|e| model.elements[*e].dynamic && !model.class(*e).rows.is_empty())
+        .collect();
+    let rows = Rows::new(model, constraining);
+    let (mut values, mut matrix) = rows.evaluate(model, &at(rest), Along::Pose)?;
+    rows.scale(model, &mut values, &mut matrix);
+    let mut gradients = DMatrix::from_fn(rows.len(), rigid.len(), |i, j| matrix[(i, rigid[j])]);
+    for mut row in gradients.row_iter_mut() {
+        let size = row.norm();
+        if size > 0.0 {
+            row /= size;
+        }
+    }
+    if gradients.iter().any(|x| !x.is_finite()) {
+        return Ok(DMatrix::zeros(rigid.len(), 0));
+    }
+    Ok(null_space(&gradients))
+}
+
+/// `Jᵀ ∂W/∂x J` of all loads, by pose and by twist: velocities × velocities.
+fn answers(model: &Model, rest: &State) -> Result<[DMatrix<f64>; 2], RuntimeError> {
+    let size = model.velocities;
+    let mut found = [DMatrix::zeros(size, size), DMatrix::zeros(size, size)];
+    for (index, element) in model.elements.iter().enumerate() {
+        let class = model.class(index);
+        if !element.dynamic || !class.applies_load {
+            continue;
+        }
+        let layout = &class.layout;
+        let (rows, tape) = (layout.rows as usize, class.tape as usize);
+        let inputs = inputs(model, index, &at(rest));
+        let mut work = vec![[0.0; 2]; tape + layout.directions() as usize];
+        let linearize = Function::Linearize;
+        elements::call(model, element.class, linearize, &inputs, &mut work[..tape])?;
+        let mut out = vec![[0.0; 2]; layout.residual_len() as usize];
+        let jacobians: Vec<Option<(usize, Vec<f64>)>> = element
+            .markers
+            .iter()
+            .map(|marker| {
+                let marker = &model.markers[*marker];
+                let body = &model.bodies[marker.body?];
+                let mut jacobian = vec![0.0; 6 * body.width()];
+                chain::jacobian(body, &body.frame(&rest.pose), marker, &mut jacobian);
+                Some((marker.body?, jacobian))
+            })
+            .collect();
+        for (k, moved) in jacobians.iter().enumerate() {
+            let Some((mover, by)) = moved else { continue };
+            let mover = &model.bodies[*mover];
+            let bases = [
+                layout.pose_direction(k as u32),
+                layout.twist_direction(k as u32),
+            ];
+            for (matrix, base) in found.iter_mut().zip(bases) {
+                for d in 0..6 {
+                    let seed = tape + base as usize + d;
+                    work[seed] = [1.0; 2];
+                    elements::call(model, element.class, Function::Tangent, &work, &mut out)?;
+                    work[seed] = [0.0; 2];
+                    for (l, loaded) in jacobians.iter().enumerate() {
+                        let Some((body, on)) = loaded else { continue };
+                        let body = &model.bodies[*body];
+                        for (i, j) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
+                            let force: f64 = (0..6)
+                                .map(|c| out[rows + 6 * l + c][0] * on[c * body.width() + i])
+                                .sum();
+                            matrix[(body.velocity + i, mover.velocity + j)] +=
+                                force * by[d * mover.width() + j];
+                        }
+                    }
+                }
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// The derivative of the cycle's angle, if it is one between two markers.
+fn cycle_row(model: &Model, rest: &State) -> Option<DVector<f64>> {
+    let system = &model.compiled.system;
+    let cycle = system.cycle.as_ref()?.element as usize;
+    let rotation = system.elements.get(cycle)?.rotations.first()?;
+    let markers = &model.elements.get(cycle)?.markers;
+    let reference = *markers.get(rotation.reference as usize)?;
+    let axis = crate::assembly::rows::marker(model, reference, &rest.pose, &rest.velocity)
+        .rotation
+        .column(2)
+        .into_owned();
+    let mut row = DVector::zeros(model.velocities);
+    for (marker, sign) in [(rotation.turning, 1.0), (rotation.reference, -1.0)] {
+        let marker = &model.markers[*markers.get(marker as usize)?];
+        let Some(body) = marker.body else { continue };
+        let body = &model.bodies[body];
+        let along = body.frame(&rest.pose).rotation.transpose() * axis;
+        for i in 0..3 {
+            row[body.velocity + 3 + i] += sign * along[i];
+        }
+    }
+    Some(row)
+}
+
+/// Motions by the bodies that they move together. `motions` are orthonormal in scaled velocities of the bodies as rigid ones.
+fn groups(model: &Model, rest: &State, motions: &DMatrix<f64>) -> Vec<Loose> {
+    let count = model.bodies.len();
+    let part =
+        |a: usize, b: usize| (motions.rows(6 * a, 6) * motions.rows(6 * b, 6).transpose()).norm();
+    let mut group: Vec<usize> = (0..count).collect();
+    for a in 0..count {
+        for b in 0..a {
+            if part(a, b) > NO_PART {
+                let (from, to) = (group[a], group[b]);
+                group
+                    .iter_mut()
+                    .filter(|g| **g == from)
+                    .for_each(|g| *g = to);
+            }
+        }
+    }
+    let mut found = Vec::new();
+    for first in 0..count {
+        let mut bodies: Vec<usize> = (0..count)
+            .filter(|b| group[*b] == first && part(*b, *b) > NO_PART)
+            .collect();
+        if bodies.is_empty() {
+            continue;
+        }
+        let trace: f64 = bodies
+            .iter()
+            .map(|b| motions.rows(6 * b, 6).norm_squared())
+            .sum();
+        let mass = |b: &usize| model.bodies[*b].mass();
+        let heaviest =
+            (0..bodies.len()).fold(0, |best, i| match mass(&bodies[i]) > mass(&bodies[best]) {
+                true => i,
+                false => best,
+            });
+        bodies[..=heaviest].rotate_right(1);
+        let count = libm::round(trace).max(1.0) as usize;
+        let (along, about) = match count {
+            1 => single(model, rest, motions, &bodies),
+            _ => (None, None),
+        };
+        let moves = motions.rows(6 * bodies[0], 3).into_owned();
+        found.push(Loose {
+            directions: moves.svd(false, false).rank(NO_PART),
+            bodies,
+            motions: count,
+            along,
+            about,
+        });
+    }
+    found
+}
+
+/// Direction or axis of a group's single motion, by its heaviest body.
+fn single(
+    model: &Model,
+    rest: &State,
+    motions: &DMatrix<f64>,
+    bodies: &[usize],
+) -> (Option<V3>, Option<(V3, bool)>) {
+    let Some(heaviest) = bodies.first() else {
+        return (None, None);
+    };
+    let block = motions.rows(6 * heaviest, 6);
+    let eigen = (block * block.transpose()).symmetric_eigen();
+    let (index, _) = eigen.eigenvalues.argmax();
+    let vector = eigen.eigenvectors.column(index);
+    let moved = V3::new(vector[0], vector[1], vector[2]);
+    let turned = V3::new(vector[3], vector[4], vector[5]);
+    if turned.norm() < PURE * moved.norm() {
+        return (Some(moved.normalize()), None);
+    }
+    let body = &model.bodies[*heaviest];
+    let frame = body.frame(&rest.pose);
+    let axis = frame.rotation * turned;
+    let center = moved + axis.cross(&(frame.rotation * body.center())) / model.length;
+    let swings = center.norm() > CENTRED * axis.norm() || bodies.len() > 1;
+    (None, Some((axis.normalize(), swings)))
+}

@@ -1,0 +1,407 @@
+//! Lints of the assembled machine: markers that stand apart, swapped pins and shells, couplings that slip, steps that are too long,
+//! bodies that nothing holds.
+
+use super::{Finding, short};
+use crate::codes;
+use eng_runtime::assembly::rows;
+use eng_runtime::chain::MarkerKinematics;
+use eng_runtime::loose::{Loose, loose};
+use eng_runtime::model::Model;
+use eng_runtime::rotation::V3;
+use eng_runtime::state::State;
+use eng_system::Dimension;
+use eng_system::lint;
+use eng_system::system::{AnalysisKind, Origin, Role, StepControl};
+
+/// Most a step may turn the cycle (rad).
+const LONG_STEP: f64 = 10.0 * std::f64::consts::PI / 180.0;
+/// Share of the speed that a coupling may slip at the start.
+const SLIP: f64 = 0.1;
+/// A speed below this share of the other is none.
+const STANDS: f64 = 1e-6;
+/// Share of the shell's speed below which the pin is the one that stands.
+const SLOWER: f64 = 0.5;
+/// Offset along a line, in radii of gyration, from which two bodies stand beside each other.
+const BESIDE: f64 = 2.0;
+/// Distance (m) from which a slide that no text places is told.
+const UNPLACED: f64 = 0.01;
+
+/// A model at its start, to be looked at.
+pub(super) struct Start<'a> {
+    pub model: &'a Model,
+    pub state: &'a State,
+}
+
+/// What is probably wrong in an assembled model.
+pub(super) fn assembled(start: &Start<'_>) -> Vec<Finding> {
+    let mut found = Vec::new();
+    for element in 0..start.model.elements.len() {
+        if start.model.elements[element].dynamic {
+            found.extend(start.beside(element));
+            found.extend(start.unplaced(element));
+            found.extend(start.slips(element));
+        }
+    }
+    found.extend(start.swapped());
+    found.extend(start.useless());
+    found.extend(start.loose());
+    found
+}
+
+/// A fixed step that turns the cycle too far.
+pub(super) fn step(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) -> Option<Finding> {
+    let control = match kind {
+        AnalysisKind::Transient(transient) => transient.step,
+        AnalysisKind::Periodic(periodic) => periodic.step,
+        AnalysisKind::Linear(linear) if linear.after.is_some() => linear.step,
+        AnalysisKind::Linear(_) | AnalysisKind::Assemble => return None,
+    };
+    let StepControl::Fixed(step) = control else {
+        return None;
+    };
+    let speed = start.cycle_speed()?;
+    let angle = step * speed;
+    (angle > LONG_STEP).then(|| Finding {
+        code: codes::LONG_STEP,
+        name: lint::STEP.to_owned(),
+        origin: analysis.clone(),
+        message: format!(
+            "a step of {} s turns the cycle by {} deg",
+            short(step, 3),
+            short(angle.to_degrees(), 3)
+        ),
+        label: "its step".to_owned(),
+        help: format!(
+            "a degree takes {} s; without `step` the error decides",
+            short(1f64.to_radians() / speed, 2)
+        ),
+        decided_by: Vec::new(),
+    })
+}
+
+fn mm(x: f64) -> String {
+    short(1e3 * x, 3)
+}
+
+fn rpm(x: f64) -> String {
+    // rounding is no motion
+    let x = if x.abs() < 1e-6 { 0.0 } else { x };
+    short(x * 30.0 / std::f64::consts::PI, 4)
+}
+
+/// A direction in words.
+fn axis(direction: &V3) -> String {
+    let names = ["x", "y", "z"];
+    match (0..3).find(|i| direction[*i].abs() > 0.999) {
+        Some(i) => names[i].to_owned(),
+        None => {
+            let [a, b, c] = [0, 1, 2].map(|i| short(direction[i], 2));
+            format!("[{a}, {b}, {c}]")
+        }
+    }
+}
+
+impl Start<'_> {
+    fn origin(&self, element: usize) -> &Origin {
+        &self.model.compiled.system.elements[element].origin
+    }
+
+    fn finding(&self, code: &'static str, name: &str, element: usize, message: String) -> Finding {
+        Finding {
+            code,
+            name: name.to_owned(),
+            // the class is not to blame
+            origin: Origin {
+                defined_at: None,
+                ..self.origin(element).clone()
+            },
+            message,
+            label: "of this".to_owned(),
+            help: String::new(),
+            decided_by: Vec::new(),
+        }
+    }
+
+    fn marker(&self, marker: usize) -> MarkerKinematics {
+        rows::marker(self.model, marker, &self.state.pose, &self.state.velocity)
+    }
+
+    fn path(&self, marker: usize) -> &str {
+        &self.model.compiled.system.markers[marker].origin.path
+    }
+
+    /// The two markers of an element of two.
+    fn pair(&self, element: usize) -> Option<[usize; 2]> {
+        match self.model.elements[element].markers.as_slice() {
+            [a, b] => Some([*a, *b]),
+            _ => None,
+        }
+    }
+
+    /// Speed of the cycle at the start (rad/s), if its angle is one between two markers.
+    fn cycle_speed(&self) -> Option<f64> {
+        let system = &self.model.compiled.system;
+        let element = system.cycle.as_ref()?.element as usize;
+        let rotation = system.elements.get(element)?.rotations.first()?;
+        let markers = &self.model.elements.get(element)?.markers;
+        let turning = self.marker(*markers.get(rotation.turning as usize)?);
+        let reference = self.marker(*markers.get(rotation.reference as usize)?);
+        let speed = self.spin(&turning, &reference);
+        (speed != 0.0).then(|| speed.abs())
+    }
+
+    /// Angular velocity about the second marker's z axis (rad/s).
+    fn spin(&self, a: &MarkerKinematics, b: &MarkerKinematics) -> f64 {
+        let about = b.rotation.column(2).into_owned();
+        (a.rotation * a.angular_velocity - b.rotation * b.angular_velocity).dot(&about)
+    }
+
+    /// Radius of gyration of a marker's body (m); none for the ground and flexible bodies.
+    fn gyration(&self, marker: usize) -> Option<f64> {
+        let body = &self.model.bodies[self.model.markers[marker].body?];
+        let about_center =
+            body.inertia().diagonal().max() - body.mass() * body.center().norm_squared();
+        (body.modes() == 0 && body.mass() > 0.0)
+            .then(|| libm::sqrt(about_center.max(0.0) / body.mass()))
+    }
+
+    /// A point on a line that stands far from the other marker and never moves along it: a rod beside its piston.
+    fn beside(&self, element: usize) -> Option<Finding> {
+        let rows = &self.model.class(element).rows;
+        let on_line = rows.len() == 2 && rows.iter().all(|row| row.dimension == Dimension::LENGTH);
+        let markers = self.pair(element).filter(|_| on_line)?;
+        let [a, b] = markers.map(|marker| self.marker(marker));
+        let offset = a.position - b.position;
+        let size = offset.norm();
+        let radius = markers
+            .iter()
+            .filter_map(|marker| self.gyration(*marker))
+            .fold(f64::INFINITY, f64::min);
+        let moves = a.velocity.norm() + b.velocity.norm();
+        let of_b = b.velocity + (b.rotation * b.angular_velocity).cross(&offset);
+        let along = (a.velocity - of_b).dot(&offset).abs() / size;
+        if !(size > BESIDE * radius && radius > 0.0 && moves > 0.0 && along < STANDS * moves) {
+            return None;
+        }
+        let message = format!(
+            "{} stands {} mm beside {}, along the axis of the joint",
+            self.path(markers[0]),
+            mm(size),
+            self.path(markers[1])
+        );
+        let mut finding = self.finding(codes::APART, lint::APART, element, message);
+        finding.help = "are these markers of the same cylinder or bearing?".to_owned();
+        Some(finding)
+    }
+
+    /// A slide that nothing but its guide places, and that stands far from the other marker because the text does not say where.
+    fn unplaced(&self, element: usize) -> Option<Finding> {
+        let system = &self.model.compiled.system;
+        let rows = self.model.class(element).rows.len();
+        let markers = self.pair(element).filter(|_| (2..6).contains(&rows))?;
+        let body = self.model.markers[markers[0]]
+            .body
+            .or(self.model.markers[markers[1]].body)?;
+        let info = system.bodies.get(body)?;
+        let touches = |e: usize| {
+            (self.model.elements[e].markers.iter())
+                .any(|m| self.model.markers[*m].body == Some(body))
+        };
+        let placed = (0..self.model.elements.len()).any(|e| {
+            let of_start = matches!(system.elements[e].role, Role::StartPosition { .. });
+            let holds = self.model.elements[e].dynamic && !self.model.class(e).rows.is_empty();
+            e != element && touches(e) && (of_start || holds)
+        });
+        if info.position.is_some() || placed {
+            return None;
+        }
+        let [a, b] = markers.map(|marker| self.marker(marker));
+        let offset = (a.position - b.position).norm();
+        (offset > UNPLACED).then(|| {
+            let message = format!(
+                "{} begins {} mm from {}: nothing says where it begins, and where nothing does, a body stands at the origin",
+                self.path(markers[0]),
+                mm(offset),
+                self.path(markers[1])
+            );
+            let mut finding = self.finding(codes::APART, lint::APART, element, message);
+            finding.help = format!("state it: `start position = […] mm` in `{}`, or `guess`", info.origin.path);
+            finding
+        })
+    }
+
+    /// A spring between things that turn against each other: a flywheel that is tied to the ground.
+    fn slips(&self, element: usize) -> Option<Finding> {
+        let system = &self.model.compiled.system;
+        let class = self.model.class(element);
+        let markers = self.pair(element)?;
+        let turned = system.elements[element]
+            .rotations
+            .iter()
+            .any(|rotation| [rotation.turning, rotation.reference] == [0, 1]);
+        if !class.rows.is_empty() || !class.applies_load || !turned {
+            return None;
+        }
+        let [a, b] = markers.map(|marker| self.marker(marker));
+        let about = b.rotation.column(2).into_owned();
+        let speeds = [a, b].map(|m| (m.rotation * m.angular_velocity).dot(&about));
+        let slip = (speeds[0] - speeds[1]).abs();
+        if slip <= SLIP * speeds[0].abs().max(speeds[1].abs()) || slip < 1.0 {
+            return None;
+        }
+        let message = format!(
+            "{} turns with {} rpm at the start, {} with {} rpm: it winds up",
+            self.path(markers[0]),
+            rpm(speeds[0]),
+            self.path(markers[1]),
+            rpm(speeds[1])
+        );
+        let mut finding = self.finding(codes::IDLE, lint::IDLE, element, message);
+        finding.help = "is each of its markers on the body that is meant, and is that body joined to the shaft?".to_owned();
+        Some(finding)
+    }
+
+    /// Journals whose shell turns in a pin that does not.
+    fn swapped(&self) -> Vec<Finding> {
+        let system = &self.model.compiled.system;
+        let mut found = Vec::new();
+        for journal in &system.journals {
+            let element = journal.element as usize;
+            let own = &self.model.elements[element].markers;
+            let (Some(pin), Some(shell)) = (
+                own.get(journal.pin as usize),
+                own.get(journal.shell as usize),
+            ) else {
+                continue;
+            };
+            let [a, b] = [*pin, *shell].map(|marker| self.marker(marker));
+            let about = b.rotation.column(2).into_owned();
+            let [of_pin, of_shell] =
+                [a, b].map(|m| (m.rotation * m.angular_velocity).dot(&about).abs());
+            if of_pin >= SLOWER * of_shell || of_shell < 1.0 {
+                continue;
+            }
+            let message = format!(
+                "the shell {} turns with {} rpm, the pin {} with {} rpm: are pin and shell swapped?",
+                self.path(*shell),
+                rpm(of_shell),
+                self.path(*pin),
+                rpm(of_pin)
+            );
+            found.push(self.finding(codes::SWAPPED, lint::SWAPPED, element, message));
+        }
+        found
+    }
+
+    /// Bodies that are held on the ground and that nothing else touches.
+    fn useless(&self) -> Vec<Finding> {
+        let system = &self.model.compiled.system;
+        let bodies = self.model.bodies.iter().enumerate();
+        bodies
+            .filter_map(|(index, body)| {
+                let mut touching = (0..self.model.elements.len()).filter(|e| {
+                    let element = &self.model.elements[*e];
+                    let on = |m: &usize| self.model.markers[*m].body == Some(index);
+                    element.dynamic && element.markers.iter().any(on)
+                });
+                let only = touching.next()?;
+                let welded = self.model.class(only).rows.len() == 6
+                    && (self.model.elements[only].markers.iter())
+                        .any(|m| self.model.markers[*m].body.is_none());
+                let range = body.velocity..body.velocity + 6;
+                let stands = self.state.velocity[range].iter().all(|v| *v == 0.0);
+                if touching.next().is_some() || !welded || !stands || system.bodies.len() < 2 {
+                    return None;
+                }
+                let message = "it is held on the ground, and nothing else touches it".to_owned();
+                let mut finding = self.finding(codes::IDLE, lint::IDLE, only, message);
+                finding.origin.path.clone_from(&body.origin.path);
+                finding.help = "join it to what it should move with, or leave it out".to_owned();
+                Some(finding)
+            })
+            .collect()
+    }
+
+    /// Bodies that nothing holds in some direction.
+    fn loose(&self) -> Vec<Finding> {
+        // what cannot be evaluated is told by the run
+        let Ok(found) = loose(self.model, self.state) else {
+            return Vec::new();
+        };
+        let on_ground = self.joined_to_ground();
+        found
+            .iter()
+            .filter(|motion| motion.bodies.iter().all(|b| on_ground[*b]))
+            .filter(|motion| self.is_asked_for(motion))
+            .map(|motion| self.loose_motion(motion))
+            .collect()
+    }
+
+    /// A machine with a cycle is held but for its turning; so is a shaft on films.
+    fn is_asked_for(&self, motion: &Loose) -> bool {
+        let system = &self.model.compiled.system;
+        // what moves in all directions hangs on nothing: told as such
+        if matches!(motion.about, Some((_, true))) || motion.directions == 3 {
+            return false;
+        }
+        let of_film = system.journals.iter().any(|journal| {
+            let own = &self.model.elements[journal.element as usize].markers;
+            own.iter().any(|m| {
+                let body = self.model.markers[*m].body;
+                body.is_some_and(|body| motion.bodies.contains(&body))
+            })
+        });
+        of_film || self.cycle_speed().is_some()
+    }
+
+    fn loose_motion(&self, motion: &Loose) -> Finding {
+        let system = &self.model.compiled.system;
+        let origin = |body: &usize| &system.bodies[*body].origin;
+        let first = origin(&motion.bodies[0]).clone();
+        let directions = match (&motion.along, &motion.about, motion.motions) {
+            (Some(direction), _, _) => format!("along {}", axis(direction)),
+            (_, Some((direction, _)), _) => format!("about {}", axis(direction)),
+            (_, _, count) => format!("in {count} directions"),
+        };
+        let others: Vec<&str> = motion.bodies[1..]
+            .iter()
+            .map(|body| origin(body).path.as_str())
+            .collect();
+        let with = match others.as_slice() {
+            [] => String::new(),
+            others => format!("; with it move {}", super::listed(others)),
+        };
+        Finding {
+            code: codes::LOOSE,
+            name: lint::LOOSE.to_owned(),
+            origin: first,
+            message: format!("nothing holds it {directions}: no joint, spring or film{with}"),
+            label: "moves freely".to_owned(),
+            help: "hold it by a joint, a spring or a film; a shaft on films has a thrust bearing such as `PointOnPlane`".to_owned(),
+            decided_by: Vec::new(),
+        }
+    }
+
+    /// Whether each body hangs together with the ground; what does not is told by the compiler.
+    fn joined_to_ground(&self) -> Vec<bool> {
+        let ground = self.model.bodies.len();
+        let mut group: Vec<usize> = (0..=ground).collect();
+        for element in self.model.elements.iter().filter(|e| e.dynamic) {
+            let bodies: Vec<usize> = (element.markers.iter())
+                .map(|m| self.model.markers[*m].body.unwrap_or(ground))
+                .collect();
+            for pair in bodies.windows(2) {
+                let (from, to) = (group[pair[0]], group[pair[1]]);
+                group
+                    .iter_mut()
+                    .filter(|g| **g == from)
+                    .for_each(|g| *g = to);
+            }
+        }
+        group
+            .iter()
+            .take(ground)
+            .map(|g| *g == group[ground])
+            .collect()
+    }
+}

@@ -1,0 +1,351 @@
+//! Lints: what is probably a mistake, whom it is about, and what the text accepts of it.
+
+mod assembled;
+mod numbers;
+mod turned;
+
+use crate::codes;
+use crate::failure::{decided, related, span};
+use crate::significant::significant;
+use eng_grammar::Diagnostic;
+use eng_runtime::Warning;
+use eng_runtime::model::Model;
+use eng_runtime::state::State;
+use eng_system::code::{Advice, Bound, Compiled};
+use eng_system::lint::Accepted;
+use eng_system::system::{AnalysisKind, ConditionKind, Location, Origin, Role, System};
+use std::sync::Arc;
+
+/// What a lint says about one thing.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Finding {
+    /// The message's code.
+    pub code: &'static str,
+    /// The name under which it is accepted; empty where it has none.
+    pub name: String,
+    /// The thing and its places.
+    pub origin: Origin,
+    /// What is said, with values.
+    pub message: String,
+    /// The point at its place.
+    pub label: String,
+    /// What to do.
+    pub help: String,
+    /// The parameters and tables that decide it.
+    pub decided_by: Vec<Origin>,
+}
+
+impl Finding {
+    /// An `advise` on parameters.
+    pub fn of_parameters(advice: &Advice) -> Finding {
+        Finding {
+            code: codes::PARAMETER_ADVISED,
+            name: advice.name.clone(),
+            origin: advice.origin.clone(),
+            message: advice.message.clone(),
+            label: "does not hold for this".to_owned(),
+            help: String::new(),
+            decided_by: advice.decided_by.clone(),
+        }
+    }
+
+    /// An `advise` that did not hold during a run.
+    pub fn of_run(warning: &Warning) -> Finding {
+        Finding {
+            code: codes::ADVISED,
+            name: warning.name.clone(),
+            origin: warning.origin.clone(),
+            message: format!("{} at {}", warning.message, warning.moment),
+            label: "does not hold for this".to_owned(),
+            help: String::new(),
+            decided_by: Vec::new(),
+        }
+    }
+
+    /// Whether two say the same, but for numbers, of things at one place or of one law.
+    fn like(&self, other: &Finding) -> bool {
+        self.code == other.code
+            && self.name == other.name
+            && self.origin.defined_at == other.origin.defined_at
+            && (self.origin.defined_at.is_some() || self.origin.used_at == other.origin.used_at)
+            && without_numbers(&self.message) == without_numbers(&other.message)
+    }
+}
+
+/// A text without its digits: what tells two messages of one kind apart from others.
+pub(crate) fn without_numbers(text: &str) -> String {
+    text.chars()
+        .filter(|c| !matches!(c, '0'..='9' | '.' | '-' | 'e'))
+        .collect()
+}
+
+/// What lints say of the numbers of a bound model.
+pub(crate) fn of_numbers(system: &System, bound: &Bound) -> Vec<Finding> {
+    let advice = bound.advice.iter().map(Finding::of_parameters);
+    advice.chain(numbers::numbers(system, bound)).collect()
+}
+
+/// What lints say of the assembled model of an analysis.
+pub(crate) fn of_start(
+    model: &Model,
+    state: &State,
+    kind: &AnalysisKind,
+    analysis: &Origin,
+) -> Vec<Finding> {
+    let start = assembled::Start { model, state };
+    let mut found = assembled::assembled(&start);
+    found.extend(assembled::step(&start, kind, analysis));
+    found
+}
+
+/// What lints say of the cylinders of a model that is turned through its cycle by its geometry.
+pub(crate) fn of_turn(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    bound: &Bound,
+) -> Vec<Finding> {
+    turned::turned(compiled, overrides, bound)
+}
+
+/// Findings that are told and those that the text accepts, these by the index of the acceptance.
+pub(crate) struct Sifted {
+    pub told: Vec<Finding>,
+    pub accepted: Vec<Covered>,
+}
+
+/// An acceptance, by its index in the system, and a finding that it covers.
+pub(crate) type Covered = (usize, Finding);
+
+/// Parts findings by what the text accepts.
+pub(crate) fn sift(findings: Vec<Finding>, system: &System) -> Sifted {
+    let mut sifted = Sifted {
+        told: Vec::new(),
+        accepted: Vec::new(),
+    };
+    for finding in findings {
+        let covering = |a: &Accepted| a.covers(&finding.name, &finding.origin.path);
+        match system.accepted.iter().position(covering) {
+            Some(index) => sifted.accepted.push((index, finding)),
+            None => sifted.told.push(finding),
+        }
+    }
+    sifted
+}
+
+/// A message for each kind of finding, however many things it is about.
+pub(crate) fn diagnostics(findings: &[Finding]) -> Vec<Diagnostic> {
+    let mut groups: Vec<Vec<&Finding>> = Vec::new();
+    for finding in findings {
+        match groups.iter_mut().find(|group| group[0].like(finding)) {
+            Some(group) if group.contains(&finding) => {}
+            Some(group) => group.push(finding),
+            None => groups.push(vec![finding]),
+        }
+    }
+    groups.iter().map(|group| diagnostic(group)).collect()
+}
+
+fn diagnostic(group: &[&Finding]) -> Diagnostic {
+    let first = group[0];
+    let paths: Vec<&str> = group.iter().map(|f| f.origin.path.as_str()).collect();
+    let alike = group.iter().all(|f| f.message == first.message);
+    let about = if alike {
+        listed(&paths)
+    } else {
+        first.origin.path.clone()
+    };
+    let title = match about.as_str() {
+        "" => first.message.clone(),
+        about => format!("{about}: {}", first.message),
+    };
+    let mut message = Diagnostic::warning(first.code, title);
+    let mut places: Vec<Location> = Vec::new();
+    for finding in group {
+        let Some(at) = finding.origin.used_at.filter(|at| !places.contains(at)) else {
+            continue;
+        };
+        places.push(at);
+        let label = match finding.origin.path.as_str() {
+            "" => finding.label.clone(),
+            path => format!("{path}: {}", finding.label),
+        };
+        message = if places.len() == 1 {
+            message.at(span(at), label)
+        } else {
+            message.also(span(at), label)
+        };
+    }
+    message = match (places.is_empty(), first.origin.defined_at) {
+        (true, Some(at)) => message.at(span(at), "this should hold"),
+        _ => related(message, &first.origin, "this should hold"),
+    };
+    message = decided(message, &first.decided_by);
+    if !alike {
+        message = message.with_note(format!("likewise {}", listed(&paths[1..])));
+    }
+    if !first.help.is_empty() {
+        message = message.with_help(first.help.as_str());
+    }
+    message.acceptable(&first.name)
+}
+
+/// A number with so many significant digits at most.
+fn short(value: f64, digits: usize) -> String {
+    let text = significant(value, digits);
+    match text.contains('.') && !text.contains('e') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+/// Paths in a sentence; many are shortened.
+fn listed(paths: &[&str]) -> String {
+    match paths {
+        [first, second, .., last] if paths.len() > 3 => {
+            format!("{first}, {second} to {last} ({} in all)", paths.len())
+        }
+        _ => paths.join(", "),
+    }
+}
+
+/// What the text accepts of a model, with what was heard: a line for each place.
+pub(crate) fn accepted(system: &System, heard: &[Covered]) -> Vec<String> {
+    let mut places: Vec<(Location, Vec<usize>)> = Vec::new();
+    for (index, accepted) in system.accepted.iter().enumerate() {
+        match places.iter_mut().find(|(at, _)| *at == accepted.at) {
+            Some((_, indices)) => indices.push(index),
+            None => places.push((accepted.at, vec![index])),
+        }
+    }
+    places
+        .iter()
+        .filter_map(|(_, indices)| {
+            let first = system.accepted.get(*indices.first()?)?;
+            let found: Vec<&Finding> = heard
+                .iter()
+                .filter(|(index, _)| indices.contains(index))
+                .map(|(_, finding)| finding)
+                .collect();
+            let of = |paths: Vec<&str>| match listed(&paths).as_str() {
+                "" => system.name.clone(),
+                text => text.to_owned(),
+            };
+            match found.first() {
+                Some(finding) => {
+                    let paths = found.iter().map(|f| f.origin.path.as_str()).collect();
+                    Some(format!(
+                        "{} of {}: {}",
+                        first.name,
+                        of(paths),
+                        finding.message
+                    ))
+                }
+                // what a run may say
+                None => {
+                    let paths = indices.iter().filter_map(|i| system.accepted.get(*i));
+                    let paths = paths.map(|a| a.path.as_str()).collect();
+                    told_by_a_run(system, first).then(|| format!("{} of {}", first.name, of(paths)))
+                }
+            }
+        })
+        .collect()
+}
+
+/// The places of a model's acceptances, and whether something needs them; what only a run can tell counts as needed.
+fn needed<'s>(system: &'s System, heard: &[Covered]) -> Vec<(&'s Accepted, bool)> {
+    let needs = |(index, accepted): (usize, &'s Accepted)| {
+        let needed = accepted.used
+            || heard.iter().any(|(known, _)| *known == index)
+            || told_by_a_run(system, accepted);
+        (accepted, needed)
+    };
+    system.accepted.iter().enumerate().map(needs).collect()
+}
+
+fn needless(accepted: &Accepted) -> Diagnostic {
+    Diagnostic::warning(
+        codes::ACCEPT_UNHEARD,
+        format!("nothing says `{}` here", accepted.name),
+    )
+    .at(span(accepted.at), "accepts nothing")
+    .with_help("take it away, so that a later mistake of this kind is told")
+}
+
+/// Whether an element that is covered has an `advise` of this name on its motion.
+fn told_by_a_run(system: &System, accepted: &Accepted) -> bool {
+    system.elements.iter().any(|element| {
+        element.role == Role::Dynamic
+            && accepted.covers(&accepted.name, &element.origin.path)
+            && system
+                .classes
+                .get(element.class as usize)
+                .is_some_and(|class| {
+                    class.conditions.iter().any(|condition| {
+                        condition.kind == ConditionKind::Advise && condition.name == accepted.name
+                    })
+                })
+    })
+}
+
+/// What lints say of all analyses of a program.
+#[derive(Default)]
+pub(crate) struct Heard {
+    told: Vec<Finding>,
+    /// By model and its constants: the system, and the acceptances that something needed with what they accept.
+    models: Vec<(Arc<System>, Vec<Covered>)>,
+}
+
+impl Heard {
+    /// Listens to an analysis; one whose parameters cannot be used is told elsewhere.
+    pub fn take(&mut self, analysis: &crate::Analysis) {
+        let Ok(mut findings) = analysis.findings() else {
+            return;
+        };
+        findings.extend(analysis.findings_of_start());
+        let system = &analysis.model().compiled().system;
+        let sifted = sift(findings, system);
+        for finding in sifted.told {
+            let known =
+                |other: &Finding| other.like(&finding) && other.origin.path == finding.origin.path;
+            if !self.told.iter().any(known) {
+                self.told.push(finding);
+            }
+        }
+        match self.models.iter_mut().find(|(known, _)| known == system) {
+            Some((_, heard)) => {
+                for found in sifted.accepted {
+                    if !heard.contains(&found) {
+                        heard.push(found);
+                    }
+                }
+            }
+            None => self.models.push((Arc::clone(system), sifted.accepted)),
+        }
+    }
+
+    /// Tells each thing once, and what the text accepts.
+    pub fn tell(&self, outcome: &mut crate::cli::AssemblyOutcome) {
+        for diagnostic in diagnostics(&self.told) {
+            outcome.diagnostics.push(diagnostic);
+        }
+        let mut places: Vec<(&Accepted, bool)> = Vec::new();
+        for (system, heard) in &self.models {
+            for line in accepted(system, heard) {
+                let line = format!("accepted: {line}");
+                if !outcome.facts.contains(&line) {
+                    outcome.facts.push(line);
+                }
+            }
+            // a place that one instance or one model needs is needed
+            for (accepted, needed) in needed(system, heard) {
+                match places.iter_mut().find(|(known, _)| known.at == accepted.at) {
+                    Some((_, known)) => *known |= needed,
+                    None => places.push((accepted, needed)),
+                }
+            }
+        }
+        for (accepted, _) in places.iter().filter(|(_, needed)| !needed) {
+            outcome.diagnostics.push(needless(accepted));
+        }
+    }
+}

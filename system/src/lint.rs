@@ -1,0 +1,87 @@
+//! Lints that no class of the library states: their names, and what a text accepts.
+
+use crate::system::Location;
+
+/// A number that has no place in an engine: an inertia that does not fit the size of its body.
+pub const INERTIA: &str = "inertia";
+/// A gravity that is neither 0 nor that of the earth.
+pub const GRAVITY: &str = "gravity";
+/// Modal damping above 20 % over all frequencies.
+pub const DAMPING: &str = "damping";
+/// A body that nothing holds in some direction.
+pub const LOOSE: &str = "loose";
+/// Markers of one element that stand far apart.
+pub const APART: &str = "apart";
+/// A first marker that stands while the second moves.
+pub const SWAPPED: &str = "swapped";
+/// A force between things that do not move against each other.
+pub const IDLE: &str = "idle";
+/// A fixed step that is long for the speed of the cycle.
+pub const STEP: &str = "step";
+/// An angle of many turns.
+pub const TURNS: &str = "turns";
+
+/// A table of another period than the cycle.
+pub const PERIOD: &str = "period";
+/// Gas that fires at no dead centre, or in all cylinders at once.
+pub const FIRING: &str = "firing";
+/// A bore that does not fit the stroke.
+pub const BORE: &str = "bore";
+/// A piston on the other side of its crank.
+pub const MIRRORED: &str = "mirrored";
+
+/// All of them.
+pub const BUILT_IN: [&str; 13] = [
+    INERTIA, GRAVITY, DAMPING, LOOSE, APART, SWAPPED, IDLE, STEP, TURNS, PERIOD, FIRING, BORE,
+    MIRRORED,
+];
+
+/// `accept usual` in the block of a use, of a body, of a component or of the model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Accepted {
+    /// The lint's name.
+    pub name: String,
+    /// Path of the element, body or part it stands in; empty for the whole model.
+    pub path: String,
+    /// Place of the name.
+    pub at: Location,
+    /// Whether a lint of this name was heard while compiling.
+    pub used: bool,
+}
+
+impl Accepted {
+    /// Whether it accepts a lint of a name about the thing of a path.
+    pub fn covers(&self, name: &str, path: &str) -> bool {
+        !name.is_empty()
+            && self.name == name
+            && (self.path.is_empty()
+                || path
+                    .strip_prefix(self.path.as_str())
+                    .is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '['])))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_acceptance_holds_for_its_item_and_what_is_in_it() {
+        let of = |path: &str| Accepted {
+            name: "usual".into(),
+            path: path.into(),
+            at: Location {
+                source: 0,
+                start: 0,
+                end: 0,
+            },
+            used: false,
+        };
+        assert!(of("").covers("usual", "main[1]"));
+        assert!(of("main[1]").covers("usual", "main[1]"));
+        assert!(of("cylinder[2]").covers("usual", "cylinder[2].big_end"));
+        assert!(!of("main[1]").covers("usual", "main[10]"));
+        assert!(!of("main[1]").covers("short", "main[1]"));
+        assert!(!of("").covers("", "main[1]"));
+    }
+}

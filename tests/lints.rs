@@ -1,0 +1,165 @@
+//! Lints: each says its name, and a text accepts it where it stands, in a part, or for the whole model.
+
+use eng::cli::{AssemblyOutcome, Engine};
+use eng::render::{Colors, human};
+use eng::{Local, report::Described};
+use std::path::PathBuf;
+
+/// A file of its own in a folder of its own, gone afterwards.
+struct Text(PathBuf);
+
+impl Text {
+    fn new(name: &str, text: &str) -> Text {
+        let folder = std::env::temp_dir().join(format!("eng-lints-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        std::fs::write(folder.join("model.eng"), text).expect("a file");
+        Text(folder)
+    }
+
+    /// What `eng check` says: messages and facts.
+    fn check(&self) -> (String, AssemblyOutcome) {
+        let mut engine = Local::new();
+        let checked = engine.check(&self.0.join("model.eng")).expect("a file");
+        let assembled = engine.assemble().expect("a sound model");
+        let mut all = checked.diagnostics;
+        all.extend(assembled.diagnostics.clone());
+        (human(&all, &checked.sources, Colors::None), assembled)
+    }
+}
+
+impl Drop for Text {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A text with a lint of a class on its parameters, one on its motion, one of a function, one on constants and one of the language.
+fn text(class: &str, function: &str, part: &str, body: &str, model: &str) -> String {
+    format!(
+        "use std.joints.Revolute
+fn doubled(x: 1) -> 1 {{
+    advise small: x < 1 else \"a factor of {{x}} is large\"
+    2*x
+}}
+force Spring(a: Marker, b: Marker, stiffness: TorsionalStiffness, factor: 1) {{
+    advise soft: stiffness < 1 N*m/rad else \"a stiffness of {{stiffness as N*m/rad}} is large\"
+    advise near: dot(a.x, b.x) > 0.9 else \"far\"
+    apply torque -doubled(factor)*stiffness*dot(cross(b.x, a.x), b.z)*b.z on a against b
+}}
+component Bob(count: Int) {{
+    advise few: count < 2 else \"{{count}} are many\"
+    marker pivot = [0, 0, 0] mm
+    body bob {{
+        mass = 1 kg
+        inertia = [1, 1, 1] kg*m^2
+        marker top = [0, 1, 0] m
+        marker end = [0, -1, 0] m
+        marker low = [0, -3, 0] m
+        {body}
+    }}
+    joint pin = Revolute(bob.top, pivot)
+    force spring = Spring(bob.top, pivot, stiffness: 2 N*m/rad, factor: 3) {{ {class}; {function} }}
+    output ends = norm(bob.end.origin - bob.low.origin)
+}}
+model Swing {{
+    gravity = [0, -20, 0] m/s^2
+    part one[i in 1..2] = Bob(count: 3) {{ {part} }}
+    start one[1].pin.angle = 60 deg
+    {model}
+}}
+analysis run = transient(Swing(), duration: 1 ms, sample: 1 ms)
+analysis again = transient(Swing(), duration: 2 ms, sample: 1 ms)
+"
+    )
+}
+
+const NAMES: [&str; 5] = ["soft", "near", "small", "few", "gravity"];
+
+/// Names of the lints that are told.
+fn told(text: &str) -> Vec<&'static str> {
+    let named = |name: &&str| text.contains(&format!("`accept {name}`"));
+    NAMES.into_iter().filter(named).collect()
+}
+
+#[test]
+fn every_lint_is_told_once_with_its_name() {
+    let (said, assembled) = Text::new("told", &text("", "", "", "", "")).check();
+    assert_eq!(told(&said), NAMES, "{said}");
+    for name in NAMES {
+        assert_eq!(
+            said.matches(&format!("`accept {name}`")).count(),
+            1,
+            "{said}"
+        );
+    }
+    // two instances and two analyses
+    assert!(
+        said.contains("one[1].spring, one[2].spring: a stiffness of 2 N*m/rad is large"),
+        "{said}"
+    );
+    assert!(!assembled.facts.iter().any(|f| f.starts_with("accepted")));
+}
+
+#[test]
+fn a_lint_is_accepted_where_it_stands_in_a_part_or_in_the_model() {
+    let cases = [
+        (text("accept soft", "", "", "", ""), "soft"),
+        (text("", "accept small", "", "", ""), "small"),
+        (text("", "", "accept few", "", ""), "few"),
+        (text("", "", "accept soft", "", ""), "soft"),
+        (text("", "", "accept near", "", ""), "near"),
+        (text("", "", "", "", "accept few"), "few"),
+        (text("", "", "", "", "accept gravity"), "gravity"),
+    ];
+    for (text, name) in cases {
+        let (said, assembled) = Text::new(&format!("accepted-{name}"), &text).check();
+        let left: Vec<&str> = NAMES.into_iter().filter(|n| *n != name).collect();
+        assert_eq!(told(&said), left, "{name}: {said}");
+        assert!(!said.contains("W0750"), "{said}");
+        let listed = assembled
+            .facts
+            .iter()
+            .filter(|f| f.starts_with("accepted: "));
+        // what is known while compiling is gone by then
+        assert_eq!(
+            listed.count(),
+            usize::from(name != "few"),
+            "{name}: {:?}",
+            assembled.facts
+        );
+    }
+}
+
+#[test]
+fn an_acceptance_that_nothing_needs_is_told() {
+    let text = text(
+        "accept fast_is_no_lint",
+        "accept loose",
+        "",
+        "accept small",
+        "",
+    );
+    let (said, _) = Text::new("needless", &text).check();
+    assert_eq!(said.matches("warning[W0550]").count(), 1, "{said}");
+    // `loose` of the spring and `small` of the body; the one that is no lint is told once
+    assert_eq!(said.matches("warning[W0750]").count(), 2, "{said}");
+    assert_eq!(told(&said), NAMES, "{said}");
+}
+
+#[test]
+fn a_report_lists_what_is_accepted() {
+    let text = Text::new("report", &text("accept soft", "", "", "", "accept near"));
+    let mut engine = Local::new();
+    engine.check(&text.0.join("model.eng")).expect("a file");
+    let ran = engine.run("run", &[], &mut |_| {}).expect("a run");
+    let described: Vec<Described> = engine.describe(&[&ran.results]).expect("a model");
+    assert_eq!(
+        described[0].accepted,
+        [
+            "near of Swing".to_owned(),
+            "soft of one[1].spring, one[2].spring: a stiffness of 2 N*m/rad is large".to_owned()
+        ]
+    );
+    let codes: Vec<&str> = ran.diagnostics.iter().map(|d| d.code).collect();
+    assert!(!codes.contains(&"W0711"), "`near` is accepted: {codes:?}");
+}
