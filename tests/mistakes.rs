@@ -1,0 +1,300 @@
+//! Mistakes that engineers make, seeded one by one into models that are right: how many are told before a run, and how near.
+//!
+//! Each file of `tests/mistakes` has the model it is made in, the code that is expected (`A or B` where either will do, `none` where it is known to pass), the mistake
+//! in words, and the lines before and after. A mistake counts as told if the check of the changed model raises the expected code, which the
+//! model itself does not raise; as near if a label of that message in the model's own text is within three lines of the change. What is left out has no line of its own:
+//! there the line of the thing that lacks it counts, too (`lacking:`).
+
+use eng::Local;
+use eng::cli::Engine;
+use eng_grammar::{Diagnostic, SourceMap};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+/// Least share of mistakes that are told, and that are told near their place.
+const TOLD: f64 = 0.95;
+const NEAR: f64 = 0.90;
+/// Lines that count as near.
+const LINES: usize = 3;
+
+struct Mistake {
+    name: String,
+    base: String,
+    code: String,
+    /// Of something that is left out: the line of the thing that lacks it.
+    lacking: Option<String>,
+    before: String,
+    after: String,
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn mistakes() -> Vec<Mistake> {
+    let folder = root().join("tests/mistakes");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|e| e == "mistake"))
+        .collect();
+    files.sort();
+    files.iter().map(|file| mistake(file)).collect()
+}
+
+fn mistake(file: &Path) -> Mistake {
+    let name = file
+        .file_stem()
+        .expect("a name")
+        .to_string_lossy()
+        .into_owned();
+    let text = std::fs::read_to_string(file).expect("a file");
+    let (head, change) = text.split_once("---- before\n").expect("the lines before");
+    let (before, after) = change.split_once("---- after\n").expect("the lines after");
+    let stated = |key: &str| {
+        let line = head.lines().find_map(|line| line.strip_prefix(key));
+        line.unwrap_or_else(|| panic!("{name}: {key}"))
+            .trim()
+            .to_owned()
+    };
+    Mistake {
+        base: stated("in:"),
+        code: stated("expected:"),
+        lacking: head
+            .lines()
+            .find_map(|line| line.strip_prefix("lacking:"))
+            .map(|text| text.trim().to_owned()),
+        before: before.to_owned(),
+        after: after.to_owned(),
+        name,
+    }
+}
+
+impl Mistake {
+    /// The changed text, and the line (from 1) of the first change.
+    fn seeded(&self, right: &str) -> (String, usize) {
+        let found: Vec<usize> = right
+            .match_indices(&self.before)
+            .map(|(at, _)| at)
+            .collect();
+        assert_eq!(
+            found.len(),
+            1,
+            "{}: the lines before stand once in {}",
+            self.name,
+            self.base
+        );
+        let at = found[0];
+        let same = (self.before.lines().zip(self.after.lines()))
+            .take_while(|(a, b)| a == b)
+            .count();
+        let line = right[..at].matches('\n').count() + 1 + same;
+        (right.replacen(&self.before, &self.after, 1), line)
+    }
+}
+
+/// All that `eng check` says of a file.
+fn said(file: &Path) -> (Vec<Diagnostic>, SourceMap) {
+    let mut engine = Local::new();
+    let checked = engine.check(file).expect("a readable file");
+    let mut all: Vec<Diagnostic> = checked.diagnostics.iter().cloned().collect();
+    if !checked.diagnostics.has_errors() {
+        let assembled = engine.assemble().expect("a checked model");
+        all.extend(assembled.diagnostics.iter().cloned());
+    }
+    (all, checked.sources)
+}
+
+/// Lines of a message's labels in the model's own text.
+fn lines(diagnostic: &Diagnostic, sources: &SourceMap, file: &str) -> Vec<usize> {
+    let own = |label: &&eng_grammar::Label| {
+        sources
+            .get(label.span.source)
+            .is_some_and(|source| source.name == file)
+    };
+    let line = |label: &eng_grammar::Label| {
+        sources
+            .line_column(label.span.source, label.span.start)
+            .map(|(line, _)| line)
+    };
+    diagnostic
+        .labels
+        .iter()
+        .filter(own)
+        .filter_map(line)
+        .collect()
+}
+
+/// A folder with the files that a model stands among, gone afterwards.
+struct Bench(PathBuf);
+
+impl Bench {
+    fn new(base: &str) -> Bench {
+        let name = base.replace(['/', '.'], "_");
+        let folder =
+            std::env::temp_dir().join(format!("eng-mistakes-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let beside = root().join(base);
+        for entry in std::fs::read_dir(beside.parent().expect("a folder")).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_file() && path.extension().is_some_and(|e| e != "eng") {
+                std::fs::copy(&path, folder.join(path.file_name().expect("a name")))
+                    .expect("a copy");
+            }
+        }
+        Bench(folder)
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+enum Outcome {
+    Near,
+    Far(Vec<usize>),
+    Silent(Vec<String>),
+}
+
+fn outcome(mistake: &Mistake, right: &str, bench: &Bench) -> (Outcome, usize) {
+    let (text, line) = mistake.seeded(right);
+    let name = format!("{}.eng", mistake.name);
+    let file = bench.0.join(&name);
+    let mut places = vec![line];
+    if let Some(lacking) = &mistake.lacking {
+        let at = text.lines().position(|line| line.contains(lacking));
+        places.push(1 + at.unwrap_or_else(|| panic!("{}: {lacking}", mistake.name)));
+    }
+    std::fs::write(&file, text).expect("a file");
+    let (all, sources) = said(&file);
+    let wanted = |d: &&Diagnostic| mistake.code.split(" or ").any(|code| code == d.code);
+    let expected: Vec<&Diagnostic> = all.iter().filter(wanted).collect();
+    if expected.is_empty() {
+        let codes = all
+            .iter()
+            .map(|d| format!("{}: {}", d.code, d.title))
+            .collect();
+        return (Outcome::Silent(codes), line);
+    }
+    let at: Vec<usize> = expected
+        .iter()
+        .flat_map(|d| lines(d, &sources, &name))
+        .collect();
+    let near = |l: &usize| places.iter().any(|place| l.abs_diff(*place) <= LINES);
+    let near = at.iter().any(near);
+    (
+        if near {
+            Outcome::Near
+        } else {
+            Outcome::Far(at)
+        },
+        line,
+    )
+}
+
+#[test]
+fn mistakes_are_told_before_a_run_and_at_their_place() {
+    let mistakes = mistakes();
+    assert!(mistakes.len() >= 100, "{}", mistakes.len());
+    let mut bases: Vec<String> = mistakes.iter().map(|m| m.base.clone()).collect();
+    bases.sort();
+    bases.dedup();
+    let benches: Vec<(String, String, Bench)> = bases
+        .into_iter()
+        .map(|base| {
+            let text = std::fs::read_to_string(root().join(&base)).expect("a model");
+            let bench = Bench::new(&base);
+            (base, text, bench)
+        })
+        .collect();
+    let found: Mutex<Vec<(usize, Outcome, usize)>> = Mutex::new(Vec::new());
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(|| {
+                while let Some((index, mistake)) = {
+                    let index = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                    mistakes.get(index).map(|m| (index, m))
+                } {
+                    let bench = benches.iter().find(|(base, ..)| *base == mistake.base);
+                    let (_, right, bench) = bench.expect("its model");
+                    let (outcome, line) = outcome(mistake, right, bench);
+                    found.lock().expect("no panic").push((index, outcome, line));
+                }
+            });
+        }
+    });
+    let mut found = found.into_inner().expect("no panic");
+    found.sort_by_key(|(index, ..)| *index);
+    let (mut told, mut near) = (0, 0);
+    let mut wrong = Vec::new();
+    for (index, outcome, line) in &found {
+        let mistake = &mistakes[*index];
+        match outcome {
+            Outcome::Near => {
+                told += 1;
+                near += 1;
+            }
+            Outcome::Far(at) => {
+                told += 1;
+                println!("{} (line {line}): told at lines {at:?}", mistake.name);
+            }
+            Outcome::Silent(codes) => {
+                println!(
+                    "{} (line {line}): not told by {}: {codes:?}",
+                    mistake.name, mistake.code
+                );
+                if mistake.code != "none" {
+                    wrong.push(&mistake.name);
+                }
+            }
+        }
+    }
+    let share = |part: usize| part as f64 / mistakes.len() as f64;
+    println!(
+        "{} mistakes: {told} told before a run ({:.1} %), {near} within {LINES} lines ({:.1} %)",
+        mistakes.len(),
+        100.0 * share(told),
+        100.0 * share(near)
+    );
+    assert!(
+        wrong.is_empty(),
+        "not told by the code that is expected: {wrong:?}"
+    );
+    assert!(share(told) >= TOLD, "{told} of {} are told", mistakes.len());
+    assert!(
+        share(near) >= NEAR,
+        "{near} of {} are told near their place",
+        mistakes.len()
+    );
+}
+
+/// Models that are right raise nothing: what is seeded into them, the examples but the paper's, and the benchmarks.
+#[test]
+fn right_models_are_quiet() {
+    for folder in [
+        "tests/mistakes/bases",
+        "tests/benchmarks",
+        "tests/mesh",
+        "examples/inline4",
+        "examples/slider_crank",
+    ] {
+        let mut files: Vec<PathBuf> = std::fs::read_dir(root().join(folder))
+            .expect("a folder")
+            .map(|entry| entry.expect("an entry").path())
+            .filter(|path| path.extension().is_some_and(|e| e == "eng"))
+            .collect();
+        files.sort();
+        for file in files {
+            // its load is written by the test that runs it
+            if file.ends_with("loaded_bearing.eng") {
+                continue;
+            }
+            let (all, _) = said(&file);
+            let titles: Vec<&String> = all.iter().map(|d| &d.title).collect();
+            assert!(titles.is_empty(), "{}: {titles:?}", file.display());
+        }
+    }
+}
