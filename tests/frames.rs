@@ -123,8 +123,8 @@ model Machine {
     drive angle = PrescribedAngle(q[12].eye, carrier.seat[12], angle_at: sweep)
     joint in_film = Revolute(q[13].eye, carrier.seat[13])
     drive of_film = PrescribedRotation(q[13].eye, carrier.seat[13], speed: 3000 rpm)
-    journal short = Short(q[13].pin, carrier.seat[14], diameter: 54 mm, width: 13 mm, radial_clearance: 100 mm, viscosity: 90 Pa*s)
-    journal impedance = Impedance(q[13].pin, carrier.seat[14], diameter: 54 mm, width: 20 mm, radial_clearance: 100 mm, viscosity: 90 Pa*s)
+    journal short = Short(q[13].pin, carrier.seat[14], diameter: 2.7 m, width: 0.65 m, radial_clearance: 100 mm, viscosity: 90 Pa*s)
+    journal impedance = Impedance(q[13].pin, carrier.seat[14], diameter: 2.7 m, width: 1 m, radial_clearance: 100 mm, viscosity: 90 Pa*s)
     force bushing = Bushing(q[7].off, carrier.seat[7], stiffness: [1, 2, 3] N/mm, damping: [1, 1, 1] N*s/m,
         torsional_stiffness: [1, 2, 3] N*m/rad, torsional_damping: [1, 2, 3] N*m*s/rad)
     force wind = Wind(q[3].off, third.oblique, load: [1, 2, 3] N)

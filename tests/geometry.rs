@@ -25,7 +25,8 @@ fn engine(crank: &str, analyses: &str) -> String {
                 marker pin = [43, 0, 0] mm
                 {crank}
             }}
-            body rod {{ mass = 0.6 kg; inertia = [0.1, 3, 3] g*m^2; marker big = [-41, 0, 0] mm; marker small = [102, 0, 0] mm }}
+            // between films it may turn about its shank
+            body rod {{ accept loose; mass = 0.6 kg; inertia = [0.1, 3, 3] g*m^2; marker big = [-41, 0, 0] mm; marker small = [102, 0, 0] mm }}
             body piston {{ mass = 0.4 kg; inertia = [1, 1, 1] g*m^2; marker pin = origin; marker crown = at(origin, z: [1, 0, 0]) }}
             journal main[j in 1..2] = Impedance(pin: crank.main[j], shell: shell[j],
                 diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 9 mPa*s)

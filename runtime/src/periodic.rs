@@ -152,12 +152,16 @@ pub fn run_periodic(
     })
 }
 
-/// How a steady motion is left whose linearised modes grow: in it their coefficients are constant.
+/// How a steady motion is left whose linearised modes grow. Where bodies turn so that the coefficients are not constant, nothing is
+/// said: the modes of a moment do not decide about stability.
 fn left_by(simulation: &mut Simulation, period: f64) -> Result<Option<Unstable>, RuntimeError> {
     let Some(rate) = simulation.cycle_rate() else {
         return Ok(None);
     };
-    let modes = simulation.sampled_modes(Wanted::default())?;
+    let modes = match simulation.sampled_modes(Wanted::default()) {
+        Err(RuntimeError::Turning { .. }) => return Ok(None),
+        modes => modes?,
+    };
     let fastest = modes
         .modes
         .iter()
