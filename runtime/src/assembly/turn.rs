@@ -2,7 +2,7 @@
 //!
 //! Pins stand in the middle of their shells, springs keep the length that they have, and no force acts: what is left is the motion
 //! of the joints and drives. It is followed from place to place, each time by a step along the steady velocities
-//! ([`SteadyMotion`](crate::start::motion::SteadyMotion)) and then back on the equations by the smallest change. Where a place is not
+//! ([`SteadyMotion`]) and then back on the equations by the smallest change. Where a place is not
 //! reached, the mechanism locks there.
 
 use super::closing::set_mobility;
