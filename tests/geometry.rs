@@ -155,6 +155,31 @@ fn a_dry_turn_finds_where_a_crank_locks() {
     assert_eq!(turned(&long), None);
 }
 
+/// The angles of two wheels count their own turns: a shaft at twice the speed does not lock where it has made half a turn.
+#[test]
+fn a_dry_turn_follows_a_gear() {
+    let text = "use std.joints.Revolute
+         use std.drives.PrescribedRotation
+         joint Gear(a: Marker, a_ref: Marker, b: Marker, b_ref: Marker, ratio: 1) {
+            constrain rotation(a, a_ref) == ratio*rotation(b, b_ref)
+         }
+         model Geared {
+            gravity = [0, 0, 0] m/s^2
+            marker wall = [0, 0, 0] mm
+            marker beside = [100, 0, 0] mm
+            body crank { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }
+            body shaft { mass = 1 kg; inertia = [1, 1, 1] g*m^2; start position = [100, 0, 0] mm }
+            joint main = Revolute(crank.origin, wall)
+            joint side = Revolute(shaft.origin, beside)
+            joint gear = Gear(shaft.origin, beside, crank.origin, wall, ratio: -2)
+            drive turn = PrescribedRotation(crank.origin, wall, speed: 3000 rpm)
+            cycle angle = rotation(crank.origin, wall) { period = 720 deg }
+         }
+         analysis run = transient(Geared(), duration: 2 rev, sample: 1 deg)";
+    let analysis = program(text).analysis("run").expect("an analysis");
+    assert_eq!(analysis.dry_turn().unwrap_or_else(|e| panic!("{e}")), None);
+}
+
 /// A crank at rest is refused only where nothing will turn it: the torque of this one begins at zero.
 #[test]
 fn a_duration_in_turns_may_begin_at_rest() {

@@ -7,7 +7,7 @@
 
 use super::closing::set_mobility;
 use super::rows::{Along, Rows, wishes};
-use super::{assemble, at, chains, choose_turns, lock};
+use super::{assemble, at, chains, lock};
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;
 use crate::error::{Moment, RuntimeError};
@@ -186,12 +186,12 @@ impl<'a> Turning<'a> {
         Ok(Some((next, cycle)))
     }
 
-    /// Puts a place back on rows by the smallest changes, `x = Aᵀ (A Aᵀ)⁻¹ b`; whether they close.
+    /// Puts a place back on rows by the smallest changes, `x = Aᵀ (A Aᵀ)⁻¹ b`; whether they close. Angles keep the turns of the place
+    /// before: those of a gear differ from wheel to wheel.
     fn settle(&self, rows: &Rows, state: &mut State, limit: usize) -> Result<bool, RuntimeError> {
         let model = self.model;
         let scales = model.velocity_scales();
         for last in (0..=limit).rev() {
-            choose_turns(model, &rows.elements, state)?;
             let (mut values, mut matrix) = rows.evaluate(model, &at(state), Along::Pose)?;
             rows.scale(model, &mut values, &mut matrix);
             if values.is_empty() || values.amax() < CLOSED {
