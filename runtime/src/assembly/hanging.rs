@@ -1,7 +1,7 @@
 //! Bodies that nothing holds: a block without mounts.
 //!
-//! A direction is free where no constraint, no film and no force answers a motion along it: the null space of the constraints' gradients,
-//! of the pins' places in their shells and of the derivatives of all loads between two bodies. A body whose free motions reach every
+//! A direction is free where no constraint, no film, no force and no elasticity answers a motion along it: the null space of the
+//! constraints' gradients, of the pins' places in their shells, of the derivatives of all loads between two bodies and of the shapes. A body whose free motions reach every
 //! direction of space hangs loose.
 
 use super::rows::{Along, Rows, wishes};
@@ -64,7 +64,7 @@ fn found(model: &Model, state: &State) -> Result<Option<Hanging>, RuntimeError> 
     let rows = rows.with(model, &wishes(model));
     let (mut values, mut matrix) = rows.evaluate(model, &at(state), Along::Pose)?;
     rows.scale(model, &mut values, &mut matrix);
-    let mut parts = vec![matrix];
+    let mut parts = vec![matrix, shapes(model)];
     // loads that answer no motion here may hold elsewhere: a contact that is open
     let mut asleep = Vec::new();
     for e in dynamic.iter().copied() {
@@ -137,6 +137,19 @@ fn found(model: &Model, state: &State) -> Result<Option<Hanging>, RuntimeError> 
             })
         })
         .next())
+}
+
+/// Rows of the amplitudes of all flexible bodies: elasticity answers every shape. Without them a bent body would seem to move
+/// while its pins stay where they are.
+fn shapes(model: &Model) -> DMatrix<f64> {
+    let columns: Vec<usize> = model
+        .bodies
+        .iter()
+        .flat_map(|body| (body.velocity..).take(body.width()).skip(6))
+        .collect();
+    DMatrix::from_fn(columns.len(), model.velocities, |row, column| {
+        f64::from(column == columns[row])
+    })
 }
 
 /// An orthonormal basis of what rows leave free; `None` where they are not finite.
