@@ -169,3 +169,13 @@ fn figure_9_static_modes_carry_the_journals() {
         }
     }
 }
+
+/// The flexible crank lies on its films, the block on its mounts.
+#[test]
+fn nothing_of_the_engine_hangs() {
+    let analysis = program()
+        .analysis("quasi_static")
+        .unwrap_or_else(|error| panic!("{error}"));
+    let found = analysis.hanging().unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(found, None);
+}
