@@ -641,6 +641,8 @@ impl Analysis {
             energy: simulation.energy(),
             eccentricities: &[],
             pose: simulation.sampled_pose(),
+            velocity: &simulation.sampled_state().velocity,
+            states: &simulation.sampled_state().states,
         });
         Ok(())
     }

@@ -110,7 +110,7 @@ eng_grammar::codes! {
         "A turning engine starts where its films and flexible bodies balance the loads of the steady motion. Here the thing that is named stands in the way: a journal that cannot carry its load, a mechanism that locks. The run starts as assembled, and rings at first. Mend it, or write `start: assembled`.",
         "", "";
     NOT_PERIODIC = "W0713", "the cycle does not repeat",
-        "`periodic` gave up after the stated number of `cycles`. The message names the channel that changes most, and the factor by which its change shrinks a cycle. With a factor well below 1, allow more cycles; near 1 the motion never repeats: whirl of a lightly loaded journal, a resonance, a speed that creeps. The last cycle is kept.",
+        "`periodic` gave up after the stated number of `cycles`. The message names the channel that changes most, and the factor by which deviations of the motion shrink or grow a cycle. With a factor well below 1, allow more cycles; near 1 the motion never repeats: whirl of a lightly loaded journal, a resonance, a speed that creeps. The last cycle is kept.",
         "", "";
     WHIRL = "W0714", "a journal whirls at about half speed",
         "The pin moves at about half the shaft's speed and does not come back after a cycle: a film that carries little load is unstable so. Load it, widen the clearance, take thinner oil or a shorter bearing, or see whether the load of the model is too small.",
@@ -161,6 +161,10 @@ eng_grammar::codes! {
         "The machine is turned through its cycle by its geometry. A firing angle is more than 25 degrees from the piston's dead centre, or the same for all cylinders; bore over stroke is outside 0.6 to 1.7; the rod stands between piston and head, so that gas pulls it; the head moves and the piston stands. `accept firing`, `bore`, `mirrored` or `swapped` in the element takes it for meant.",
         "force gas[i in 1..4] = GasPressure(piston[i].bore, block.liner[i], bore: 86 mm, pressure: indicated)",
         "force gas[i in 1..4] = GasPressure(piston[i].bore, block.liner[i], bore: 86 mm, pressure: indicated, firing: firing[i])";
+    NOISE = "W0716", "an output is lost in the noise of the steps",
+        "`periodic` ended because the motion repeats to within the tolerance of its steps, but this output goes on changing from cycle to cycle, without any order. It is a small difference of large values, or a derivative of a small motion: the errors of the steps are enlarged in it. The message names the tolerance that would bring them below `change`.",
+        "analysis steady = periodic(Engine())",
+        "analysis steady = periodic(Engine(), tolerance: 0.01)";
     PARAMETER_ADVISED = "W0720", "parameters do not follow an `advise`",
         "The run goes on, but the class takes these parameters for doubtful: a clearance that may be diametral instead of radial. The text is its author's.",
         "", "";

@@ -432,11 +432,11 @@ pub(crate) fn periodic(
         .iter()
         .map(|unstable| upside_down(unstable, "the steady motion"))
         .collect();
-    if let Some(decay) = &found.decay {
+    if let Some((decay, mode)) = found.decay.as_ref().and_then(|d| Some((d, d.mode?))) {
         facts.push(format!(
-            "slowest decay: the change in {} shrinks by the factor {:.3} a cycle",
+            "slowest decay: deviations of the motion {}; they show most in {}",
+            crate::repetition::pace(mode.factor),
             name(decay.channel),
-            decay.factor,
         ));
     }
     for growth in &found.growing {

@@ -2,8 +2,9 @@
 
 use crate::codes;
 use crate::failure::place;
+use crate::significant::significant;
 use eng_grammar::Diagnostic;
-use eng_runtime::PeriodicSummary;
+use eng_runtime::{PeriodicSummary, Remedy};
 use eng_system::system::{Origin, System};
 use std::collections::BTreeMap;
 
@@ -12,9 +13,12 @@ const REPEATS: &str = "periodic.repeats";
 const SLOWEST: &str = "periodic.slowest";
 const CHANGE: &str = "periodic.change";
 const FACTOR: &str = "periodic.factor";
+const NOISE: &str = "periodic.noise";
 
 /// Factor a cycle from which on more cycles don't help.
 const HARDLY_SHRINKS: f64 = 0.98;
+/// Factor a cycle above which deviations grow.
+const HARDLY_GROWS: f64 = 1.02;
 
 /// How a periodic analysis ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +29,8 @@ pub(crate) struct Repetition {
     pub repeats: bool,
     /// What changed most; absent without channels.
     pub slowest: Option<Slowest>,
+    /// Where the motion repeats and that change is the noise of the steps: the argument of the analysis that would bring it below what is asked for.
+    pub noise: Option<String>,
 }
 
 /// The channel that changed most from the last cycle but one to the last.
@@ -34,7 +40,7 @@ pub(crate) struct Slowest {
     pub channel: String,
     /// Largest difference as a share of its swing within a cycle.
     pub change: f64,
-    /// Factor by which the difference shrinks from cycle to cycle, where it could be estimated.
+    /// Factor by which deviations of the motion shrink from cycle to cycle, where it could be estimated.
     pub factor: Option<f64>,
 }
 
@@ -48,8 +54,12 @@ impl Repetition {
                 Some(Slowest {
                     channel: system.channels.get(slowest.channel)?.path.clone(),
                     change: slowest.change,
-                    factor: slowest.known.then_some(slowest.factor),
+                    factor: found.motion.or(slowest.mode).map(|mode| mode.factor),
                 })
+            }),
+            noise: found.noise.map(|remedy| match remedy {
+                Remedy::Tolerance(factor) => format!("tolerance: {}", rounded_down(factor)),
+                Remedy::Step(step) => format!("step: {} s", rounded_down(step)),
             }),
         }
     }
@@ -68,12 +78,13 @@ impl Repetition {
                     change,
                     factor: number(FACTOR),
                 }),
+            noise: metadata.get(NOISE).cloned(),
         })
     }
 
     /// Whether a key of the metadata is one of these.
     pub fn is_key(key: &str) -> bool {
-        [CYCLES, REPEATS, SLOWEST, CHANGE, FACTOR].contains(&key)
+        [CYCLES, REPEATS, SLOWEST, CHANGE, FACTOR, NOISE].contains(&key)
     }
 
     /// Keys and values for the metadata; numbers to the last bit.
@@ -87,14 +98,16 @@ impl Repetition {
             pairs.push((CHANGE, slowest.change.to_string()));
             pairs.extend(slowest.factor.map(|factor| (FACTOR, factor.to_string())));
         }
+        pairs.extend(self.noise.clone().map(|noise| (NOISE, noise)));
         pairs
     }
 
     /// In words.
     pub fn text(&self) -> String {
-        let repeats = match self.repeats {
-            true => "repeats",
-            false => "does not repeat",
+        let repeats = match (self.repeats, &self.noise) {
+            (true, None) => "repeats",
+            (true, Some(_)) => "repeats but for the noise of its steps",
+            (false, _) => "does not repeat",
         };
         let least = match &self.slowest {
             Some(Slowest {
@@ -105,16 +118,34 @@ impl Repetition {
         format!("{repeats} after {} cycles{least}", self.cycles)
     }
 
-    /// The warning of a cycle that does not repeat, at the line of its analysis.
+    /// The warning of a cycle that does not repeat, or of an output that is lost in the noise of the steps, at the line of its analysis.
     pub fn warning(&self, analysis: &Origin) -> Option<Diagnostic> {
-        let slowest = self.slowest.as_ref().filter(|_| !self.repeats)?;
+        let slowest = self.slowest.as_ref()?;
+        let share = format!("{} %", significant(100.0 * slowest.change, 3));
+        if let Some(remedy) = &self.noise {
+            let message = Diagnostic::warning(
+                codes::NOISE,
+                format!(
+                    "{} changes by {share} of its swing from cycle to cycle, which is the noise of the steps",
+                    slowest.channel
+                ),
+            );
+            return Some(
+                place(message, analysis, "the motion repeats to within the tolerance")
+                    .with_note("a small difference of large values, or a derivative of a small motion, shows the errors of the steps enlarged")
+                    .with_help(format!(
+                        "`{remedy}` brings the errors of the steps below `change`; where it is rounding of the large values, no tolerance does: leave such an output out"
+                    )),
+            );
+        }
+        if self.repeats {
+            return None;
+        }
         let message = Diagnostic::warning(
             codes::NOT_PERIODIC,
             format!(
-                "the cycle does not repeat after {} cycles: {} still changes by {:.3} % of its swing",
-                self.cycles,
-                slowest.channel,
-                100.0 * slowest.change
+                "the cycle does not repeat after {} cycles: {} still changes by {share} of its swing",
+                self.cycles, slowest.channel
             ),
         );
         let message = place(message, analysis, "the last cycle is kept");
@@ -123,14 +154,36 @@ impl Repetition {
             None => message
                 .with_note("so few cycles don't tell how fast its change shrinks")
                 .with_help(more),
-            Some(factor) if factor < HARDLY_SHRINKS => message
-                .with_note(format!("its change shrinks by the factor {factor:.3} a cycle"))
-                .with_help(more),
-            Some(factor) => message
-                .with_note(format!("its change does not shrink: the factor is {factor:.3} a cycle"))
-                .with_help("look for whirl, a resonance or a speed that creeps; if it is small it is the steps' own error, and `tolerance: 0.1` makes less of it; or accept more: `change: 1 %`"),
+            Some(factor) => {
+                let message =
+                    message.with_note(format!("deviations of the motion {}", pace(factor)));
+                if factor < HARDLY_SHRINKS {
+                    message.with_help(more)
+                } else if factor <= HARDLY_GROWS {
+                    message.with_help("look for whirl, a resonance or a speed that creeps; if it is small it is the steps' own error, and `tolerance: 0.1` makes less of it; or accept more: `change: 1 %`")
+                } else {
+                    message.with_help("the motion is unstable, and more cycles do not help: look for whirl, a resonance, negative damping")
+                }
+            }
         })
     }
+}
+
+/// How deviations go on from cycle to cycle, after a plural.
+pub(crate) fn pace(factor: f64) -> String {
+    if factor < HARDLY_SHRINKS {
+        format!("shrink by the factor {factor:.3} a cycle")
+    } else if factor <= HARDLY_GROWS {
+        format!("do not shrink: the factor is {factor:.3} a cycle")
+    } else {
+        format!("grow by the factor {factor:.3} a cycle")
+    }
+}
+
+/// With one digit, not above.
+fn rounded_down(value: f64) -> String {
+    let power = libm::pow(10.0, libm::floor(libm::log10(value)));
+    significant(libm::floor(value / power * (1.0 + 1e-9)) * power, 1)
 }
 
 #[cfg(test)]
@@ -150,6 +203,7 @@ mod tests {
                     cycles: 40,
                     repeats,
                     slowest,
+                    noise: repeats.then(|| "tolerance: 0.01".to_owned()),
                 };
                 let kept = found.metadata().into_iter();
                 let kept: BTreeMap<String, String> =

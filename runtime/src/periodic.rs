@@ -2,9 +2,11 @@
 //!
 //! After every cycle each channel is compared, sample by sample, with the cycle before ([`repetition`]). The analysis ends when
 //! the largest change and the estimated distance to the limit, `change |λ/(1 − λ)|` with the complex factor λ by which differences
-//! shrink and turn from cycle to cycle, are both below what is asked for. The orbits of the journals tell of half-speed whirl ([`whirl`]), which
+//! shrink and turn from cycle to cycle, are both below what is asked for. The factor of decay that is told is that of the motion itself ([`motion`]): where the
+//! motion repeats to within the tolerance of the steps and an output goes on changing unforeseeably, that is the steps' noise, and it is told. The orbits of the journals tell of half-speed whirl ([`whirl`]), which
 //! does not repeat with the cycle.
 
+pub mod motion;
 pub mod repetition;
 pub mod whirl;
 
@@ -16,8 +18,9 @@ use crate::simulation::{Energy, Simulation, Slow, Warning};
 use crate::start::{StartReport, Unstable};
 use crate::transient::{Advance, Observer, RunSummary, Sample, Verdict, run_by_cycles};
 use eng_system::code::Compiled;
-use eng_system::system::{Extent, Periodic, Transient};
-use repetition::{Comparison, Decay, Growth};
+use eng_system::system::{Extent, Periodic, StepControl, Transient};
+use motion::{Motion, Moved};
+use repetition::{Comparison, Decay, Growth, Mode};
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use whirl::Whirl;
@@ -32,6 +35,11 @@ const TOLERANCES: f64 = 1e3;
 const ABOVE: f64 = 3.0;
 /// Growth a cycle of a small deviation, as an exponent, below which a steady motion counts as stable.
 const GROWTH: f64 = 1e-3;
+/// Share of a difference that the ones before do not foretell from which on it counts as noise, and cycles in a row with it.
+const UNFORETOLD: f64 = 0.3;
+const NOISY_CYCLES: usize = 3;
+/// Share of the least change so far above which the changes of the last cycles no longer shrink.
+const STANDSTILL: f64 = 0.5;
 /// Samples of a cycle, at most.
 const MOST_SAMPLES: f64 = 1e6;
 
@@ -55,8 +63,12 @@ pub struct PeriodicSummary {
     pub repeats: bool,
     /// The channel that changed most from the last cycle but one to the last.
     pub slowest: Option<Decay>,
-    /// What decayed slowest while changes were well above what is asked for: the engine's slow mode.
+    /// What decayed slowest while changes were well above what is asked for: the engine's slow mode. Factor and turn are the motion's.
     pub decay: Option<Decay>,
+    /// How deviations of the motion went on in the last cycle.
+    pub motion: Option<Mode>,
+    /// Set where the motion repeats and the slowest channel's change is the noise of the steps.
+    pub noise: Option<Remedy>,
     /// Channels that grow by the same amount every cycle: they are not asked to repeat.
     pub growing: Vec<Growth>,
     /// Motion of pins at about half the shaft's speed that does not repeat, by journal; empty after few cycles.
@@ -64,6 +76,25 @@ pub struct PeriodicSummary {
     /// How a motion is left in which nothing but the cycle's angle changes, if a small deviation from it grows: it repeats as long
     /// as nothing pushes it.
     pub unstable: Option<Unstable>,
+}
+
+/// What would bring the noise of an output below what is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Remedy {
+    /// This factor on the tolerances.
+    Tolerance(f64),
+    /// This fixed step (s).
+    Step(f64),
+}
+
+impl Remedy {
+    /// Errors follow the tolerance to the power 2/3 and the step to the power 2. `share`: of the noise, that may stay.
+    fn of(step: StepControl, share: f64) -> Remedy {
+        match step {
+            StepControl::Fixed(h) => Remedy::Step(h * libm::sqrt(share)),
+            StepControl::Tolerance(factor) => Remedy::Tolerance(factor * libm::pow(share, 1.5)),
+        }
+    }
 }
 
 /// Runs until the cycle repeats, or the most cycles are done; the observer gets the samples of the last cycle, of a run that fails
@@ -111,6 +142,17 @@ pub fn run_periodic(
             TOLERANCES * model.tolerance,
             [model.mass, model.length, 0.0],
         ),
+        motion: Motion::new(
+            &model,
+            match periodic.step {
+                StepControl::Fixed(_) => 1.0,
+                StepControl::Tolerance(factor) => factor,
+            },
+        ),
+        moved: Moved::default(),
+        changes: Vec::new(),
+        velocities: model.velocities,
+        noise: None,
         now: Record::default(),
         last: Record::default(),
         orbits: VecDeque::new(),
@@ -146,6 +188,8 @@ pub fn run_periodic(
         repeats: cycles.repeats,
         slowest: cycles.slowest,
         decay: cycles.decay,
+        motion: cycles.moved.mode,
+        noise: cycles.noise,
         growing: cycles.growing,
         whirl: whirl::find(cycles.orbits.make_contiguous(), period),
         unstable,
@@ -188,6 +232,8 @@ struct Record {
     values: Vec<f64>,
     orbits: Vec<Vec<[f64; 2]>>,
     poses: Vec<f64>,
+    /// Velocities and states.
+    motion: Vec<f64>,
 }
 
 impl Record {
@@ -201,6 +247,8 @@ impl Record {
         self.values.extend_from_slice(sample.values);
         self.orbits.push(sample.eccentricities.to_vec());
         self.poses.extend_from_slice(sample.pose);
+        self.motion.extend_from_slice(sample.velocity);
+        self.motion.extend_from_slice(sample.states);
     }
 }
 
@@ -210,6 +258,12 @@ struct Cycles<'a> {
     channels: usize,
     limit: Periodic,
     comparison: Comparison,
+    motion: Motion,
+    moved: Moved,
+    /// Of each cycle the largest change, and the share of it that was not foretold.
+    changes: Vec<(f64, f64)>,
+    velocities: usize,
+    noise: Option<Remedy>,
     now: Record,
     last: Record,
     orbits: VecDeque<whirl::Orbits>,
@@ -251,9 +305,13 @@ impl Observer for Cycles<'_> {
     fn progress(&mut self, advance: &Advance) -> Verdict {
         let run = advance.fraction * f64::from(self.limit.cycles);
         let expected = match &self.slowest {
-            Some(decay) if decay.factor > 0.0 && decay.factor < 1.0 => {
-                let far = decay.change.max(decay.distance()) / self.limit.change;
-                let more = libm::log(far.max(1.0)) / -libm::log(decay.factor);
+            Some(Decay {
+                change,
+                mode: Some(mode),
+                ..
+            }) if mode.factor > 0.0 && mode.factor < 1.0 => {
+                let far = change * mode.reach().max(1.0) / self.limit.change;
+                let more = libm::log(far.max(1.0)) / -libm::log(mode.factor);
                 (f64::from(self.done) + more.max(1.0)).min(f64::from(self.limit.cycles))
             }
             _ => f64::from(self.limit.cycles),
@@ -283,22 +341,33 @@ impl Cycles<'_> {
         let verdict = self.comparison.next(now);
         self.slowest = verdict.slowest;
         self.growing = verdict.growing;
+        let width = self.now.motion.len() / self.now.heads.len().max(1);
+        let pose_width = self.now.poses.len() / self.now.heads.len().max(1);
+        self.moved = self
+            .motion
+            .next(&self.now.poses[pose_width..], &self.now.motion[width..]);
         if let Some(now) = &self.slowest
-            && now.known
+            && now.mode.is_some()
             && (now.change > ABOVE * self.limit.change || self.decay.is_none())
         {
-            self.decay = Some(now.clone());
+            self.decay = Some(Decay {
+                mode: self.moved.mode.or(now.mode),
+                ..now.clone()
+            });
         }
         self.repeats = match &self.slowest {
             Some(decay) => {
                 (decay.change <= PLAIN * self.limit.change && !decay.grows())
-                    || (decay.change <= self.limit.change
-                        && decay.known
-                        && decay.distance() <= self.limit.change)
+                    || (decay.change <= self.limit.change && decay.distance() <= self.limit.change)
             }
             // nothing to compare in a model without channels
             None => self.channels == 0 && self.done > 1,
         };
+        if !self.repeats && self.only_noise() {
+            self.repeats = true;
+            let change = self.slowest.as_ref().map_or(0.0, |s| s.change);
+            self.noise = Some(Remedy::of(self.limit.step, self.limit.change / change));
+        }
         let angles: Vec<f64> = self.now.heads[1..]
             .iter()
             .map(|h| h.1.unwrap_or(0.0))
@@ -314,11 +383,34 @@ impl Cycles<'_> {
         }
     }
 
+    /// Whether the motion repeats to within the tolerance of its steps, and will, while what an output changes by neither shrinks nor follows from the cycles
+    /// before.
+    fn only_noise(&mut self) -> bool {
+        let Some(slowest) = &self.slowest else {
+            return false;
+        };
+        self.changes
+            .push((slowest.change, slowest.mode.map_or(0.0, |m| m.unforetold)));
+        let (earlier, last) = self
+            .changes
+            .split_at(self.changes.len().saturating_sub(NOISY_CYCLES));
+        let least = |of: &[(f64, f64)]| of.iter().fold(f64::INFINITY, |w, x| w.min(x.0));
+        !earlier.is_empty()
+            && last.iter().all(|(_, share)| *share > UNFORETOLD)
+            && least(last) > STANDSTILL * least(earlier)
+            && self.moved.beyond <= 1.0
+            && self
+                .moved
+                .mode
+                .is_some_and(|mode| self.moved.beyond * mode.reach() <= 1.0)
+    }
+
     /// Gives the last whole cycle to the observer, or, of a run that ended within a cycle, that.
     fn give(&mut self) {
         let whole = self.now.heads.len() <= 1 && !self.last.heads.is_empty();
         let record = if whole { &self.last } else { &self.now };
         let width = record.poses.len() / record.heads.len().max(1);
+        let motion = record.motion.len() / record.heads.len().max(1);
         for (i, (time, cycle_angle, cycle_rate, energy)) in record.heads.iter().enumerate() {
             let flow = self.observer.sample(&Sample {
                 time: *time,
@@ -328,6 +420,8 @@ impl Cycles<'_> {
                 energy: *energy,
                 eccentricities: &record.orbits[i],
                 pose: &record.poses[i * width..(i + 1) * width],
+                velocity: &record.motion[i * motion..i * motion + self.velocities],
+                states: &record.motion[i * motion + self.velocities..(i + 1) * motion],
             });
             if flow.is_break() {
                 return;

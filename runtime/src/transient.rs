@@ -29,6 +29,10 @@ pub struct Sample<'a> {
     pub eccentricities: &'a [[f64; 2]],
     /// Of each body in the order of the system: r (m), unit quaternion w, x, y, z from body to ground axes, modal amplitudes.
     pub pose: &'a [f64],
+    /// Of each body ṙ (m/s), ω (rad/s, body axes), modal rates.
+    pub velocity: &'a [f64],
+    /// States of elements (SI).
+    pub states: &'a [f64],
 }
 
 /// How far a run is after a step.
@@ -446,6 +450,8 @@ impl Run<'_> {
             energy: simulation.sampled_energy(),
             eccentricities: &simulation.eccentricities(),
             pose: simulation.sampled_pose(),
+            velocity: &simulation.sampled_state().velocity,
+            states: &simulation.sampled_state().states,
         })
     }
 

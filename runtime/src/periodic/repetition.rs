@@ -29,30 +29,21 @@ pub struct Decay {
     /// Largest difference from the last cycle, as a share of the channel's swing within a cycle; that counts as at least the smallest
     /// clearance for a length, and a hundredth of the largest value of the dimension for others.
     pub change: f64,
-    /// Factor by which such differences shrink from cycle to cycle.
-    pub factor: f64,
-    /// Turn of the differences from cycle to cycle (rad, 0…π): 0 for one that creeps, π for one that alternates.
-    pub turn: f64,
-    /// Whether factor and turn could be estimated: from the third cycle on.
-    pub known: bool,
+    /// How such differences go on; from the third cycle on.
+    pub mode: Option<Mode>,
 }
 
 impl Decay {
     /// Whether the differences are known to grow.
     pub fn grows(&self) -> bool {
-        self.known && self.factor > SUSTAINED
+        self.mode.is_some_and(|mode| mode.factor > SUSTAINED)
     }
 
-    /// Estimated distance to the limit, as a share of the swing: the sum of all differences to come, `change |λ/(1 − λ)|` with
-    /// `λ = factor·exp(i turn)`. Of a sustained beat (factor 1) it is its amplitude. Infinite for what grows.
+    /// Estimated distance to the limit, as a share of the swing: the sum of all differences to come. Of a sustained beat (factor 1) it is its amplitude.
+    /// Infinite for what grows, and where nothing is known yet.
     pub fn distance(&self) -> f64 {
-        let (f, turn) = (self.factor, self.turn);
-        let gap = libm::hypot(1.0 - f * libm::cos(turn), f * libm::sin(turn));
-        if f <= SUSTAINED && gap > 0.0 {
-            self.change * f / gap
-        } else {
-            f64::INFINITY
-        }
+        self.mode
+            .map_or(f64::INFINITY, |mode| self.change * mode.reach())
     }
 }
 
@@ -155,13 +146,10 @@ impl Comparison {
             }
         }
         let (channel, change) = worst.unwrap_or((0, 0.0));
-        let shrinking = self.shrinking(channel);
         verdict.slowest = Some(Decay {
             channel,
             change,
-            factor: shrinking.map_or(0.0, |s| s.0),
-            turn: shrinking.map_or(0.0, |s| s.1),
-            known: shrinking.is_some(),
+            mode: self.shrinking(channel),
         });
         verdict
     }
@@ -267,40 +255,84 @@ impl Comparison {
         (same(spread) && same(now - before)).then_some(now)
     }
 
-    /// Factor and turn of the slowest of the two modes that explain a channel's last three differences best,
-    /// `d₀ = a d₁ + b d₂`; of one mode where only two are known, or where they are one direction.
-    fn shrinking(&self, channel: usize) -> Option<(f64, f64)> {
-        let (d0, d1, d2) = (
-            self.column(0, channel),
-            self.column(1, channel),
-            self.column(2, channel),
-        );
-        let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
-        let s11 = dot(&d1, &d1);
-        if d1.is_empty() || s11 == 0.0 {
-            return None;
-        }
-        let single = dot(&d0, &d1) / s11;
-        let alone = (single.abs(), if single < 0.0 { PI } else { 0.0 });
-        let (s12, s22) = (dot(&d1, &d2), dot(&d2, &d2));
-        let determinant = s11 * s22 - s12 * s12;
-        if d2.is_empty() || determinant <= PARALLEL * s11 * s22 {
-            return Some(alone);
-        }
-        let (r1, r2) = (dot(&d0, &d1), dot(&d0, &d2));
-        let a = (r1 * s22 - r2 * s12) / determinant;
-        let b = (r2 * s11 - r1 * s12) / determinant;
-        let discriminant = 0.25 * a * a + b;
-        Some(if discriminant < 0.0 {
-            let factor = libm::sqrt(-b);
-            (factor, libm::acos((0.5 * a / factor).clamp(-1.0, 1.0)))
-        } else {
-            let root = libm::sqrt(discriminant);
-            let (high, low) = (0.5 * a + root, 0.5 * a - root);
-            let slow = if high.abs() >= low.abs() { high } else { low };
-            (slow.abs(), if slow < 0.0 { PI } else { 0.0 })
-        })
+    /// What the last three differences of a channel tell.
+    fn shrinking(&self, channel: usize) -> Option<Mode> {
+        slowest(
+            &self.column(0, channel),
+            &self.column(1, channel),
+            &self.column(2, channel),
+        )
     }
+}
+
+/// How differences go on from cycle to cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mode {
+    /// Factor from one cycle to the next.
+    pub factor: f64,
+    /// Turn from one cycle to the next (rad, 0…π).
+    pub turn: f64,
+    /// Share of the last difference, squared, that the differences before do not foretell: about 0 of decays, about 1 of noise.
+    pub unforetold: f64,
+}
+
+impl Mode {
+    /// All differences to come over the last one, `|λ/(1 − λ)|` with `λ = factor·exp(i turn)`; infinite for what grows.
+    pub fn reach(&self) -> f64 {
+        let (f, turn) = (self.factor, self.turn);
+        let gap = libm::hypot(1.0 - f * libm::cos(turn), f * libm::sin(turn));
+        if f <= SUSTAINED && gap > 0.0 {
+            f / gap
+        } else {
+            f64::INFINITY
+        }
+    }
+}
+
+/// The slowest of the two modes that explain the last of three differences best, `d₀ = a d₁ + b d₂`; of one mode where only two
+/// are known, or where they are one direction. `None` where the differences before are not known or zero.
+pub fn slowest(d0: &[f64], d1: &[f64], d2: &[f64]) -> Option<Mode> {
+    let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+    let (s00, s11) = (dot(d0, d0), dot(d1, d1));
+    if d1.is_empty() || s11 == 0.0 {
+        return None;
+    }
+    let (r1, r2) = (dot(d0, d1), dot(d0, d2));
+    let share = |explained: f64| {
+        if s00 > 0.0 {
+            (1.0 - explained / s00).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    };
+    let single = r1 / s11;
+    let alone = Mode {
+        factor: single.abs(),
+        turn: if single < 0.0 { PI } else { 0.0 },
+        unforetold: share(r1 * single),
+    };
+    let (s12, s22) = (dot(d1, d2), dot(d2, d2));
+    let determinant = s11 * s22 - s12 * s12;
+    if d2.is_empty() || determinant <= PARALLEL * s11 * s22 {
+        return Some(alone);
+    }
+    let a = (r1 * s22 - r2 * s12) / determinant;
+    let b = (r2 * s11 - r1 * s12) / determinant;
+    let discriminant = 0.25 * a * a + b;
+    let (factor, turn) = if discriminant < 0.0 {
+        let factor = libm::sqrt(-b);
+        (factor, libm::acos((0.5 * a / factor).clamp(-1.0, 1.0)))
+    } else {
+        let root = libm::sqrt(discriminant);
+        let (high, low) = (0.5 * a + root, 0.5 * a - root);
+        let slow = if high.abs() >= low.abs() { high } else { low };
+        (slow.abs(), if slow < 0.0 { PI } else { 0.0 })
+    };
+    Some(Mode {
+        factor,
+        turn,
+        unforetold: share(a * r1 + b * r2),
+    })
 }
 
 #[cfg(test)]
@@ -332,8 +364,8 @@ mod tests {
         assert_eq!(found[0], Verdict::default());
         let last = found[5].slowest.clone().unwrap();
         assert_eq!(last.channel, 0);
-        assert!((last.factor - 0.6).abs() < 1e-9, "{last:?}");
-        assert_eq!(last.turn, 0.0);
+        assert!((last.mode.unwrap().factor - 0.6).abs() < 1e-9, "{last:?}");
+        assert_eq!(last.mode.unwrap().turn, 0.0);
         // what is left is the sum of all later differences
         let left = 0.1 * libm::pow(0.6, 5.0);
         assert!(
@@ -359,8 +391,8 @@ mod tests {
                 + 0.2 * libm::pow(0.1, x)
         });
         let last = found[11].slowest.clone().unwrap();
-        assert!((last.factor - 0.7).abs() < 1e-6, "{last:?}");
-        assert!((last.turn - 2.0).abs() < 1e-6, "{last:?}");
+        assert!((last.mode.unwrap().factor - 0.7).abs() < 1e-6, "{last:?}");
+        assert!((last.mode.unwrap().turn - 2.0).abs() < 1e-6, "{last:?}");
     }
 
     #[test]
@@ -370,8 +402,11 @@ mod tests {
         });
         let last = found[11].slowest.clone().unwrap();
         // 0.05 of a swing of 2.1
-        assert!((last.factor - 1.0).abs() < 1e-9, "{last:?}");
+        assert!((last.mode.unwrap().factor - 1.0).abs() < 1e-9, "{last:?}");
         assert!((0.02..0.03).contains(&last.distance()), "{last:?}");
-        assert!((last.turn - 2.0 * PI * 0.07).abs() < 1e-6, "{last:?}");
+        assert!(
+            (last.mode.unwrap().turn - 2.0 * PI * 0.07).abs() < 1e-6,
+            "{last:?}"
+        );
     }
 }

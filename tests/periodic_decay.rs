@@ -1,0 +1,126 @@
+//! What `periodic` says of a motion that shrinks, grows, or repeats but for the noise of its steps.
+
+use eng::{Program, Sources};
+use std::path::PathBuf;
+use std::process::Command;
+
+/// A disc that counts cycles of 0.1 s, and beside it a block of 1 kg on a spring: `x = x₀ exp(−c t/2m) cos …`, so that a cycle takes its deviation to
+/// `exp(−0.05 s/kg c)` of itself, and its power, which is quadratic, to the square of that.
+fn oscillator(damping: &str, output: &str, analysis: &str) -> String {
+    format!(
+        "
+use std.joints.{{Translational}}
+use std.drives.ConstantSpeed
+force Mount(a: Marker, b: Marker, k: Stiffness, c: Damping) {{
+    let x = dot(a.origin - b.origin, b.z)
+    let v = dot(a.velocity - b.velocity, b.z)
+    apply force -(k*x + c*v)*b.z on a against b
+    {output}
+}}
+model Beat {{
+    gravity = [0, 0, 0] m/s^2
+    marker hub = [0, 0, 0] mm
+    marker wall = at([200, 0, 0] mm, z: [1, 0, 0])
+    body disc {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2 }}
+    body block {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = at(origin, z: [1, 0, 0]); start position = [205, 0, 0] mm }}
+    drive turn = ConstantSpeed(disc.origin, hub, speed: 600 rpm)
+    joint rail = Translational(block.eye, wall)
+    force mount = Mount(block.eye, wall, k: 5 N/mm, c: {damping})
+    cycle angle = rotation(disc.origin, hub) {{ period = 360 deg }}
+}}
+analysis steady = periodic(Beat(), start: assembled, sample: 10 deg{analysis})
+"
+    )
+}
+
+fn program(text: &str) -> Program {
+    eng::check(&Sources::from_text("m.eng", text), "m.eng")
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// What the command says of it.
+fn told(name: &str, text: &str) -> String {
+    let folder: PathBuf =
+        std::env::temp_dir().join(format!("eng-decay-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    std::fs::write(folder.join("m.eng"), text).expect("written");
+    let output = Command::new(env!("CARGO_BIN_EXE_eng"))
+        .args(["run", "m.eng", "--no-plots"])
+        .current_dir(&folder)
+        .output()
+        .expect("eng runs");
+    let _ = std::fs::remove_dir_all(&folder);
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    format!("{}{}", text(&output.stdout), text(&output.stderr))
+}
+
+const POWER: &str = "output heat: Power = c*v*v as W";
+
+#[test]
+fn the_factor_is_that_of_the_motion_where_power_changes_most() {
+    let text = oscillator("4 N*s/m", POWER, ", cycles: 12");
+    let outcome = program(&text)
+        .analysis("steady")
+        .expect("an analysis")
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error));
+    let found = outcome.periodic.expect("a periodic analysis");
+    let due = (-0.05_f64 * 4.0).exp();
+    let decay = found.decay.expect("three cycles");
+    let channel = outcome.results.columns().len();
+    println!("{decay:?} of {channel}, {due}");
+    let factor = decay.mode.expect("known").factor;
+    assert!(
+        (factor / due - 1.0).abs() < 2e-3,
+        "{factor} instead of {due}"
+    );
+    let told = told("power", &text);
+    assert!(
+        told.contains("deviations of the motion shrink by the factor 0.81"),
+        "{told}"
+    );
+}
+
+#[test]
+fn what_grows_is_said_to_grow() {
+    let text = oscillator("-20 N*s/m", POWER, ", cycles: 6");
+    let told = told("grows", &text);
+    assert!(
+        told.contains("deviations of the motion grow by the factor 2.7")
+            && told.contains("more cycles do not help")
+            && !told.contains("shrink"),
+        "{told}"
+    );
+}
+
+/// 0.8 % of the swing of a difference of two forces of 10¹⁴ N is rounding: it never repeats, but the motion does.
+#[test]
+fn a_small_difference_of_large_forces_ends_and_is_told() {
+    let text = oscillator(
+        "400 N*s/m",
+        "let wave = 50 N*sin(20*pi*time/(1 s))
+    apply force wave*b.z on a against b
+    let large = 1e16 N/m * x + 1e14 N
+    let other = (1e16 N/m - 1 N/mm) * x + 1e14 N
+    output net: 1 = (large - other)/(1 N)",
+        ", cycles: 20",
+    )
+    .replace("k: 5 N/mm", "k: 50 N/mm")
+    .replace("[205, 0, 0]", "[200, 0, 0]");
+    let outcome = program(&text)
+        .analysis("steady")
+        .expect("an analysis")
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error));
+    let found = outcome.periodic.expect("a periodic analysis");
+    assert!(found.repeats && found.cycles < 10, "{found:?}");
+    assert!(found.noise.is_some(), "{found:?}");
+    let told = told("noise", &text);
+    assert!(
+        told.contains("warning[W0716]: mount.net changes by ")
+            && told.contains("repeats but for the noise of its steps")
+            && told.contains("`tolerance: 0.0"),
+        "{told}"
+    );
+}
