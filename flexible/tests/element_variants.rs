@@ -145,8 +145,32 @@ fn hexahedra_of_nastran_bend_as_beams() {
     // full integration locks
     let full = of(bar(Code::Nastran), Rules::exact());
     assert!((0.22..0.25).contains(&full), "{full}");
-    // a mesh without code by Nastran's rules
+    // a mesh of no code names no rule and must not lock either
+    assert_eq!(of(bar(Code::None), Rules::default()), found);
     assert_eq!(of(bar(Code::None), Rules::nastran()), found);
+    assert_eq!(of(bar(Code::None), Rules::exact()), full);
+}
+
+/// Solids whose shear Nastran integrates by a rule of its own, which is not public.
+#[test]
+fn solids_of_nastran_in_full_are_told() {
+    use ElementKind::{Hexahedron20, Tetrahedron10, Wedge6, Wedge15};
+    let told = |kind, code, rules: Rules| {
+        let mut mesh = fe_meshes::bar(kind, [2, 1, 1], [0.2, 0.1, 0.1]);
+        mesh.code = code;
+        form::told(&mesh, rules.stiffness)
+    };
+    for (kind, name) in [
+        (Hexahedron20, "CHEXA (20 nodes)"),
+        (Wedge6, "CPENTA (6 nodes)"),
+        (Wedge15, "CPENTA (15 nodes)"),
+    ] {
+        let words = told(kind, Code::Nastran, Rules::default());
+        assert!(words.len() == 1 && words[0].contains(name), "{words:?}");
+        assert!(told(kind, Code::Nastran, Rules::exact()).is_empty());
+        assert!(told(kind, Code::None, Rules::default()).is_empty());
+    }
+    assert!(told(Tetrahedron10, Code::Nastran, Rules::default()).is_empty());
 }
 
 /// Bending of one box by κ about y, u = κ (x z, −ν y z, −(x² + ν (z² − y²))/2): energy ½ E I κ² L, whatever Poisson's ratio.

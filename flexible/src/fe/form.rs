@@ -2,18 +2,20 @@
 //!
 //! | element | CalculiX 2.20 | Abaqus | Nastran | without code, or all in full |
 //! | --- | --- | --- | --- | --- |
-//! | 8-node hexahedron | full | mean dilatation | incompatible modes; full with `IN = 2`, `ISOP = 1` | full |
+//! | 8-node hexahedron | full | mean dilatation | incompatible modes; full with `IN = 2`, `ISOP = 1` | incompatible modes; all in full: full |
 //! | … `R` | refused | refused | incompatible modes | full |
 //! | … `I` | refused | refused | incompatible modes | full |
-//! | 20-node hexahedron | full | full | full | full |
+//! | 20-node hexahedron | full | full | full, told; full with `IN = 3`, `ISOP = 1` | full |
 //! | … `R` | reduced | reduced | reduced; so with `IN = 2`, `ISOP = 1` | full |
 //! | 6-node wedge | reduced (2 points) | full, told | full, told | full |
-//! | tetrahedra, 15-node wedge, pyramids | full | full | full | full |
+//! | 15-node wedge, pyramids | full | full | full, told | full |
+//! | tetrahedra | full | full | full | full |
 //! | other variants (`H`, `M`, …) | refused | refused | refused | full |
 //!
 //! CalculiX' C3D8R has one point, also for its mass, which then lacks the element's own inertia, and stiffness against hourglasses that
 //! resists rigid rotation in elements that are no parallelepipeds. The incompatible modes of its C3D8I are freedoms with mass. Nastran
-//! reduces the shear of its quadratic elements; it comes out within the error of the mesh.
+//! takes shear at fewer points by default, and does not publish which: its quadratic elements and wedges are computed in full and told.
+//! A mesh of no code (gmsh) names no rule. Full integration of its 8-node hexahedra would lock in bending, so they have incompatible modes.
 //!
 //! Sources: Abaqus Theory Guide 3.2.4 and its matrices; CalculiX 2.20 (`e_c3d.f`, `shape8hu.f`, `shape8hr.f`) and its frequencies; MSC
 //! Nastran Quick Reference Guide, `PSOLID`.
@@ -51,10 +53,10 @@ enum Verdict {
 const INCOMPATIBLE: &str = "state `element_rules = nastran`, which gives 8-node hexahedra incompatible modes, or write C3D20R in the file";
 const IN_FULL: &str = "; or state `element_rules = exact`, which integrates them in full";
 
-/// The code whose rules hold.
-fn code(mesh: &Mesh, rule: StiffnessRule) -> Code {
+/// The code whose rules hold for a mesh written for `mesh`.
+fn code(mesh: Code, rule: StiffnessRule) -> Code {
     match rule {
-        StiffnessRule::Named => mesh.code,
+        StiffnessRule::Named => mesh,
         StiffnessRule::Full => Code::None,
         StiffnessRule::CalculiX => Code::CalculiX,
         StiffnessRule::Abaqus => Code::Abaqus,
@@ -70,7 +72,7 @@ fn letter(wanted: char) -> u8 {
         .map_or(0, |bit| 1 << bit)
 }
 
-fn verdict(kind: ElementKind, variant: Variant, code: Code) -> Verdict {
+fn verdict(kind: ElementKind, variant: Variant, mesh: Code, rule: StiffnessRule) -> Verdict {
     use ElementKind::{Hexahedron8, Hexahedron20, Wedge6};
     use Verdict::{Refused, Told};
     let full = Verdict::Form(Form::Full);
@@ -79,7 +81,10 @@ fn verdict(kind: ElementKind, variant: Variant, code: Code) -> Verdict {
         Variant::Letters(letters) => letters,
         _ => 0,
     };
-    match (code, kind) {
+    match (code(mesh, rule), kind) {
+        (Code::None, Hexahedron8) if rule == StiffnessRule::Named => {
+            Verdict::Form(Form::Incompatible)
+        }
         (Code::None, _) => full,
         (Code::Nastran, kind) => nastran(kind, variant),
         (_, Hexahedron20) if letters == letter('R') => reduced,
@@ -107,7 +112,7 @@ fn verdict(kind: ElementKind, variant: Variant, code: Code) -> Verdict {
 
 /// The rules of `PSOLID`, as far as they are public, and what comes nearest for the letters of other codes.
 fn nastran(kind: ElementKind, variant: Variant) -> Verdict {
-    use ElementKind::{Hexahedron8, Hexahedron20, Tetrahedron4, Tetrahedron10, Wedge6};
+    use ElementKind::{Hexahedron8, Hexahedron20, Tetrahedron4, Tetrahedron10};
     let in_full = Variant::Network {
         points: 2,
         full: true,
@@ -144,8 +149,11 @@ fn nastran(kind: ElementKind, variant: Variant) -> Verdict {
             },
         ) => Verdict::Form(Form::Full),
         (_, Variant::Network { points: 1.., .. }) => refused,
-        (Wedge6, _) => Verdict::Told(Form::Full, "Nastran reduces the integration of their shear"),
-        _ => Verdict::Form(Form::Full),
+        (Tetrahedron4 | Tetrahedron10, _) => Verdict::Form(Form::Full),
+        _ => Verdict::Told(
+            Form::Full,
+            "Nastran integrates their shear at fewer points, by a rule that is not public",
+        ),
     }
 }
 
@@ -158,7 +166,7 @@ pub(crate) fn form(
     element: &Element,
     rule: StiffnessRule,
 ) -> Result<Form, FlexibleError> {
-    match verdict(element.kind, element.variant, code(mesh, rule)) {
+    match verdict(element.kind, element.variant, mesh.code, rule) {
         Verdict::Form(form) | Verdict::Told(form, _) => Ok(form),
         Verdict::Refused(..) => {
             check(mesh, rule)?;
@@ -233,11 +241,10 @@ fn types(mesh: &Mesh) -> BTreeMap<(ElementKind, Variant), (usize, u64)> {
 /// # Errors
 /// All such types, with their numbers of elements and what to do.
 pub fn check(mesh: &Mesh, rule: StiffnessRule) -> Result<(), FlexibleError> {
-    let code = code(mesh, rule);
     let mut refused = Vec::new();
     let mut advised: Vec<&str> = Vec::new();
     for ((kind, variant), (count, first)) in types(mesh) {
-        if let Verdict::Refused(why, advice) = verdict(kind, variant, code) {
+        if let Verdict::Refused(why, advice) = verdict(kind, variant, mesh.code, rule) {
             let name = name(mesh, kind, variant);
             refused.push(format!("{count} × {name} (the first is {first}): {why}"));
             if !advised.contains(&advice) {
@@ -251,7 +258,7 @@ pub fn check(mesh: &Mesh, rule: StiffnessRule) -> Result<(), FlexibleError> {
     Err(FlexibleError::Structure {
         problem: format!(
             "elements that are not computed as {} does: {}",
-            title(code),
+            title(code(mesh.code, rule)),
             refused.join("; ")
         ),
         advice: format!("{}{IN_FULL}", advised.join("; ")),
@@ -269,11 +276,10 @@ fn title(code: Code) -> &'static str {
 
 /// What is to be told of the forms that a mesh's solids take.
 pub fn told(mesh: &Mesh, rule: StiffnessRule) -> Vec<String> {
-    let code = code(mesh, rule);
     let mut told = Vec::new();
     for ((kind, variant), (count, _)) in types(mesh) {
         let name = name(mesh, kind, variant);
-        match (verdict(kind, variant, code), rule) {
+        match (verdict(kind, variant, mesh.code, rule), rule) {
             (Verdict::Told(_, why), _) => told.push(format!(
                 "{count} × {name} are integrated in full, and {why}: coarse meshes come out stiffer here; `element_rules = exact` states that this is meant"
             )),
