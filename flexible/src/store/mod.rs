@@ -21,7 +21,7 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 /// Version of the format. Raised as well when the same input gives other numbers, since it is part of the key.
-pub const FORMAT_VERSION: u32 = 5;
+pub const FORMAT_VERSION: u32 = 6;
 
 /// A byte that no text begins with, a name, and a line's end that a transfer as text would spoil.
 const MAGIC: [u8; 8] = *b"\x8bENGRB\r\n";
