@@ -126,6 +126,12 @@ const RESISTED: f64 = 1e-6;
 /// As the steps give them: meshes that make no sense, mechanisms, markers that are not there, freedoms that a marker does not have,
 /// foreign matrices that don't fit the mesh.
 pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleError> {
+    if request.geometric_stiffness && request.matrices.is_some() {
+        return Err(FlexibleError::Structure {
+            problem: "matrices of another code don't tell the stresses that geometric stiffness comes from".into(),
+            advice: "leave geometric stiffness out, or let the elements of the mesh give stiffness and mass".into(),
+        });
+    }
     let mut report = Report {
         nodes: mesh.nodes.len(),
         elements: mesh.elements.len(),
@@ -144,21 +150,13 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         split_offsets(&mut mesh);
     }
     let (mut full, mut held) = matrices(&mesh, request, nodal, &mut report)?;
+    let held_by_file = report.supported;
     let marker_freedoms = MarkerFreedoms {
         request,
         places: &places,
         freedoms: &full.freedoms,
     };
-    for support in &request.support {
-        held.push(marker_freedoms.support(support)?);
-    }
-    for marker in &request.held_nodes {
-        held.extend(held_nodes(&mesh, places.get(*marker)));
-    }
-    if request.support_of_deck {
-        held.extend(of_deck(&mesh)?);
-    }
-    let held_by_file = report.supported;
+    held.extend(stated_supports(&mesh, &marker_freedoms)?);
     report.supported |= request.is_held();
     let reduction = Reduction::new(&mesh, &full, &held)?;
     let stiffness = reduction.reduce_stiffness(&full.stiffness)?;
@@ -223,12 +221,6 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
             structure: &structure,
             motions: &motions,
         };
-        if request.matrices.is_some() {
-            return Err(FlexibleError::Structure {
-                problem: "matrices of another code don't tell the stresses that geometric stiffness comes from".into(),
-                advice: "leave geometric stiffness out, or let the elements of the mesh give stiffness and mass".into(),
-            });
-        }
         let loads = marker_freedoms.movable(&reduction);
         constants.geometric = Some(geometric(&model, &shapes, &loads)?);
     }
@@ -239,40 +231,11 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     }
     .into();
     // the mass of rows that the file's supports took away is not in it
-    let comparable = request.matrices.is_some() && !held_by_file;
-    if let (Some(estimate), true) = (&report.estimate, comparable) {
-        let (mass, volumes) = (report.body.mass, estimate.mass);
-        if (mass / volumes - 1.0).abs() > MASS_APART {
-            report.warnings.push(format!(
-                "the mass matrix holds {mass:.4e} kg, the volumes and densities of the mesh make {volumes:.4e} kg: look at the units, or for masses of the run that the mesh does not name"
-            ));
-        }
+    if request.matrices.is_some() && !held_by_file {
+        warn_of_mass(&mut report);
     }
     report.modes = mode_reports(&set, &frequencies, &constants, &report.body);
-    let n = set.len();
-    let markers = request
-        .markers
-        .iter()
-        .zip(&places)
-        .map(|(marker, node)| {
-            let rows = |first: u8| -> Vec<f64> {
-                (first..first + 3)
-                    .flat_map(|component| (0..n).map(move |mode| (component, mode)))
-                    .map(|(component, mode)| {
-                        full.freedoms
-                            .freedom(*node, component)
-                            .map_or(0.0, |f| shapes[mode * full.freedoms.size() + f])
-                    })
-                    .collect()
-            };
-            ReducedMarker {
-                name: marker.name.clone(),
-                position: mesh.nodes[*node as usize].position,
-                translation: rows(0),
-                rotation: rows(3),
-            }
-        })
-        .collect();
+    let markers = reduced_markers(&mesh, &marker_freedoms, &shapes, set.len());
     let mut body = ReducedBody {
         invariants: constants,
         frequencies,
@@ -289,6 +252,68 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         mesh,
         report,
     })
+}
+
+/// The freedoms that the request holds: markers, all nodes of markers, the supports of the deck.
+fn stated_supports(
+    mesh: &Mesh,
+    markers: &MarkerFreedoms<'_>,
+) -> Result<Vec<Support>, FlexibleError> {
+    let request = markers.request;
+    let mut held = Vec::new();
+    for support in &request.support {
+        held.push(markers.support(support)?);
+    }
+    for marker in &request.held_nodes {
+        held.extend(held_nodes(mesh, markers.places.get(*marker)));
+    }
+    if request.support_of_deck {
+        held.extend(of_deck(mesh)?);
+    }
+    Ok(held)
+}
+
+/// Warns where a foreign mass is not that of the mesh's volumes.
+fn warn_of_mass(report: &mut Report) {
+    let Some(estimate) = &report.estimate else {
+        return;
+    };
+    let (mass, volumes) = (report.body.mass, estimate.mass);
+    if (mass / volumes - 1.0).abs() > MASS_APART {
+        report.warnings.push(format!(
+            "the mass matrix holds {mass:.4e} kg, the volumes and densities of the mesh make {volumes:.4e} kg: look at the units, or for masses of the run that the mesh does not name"
+        ));
+    }
+}
+
+/// Markers with the rows of the `modes` shapes at their nodes.
+fn reduced_markers(
+    mesh: &Mesh,
+    markers: &MarkerFreedoms<'_>,
+    shapes: &[f64],
+    modes: usize,
+) -> Vec<ReducedMarker> {
+    let freedoms = markers.freedoms;
+    let reduced = |(marker, node): (&MarkerRequest, &u32)| {
+        let rows = |first: u8| -> Vec<f64> {
+            (first..first + 3)
+                .flat_map(|component| (0..modes).map(move |mode| (component, mode)))
+                .map(|(component, mode)| {
+                    freedoms
+                        .freedom(*node, component)
+                        .map_or(0.0, |f| shapes[mode * freedoms.size() + f])
+                })
+                .collect()
+        };
+        ReducedMarker {
+            name: marker.name.clone(),
+            position: mesh.nodes[*node as usize].position,
+            translation: rows(0),
+            rotation: rows(3),
+        }
+    };
+    let requests = markers.request.markers.iter();
+    requests.zip(markers.places).map(reduced).collect()
 }
 
 /// All freedoms of the nodes that an averaging tie gathers at a marker's node. (A rigid one holds them by the marker.)

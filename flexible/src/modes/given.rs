@@ -45,43 +45,13 @@ pub fn fit(
     given: &GivenModes,
 ) -> Result<Fitted, FlexibleError> {
     let (file, modes) = (&given.modes.file, &given.modes.modes);
-    let index = mesh.node_index();
-    let mut unknown = given
-        .modes
-        .nodes
-        .iter()
-        .filter(|node| !index.contains_key(node));
-    if let Some(first) = unknown.next() {
-        return Err(refuse(
-            format!(
-                "{file} gives shapes at {} nodes that the mesh does not hold: {first}, …",
-                unknown.count() + 1
-            ),
-            "give the mesh of the run that wrote the shapes",
-        ));
-    }
+    let rows = given_rows(mesh, given)?;
     let turns = modes.iter().flat_map(|mode| &mode.shape).any(|values| {
         let [_, _, _, rotations @ ..] = values;
         rotations.iter().any(|x| *x != 0.0)
     });
     let size = freedoms.size();
     let mut known: Vec<(u32, u32, f64)> = Vec::new();
-    // for each given row of a shape: the node, and its axes where its values are in an analysis frame
-    let rows: Vec<(u32, Option<[[f64; 3]; 3]>)> = given
-        .modes
-        .nodes
-        .iter()
-        .filter_map(|id| index.get(id))
-        .map(|node| {
-            let frame = mesh
-                .nodes
-                .get(*node as usize)
-                .and_then(|node| node.frame)
-                .and_then(|frame| mesh.frames.get(frame as usize))
-                .filter(|_| given.modes.frame == ShapeFrame::Analysis);
-            (*node, frame.map(|frame| frame.rotation))
-        })
-        .collect();
     for (node, _) in &rows {
         let range = freedoms.of(*node);
         let count = if turns {
@@ -91,33 +61,7 @@ pub fn fit(
         };
         known.extend(range.take(count).map(|f| (f as u32, f as u32, 1.0)));
     }
-    let mut full = vec![0.0; size * modes.len()];
-    for (mode, full) in modes.iter().zip(full.chunks_exact_mut(size.max(1))) {
-        if mode.shape.len() != rows.len() || mode.shape.iter().flatten().any(|x| !x.is_finite()) {
-            return Err(refuse(
-                format!(
-                    "{file}: mode {} has values missing or not finite",
-                    mode.number
-                ),
-                "the file is damaged",
-            ));
-        }
-        for ((node, axes), values) in rows.iter().zip(&mode.shape) {
-            let [x, y, z, rx, ry, rz] = *values;
-            let length = given.units.length;
-            let parts = [[x * length, y * length, z * length], [rx, ry, rz]];
-            let turned = parts.map(|part| match axes {
-                Some(axes) => axes.map(|row| row.iter().zip(part).map(|(a, b)| a * b).sum()),
-                None => part,
-            });
-            let values = turned.as_flattened();
-            for (freedom, value) in freedoms.of(*node).zip(values) {
-                if let Some(entry) = full.get_mut(freedom) {
-                    *entry = *value;
-                }
-            }
-        }
-    }
+    let full = full_shapes(freedoms, given, &rows)?;
     let weights = SymmetricMatrix::from_triplets(size, &known)?;
     let matrix = reduction.reduce(&weights)?;
     determined(file, reduction, &matrix)?;
@@ -147,23 +91,7 @@ pub fn fit(
     let right = vectors.clone();
     factor.solve_refined(&matrix, &right, &mut vectors, 1)?;
     let back = reduction.expand(modes.len(), &vectors);
-    let misfits = masked
-        .chunks_exact(size.max(1))
-        .zip(back.chunks_exact(size.max(1)))
-        .map(|(given, found)| {
-            let (mut rest, mut whole) = (0.0, 0.0);
-            for (freedom, _, _) in &known {
-                let at = *freedom as usize;
-                rest += (given[at] - found[at]) * (given[at] - found[at]);
-                whole += given[at] * given[at];
-            }
-            if whole > 0.0 {
-                libm::sqrt(rest / whole)
-            } else {
-                0.0
-            }
-        })
-        .collect::<Vec<f64>>();
+    let misfits = misfits(size, &known, &masked, &back);
     let worst = modes
         .iter()
         .zip(&misfits)
@@ -183,6 +111,98 @@ pub fn fit(
         misfits,
         noise: libm::exp10(-f64::from(given.modes.digits.min(16))),
     })
+}
+
+/// Where a file gives a row of each shape: the node, and its axes where its values are in an analysis frame.
+type GivenRow = (u32, Option<[[f64; 3]; 3]>);
+
+/// # Errors
+/// Nodes that the mesh does not hold.
+fn given_rows(mesh: &Mesh, given: &GivenModes) -> Result<Vec<GivenRow>, FlexibleError> {
+    let index = mesh.node_index();
+    let nodes = given.modes.nodes.iter();
+    let mut unknown = nodes.clone().filter(|node| !index.contains_key(node));
+    if let Some(first) = unknown.next() {
+        return Err(refuse(
+            format!(
+                "{} gives shapes at {} nodes that the mesh does not hold: {first}, …",
+                given.modes.file,
+                unknown.count() + 1
+            ),
+            "give the mesh of the run that wrote the shapes",
+        ));
+    }
+    let row = |node: &u32| {
+        let frame = mesh
+            .nodes
+            .get(*node as usize)
+            .and_then(|node| node.frame)
+            .and_then(|frame| mesh.frames.get(frame as usize))
+            .filter(|_| given.modes.frame == ShapeFrame::Analysis);
+        (*node, frame.map(|frame| frame.rotation))
+    };
+    Ok(nodes.filter_map(|id| index.get(id)).map(row).collect())
+}
+
+/// The given shapes over the full freedoms in SI, along the mesh's axes, one after the other; zero where the file gives nothing.
+///
+/// # Errors
+/// Shapes with values missing or not finite.
+fn full_shapes(
+    freedoms: &FreedomMap,
+    given: &GivenModes,
+    rows: &[GivenRow],
+) -> Result<Vec<f64>, FlexibleError> {
+    let size = freedoms.size();
+    let modes = &given.modes.modes;
+    let mut full = vec![0.0; size * modes.len()];
+    for (mode, full) in modes.iter().zip(full.chunks_exact_mut(size.max(1))) {
+        if mode.shape.len() != rows.len() || mode.shape.iter().flatten().any(|x| !x.is_finite()) {
+            return Err(refuse(
+                format!(
+                    "{}: mode {} has values missing or not finite",
+                    given.modes.file, mode.number
+                ),
+                "the file is damaged",
+            ));
+        }
+        for ((node, axes), values) in rows.iter().zip(&mode.shape) {
+            let [x, y, z, rx, ry, rz] = *values;
+            let length = given.units.length;
+            let parts = [[x * length, y * length, z * length], [rx, ry, rz]];
+            let turned = parts.map(|part| match axes {
+                Some(axes) => axes.map(|row| row.iter().zip(part).map(|(a, b)| a * b).sum()),
+                None => part,
+            });
+            let values = turned.as_flattened();
+            for (freedom, value) in freedoms.of(*node).zip(values) {
+                if let Some(entry) = full.get_mut(freedom) {
+                    *entry = *value;
+                }
+            }
+        }
+    }
+    Ok(full)
+}
+
+/// ‖found − given‖ / ‖given‖ of each shape over the known freedoms, of `size` in all; zero for a shape without any motion.
+fn misfits(size: usize, known: &[(u32, u32, f64)], given: &[f64], found: &[f64]) -> Vec<f64> {
+    let shapes = given.chunks_exact(size.max(1));
+    let pairs = shapes.zip(found.chunks_exact(size.max(1)));
+    let misfit = |(given, found): (&[f64], &[f64])| {
+        let (mut rest, mut whole) = (0.0, 0.0);
+        for (freedom, ..) in known {
+            let at = *freedom as usize;
+            rest += (given[at] - found[at]) * (given[at] - found[at]);
+            whole += given[at] * given[at];
+        }
+        if whole > 0.0 {
+            libm::sqrt(rest / whole)
+        } else {
+            0.0
+        }
+    };
+    pairs.map(misfit).collect()
 }
 
 /// Refuses shapes that leave free freedoms open.

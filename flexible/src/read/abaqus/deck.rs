@@ -141,132 +141,124 @@ impl Deck {
         }
     }
 
+    /// Begins the block of a keyword.
     fn open(&mut self, keyword: Keyword) -> Result<Open, FileProblem> {
         if self.in_step {
-            match keyword.key.as_str() {
-                "ENDSTEP" => self.in_step = false,
-                "BOUNDARY" => {
-                    return Ok(Open::Block(Block {
-                        keyword,
-                        rows: Vec::new(),
-                        step: self.steps,
-                    }));
-                }
-                name => {
-                    let lost = match name {
-                        "MODELCHANGE" => Carries::Structure,
-                        _ => Carries::Nothing,
-                    };
-                    let name = format!("*{} in a *STEP", keyword.name);
-                    self.unread.note(&name, &keyword.at, lost);
-                }
-            }
-            return Ok(Open::Skipped);
+            return Ok(self.open_in_step(keyword));
         }
-        Ok(match keyword.key.as_str() {
+        match keyword.key.as_str() {
             "STEP" => {
                 self.in_step = true;
                 self.steps += 1;
                 self.unread.note("*STEP", &keyword.at, Carries::Nothing);
-                Open::Skipped
+                Ok(Open::Skipped)
             }
-            "PART" => {
-                let name = key(keyword.require("NAME", "NAME")?);
-                self.enter(&keyword)?;
-                if self.parts.insert(name.clone(), Scope::default()).is_some() {
-                    return Err(keyword.problem(
-                        &format!("the part {name} is there twice"),
-                        "rename or remove one of them",
-                    ));
-                }
-                self.declared.push((name.clone(), keyword.at.clone()));
-                self.place = Place::Part(name);
-                self.system = None;
-                Open::Skipped
-            }
-            "INSTANCE" => {
-                let name = keyword.require("NAME", "NAME")?.to_string();
-                self.enter(&keyword)?;
-                if self
-                    .instances
-                    .iter()
-                    .any(|other| key(&other.name) == key(&name))
-                {
-                    return Err(keyword.problem(
-                        &format!("the instance {name} is there twice"),
-                        "rename or remove one of them",
-                    ));
-                }
-                if keyword.has("LIBRARY") {
-                    let name = "*INSTANCE of a LIBRARY";
-                    self.unread.note(name, &keyword.at, Carries::Structure);
-                }
-                self.instances.push(Instance {
-                    name,
-                    part: keyword.get("PART").unwrap_or("").to_string(),
-                    motion: STILL,
-                    own: Scope::default(),
-                    at: keyword.at.clone(),
-                });
-                self.place = Place::Instance;
-                self.system = None;
-                Open::Block(Block {
-                    keyword,
-                    rows: Vec::new(),
-                    step: 0,
-                })
-            }
+            "PART" => self.open_part(&keyword),
+            "INSTANCE" => self.open_instance(keyword),
             "ENDPART" | "ENDINSTANCE" => {
                 self.place = Place::Root;
                 self.system = None;
-                Open::Skipped
+                Ok(Open::Skipped)
             }
-            "NODE" => {
-                let system = NodeSystem::of(&keyword, self.system.unwrap_or(STILL))?;
-                Open::Nodes {
-                    system,
-                    set: new_set(&keyword, "NSET", true),
-                }
-            }
-            "ELEMENT" => {
-                let name = squeezed(keyword.require("TYPE", "TYPE")?);
-                let set = new_set(&keyword, "ELSET", false);
-                match Shape::of(&name) {
-                    Some(shape) => Open::Elements {
-                        shape,
-                        name,
-                        set,
-                        pending: Vec::new(),
-                        at: None,
-                    },
-                    None => {
-                        // the set is there, if empty
-                        self.scope().sets.extend(set);
-                        Open::Lost(format!("*ELEMENT, TYPE={name}"))
-                    }
-                }
-            }
-            "NSET" | "ELSET" => {
-                let of_nodes = keyword.key == "NSET";
-                keyword.require(&keyword.key, &keyword.key)?;
-                let generate = keyword.has("GENERATE");
-                match new_set(&keyword, &keyword.key, of_nodes) {
-                    Some(mut set) => {
-                        set.instance = keyword.get("INSTANCE").map(str::to_string);
-                        // CalculiX and Abaqus: an element set as nodes
-                        if let Some(from) = keyword.get("ELSET").filter(|_| of_nodes) {
-                            set.members.push(Member::NodesOf(from.to_string()));
-                        }
-                        Open::Set(set, generate)
-                    }
-                    None => Open::Skipped,
-                }
-            }
-            _ => Open::Block(Block {
+            "NODE" => Ok(Open::Nodes {
+                system: NodeSystem::of(&keyword, self.system.unwrap_or(STILL))?,
+                set: new_set(&keyword, "NSET", true),
+            }),
+            "ELEMENT" => self.open_elements(&keyword),
+            "NSET" | "ELSET" => open_set(&keyword),
+            _ => Ok(Open::Block(Block {
                 keyword,
                 rows: Vec::new(),
                 step: 0,
-            }),
+            })),
+        }
+    }
+
+    /// Behind `*STEP` supports alone are read.
+    fn open_in_step(&mut self, keyword: Keyword) -> Open {
+        match keyword.key.as_str() {
+            "ENDSTEP" => self.in_step = false,
+            "BOUNDARY" => {
+                return Open::Block(Block {
+                    keyword,
+                    rows: Vec::new(),
+                    step: self.steps,
+                });
+            }
+            name => {
+                let lost = match name {
+                    "MODELCHANGE" => Carries::Structure,
+                    _ => Carries::Nothing,
+                };
+                let name = format!("*{} in a *STEP", keyword.name);
+                self.unread.note(&name, &keyword.at, lost);
+            }
+        }
+        Open::Skipped
+    }
+
+    fn open_part(&mut self, keyword: &Keyword) -> Result<Open, FileProblem> {
+        let name = key(keyword.require("NAME", "NAME")?);
+        self.enter(keyword)?;
+        if self.parts.insert(name.clone(), Scope::default()).is_some() {
+            return Err(keyword.problem(
+                &format!("the part {name} is there twice"),
+                "rename or remove one of them",
+            ));
+        }
+        self.declared.push((name.clone(), keyword.at.clone()));
+        self.place = Place::Part(name);
+        self.system = None;
+        Ok(Open::Skipped)
+    }
+
+    /// The rows of an instance say where it is.
+    fn open_instance(&mut self, keyword: Keyword) -> Result<Open, FileProblem> {
+        let name = keyword.require("NAME", "NAME")?.to_string();
+        self.enter(&keyword)?;
+        let mut others = self.instances.iter();
+        if others.any(|other| key(&other.name) == key(&name)) {
+            return Err(keyword.problem(
+                &format!("the instance {name} is there twice"),
+                "rename or remove one of them",
+            ));
+        }
+        if keyword.has("LIBRARY") {
+            let name = "*INSTANCE of a LIBRARY";
+            self.unread.note(name, &keyword.at, Carries::Structure);
+        }
+        self.instances.push(Instance {
+            name,
+            part: keyword.get("PART").unwrap_or("").to_string(),
+            motion: STILL,
+            own: Scope::default(),
+            at: keyword.at.clone(),
+        });
+        self.place = Place::Instance;
+        self.system = None;
+        Ok(Open::Block(Block {
+            keyword,
+            rows: Vec::new(),
+            step: 0,
+        }))
+    }
+
+    fn open_elements(&mut self, keyword: &Keyword) -> Result<Open, FileProblem> {
+        let name = squeezed(keyword.require("TYPE", "TYPE")?);
+        let set = new_set(keyword, "ELSET", false);
+        Ok(match Shape::of(&name) {
+            Some(shape) => Open::Elements {
+                shape,
+                name,
+                set,
+                pending: Vec::new(),
+                at: None,
+            },
+            None => {
+                // the set is there, if empty
+                self.scope().sets.extend(set);
+                Open::Lost(format!("*ELEMENT, TYPE={name}"))
+            }
         })
     }
 
@@ -487,6 +479,21 @@ impl Deck {
         }
         Ok(placed)
     }
+}
+
+/// Begins `*NSET` or `*ELSET`.
+fn open_set(keyword: &Keyword) -> Result<Open, FileProblem> {
+    let of_nodes = keyword.key == "NSET";
+    keyword.require(&keyword.key, &keyword.key)?;
+    let Some(mut set) = new_set(keyword, &keyword.key, of_nodes) else {
+        return Ok(Open::Skipped);
+    };
+    set.instance = keyword.get("INSTANCE").map(str::to_string);
+    // CalculiX and Abaqus: an element set as nodes
+    if let Some(from) = keyword.get("ELSET").filter(|_| of_nodes) {
+        set.members.push(Member::NodesOf(from.to_string()));
+    }
+    Ok(Open::Set(set, keyword.has("GENERATE")))
 }
 
 /// The set that a parameter names.
