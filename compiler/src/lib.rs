@@ -2,6 +2,9 @@
 //!
 //! It does no I/O (files come through [`eng_system`]'s host trait) and knows no terminal; it never sees the runtime.
 
+// tests compare with the standard library's functions
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
 pub mod check;
 pub mod codes;
 pub mod elaborate;

@@ -12,6 +12,8 @@
 //!   [`Mesh::unread`].
 //! - The same input gives the same bits, whatever the number of threads.
 #![forbid(unsafe_code)]
+// tests compare with the standard library's functions
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod error;
 pub mod fe;

@@ -3,6 +3,8 @@
 //! This crate knows texts, places and messages. It looks up no name, knows no unit and reads no file.
 
 #![forbid(unsafe_code)]
+// tests compare with the standard library's functions
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod ast;
 pub mod codes;

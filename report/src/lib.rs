@@ -75,6 +75,8 @@
 //! ```
 
 #![forbid(unsafe_code)]
+// tests compare with the standard library's functions
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod animation;
 mod escape;

@@ -18,6 +18,8 @@
 //! | [`simulation`], [`transient`], [`periodic`], [`checkpoint`] | what a user holds |
 
 #![forbid(unsafe_code)]
+// tests compare with the standard library's functions
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 // Loops over the same index of several arrays read like the formulas they stand for.
 #![allow(clippy::needless_range_loop)]
 

@@ -3,6 +3,8 @@
 //! This crate knows no syntax, no file and no solver: only what is handed from one to the other.
 
 #![forbid(unsafe_code)]
+// tests compare with the standard library's functions
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod code;
 pub mod dimension;

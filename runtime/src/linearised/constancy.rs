@@ -43,24 +43,25 @@ impl Coefficients {
     fn new(model: &Model, equations: &Equations) -> Coefficients {
         let e = equations;
         let scales = model.velocity_scales();
-        let by_rows = |mut matrix: DMatrix<f64>, power: i32| {
+        let by_rows = |mut matrix: DMatrix<f64>, inverse: bool| {
             for (i, s) in scales.iter().enumerate() {
-                matrix.row_mut(i).scale_mut(s.powi(power));
+                let factor = if inverse { 1.0 / s } else { *s };
+                matrix.row_mut(i).scale_mut(factor);
             }
             matrix
         };
-        let by_columns = |matrix: DMatrix<f64>| by_rows(matrix.transpose(), 1).transpose();
+        let by_columns = |matrix: DMatrix<f64>| by_rows(matrix.transpose(), false).transpose();
         // MN: of a vector in x the loads that have its work
         let loads = &e.mass * &e.basis;
         let both =
-            |matrix: &DMatrix<f64>| by_columns(by_rows(&loads * matrix * loads.transpose(), 1));
+            |matrix: &DMatrix<f64>| by_columns(by_rows(&loads * matrix * loads.transpose(), false));
         Coefficients {
-            mass: by_columns(by_rows(e.mass.clone(), 1)),
-            moves: by_columns(by_rows(&e.basis * loads.transpose(), -1)),
+            mass: by_columns(by_rows(e.mass.clone(), false)),
+            moves: by_columns(by_rows(&e.basis * loads.transpose(), true)),
             stiffness: both(&e.stiffness),
             damping: both(&e.damping),
             of_states: [
-                by_rows(&loads * &e.by_states, 1),
+                by_rows(&loads * &e.by_states, false),
                 by_columns(&e.rates_by_place * loads.transpose()),
                 by_columns(&e.rates_by_velocity * loads.transpose()),
                 e.rates_by_states.clone(),
