@@ -200,6 +200,13 @@ impl Analysis {
         };
         let text = |control: StepControl| match control {
             StepControl::Fixed(step) => ("step", format!("{} s", short(step, 12))),
+            StepControl::FixedTo { step, tolerance } => (
+                "step",
+                format!(
+                    "{} s, solved to a tolerance of {tolerance}",
+                    short(step, 12)
+                ),
+            ),
             StepControl::Tolerance(factor) => ("tolerance", factor.to_string()),
         };
         let ((name, value), (stated_name, stated)) = (text(control), text(*place));
@@ -307,6 +314,7 @@ impl Analysis {
         let argument = match &cause {
             RuntimeError::TurnsTooFar { .. } => Some("step"),
             RuntimeError::CycleStands { .. } => Some("duration"),
+            RuntimeError::Rounding { .. } if self.stepped_here.is_none() => Some("tolerance"),
             _ => None,
         };
         let argument =

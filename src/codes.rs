@@ -59,6 +59,10 @@ eng_grammar::codes! {
     CHECKPOINT = "E0715", "a checkpoint cannot be used",
         "It is damaged, or of another model, other parameters or another version. Start the run from its beginning.",
         "", "";
+    ROUNDING = "E0716", "a tolerance is below rounding",
+        "The tolerance asks for errors of a step, or for a solution of its equations, below what numbers of 16 digits resolve of this model. The message says the least that can be kept. Bodies far from the origin and angles of many turns need a larger one.",
+        "analysis run = transient(Engine(), duration: 4 rev, tolerance: 1e-12)",
+        "analysis run = transient(Engine(), duration: 4 rev, tolerance: 1e-3)";
     PARAMETER_REQUIRED = "E0720", "parameters do not fulfil a `require`",
         "The class, or the language for masses and inertias, asks for a condition that these parameters do not fulfil. The text is the author's.",
         "body rod { mass = -1 kg; inertia = [1, 1, 1] g*m^2 }",

@@ -78,6 +78,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help("keep a divisor from zero, such as by `norm(v, floor: 1 um)`, and a root's argument from below"),
         R::Newton { origin, .. } => place(d(codes::NO_STEP), origin, "the largest residual is here")
             .with_help("a force that jumps, or a mechanism at the end of its reach, has no solution: look at the outputs just before"),
+        R::Rounding { .. } => d(codes::ROUNDING)
+            .with_help("state a larger `tolerance`; a fixed `step` needs none"),
         R::StepTooSmall { origin, state: Some(state), .. } => {
             place(d(codes::STEP_TOO_SMALL), origin, "the largest error is in its state")
                 .with_help(format!("make the rate of `{state}` continuous where it jumps; state a larger `scale` where errors as small as 1e-5 of it don't matter"))

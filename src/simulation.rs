@@ -46,6 +46,12 @@ impl SimulationBuilder {
         self
     }
 
+    /// Fixed steps (s) whose equations are solved to a factor on the tolerances, which is 1 in [`Self::fixed_step`].
+    pub fn fixed_step_to(mut self, step: f64, tolerance: f64) -> Self {
+        self.options.step = StepControl::FixedTo { step, tolerance };
+        self
+    }
+
     /// Spectral radius at infinite frequency, 0…1 (default 0.8). 1 damps nothing and is refused where there
     /// are constraints.
     pub fn rho_infinity(mut self, rho: f64) -> Self {

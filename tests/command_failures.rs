@@ -254,14 +254,29 @@ fn steps_and_tolerance_are_stated_on_the_command_line() {
         overrides(&results),
         [("override.tolerance".to_owned(), "0.001".to_owned())]
     );
+    let (exact, results) = run(&["--step", "100 us", "--tolerance", "0.001"]);
+    assert_eq!(steps(&exact), 1000);
+    assert_eq!(
+        overrides(&results),
+        [(
+            "override.step".to_owned(),
+            "0.0001 s, solved to a tolerance of 0.001".to_owned()
+        )]
+    );
+    let refused = folder.eng(&["run", "model.eng", "--tolerance", "1e-12"]);
+    let refused = said(&refused);
+    assert!(
+        refused.contains("E0716") && refused.contains("the least is about"),
+        "{refused}"
+    );
     for (wrong, says) in [
         (&["--step", "1 mm"][..], "a step is a time"),
         (&["--step", "0 s"], "must be positive"),
         (&["--tolerance=-1"], "must be positive"),
         (&["--tolerance", "nan"], "must be positive"),
         (
-            &["--tolerance", "1", "--step", "1 ms"],
-            "cannot be used with",
+            &["--tolerance", "0", "--step", "1 ms"],
+            "--tolerance: it must be positive",
         ),
     ] {
         let output = folder.eng(&[&["run", "model.eng"], wrong].concat());

@@ -386,6 +386,19 @@ pub enum RuntimeError {
         /// Its unit.
         unit: &'static str,
     },
+    /// A tolerance that asks for less than rounding leaves.
+    #[error(
+        "a tolerance of {tolerance:e} is below rounding{}: the least is about {least:.0e}",
+        moment.as_ref().map_or(String::new(), |m| format!(" at {m}"))
+    )]
+    Rounding {
+        /// When it was seen; `None` where it is so from the start.
+        moment: Option<Moment>,
+        /// The factor on the tolerances.
+        tolerance: f64,
+        /// The least factor that can be kept.
+        least: f64,
+    },
     /// Error control asks for steps below what numbers resolve.
     #[error(
         "the step falls below {step:.3e} s at {moment}; {} is not smooth there: {}",

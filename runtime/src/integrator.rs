@@ -105,6 +105,15 @@ impl Coefficients {
     }
 }
 
+/// Where Newton's iteration ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// Largest correction, in scaled unknowns.
+    pub absolute: f64,
+    /// Largest correction as a share of what the largest acceleration contributes to the increment of a step.
+    pub relative: f64,
+}
+
 /// Counts of work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
@@ -169,8 +178,8 @@ pub struct Integrator {
     pub state_jerk: Vec<f64>,
     /// Larger of each state's scale and its largest magnitude so far: errors are held to a share of it.
     pub state_peak: Vec<f64>,
-    /// Tolerance of Newton's iteration, in scaled unknowns.
-    pub newton_tolerance: f64,
+    /// Where Newton's iteration ends.
+    pub goal: Goal,
     /// Counts.
     pub statistics: Statistics,
     plan: MatrixPlan,
@@ -208,7 +217,7 @@ impl Integrator {
         model: &Model,
         start: &State,
         rho: f64,
-        newton_tolerance: f64,
+        goal: Goal,
     ) -> Result<Integrator, RuntimeError> {
         let plan = MatrixPlan::new(model);
         let solver = BlockLu::new(&plan.pattern);
@@ -239,7 +248,7 @@ impl Integrator {
             multiplier_rate: vec![0.0; model.rows],
             state_jerk: vec![0.0; model.states],
             state_peak,
-            newton_tolerance,
+            goal,
             statistics: Statistics::default(),
             values: vec![0.0; plan.pattern.rows.len()],
             plan,
@@ -463,13 +472,8 @@ impl Integrator {
         &self.trial
     }
 
-    /// Evaluates the scaled residual of a step h at the trial, after [`Integrator::predict`].
-    pub fn evaluate(
-        &mut self,
-        model: &Model,
-        dynamics: &mut Dynamics,
-        h: f64,
-    ) -> Result<(), RuntimeError> {
+    /// Places, velocities, accelerations, states, their rates and multipliers at the trial of a step h.
+    fn take_trial(&mut self, model: &Model, h: f64) {
         let c = self.coefficients;
         let (n, s) = (model.velocities, model.states);
         for i in 0..n {
@@ -498,7 +502,6 @@ impl Integrator {
         for i in 0..model.rows {
             self.next.multipliers[i] = self.trial[n + s + i] * self.column_factors[n + s + i];
         }
-        self.statistics.residuals += 1;
         move_pose(
             model,
             &self.current.pose,
@@ -506,6 +509,18 @@ impl Integrator {
             1.0,
             &mut self.next.pose,
         );
+    }
+
+    /// Evaluates the scaled residual of a step h at the trial, after [`Integrator::predict`].
+    pub fn evaluate(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        h: f64,
+    ) -> Result<(), RuntimeError> {
+        let (n, s) = (model.velocities, model.states);
+        self.take_trial(model, h);
+        self.statistics.residuals += 1;
         self.next.time = self.current.time + h;
         dynamics.place(model, self.next.time, &self.next.pose, &self.next.velocity);
         dynamics.gather(

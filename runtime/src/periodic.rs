@@ -90,9 +90,9 @@ pub enum Remedy {
 impl Remedy {
     /// Errors follow the tolerance to the power 2/3 and the step to the power 2. `share`: of the noise, that may stay.
     fn of(step: StepControl, share: f64) -> Remedy {
-        match step {
-            StepControl::Fixed(h) => Remedy::Step(h * libm::sqrt(share)),
-            StepControl::Tolerance(factor) => Remedy::Tolerance(factor * libm::pow(share, 1.5)),
+        match step.fixed() {
+            Some(h) => Remedy::Step(h * libm::sqrt(share)),
+            None => Remedy::Tolerance(step.tolerance() * libm::pow(share, 1.5)),
         }
     }
 }
@@ -144,9 +144,10 @@ pub fn run_periodic(
         ),
         motion: Motion::new(
             &model,
+            // errors of a fixed step do not follow its tolerance
             match periodic.step {
-                StepControl::Fixed(_) => 1.0,
                 StepControl::Tolerance(factor) => factor,
+                StepControl::Fixed(_) | StepControl::FixedTo { .. } => 1.0,
             },
         ),
         moved: Moved::default(),

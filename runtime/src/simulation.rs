@@ -11,7 +11,7 @@ use crate::checkpoint;
 use crate::control::{FixedGrid, StepSize};
 use crate::dynamics::Dynamics;
 use crate::error::{Moment, RuntimeError};
-use crate::integrator::{Integrator, Statistics};
+use crate::integrator::{Goal, Integrator, STEP_SHARE, Statistics};
 use crate::linear::Pattern;
 use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
@@ -32,8 +32,8 @@ pub struct Options {
     /// Spectral radius at infinite frequency, 0…1; below 1 where there are constraints, whose multipliers are otherwise not damped
     /// at all and drift away after many turns.
     pub rho_infinity: f64,
-    /// Tolerance of Newton's iteration in scaled unknowns; `None`: 1e-4 of the position tolerance over the model's length, at most
-    /// 1e-10.
+    /// Largest correction that ends Newton's iteration, in scaled unknowns; `None`: 1e-4 of the position tolerance over the model's length, times the
+    /// factor on the tolerances where that is below 1, at most 1e-10. It has to be below [`GOAL`] of the accelerations' share of a step, too.
     pub newton_tolerance: Option<f64>,
     /// Largest step under error control (s): a load that comes by time is not overslept.
     pub max_step: f64,
@@ -170,7 +170,7 @@ impl Simulation {
         options: Options,
     ) -> Result<Simulation, RuntimeError> {
         let mut model = Model::bind(compiled, overrides)?;
-        check(&options, model.rows)?;
+        check(&options, &model)?;
         let mut state = assembly::assemble(&mut model)?;
         let report = topology::analyze(&model, &state)?;
         if !report.redundant.is_empty() {
@@ -199,10 +199,7 @@ impl Simulation {
         state: State,
         options: Options,
     ) -> Result<Simulation, RuntimeError> {
-        let newton = options
-            .newton_tolerance
-            .unwrap_or((1e-4 * model.tolerance / model.length).min(1e-10))
-            .max(1e-13);
+        let goal = goal(&model, &options);
         let cycle = match &model.compiled.system.cycle {
             Some(c) => Some(Outputs::watching(&model, c.element as usize)?),
             None => None,
@@ -231,7 +228,7 @@ impl Simulation {
             .map(|e| e.role)
             .collect();
         Ok(Simulation {
-            integrator: Integrator::new(&model, &state, options.rho_infinity, newton)?,
+            integrator: Integrator::new(&model, &state, options.rho_infinity, goal)?,
             dynamics: Dynamics::new(&model),
             system: AccelerationSystem::new(&model)?,
             outputs: Outputs::all(&model)?,
@@ -420,7 +417,34 @@ impl Simulation {
     }
 }
 
-fn check(options: &Options, rows: usize) -> Result<(), RuntimeError> {
+/// Share of what accelerations contribute to a step that Newton's iteration may leave at the usual tolerance. Ten times as much shows in small reactions.
+pub const GOAL: f64 = 1e-9;
+/// Least such share that a number resolves.
+const LEAST_GOAL: f64 = 1e-15;
+/// Least error of a step, as a share of the model's length, that can be told from rounding.
+const LEAST_ERROR: f64 = 1e-14;
+
+/// Where Newton's iteration ends; see [`Options::newton_tolerance`]. A wide tolerance saves steps, not iterations.
+fn goal(model: &Model, options: &Options) -> Goal {
+    let factor = options.step.tolerance().min(1.0);
+    Goal {
+        absolute: options
+            .newton_tolerance
+            .unwrap_or((1e-4 * model.tolerance / model.length * factor).min(1e-10)),
+        relative: GOAL * factor,
+    }
+}
+
+/// The least factor on the tolerances that rounding leaves to be kept.
+fn least_tolerance(model: &Model, step: StepControl) -> f64 {
+    match step {
+        StepControl::Fixed(_) => 0.0,
+        StepControl::FixedTo { .. } => LEAST_GOAL / GOAL,
+        StepControl::Tolerance(_) => LEAST_ERROR * model.length / (STEP_SHARE * model.tolerance),
+    }
+}
+
+fn check(options: &Options, model: &Model) -> Result<(), RuntimeError> {
     let refuse = |message: String| Err(RuntimeError::Options { message });
     if !(0.0..=1.0).contains(&options.rho_infinity) {
         return refuse(format!(
@@ -428,25 +452,35 @@ fn check(options: &Options, rows: usize) -> Result<(), RuntimeError> {
             options.rho_infinity
         ));
     }
-    if options.rho_infinity == 1.0 && rows > 0 {
+    if options.rho_infinity == 1.0 && model.rows > 0 {
         return refuse(
             "a spectral radius of 1 at infinite frequency damps no error of the constraints' multipliers, which then \
              grows over many turns; take one below 1, such as 0.95"
                 .into(),
         );
     }
-    let (name, value) = match options.step {
-        StepControl::Fixed(h) => ("step", h),
-        StepControl::Tolerance(factor) => ("tolerance", factor),
-    };
     if options.max_step.is_nan() || options.max_step <= 0.0 {
         return refuse(format!(
             "the largest step is {}; it must be positive",
             options.max_step
         ));
     }
-    if !(value > 0.0 && value.is_finite()) {
-        return refuse(format!("the {name} is {value}; it must be positive"));
+    let tolerance = options.step.tolerance();
+    for (name, value) in [
+        ("step", options.step.fixed().unwrap_or(1.0)),
+        ("tolerance", tolerance),
+    ] {
+        if !(value > 0.0 && value.is_finite()) {
+            return refuse(format!("the {name} is {value}; it must be positive"));
+        }
+    }
+    let least = least_tolerance(model, options.step);
+    if tolerance < least {
+        return Err(RuntimeError::Rounding {
+            moment: None,
+            tolerance,
+            least: 1.5 * least,
+        });
     }
     Ok(())
 }

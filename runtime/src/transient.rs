@@ -202,9 +202,10 @@ pub fn countable(transient: &Transient) -> Result<(), RuntimeError> {
         _ => {}
     }
     match (transient.duration, transient.step) {
-        (Extent::Time(whole), StepControl::Fixed(part)) if part > 0.0 && whole > MOST * part => {
-            too_many(part, whole, "steps", "s")
-        }
+        (
+            Extent::Time(whole),
+            StepControl::Fixed(part) | StepControl::FixedTo { step: part, .. },
+        ) if part > 0.0 && whole > MOST * part => too_many(part, whole, "steps", "s"),
         _ => Ok(()),
     }
 }

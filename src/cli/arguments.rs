@@ -148,8 +148,9 @@ pub(super) struct RunArguments {
     /// themselves; not what a sweep varies
     #[arg(long, value_name = "PATH=VALUE", value_parser = setting)]
     pub set: Vec<Setting>,
-    /// Scale the tolerance of the steps by this factor, over what the text states: `--tolerance 0.1`
-    #[arg(long, value_name = "FACTOR", conflicts_with = "step")]
+    /// Scale the tolerance of the steps by this factor, over what the text states: `--tolerance 0.1`. With `--step` it says how far the equations
+    /// of a step are solved
+    #[arg(long, value_name = "FACTOR")]
     pub tolerance: Option<f64>,
     /// Take fixed steps of this length, over what the text states: `--step 10us`
     #[arg(long, value_name = "TIME")]

@@ -196,30 +196,28 @@ fn recording(arguments: &RunArguments, folder: &Path) -> Result<Recording, Strin
 
 /// How the analyses are run.
 fn options(arguments: &RunArguments) -> Result<RunOptions, String> {
-    let step = match (&arguments.step, arguments.tolerance) {
-        (Some(text), _) => {
+    let step = match &arguments.step {
+        Some(text) => {
             let step: Quantity = text.parse().map_err(|e| format!("--step {text}: {e}"))?;
             if step.dimension() != Dimension::TIME {
                 return Err(format!("--step {text}: a step is a time, such as 10us"));
             }
-            Some(StepControl::Fixed(step.value()))
+            Some(step.value())
         }
+        None => None,
+    };
+    for (name, value) in [("step", step), ("tolerance", arguments.tolerance)] {
+        if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
+            return Err(format!(
+                "--{name}: it must be positive and finite, not {value}"
+            ));
+        }
+    }
+    let step = match (step, arguments.tolerance) {
+        (Some(step), Some(tolerance)) => Some(StepControl::FixedTo { step, tolerance }),
+        (Some(step), None) => Some(StepControl::Fixed(step)),
         (None, tolerance) => tolerance.map(StepControl::Tolerance),
     };
-    let value = match step {
-        Some(StepControl::Fixed(value) | StepControl::Tolerance(value)) => value,
-        None => 1.0,
-    };
-    if !(value > 0.0 && value.is_finite()) {
-        let name = if arguments.step.is_some() {
-            "step"
-        } else {
-            "tolerance"
-        };
-        return Err(format!(
-            "--{name}: it must be positive and finite, not {value}"
-        ));
-    }
     Ok(RunOptions {
         step,
         patient: arguments.patient,

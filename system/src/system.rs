@@ -381,8 +381,33 @@ pub enum Extent {
 pub enum StepControl {
     /// Fixed step (s).
     Fixed(f64),
+    /// Fixed step (s) whose equations are solved to the stated factor on the tolerances.
+    FixedTo {
+        /// The step (s).
+        step: f64,
+        /// The factor.
+        tolerance: f64,
+    },
     /// Error control; the number scales the physical tolerances, 1 is the default.
     Tolerance(f64),
+}
+
+impl StepControl {
+    /// The step (s), where it is fixed.
+    pub fn fixed(self) -> Option<f64> {
+        match self {
+            StepControl::Fixed(step) | StepControl::FixedTo { step, .. } => Some(step),
+            StepControl::Tolerance(_) => None,
+        }
+    }
+
+    /// Factor on the tolerances to which the equations of a step are solved. 1 where a fixed step states none.
+    pub fn tolerance(self) -> f64 {
+        match self {
+            StepControl::Fixed(_) => 1.0,
+            StepControl::FixedTo { tolerance, .. } | StepControl::Tolerance(tolerance) => tolerance,
+        }
+    }
 }
 
 /// How a motion begins.

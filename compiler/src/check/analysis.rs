@@ -217,17 +217,6 @@ impl<'p> Checker<'p> {
                 .with_help("give one of the two, or none where the coefficients are constant"),
             );
         }
-        if let (Some(step), Some(tolerance)) = (place("step"), place("tolerance")) {
-            self.report(
-                Diagnostic::error(
-                    codes::ANALYSIS,
-                    "a fixed step and a tolerance exclude each other",
-                )
-                .at(tolerance, "for steps that follow the error")
-                .also(step, "for steps of one size")
-                .with_help("give one of the two, or none"),
-            );
-        }
     }
 
     /// `Model(arguments)`; whether the model has a cycle, if it is known.

@@ -353,7 +353,7 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
-    /// `step` or `tolerance`, and `rho`.
+    /// `step`, `tolerance` and `rho`.
     fn steps(
         &mut self,
         arguments: &'a [ast::Argument],
@@ -361,20 +361,25 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<(StepControl, f64)> {
         let step = self.option(arguments, "step", scope)?;
         let tolerance = self.option(arguments, "tolerance", scope)?;
-        let step = match (step, tolerance) {
-            (Some((h, _, s)), None) => {
+        let step = match step {
+            Some((h, _, s)) => {
                 let positive = h > 0.0 && h.is_finite();
-                StepControl::Fixed(self.fitting("step", h, positive, "positive", s)?)
+                Some(self.fitting("step", h, positive, "positive", s)?)
             }
-            (None, Some((t, _, s))) => {
+            None => None,
+        };
+        let tolerance = match tolerance {
+            Some((t, _, s)) => {
                 let due = "positive and at most 1e6; 1 is the default";
                 let fits = t > 0.0 && t <= 1e6;
-                StepControl::Tolerance(self.fitting("tolerance", t, fits, due, s)?)
+                Some(self.fitting("tolerance", t, fits, due, s)?)
             }
-            (None, None) => StepControl::Tolerance(1.0),
-            (Some((_, _, s)), Some(_)) => {
-                return Err(self.internal(s, "a fixed step and a tolerance"));
-            }
+            None => None,
+        };
+        let step = match (step, tolerance) {
+            (Some(step), Some(tolerance)) => StepControl::FixedTo { step, tolerance },
+            (Some(step), None) => StepControl::Fixed(step),
+            (None, tolerance) => StepControl::Tolerance(tolerance.unwrap_or(1.0)),
         };
         let rho_infinity = match self.option(arguments, "rho", scope)? {
             Some((r, _, s)) => {

@@ -17,12 +17,44 @@ const OLD_CONTRACTION: f64 = 0.1;
 const ITERATION_LIMIT: usize = 14;
 /// Halvings of an increment that leads to values that are not finite.
 const BACKTRACK_LIMIT: usize = 12;
-/// Change of the scaled unknowns that is rounding.
+/// Change of the scaled unknowns, as a share of the largest of them, that is rounding.
 const ROUNDING: f64 = 1e-15;
+/// Least motion in a step, in scaled unknowns, whose rounding is looked at.
+const LEAST_MOTION: f64 = 1e-3;
 /// Share of a state's scale, or of its peak, that the error of one step may have at the usual tolerance.
 const STATE_SHARE: f64 = 1e-5;
 /// Change below which an iteration that does not contract with a fresh matrix has come to rounding.
 const STAGNATION: f64 = 1e-11;
+
+/// How far Newton's iteration of a step is.
+struct Iteration {
+    /// Correction that ends it, correction of which the ratio to the one before is rounding, and correction that is rounding itself; all in scaled unknowns.
+    goal: f64,
+    noise: f64,
+    floor: f64,
+    /// Largest change of the last correction, of the same matrix.
+    last: Option<f64>,
+    /// Whether the matrix was filled in this step, and whether it has to be.
+    fresh: bool,
+    renew: bool,
+    /// Whether the prediction goes on with rates of change.
+    smooth: bool,
+    /// Whether a correction was taken, and how often it was halved.
+    moved: bool,
+    backtracks: usize,
+    /// Why there are no finite values.
+    cause: Option<RuntimeError>,
+}
+
+/// What follows a correction.
+enum Next {
+    Iterate,
+    /// Solved. The last evaluation is that of the trial but for this correction, which is below the goal.
+    Met,
+    /// Solved, and the trial is still to be evaluated.
+    Foreseen,
+    Failed,
+}
 
 impl Integrator {
     /// Tries a step h from the current state.
@@ -44,154 +76,43 @@ impl Integrator {
         }
         self.rescale_states(model);
         self.predict(model, h, true);
-        let mut smooth = true;
-        let mut last_norm: Option<f64> = None;
-        let mut fresh = false;
-        let mut renew = self.factored_step.is_none();
-        let mut backtracks = 0;
-        let mut moved = false;
-        let mut solved = false;
-        // Whether the last evaluation was at the trial that is taken.
-        let mut current = false;
-        let goal = self.goal(h);
-        let mut cause = None;
-        let mut iteration = 0;
-        while iteration < ITERATION_LIMIT {
-            match self.evaluate(model, dynamics, h) {
-                Ok(()) => {}
-                Err(error @ RuntimeError::NotFinite { .. }) => {
-                    cause = Some(error);
-                    if moved && backtracks < BACKTRACK_LIMIT {
-                        // Halve what was added last.
-                        backtracks += 1;
-                        for (x, step) in self.trial.iter_mut().zip(&mut self.correction) {
-                            *step *= 0.5;
-                            *x -= *step;
-                        }
-                        last_norm = None;
-                        continue;
-                    }
-                    if !moved && smooth {
-                        smooth = false;
-                        self.predict(model, h, false);
-                        continue;
-                    }
-                    break;
-                }
-                Err(error) => return Err(error),
-            }
-            if renew {
-                match self.factor(model, dynamics, h) {
-                    Ok(true) => {}
-                    Ok(false) => break,
-                    Err(error @ RuntimeError::NotFinite { .. }) => {
-                        cause = Some(error);
-                        break;
-                    }
-                    Err(error) => return Err(error),
-                }
-                fresh = true;
-                renew = false;
-                last_norm = None;
-            }
-            iteration += 1;
-            self.statistics.iterations += 1;
-            for (d, r) in self.correction.iter_mut().zip(&self.residual) {
-                *d = -r;
-            }
-            self.solver.solve(&mut self.correction);
-            let norm = self.correction.iter().fold(0.0_f64, |w, x| {
-                if x.is_finite() {
-                    w.max(x.abs())
-                } else {
-                    f64::INFINITY
-                }
-            });
-            if !norm.is_finite() {
-                if fresh {
-                    break;
-                }
-                renew = true;
-                continue;
-            }
-            if let Some(before) = last_norm {
-                // Near rounding the ratio says nothing but that it is small.
-                let rate = norm / before;
-                let seen = if norm > 100.0 * ROUNDING {
-                    rate
-                } else {
-                    rate.min(1e-3)
-                };
-                self.contraction = Some(self.contraction.map_or(seen, |c| c.max(seen)));
-            }
-            // The correction is the error of what was evaluated, if the matrix contracts.
-            if norm <= goal && self.contraction.is_some_and(|c| c <= CONTRACTION_LIMIT) {
-                solved = true;
-                current = true;
-                break;
-            }
-            for (x, d) in self.trial.iter_mut().zip(&self.correction) {
-                *x += d;
-            }
-            moved = true;
-            cause = None;
-            if norm <= ROUNDING {
-                solved = true;
-                break;
-            }
-            if let Some(before) = last_norm {
-                let rate = norm / before;
-                // The first ratio flatters: what an old matrix does slowly shows only when the rest is gone.
-                let expected = rate.max(self.contraction.unwrap_or(0.0)).max(if fresh {
-                    0.0
-                } else {
-                    OLD_CONTRACTION
-                });
-                if expected < 0.9 && norm * expected / (1.0 - expected) <= goal {
-                    solved = true;
-                    break;
-                }
-                if rate >= 2.0 && fresh && norm > 1.0 {
-                    break;
-                }
-                if rate > CONTRACTION_LIMIT {
-                    if norm <= 100.0 * ROUNDING || (fresh && norm <= STAGNATION) {
-                        solved = true;
-                        break;
-                    }
-                    renew = true;
-                }
-            }
-            last_norm = Some(norm);
-        }
-        if !solved {
-            self.drop_factors();
-            let error = match cause {
-                Some(RuntimeError::NotFinite {
+        let failed = |error| {
+            Ok(Trial::Failed(Box::new(match error {
+                RuntimeError::NotFinite {
                     origin, outside, ..
-                }) => RuntimeError::NotFinite {
+                } => RuntimeError::NotFinite {
                     origin,
                     outside,
                     moment,
                 },
-                _ => self.stalled(model, h, moment),
-            };
-            return Ok(Trial::Failed(Box::new(error)));
-        }
-        if !current {
-            // v', v̇' and a' of the last increment.
-            match self.evaluate(model, dynamics, h) {
+                other => other,
+            })))
+        };
+        let mut iteration = Iteration {
+            goal: self.goal(h),
+            noise: self.noise(model, h),
+            floor: self.floor(h),
+            last: None,
+            fresh: false,
+            renew: self.factored_step.is_none(),
+            smooth: true,
+            moved: false,
+            backtracks: 0,
+            cause: None,
+        };
+        match self.iterate(model, dynamics, h, &mut iteration)? {
+            // The correction is taken all the same: a part of it is left.
+            Next::Met => self.take_trial(model, h),
+            // v', v̇' and a' of the last increment
+            Next::Foreseen => match self.evaluate(model, dynamics, h) {
                 Ok(()) => {}
-                Err(RuntimeError::NotFinite {
-                    origin, outside, ..
-                }) => {
-                    return Ok(Trial::Failed(Box::new(RuntimeError::NotFinite {
-                        origin,
-                        outside,
-                        moment,
-                    })));
-                }
+                Err(error @ RuntimeError::NotFinite { .. }) => return failed(error),
                 Err(error) => return Err(error),
+            },
+            Next::Iterate | Next::Failed => {
+                self.drop_factors();
+                let cause = iteration.cause.take();
+                return failed(cause.unwrap_or_else(|| self.stalled(model, h, moment)));
             }
         }
         let error = match tolerance {
@@ -201,20 +122,175 @@ impl Integrator {
         Ok(Trial::Solved { error })
     }
 
-    /// Tolerance of Newton's iteration in a step h: the stated one, but at most 1e-9 of what accelerations contribute. What is left
-    /// of a correction has a sense (the matrix is old in the same way at every step) and adds up over time as a load would. Not
-    /// below rounding.
-    fn goal(&self, h: f64) -> f64 {
-        let largest = |x: &[f64]| {
-            x.iter()
-                .zip(&self.scales)
-                .fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))
+    /// Iterates until the goal is met or foreseen, or nothing helps.
+    fn iterate(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        h: f64,
+        iteration: &mut Iteration,
+    ) -> Result<Next, RuntimeError> {
+        let mut count = 0;
+        while count < ITERATION_LIMIT {
+            match self.evaluate(model, dynamics, h) {
+                Ok(()) => {}
+                Err(error @ RuntimeError::NotFinite { .. }) => {
+                    iteration.cause = Some(error);
+                    if self.retreat(model, h, iteration) {
+                        continue;
+                    }
+                    return Ok(Next::Failed);
+                }
+                Err(error) => return Err(error),
+            }
+            if iteration.renew {
+                match self.factor(model, dynamics, h) {
+                    Ok(true) => {}
+                    Ok(false) => return Ok(Next::Failed),
+                    Err(error @ RuntimeError::NotFinite { .. }) => {
+                        iteration.cause = Some(error);
+                        return Ok(Next::Failed);
+                    }
+                    Err(error) => return Err(error),
+                }
+                iteration.fresh = true;
+                iteration.renew = false;
+                iteration.last = None;
+            }
+            count += 1;
+            self.statistics.iterations += 1;
+            let norm = self.correct();
+            if !norm.is_finite() {
+                if iteration.fresh {
+                    return Ok(Next::Failed);
+                }
+                iteration.renew = true;
+                continue;
+            }
+            for (x, d) in self.trial.iter_mut().zip(&self.correction) {
+                *x += d;
+            }
+            iteration.moved = true;
+            iteration.cause = None;
+            match self.judge(norm, iteration) {
+                Next::Iterate => iteration.last = Some(norm),
+                end => return Ok(end),
+            }
+        }
+        Ok(Next::Failed)
+    }
+
+    /// Halves the last correction, or predicts without rates of change, where there are no finite values; whether that could be done.
+    fn retreat(&mut self, model: &Model, h: f64, iteration: &mut Iteration) -> bool {
+        if iteration.moved && iteration.backtracks < BACKTRACK_LIMIT {
+            iteration.backtracks += 1;
+            for (x, step) in self.trial.iter_mut().zip(&mut self.correction) {
+                *step *= 0.5;
+                *x -= *step;
+            }
+            iteration.last = None;
+            return true;
+        }
+        if !iteration.moved && iteration.smooth {
+            iteration.smooth = false;
+            self.predict(model, h, false);
+            return true;
+        }
+        false
+    }
+
+    /// Solves for the correction; its largest change.
+    fn correct(&mut self) -> f64 {
+        for (d, r) in self.correction.iter_mut().zip(&self.residual) {
+            *d = -r;
+        }
+        self.solver.solve(&mut self.correction);
+        self.correction.iter().fold(0.0_f64, |w, x| {
+            if x.is_finite() {
+                w.max(x.abs())
+            } else {
+                f64::INFINITY
+            }
+        })
+    }
+
+    /// What follows a correction of this size.
+    fn judge(&mut self, norm: f64, iteration: &mut Iteration) -> Next {
+        let goal = iteration.goal;
+        let rate = iteration.last.map(|before| norm / before);
+        if let Some(rate) = rate {
+            // Near rounding the ratio says nothing but that it is small.
+            let seen = if norm > goal.max(iteration.noise) {
+                rate
+            } else {
+                rate.min(1e-3)
+            };
+            self.contraction = Some(self.contraction.map_or(seen, |c| c.max(seen)));
+        }
+        // The correction is the error of what was evaluated, if the matrix contracts.
+        if norm <= goal && self.contraction.is_some_and(|c| c <= CONTRACTION_LIMIT) {
+            return Next::Met;
+        }
+        if norm <= iteration.floor {
+            return Next::Foreseen;
+        }
+        let Some(rate) = rate else {
+            return Next::Iterate;
         };
-        let acceleration = largest(&self.current.acceleration);
-        let moved = h * largest(&self.current.velocity);
-        self.newton_tolerance
-            .min(1e-9 * self.coefficients.beta * h * h * acceleration)
-            .max(ROUNDING * moved.max(1.0))
+        // The first ratio flatters: what an old matrix does slowly shows only when the rest is gone.
+        let least = if iteration.fresh {
+            0.0
+        } else {
+            OLD_CONTRACTION
+        };
+        let expected = rate.max(self.contraction.unwrap_or(0.0)).max(least);
+        if expected < 0.9 && norm * expected / (1.0 - expected) <= goal {
+            return Next::Foreseen;
+        }
+        if rate >= 2.0 && iteration.fresh && norm > 1.0 {
+            return Next::Failed;
+        }
+        if rate > CONTRACTION_LIMIT {
+            if norm <= iteration.noise || (iteration.fresh && norm <= STAGNATION) {
+                return Next::Foreseen;
+            }
+            iteration.renew = true;
+        }
+        Next::Iterate
+    }
+
+    /// Goal of Newton's iteration in a step h, in scaled unknowns: a share of what accelerations contribute to the increment,
+    /// `βh² a`. What is left of a correction is not random (the matrix is old in the same way at every step) and adds up over time as a load of that share
+    /// would. Not below rounding.
+    fn goal(&self, h: f64) -> f64 {
+        let acceleration = self.largest(&self.current.acceleration);
+        self.goal
+            .absolute
+            .min(self.goal.relative * self.coefficients.beta * h * h * acceleration)
+            .max(self.floor(h))
+    }
+
+    /// Rounding of the increment of a step h, in scaled unknowns: that of the motion in it. Places that constraints hold round to 1e-16 of the model's
+    /// length whatever the step: there iterations stagnate above it.
+    fn floor(&self, h: f64) -> f64 {
+        ROUNDING * (h * self.largest(&self.current.velocity)).max(LEAST_MOTION)
+    }
+
+    /// Correction below which a ratio of corrections says nothing. Places that constraints hold round whatever the step; without
+    /// constraints only the motion in the step rounds, and a slow contraction far below the size of the model is still one.
+    fn noise(&self, model: &Model, h: f64) -> f64 {
+        if model.rows > 0 {
+            100.0 * ROUNDING
+        } else {
+            100.0 * self.floor(h)
+        }
+    }
+
+    /// Largest magnitude of velocities or accelerations, scaled.
+    fn largest(&self, x: &[f64]) -> f64 {
+        x.iter()
+            .zip(&self.scales)
+            .fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))
     }
 
     /// The step's worst row as an error.

@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 /// Share of a state's size, at the usual tolerance, within which states of two cycles count as the same: ten times the error of a step.
 const STATE_TOLERANCE: f64 = 1e-4;
 
-/// Where the numbers of a body stand in a sample's pose, and what they are measured by.
+/// Indices of a body's numbers in a sample's pose and velocities.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     pose: usize,

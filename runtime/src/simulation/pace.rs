@@ -4,7 +4,7 @@ use super::Simulation;
 use crate::dynamics::Dynamics;
 use crate::error::{Moment, RuntimeError};
 use crate::state::move_pose;
-use eng_system::system::{Origin, StepControl};
+use eng_system::system::Origin;
 
 /// What keeps steps from being longer.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,7 +133,7 @@ struct Part {
 impl Simulation {
     /// What keeps steps from being longer.
     fn pace(&self) -> Pace {
-        if let StepControl::Fixed(_) = self.options.step {
+        if self.options.step.fixed().is_some() {
             return Pace::Stated;
         }
         if self.limit == Limit::Longest {

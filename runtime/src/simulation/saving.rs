@@ -108,7 +108,7 @@ impl Simulation {
         bytes: &[u8],
     ) -> Result<Simulation, RuntimeError> {
         let mut model = Model::bind(compiled, overrides)?;
-        check(&options, model.rows)?;
+        check(&options, &model)?;
         let mut r = Reader::new(bytes, checkpoint::fingerprint(&model))?;
         for marker in model.markers.iter_mut().filter(|m| m.body.is_none()) {
             r.numbers(marker.position.as_mut_slice())?;

@@ -21,6 +21,8 @@ const LAYER: f64 = 1e-4;
 const STANDING: f64 = 1e-6;
 /// Moments after the start (s) at which that is looked for.
 const LATER: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, 1.0, 10.0];
+/// Error of a step, as a share of the model's length, that rounding may make: of places far from the origin and of large angles it is more than of 1.
+const NOISE: f64 = 1e-11;
 
 /// Most that a body turns in a step under error control (rad), for the sake of the dense output.
 const TURN: f64 = 0.25;
@@ -49,7 +51,7 @@ impl Simulation {
         // A ten-thousandth of the time in which the motion goes about its own size.
         let pace = speed.max(libm::sqrt(acceleration));
         let mut offset = if pace > 0.0 { 1e-4 / pace } else { 1e-5 };
-        if let StepControl::Fixed(h) = self.options.step {
+        if let Some(h) = self.options.step.fixed() {
             offset = offset.min(0.1 * h);
         }
         let mut ends = Vec::with_capacity(2);
@@ -288,10 +290,7 @@ impl Simulation {
 
     /// The step that the control would take next (s).
     pub(crate) fn next_step(&self) -> f64 {
-        match self.options.step {
-            StepControl::Fixed(h) => h,
-            StepControl::Tolerance(_) => self.size.step,
-        }
+        self.options.step.fixed().unwrap_or(self.size.step)
     }
 
     /// Goes on with a step (s) under error control, whatever the steps before were.
@@ -323,7 +322,9 @@ impl Simulation {
             });
         }
         let stepped = match self.options.step {
-            StepControl::Fixed(nominal) => self.fixed_step(nominal, end),
+            StepControl::Fixed(nominal) | StepControl::FixedTo { step: nominal, .. } => {
+                self.fixed_step(nominal, end)
+            }
             StepControl::Tolerance(factor) => self.controlled_step(factor, end, longest),
         };
         let (h, time) = stepped.map_err(|error| self.explained(self.or_locked(error)))?;
@@ -468,6 +469,19 @@ impl Simulation {
             )
     }
 
+    /// Whether an error of a step, over its tolerance, may be rounding.
+    fn is_rounding(&self, error: f64, factor: f64) -> bool {
+        error * STEP_SHARE * self.model.tolerance * factor <= NOISE * self.model.length
+    }
+
+    fn below_rounding(&self, error: f64, factor: f64) -> RuntimeError {
+        RuntimeError::Rounding {
+            moment: Some(self.moment()),
+            tolerance: factor,
+            least: 10.0 * error * factor,
+        }
+    }
+
     fn controlled_step(
         &mut self,
         factor: f64,
@@ -477,6 +491,7 @@ impl Simulation {
         let begin = self.integrator.current.time;
         let rest = end - begin;
         let mut failures = 0;
+        let mut first_rejected = None;
         let turning = self.fastest().0;
         let mut allowed = longest.min(self.options.max_step);
         if turning > 0.0 {
@@ -496,6 +511,11 @@ impl Simulation {
                 // a table that ends here is the cause, not the motion
                 if let Some(outside) = self.outside.take() {
                     return Err(self.at_moment(*outside));
+                }
+                if let Some((_, error)) = first_rejected
+                    && self.is_rounding(error, factor)
+                {
+                    return Err(self.below_rounding(error, factor));
                 }
                 let (origin, state) = self.integrator.governing(&self.model);
                 return Err(RuntimeError::StepTooSmall {
@@ -520,6 +540,14 @@ impl Simulation {
                 }
                 Trial::Solved { error } => {
                     self.integrator.statistics.rejected += 1;
+                    let (longest, largest) = *first_rejected.get_or_insert((h, error));
+                    // an error of third order would have fallen to a 64th
+                    if h <= 0.25 * longest
+                        && error > 0.25 * largest
+                        && self.is_rounding(error, factor)
+                    {
+                        return Err(self.below_rounding(error, factor));
+                    }
                     self.size.rejected(h, error);
                 }
                 Trial::Failed(error) => {

@@ -7,7 +7,7 @@ use eng_runtime::body::{BodyFrame, BodyKind, BodyModel, Weights};
 use eng_runtime::chain;
 use eng_runtime::dynamics::Dynamics;
 use eng_runtime::flexible::{Flexible, Work};
-use eng_runtime::integrator::{Integrator, Trial};
+use eng_runtime::integrator::{Goal, Integrator, Trial};
 use eng_runtime::model::MarkerModel;
 use eng_runtime::shape::MarkerShape;
 use eng_runtime::{Moment, Options, Simulation};
@@ -634,6 +634,77 @@ fn a_free_flexible_body_keeps_momentum_and_energy() {
     }
 }
 
+/// Whatever a free body does about its centre of mass, that goes straight on at its speed: the distance (m) from there after a second, of a body of about 1 m.
+#[test]
+fn the_centre_of_a_free_flexible_body_goes_straight_on() {
+    let mut draw = Draw(13);
+    let modes = 3;
+    let nodes = Nodes::new(5, modes, 0.0, &mut draw);
+    let mut body = reduced(&nodes, 30.0, &mut draw);
+    body.invariants.damping = vec![0.0; modes * modes];
+    let compiled = free(&nodes, body);
+    let centre = |s: &Simulation| {
+        let (r, rotation) = s.body_pose(0).unwrap();
+        let state = s.state();
+        let (a, rates) = (
+            DVector::from_row_slice(&state.pose[7..]),
+            DVector::from_row_slice(&state.velocity[6..]),
+        );
+        let v = &state.velocity;
+        let omega = Vector3::new(v[3], v[4], v[5]);
+        let (mut place, mut speed, mut mass) = (Vector3::zeros(), Vector3::zeros(), 0.0);
+        for i in 0..nodes.places.len() {
+            let shape = nodes.shapes.rows(3 * i, 3);
+            let (u, du) = (shape * &a, shape * &rates);
+            let p = nodes.places[i] + Vector3::new(u[0], u[1], u[2]);
+            let of_node: f64 = (0..nodes.places.len())
+                .map(|j| nodes.mass[(3 * i, 3 * j)])
+                .sum();
+            mass += of_node;
+            place += of_node * (r + rotation * p);
+            speed += of_node
+                * (Vector3::new(v[0], v[1], v[2])
+                    + rotation * (omega.cross(&p) + Vector3::new(du[0], du[1], du[2])));
+        }
+        (place / mass, speed / mass)
+    };
+    let miss = |step: StepControl| {
+        let options = Options {
+            step,
+            rho_infinity: 1.0,
+            ..Options::default()
+        };
+        let mut s = Simulation::new(&compiled, &[], options).unwrap();
+        let (place, speed) = centre(&s);
+        while s.time() < 1.0 {
+            s.step_within(1.0).unwrap();
+        }
+        let miss = (centre(&s).0 - place - speed).norm();
+        println!("{step:?}: {miss:e} m, {:?}", s.statistics());
+        miss
+    };
+    let misses = [4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5].map(|step| {
+        miss(StepControl::FixedTo {
+            step,
+            tolerance: 1e-3,
+        })
+    });
+    for pair in misses.windows(2) {
+        assert!((3.5..4.5).contains(&(pair[0] / pair[1])), "{misses:?}");
+    }
+    assert!(misses[4] < 1e-8, "{misses:?}");
+    let mut before = f64::INFINITY;
+    for tolerance in [1.0, 1e-1, 1e-2, 1e-3, 1e-4] {
+        let found = miss(StepControl::Tolerance(tolerance));
+        assert!(
+            found < 0.5 * before,
+            "{tolerance}: {found:e} after {before:e}"
+        );
+        before = found;
+    }
+    assert!(before < 1e-8, "{before:e}");
+}
+
 /// A flexible body that can hardly bend moves as the rigid one.
 #[test]
 fn a_stiff_body_moves_as_a_rigid_one() {
@@ -939,7 +1010,11 @@ fn modes_above_the_step_do_not_control_it() {
         let compiled = free(&nodes, body);
         let s = Simulation::new(&compiled, &[], Options::default()).unwrap();
         let (model, state) = (s.model().clone(), s.state().clone());
-        let mut integrator = Integrator::new(&model, &state, 0.8, 1e-12).unwrap();
+        let goal = Goal {
+            absolute: 1e-12,
+            relative: 1e-9,
+        };
+        let mut integrator = Integrator::new(&model, &state, 0.8, goal).unwrap();
         let still = vec![0.0; model.velocities];
         integrator.start(&still, &still, &[], &[]);
         let mut dynamics = Dynamics::new(&model);

@@ -138,11 +138,9 @@ fn round(
         cycle_angle: running.sampled_cycle()?.map(|c| c[0]),
     };
     let first = Equations::new(&model, &start, moment)?;
-    let steps = match control {
-        StepControl::Fixed(h) => power_of_two(time / h),
-        StepControl::Tolerance(_) => {
-            power_of_two(PER_TURN * constancy::fastest(&model, &start) * time / TAU)
-        }
+    let steps = match control.fixed() {
+        Some(h) => power_of_two(time / h),
+        None => power_of_two(PER_TURN * constancy::fastest(&model, &start) * time / TAU),
     };
     let (pairs, h) = (steps / 2, time / steps as f64);
     let size = first.first_order_size().max(1);
