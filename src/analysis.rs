@@ -15,7 +15,7 @@ use eng_runtime::{
 use eng_system::code::BindError;
 use eng_system::recorded::recorded;
 use eng_system::system::{
-    AnalysisKind, Extent, Location, Origin, PointValue, Start, StepControl, Transient,
+    AnalysisKind, BodyRef, Extent, Location, Origin, PointValue, Start, StepControl, Transient,
 };
 use std::ops::ControlFlow;
 
@@ -249,7 +249,7 @@ impl Analysis {
     /// does not assemble is told elsewhere.
     pub(crate) fn findings(&self) -> Result<Vec<Finding>, Error> {
         let (compiled, overrides) = (self.model.compiled(), &self.overrides);
-        let mut found = lint::of_numbers(&compiled.system, &self.bound()?);
+        let mut found = lint::of_numbers(compiled, overrides, &self.bound()?);
         let Ok(mut model) = eng_runtime::model::Model::bind(compiled, overrides) else {
             return Ok(found);
         };
@@ -263,6 +263,26 @@ impl Analysis {
             }
         }
         Ok(found)
+    }
+
+    /// Where the markers that the text states and the bodies' origins are, as assembled: body, path and place (m, ground's axes).
+    pub fn positions(&self) -> Result<Vec<(String, String, [f64; 3])>, Error> {
+        let compiled = self.model.compiled();
+        let bind = eng_runtime::model::Model::bind(compiled, &self.overrides);
+        let mut model = bind.map_err(|e| self.error(e))?;
+        let state = eng_runtime::assembly::assemble(&mut model).map_err(|e| self.error(e))?;
+        let markers = compiled.system.markers.iter().enumerate();
+        let stated = markers.filter(|(_, marker)| !marker.origin.path.is_empty());
+        let placed = stated.map(|(index, marker)| {
+            let found =
+                eng_runtime::assembly::rows::marker(&model, index, &state.pose, &state.velocity);
+            let body = match marker.body {
+                BodyRef::Ground => "ground".to_owned(),
+                BodyRef::Body(body) => compiled.system.bodies[body as usize].origin.path.clone(),
+            };
+            (body, marker.origin.path.clone(), found.position.into())
+        });
+        Ok(placed.collect())
     }
 
     /// What `advise`s on the motion say of the start.

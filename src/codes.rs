@@ -91,7 +91,7 @@ eng_grammar::codes! {
         "Its geometry lets it go no further at this position: a rod shorter than the throw, a guide whose axis lies across the motion, two joints that ask for different motions. Forces have no part in it. The message names the loop of bodies, the lengths between their joints and the axes.",
         "", "";
     NO_TURN = "W0761", "the machine does not come through its cycle",
-        "`eng check` turns the assembled machine through one period by its geometry alone: no forces, pins in the middle of their shells. At the stated cycle angle it goes no further. The message names the loop of bodies, the lengths between their joints and the axes. A run that comes there fails, or the crank turns back.",
+        "`eng check` turns the assembled machine through one period, without a cycle one turn of its fastest drive, by its geometry alone: no forces, pins in the middle of their shells. At the stated angle or time it goes no further. The message names the loop of bodies, the lengths between their joints and the axes. A run that comes there fails, or the crank turns back.",
         "", "";
     HANGING = "W0762", "a body hangs on nothing",
         "No joint, film or force of the text holds it against a motion, though one joins it to others: a coupling turns it and does not carry it. It falls, and what hangs on it falls with it.",
@@ -130,19 +130,19 @@ eng_grammar::codes! {
         "joint big_end = Revolute(rod.big, crank.pin) { accept loose }",
         "joint big_end = Revolute(rod.big, crank.pin)";
     INERTIA = "W0751", "the inertia of a body does not fit its mass and size",
-        "The radius of gyration, the root of inertia over mass, is compared with the way from the centre of mass to the markers (0.13 to 2.6 of it; the lower limit where markers stand on both sides), with that of all bodies, and with a ball of tungsten, which has the least inertia of all bodies of a mass. Outside, a unit is probably wrong. `accept inertia` in the body takes it for meant.",
+        "The radius of gyration, the root of inertia over mass, is compared with the way from the centre of mass to the markers (0.13 to 2.6 of it; the lower limit where markers stand on both sides, the upper one above three radii of a ball of steel), with that of all bodies, and with a ball of tungsten, which has the least inertia of all bodies of a mass. Outside, a unit is probably wrong. Of a body with its markers in line the moments across that line are the large ones. `accept inertia` in the body takes it for meant.",
         "body rod { mass = 0.62 kg; inertia = [0.12, 3.0, 3.1] kg*m^2 }",
         "body rod { mass = 0.62 kg; inertia = [0.12, 3.0, 3.1] g*m^2 }";
     GRAVITY = "W0752", "gravity is neither 0 nor that of the earth",
-        "9.7 to 10.1 m/s^2 pass, and 0. A unit or a component is probably wrong. `accept gravity` in the model takes it for meant.",
+        "9.7 to 10.1 m/s^2 pass, and 0. A unit or a component is probably wrong. In an engine with gas it acts neither towards the heads nor along the crankshaft. `accept gravity` in the model takes it for meant.",
         "model Engine { gravity = [0, -9.81, 0] mm/s^2 }",
         "model Engine { gravity = [0, -9.81, 0] m/s^2 }";
     PERIOD = "W0753", "a periodic table does not fit the cycle",
-        "The cycle's period is no whole number of periods of the table: a four-stroke's pressure over 720 deg in a cycle of 360 deg is read at other angles each time. `accept period` in the model takes it for meant.",
+        "The cycle's period is no whole number of half turns, or of periods of the table: a four-stroke's pressure over 720 deg in a cycle of 360 deg is read at other angles each time. `accept period` in the model takes it for meant.",
         "cycle angle = rotation(crank.flange, ground) { period = 360 deg }",
         "cycle angle = rotation(crank.flange, ground) { period = 720 deg }";
     LOOSE = "W0754", "nothing holds a body in some direction",
-        "No joint holds it, and no force answers its displacement or its velocity, while the machine has a cycle or films. Gas, gravity and loads hold nothing. The turning of the cycle is left out. `accept loose` in the body takes it for meant.",
+        "No joint holds it, and no force answers its displacement or its velocity, while the machine has a cycle or films, or while it turns and falls along its axis. Gas, gravity and loads hold nothing. The turning of the cycle is left out. `accept loose` in the body takes it for meant.",
         "journal main[j in 1..5] = Impedance(pin: crank.main[j], shell: block.main[j], diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)",
         "journal main[j in 1..5] = Impedance(pin: crank.main[j], shell: block.main[j], diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)\njoint thrust = PointOnPlane(crank.main[3], block.main[3])";
     APART = "W0755", "markers of an element stand far apart",
@@ -154,15 +154,23 @@ eng_grammar::codes! {
         "journal main = Short(pin: block.main, shell: crank.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)",
         "journal main = Short(pin: crank.main, shell: block.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)";
     IDLE = "W0757", "a coupling slips at the start, or a body does nothing",
-        "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that it winds up at once; or a body is held on the ground and nothing else touches it. A flywheel that was joined to the ground instead of the crank does both. `accept idle` takes it for meant.",
+        "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that it winds up at once (a mere damper does not); or a body is held on the ground and nothing else touches it. A flywheel that was joined to the ground instead of the crank does both. `accept idle` takes it for meant.",
         "joint bolts = Fixed(flywheel.hub, ground)",
         "joint bolts = Fixed(flywheel.hub, crank.flange)";
     LONG_STEP = "W0758", "a fixed step turns the cycle by more than 10 degrees",
         "Gas, films and stroke change much within such a step, and no error is controlled. Leave `step` out, or state a shorter one. `accept step` in the model takes it for meant.",
         "analysis run = transient(Engine(), duration: 4 rev, step: 1 ms)",
         "analysis run = transient(Engine(), duration: 4 rev)";
+    SINKS = "W0764", "a spring is too soft for the weight that it carries",
+        "With the stiffness at the start, a body sinks under its weight by more than half of the size of the model. Stiffness of N/mm was probably typed as N/m. Bodies that an element with states holds, and those that turn as they sink, are not asked. `accept sag` in the element takes it for meant.",
+        "force strut = LinearSpring(car.seat, wheel.hub, stiffness: 22 N/m, free_length: 460 mm)",
+        "force strut = LinearSpring(car.seat, wheel.hub, stiffness: 22 kN/m, free_length: 460 mm)";
+    SAMPLING = "W0763", "samples are far apart for the speed of the cycle, or the run is short",
+        "The cycle turns by more than 30 degrees between two samples, or a run is stated to end after less than 5. `sample: 2 rev` was probably meant as `2 deg`, `duration: 4 deg` as `4 rev`. `accept sampling` in the model takes it for meant.",
+        "analysis run = transient(Engine(), duration: 4 rev, sample: 100 deg)",
+        "analysis run = transient(Engine(), duration: 4 rev, sample: 1 deg)";
     CYLINDER = "W0759", "a cylinder's gas does not fit the motion of its piston",
-        "The machine is turned through its cycle by its geometry. A firing angle is more than 25 degrees from the piston's dead centre, or the same for all cylinders; bore over stroke is outside 0.6 to 1.7; the rod stands between piston and head, so that gas pulls it; the head moves and the piston stands. `accept firing`, `bore`, `mirrored` or `swapped` in the element takes it for meant.",
+        "The machine is turned through its cycle by its geometry. A firing angle is more than 15 degrees from the piston's dead centre, or the same for all cylinders; one piston of several has no gas; bore over stroke is outside 0.6 to 1.7; rod over throw is outside 2 to 10; piston and head run together; the rod stands between piston and head, so that gas pulls it; the head moves and the piston stands. `accept firing`, `bore`, `mirrored` or `swapped` in the element takes it for meant.",
         "force gas[i in 1..4] = GasPressure(piston[i].bore, block.liner[i], bore: 86 mm, pressure: indicated)",
         "force gas[i in 1..4] = GasPressure(piston[i].bore, block.liner[i], bore: 86 mm, pressure: indicated, firing: firing[i])";
     NOISE = "W0716", "an output is lost in the noise of the steps",

@@ -9,7 +9,7 @@ use eng_system::system::{Location, Origin, System};
 use eng_system::table::Outside;
 
 mod geometry;
-use geometry::{MOST_PARAMETERS, PLACING, with_axes, with_lengths};
+use geometry::{MOST_PARAMETERS, PLACING, with_axes, with_lengths, with_markers};
 pub(crate) use geometry::{does_not_turn, hanging};
 
 /// The message of a failure: the user's line first, the law's second.
@@ -33,6 +33,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         }
         R::Branch { origin, chain, .. } => {
             let message = place(d(codes::WRONG_BRANCH), origin, "assembled the other way round");
+            let message = with_markers(message, origin, system);
             with_lengths(message, chain.as_deref(), system)
                 .with_help(PLACING)
                 .with_help("or ask for another `branch` at the use")
@@ -43,6 +44,10 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             let mut message = d(codes::START_VELOCITY);
             for row in rows.iter().take(3) {
                 message = place(message, &row.origin, "cannot hold together with the others");
+            }
+            // the guide or the drive: rows of the start have no markers of their own
+            if let Some(row) = rows.first() {
+                message = with_markers(message, &row.origin, system);
             }
             let message = match chain {
                 Some(chain) => with_axes(message, chain).with_help(format!(
@@ -314,7 +319,7 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
 }
 
 /// Most places of numbers that a message shows.
-const MOST_PLACES: usize = 3;
+pub(crate) const MOST_PLACES: usize = 3;
 
 /// Where the numbers stand that decide a condition; those of a condition of many say nothing.
 pub(crate) fn decided(message: Diagnostic, by: &[Origin]) -> Diagnostic {

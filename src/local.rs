@@ -2,8 +2,8 @@
 
 use crate::analysis::{Failed, Outcome};
 use crate::cli::{
-    AssemblyOutcome, CheckOutcome, Engine, EngineError, Event, JournalGeometry, Progress,
-    ReductionOutcome, RunOptions, RunOutcome, Setting,
+    AssemblyOutcome, CheckOutcome, Engine, EngineError, Event, JournalGeometry, PlacedMarker,
+    Positions, Progress, ReductionOutcome, RunOptions, RunOutcome, Setting,
 };
 use crate::counted::counted;
 use crate::lint::{self, Finding, Heard};
@@ -213,6 +213,37 @@ impl Engine for Local {
             }
         }
         heard.tell(&mut found);
+        Ok(found)
+    }
+
+    fn positions(&mut self) -> Result<Vec<Positions>, EngineError> {
+        let Some(program) = &self.program else {
+            return Err(EngineError::System("no model was checked".into()));
+        };
+        let names = program.analyses();
+        let mut found: Vec<Positions> = Vec::new();
+        for (name, analysis) in names
+            .iter()
+            .zip(program.analyses_with(&names, Bodies::Rigid))
+        {
+            let placed = analysis.and_then(|analysis| analysis.positions());
+            let markers: Vec<PlacedMarker> = placed
+                .map_err(engine_error)?
+                .into_iter()
+                .map(|(body, marker, position)| PlacedMarker {
+                    body,
+                    marker,
+                    position,
+                })
+                .collect();
+            match found.iter_mut().find(|known| known.markers == markers) {
+                Some(known) => known.analyses.push((*name).to_owned()),
+                None => found.push(Positions {
+                    analyses: vec![(*name).to_owned()],
+                    markers,
+                }),
+            }
+        }
         Ok(found)
     }
 

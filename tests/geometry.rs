@@ -119,8 +119,8 @@ fn a_check_does_not_refuse_a_text_that_runs() {
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join("guessed.eng");
     let guess = format!("{TURNING}; guess position = [40, 0, 0] um");
-    let analyses = "analysis run = transient(Engine(), duration: 2 deg, sample: 1 deg)
-         analysis assembled = transient(Engine(), duration: 2 deg, sample: 1 deg, start: assembled)";
+    let analyses = "analysis run = transient(Engine(), duration: 6 deg, sample: 1 deg)
+         analysis assembled = transient(Engine(), duration: 6 deg, sample: 1 deg, start: assembled)";
     std::fs::write(&file, engine(&guess, analyses)).expect("a file");
     let mut engine = Local::new();
     engine.check(&file).expect("a checked text");
@@ -212,4 +212,40 @@ fn a_duration_in_turns_may_begin_at_rest() {
     assert!((time - closed).abs() < 1e-4 * closed, "{time} {closed}");
     let refused = run("0 N*m/s * t").expect_err("nothing turns it");
     assert!(refused.contains("the cycle does not turn"), "{refused}");
+}
+
+/// A pendulum of 400 mm held at 30°: its pivot, and its bob at 400 mm (sin 30°, −cos 30°).
+#[test]
+fn a_check_lists_the_assembled_positions() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mistakes/bases/swing.eng");
+    let mut engine = Local::new();
+    engine.check(&file).expect("a file");
+    let found = engine.positions().expect("positions");
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].analyses, ["swing"]);
+    let place = |marker: &str| {
+        let placed = found[0].markers.iter().find(|m| m.marker == marker);
+        placed
+            .map(|m| (m.body.clone(), m.position))
+            .expect("a marker")
+    };
+    let angle = 30f64.to_radians();
+    for (marker, body, wanted) in [
+        ("pivot", "ground", [0.0; 3]),
+        ("bob.top", "bob", [0.0; 3]),
+        (
+            "bob.origin",
+            "bob",
+            [0.4 * angle.sin(), -0.4 * angle.cos(), 0.0],
+        ),
+    ] {
+        let (of, position) = place(marker);
+        assert_eq!(of, body);
+        for i in 0..3 {
+            assert!(
+                (position[i] - wanted[i]).abs() < 1e-12,
+                "{marker}: {position:?}"
+            );
+        }
+    }
 }

@@ -271,11 +271,12 @@ fn mistakes_are_told_before_a_run_and_at_their_place() {
     );
 }
 
-/// Models that are right raise nothing: what is seeded into them, the examples but the paper's, and the benchmarks.
+/// Models that are right raise nothing: what is seeded into them, machines of many kinds, the examples but the paper's, and the benchmarks.
 #[test]
 fn right_models_are_quiet() {
     for folder in [
         "tests/mistakes/bases",
+        "tests/good",
         "tests/benchmarks",
         "tests/mesh",
         "examples/inline4",

@@ -73,6 +73,8 @@ pub struct ChainBody {
     pub length: f64,
     /// Indices of the parameters that place its two markers.
     pub parameters: Vec<u32>,
+    /// Its two markers in the chain.
+    pub markers: [Origin; 2],
 }
 
 impl std::fmt::Display for Chain {

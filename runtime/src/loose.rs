@@ -168,11 +168,138 @@ fn free_motions(
     Ok(null_space(&gradients))
 }
 
+/// Whether the loads of an element change with the positions of its markers at rest: those of a damper or a brake do not.
+///
+/// # Errors
+///
+/// What evaluating the element says.
+pub fn springs(model: &Model, state: &State, element: usize) -> Result<bool, RuntimeError> {
+    let mut rest = state.clone();
+    rest.velocity.fill(0.0);
+    let [stiffness, _] = answers_of(model, &rest, element..element + 1)?;
+    Ok(stiffness.amax() > 0.0)
+}
+
+/// A stiffness below this share of the largest is rounding.
+const ROUNDING: f64 = 1e-11;
+/// Largest turn of a body that sinks, as a displacement of the model's length over its way.
+const UPRIGHT: f64 = 0.2;
+
+/// The spring that gives way most under gravity (m/s², inertial), and by how much (m): an estimate by the stiffness `K` at a position, at
+/// rest. With `N` the free motions, `f` the weights and `V` the directions in which `Nᵀ (K + Kᵀ) N/2` is positive, the bodies move by
+/// `N V (Vᵀ Nᵀ K N V)⁻¹ Vᵀ Nᵀ f`; counted is the way of one end of the spring against the other, along gravity. `None` where no spring gives
+/// way, where the bodies turn as they sink (a weak spring on a pendulum), and of bodies that an element with states holds: its
+/// stiffness is in the states.
+///
+/// # Errors
+///
+/// What evaluating the elements says.
+pub fn sag(
+    model: &Model,
+    state: &State,
+    gravity: V3,
+) -> Result<Option<(usize, f64)>, RuntimeError> {
+    let size = gravity.norm();
+    if size == 0.0 || !size.is_finite() || model.bodies.iter().any(|body| body.modes() > 0) {
+        return Ok(None);
+    }
+    let down = gravity / size;
+    let mut rest = state.clone();
+    rest.velocity.fill(0.0);
+    let scales = model.velocity_scales();
+    let all: Vec<usize> = (0..model.velocities).collect();
+    let basis = free_motions(model, &rest, &all)?;
+    let [stiffness, _] = answers(model, &rest)?;
+    // loads are −K of a displacement
+    let scaled = DMatrix::from_fn(all.len(), all.len(), |i, j| {
+        -0.5 * (stiffness[(i, j)] + stiffness[(j, i)]) * scales[i] * scales[j]
+    });
+    let reduced = basis.transpose() * scaled * &basis;
+    if reduced.ncols() == 0 || reduced.iter().any(|x| !x.is_finite()) {
+        return Ok(None);
+    }
+    let mut weights = DVector::zeros(model.velocities);
+    for body in &model.bodies {
+        let frame = body.frame(&rest.pose);
+        let force = gravity * body.mass();
+        let moment = body.center().cross(&(frame.rotation.transpose() * force));
+        for i in 0..3 {
+            weights[body.velocity + i] = force[i] * scales[body.velocity + i];
+            weights[body.velocity + 3 + i] = moment[i] * scales[body.velocity + 3 + i];
+        }
+    }
+    let eigen = reduced.symmetric_eigen();
+    let largest = eigen.eigenvalues.amax();
+    let load = basis.transpose() * weights;
+    let mut way = DVector::zeros(eigen.eigenvalues.len());
+    for (value, vector) in eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter())
+    {
+        if *value > ROUNDING * largest {
+            way += vector * (vector.dot(&load) / value);
+        }
+    }
+    let moved = &basis * way;
+    let displaced = |marker: usize| -> Option<(V3, f64)> {
+        let marker = &model.markers[marker];
+        let Some(body) = marker.body.map(|b| &model.bodies[b]) else {
+            return Some((V3::zeros(), 0.0));
+        };
+        let part = |first: usize| {
+            let at = body.velocity + first;
+            V3::from_fn(|i, _| moved[at + i] * scales[at + i])
+        };
+        let (shift, turn) = (part(0), part(3));
+        let rotation = body.frame(&rest.pose).rotation;
+        let shift = shift + rotation * turn.cross(&marker.position);
+        Some((shift, turn.norm() * model.length))
+    };
+    let classes = &model.compiled.system.classes;
+    let stateful = |class: usize| classes.get(class).is_some_and(|c| !c.states.is_empty());
+    let with_states = |body: Option<usize>| {
+        model.elements.iter().any(|element| {
+            let on = |m: &usize| body.is_some() && model.markers[*m].body == body;
+            element.dynamic && stateful(element.class) && element.markers.iter().any(on)
+        })
+    };
+    let mut found: Option<(usize, f64)> = None;
+    for (index, element) in model.elements.iter().enumerate() {
+        let &[a, b] = element.markers.as_slice() else {
+            continue;
+        };
+        let held = [a, b].iter().any(|m| with_states(model.markers[*m].body));
+        if !element.dynamic || !model.class(index).applies_load || held {
+            continue;
+        }
+        let (Some((of_a, turn_a)), Some((of_b, turn_b))) = (displaced(a), displaced(b)) else {
+            continue;
+        };
+        let way = (of_a - of_b).dot(&down).abs();
+        let upright = turn_a.max(turn_b) < UPRIGHT * way;
+        if upright && found.is_none_or(|(_, most)| way > most) && springs(model, state, index)? {
+            found = Some((index, way));
+        }
+    }
+    Ok(found)
+}
+
 /// `Jᵀ ∂W/∂x J` of all loads, by pose and by twist: velocities × velocities.
 fn answers(model: &Model, rest: &State) -> Result<[DMatrix<f64>; 2], RuntimeError> {
+    answers_of(model, rest, 0..model.elements.len())
+}
+
+/// The same of some elements.
+fn answers_of(
+    model: &Model,
+    rest: &State,
+    elements: std::ops::Range<usize>,
+) -> Result<[DMatrix<f64>; 2], RuntimeError> {
     let size = model.velocities;
     let mut found = [DMatrix::zeros(size, size), DMatrix::zeros(size, size)];
-    for (index, element) in model.elements.iter().enumerate() {
+    for index in elements {
+        let element = &model.elements[index];
         let class = model.class(index);
         if !element.dynamic || !class.applies_load {
             continue;

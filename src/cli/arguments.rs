@@ -189,6 +189,9 @@ pub(super) struct CheckArguments {
     /// The model's file
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
+    /// List where all markers are at the start of each analysis, as assembled
+    #[arg(long)]
+    pub positions: bool,
     /// Form of the messages
     #[arg(long, value_enum, default_value_t = Format::Human)]
     pub format: Format,

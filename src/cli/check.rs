@@ -2,8 +2,11 @@
 
 use super::arguments::{CheckArguments, Format};
 use super::run::explain_error;
+use super::table::Table;
 use super::terminal::Terminal;
-use super::{CheckOutcome, Engine, EngineError, MODEL_WRONG, Stop, USAGE_OR_SYSTEM, refused};
+use super::{
+    CheckOutcome, Engine, EngineError, MODEL_WRONG, Positions, Stop, USAGE_OR_SYSTEM, refused,
+};
 use crate::render;
 use eng_grammar::SourceMap;
 
@@ -17,11 +20,22 @@ pub(super) fn check(
         Err(error) => return Err(refuse(&error, &SourceMap::new(), arguments.format, console)),
     };
     let mut facts = Vec::new();
+    let mut positions = Vec::new();
     if !outcome.diagnostics.has_errors() {
         match engine.assemble() {
             Ok(assembled) => {
                 facts = assembled.facts;
                 outcome.diagnostics.extend(assembled.diagnostics);
+                // what does not assemble is told, and has none
+                if arguments.positions && !outcome.diagnostics.has_errors() {
+                    positions = match engine.positions() {
+                        Ok(positions) => positions,
+                        Err(error) => {
+                            let format = arguments.format;
+                            return Err(refuse(&error, &outcome.sources, format, console));
+                        }
+                    };
+                }
             }
             Err(error) => {
                 return Err(refuse(&error, &outcome.sources, arguments.format, console));
@@ -29,18 +43,43 @@ pub(super) fn check(
         }
     }
     match arguments.format {
-        Format::Json => write!(
-            console.output,
-            "{}",
-            render::json(&outcome.diagnostics, &outcome.sources)
-        )?,
-        Format::Human => human(&outcome, &facts, console)?,
+        Format::Json => {
+            let (messages, sources) = (&outcome.diagnostics, &outcome.sources);
+            let text = match arguments.positions {
+                true => render::json_with_positions(messages, sources, &positions),
+                false => render::json(messages, sources),
+            };
+            write!(console.output, "{text}")?;
+        }
+        Format::Human => {
+            human(&outcome, &facts, console)?;
+            for positions in &positions {
+                write!(console.output, "{}", listing(positions))?;
+            }
+        }
     }
     if outcome.diagnostics.has_errors() {
         Err(Stop::Code(MODEL_WRONG))
     } else {
         Ok(())
     }
+}
+
+/// The positions of a model as a table, in mm.
+fn listing(positions: &Positions) -> String {
+    let mut table = Table::new(&[
+        &["marker", "body", "x", "y", "z"],
+        &["", "", "mm", "mm", "mm"],
+    ]);
+    for marker in &positions.markers {
+        let [x, y, z] = marker.position.map(|x| format!("{:.4}", 1e3 * x));
+        table.row(vec![marker.marker.clone(), marker.body.clone(), x, y, z]);
+    }
+    format!(
+        "\nmarkers at the start of {}, as assembled, in the ground's axes:\n{}",
+        positions.analyses.join(", "),
+        table.render()
+    )
 }
 
 /// Tells why nothing could be checked, in the form that is asked for, and gives the way to stop for it.

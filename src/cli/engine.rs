@@ -5,6 +5,7 @@ use crate::report::Described;
 use crate::results::{Recording, Results};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use eng_system::system::{PointValue, StepControl};
+use serde::Serialize;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -26,6 +27,11 @@ pub trait Engine {
 
     /// Assembles the models that were checked last and had no errors, and counts their freedoms: what no text shows.
     fn assemble(&mut self) -> Result<AssemblyOutcome, EngineError>;
+
+    /// Where the markers of the models that were checked last and had no errors are at the start of their analyses, as assembled.
+    fn positions(&mut self) -> Result<Vec<Positions>, EngineError> {
+        Err(EngineError::System("this engine tells no positions".into()))
+    }
 
     /// Runs an analysis of the model that was checked last and had no errors. `progress` is called at accepted steps.
     fn run(
@@ -111,6 +117,26 @@ pub struct AssemblyOutcome {
     pub diagnostics: Diagnostics,
     /// A line a model (`Inline4: 11 bodies …, 5 journals …`) and a line an analysis: its freedoms.
     pub facts: Vec<String>,
+}
+
+/// Where the markers of a model are, as assembled.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Positions {
+    /// The analyses that begin so.
+    pub analyses: Vec<String>,
+    /// All markers that the text states, and the origins of the bodies.
+    pub markers: Vec<PlacedMarker>,
+}
+
+/// Where a marker is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct PlacedMarker {
+    /// Path of its body; `ground`.
+    pub body: String,
+    /// Its path: `crank.pin[2]`.
+    pub marker: String,
+    /// Its place in the ground's axes (m).
+    pub position: [f64; 3],
 }
 
 /// A parameter set on the command line.

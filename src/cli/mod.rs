@@ -21,8 +21,8 @@ mod table;
 mod terminal;
 
 pub use engine::{
-    AssemblyOutcome, CheckOutcome, Engine, EngineError, Event, JournalGeometry, Progress,
-    ReductionOutcome, RunOptions, RunOutcome, Setting,
+    AssemblyOutcome, CheckOutcome, Engine, EngineError, Event, JournalGeometry, PlacedMarker,
+    Positions, Progress, ReductionOutcome, RunOptions, RunOutcome, Setting,
 };
 pub use summary::{JournalSummary, journal_table};
 

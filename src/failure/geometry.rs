@@ -7,7 +7,7 @@ use eng_grammar::Diagnostic;
 use eng_runtime::RuntimeError;
 use eng_runtime::assembly::hanging::Hanging;
 use eng_runtime::error::Chain;
-use eng_system::system::System;
+use eng_system::system::{Origin, System};
 
 /// The warning of bodies that hang loose.
 pub(crate) fn hanging(found: &Hanging) -> Diagnostic {
@@ -47,6 +47,9 @@ pub(super) const PLACING: &str = "check lengths, sides and axes of the loop (`at
 /// Most parameters that a message points to.
 pub(super) const MOST_PARAMETERS: usize = 3;
 
+/// Most markers that a message points to.
+const MOST_MARKERS: usize = 6;
+
 /// Lengths of a loop, and the parameters that they are made of.
 pub(super) fn with_lengths(
     message: Diagnostic,
@@ -70,7 +73,7 @@ pub(super) fn with_lengths(
         )),
     };
     let mut told = Vec::new();
-    chain
+    let message = chain
         .bodies
         .iter()
         .filter(|body| body.length > 1e-9)
@@ -86,7 +89,45 @@ pub(super) fn with_lengths(
                 }
                 _ => message,
             }
+        });
+    // lengths that are written as numbers stand at the markers
+    let written = chain.bodies.iter();
+    let written = written.filter(|body| body.parameters.is_empty() && body.length > 1e-9);
+    written
+        .flat_map(|body| body.markers.iter().map(move |marker| (body, marker)))
+        .filter(|(body, marker)| marker.path != format!("{}.origin", body.origin.path))
+        .filter_map(|(body, marker)| Some((body, marker, marker.used_at?)))
+        .take(MOST_MARKERS)
+        .fold(message, |message, (body, marker, at)| {
+            let length = short(1e3 * body.length, 4);
+            message.also(
+                span(at),
+                format!(
+                    "{}: of the {length} mm of {}",
+                    marker.path, body.origin.path
+                ),
+            )
         })
+}
+
+/// Where the markers of an element stand: their places and axes decide whether it closes.
+pub(super) fn with_markers(message: Diagnostic, element: &Origin, system: &System) -> Diagnostic {
+    let mut elements = system.elements.iter();
+    let Some(element) = elements.find(|e| e.origin.path == element.path) else {
+        return message;
+    };
+    let markers = element.markers.iter();
+    let stated = markers.filter_map(|m| {
+        let marker = system.markers.get(*m as usize)?;
+        Some((marker, marker.origin.used_at?))
+    });
+    stated.fold(message, |message, (marker, at)| {
+        let label = format!(
+            "{}: a marker of {}",
+            marker.origin.path, element.origin.path
+        );
+        message.also(span(at), label)
+    })
 }
 
 /// The z axes of the joints of a loop.

@@ -5,24 +5,34 @@ use super::{Finding, short};
 use crate::codes;
 use eng_runtime::assembly::rows;
 use eng_runtime::chain::MarkerKinematics;
-use eng_runtime::loose::{Loose, loose};
+use eng_runtime::loose::{Loose, loose, sag, springs};
 use eng_runtime::model::Model;
 use eng_runtime::rotation::V3;
 use eng_runtime::state::State;
 use eng_system::Dimension;
 use eng_system::lint;
-use eng_system::system::{AnalysisKind, Origin, Role, StepControl};
+use eng_system::system::{AnalysisKind, Extent, Origin, Role, StepControl};
 
 /// Most a step may turn the cycle (rad).
 const LONG_STEP: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Share of the speed that a coupling may slip at the start.
 const SLIP: f64 = 0.1;
 /// A speed below this share of the other is none.
-const STANDS: f64 = 1e-6;
+const STANDS: f64 = 1e-3;
 /// Share of the shell's speed below which the pin is the one that stands.
 const SLOWER: f64 = 0.5;
 /// Offset along a line, in radii of gyration, from which two bodies stand beside each other.
 const BESIDE: f64 = 2.0;
+/// Share of the cycle's speed below which a body stands.
+const STANDS_STILL: f64 = 0.01;
+/// Part of the model's length by which a machine that sinks on its springs under its weight has none.
+const SINKS: f64 = 0.5;
+/// Share of gravity along a direction from which a body falls in it.
+const FALLS: f64 = 0.1;
+/// Most the cycle may turn between two samples (rad).
+const COARSE: f64 = 30.0 * std::f64::consts::PI / 180.0;
+/// Shortest run of a turning machine (rad of its cycle) that is stated as an angle.
+const SHORT: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// Distance (m) from which a slide that no text places is told.
 const UNPLACED: f64 = 0.01;
 
@@ -45,6 +55,7 @@ pub(super) fn assembled(start: &Start<'_>) -> Vec<Finding> {
     found.extend(start.swapped());
     found.extend(start.useless());
     found.extend(start.loose());
+    found.extend(start.sinks());
     found
 }
 
@@ -77,6 +88,50 @@ pub(super) fn step(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) ->
         ),
         decided_by: Vec::new(),
     })
+}
+
+/// Samples so far apart that they show nothing of a turn, and a run that ends before the machine has turned.
+pub(super) fn sampling(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) -> Vec<Finding> {
+    let Some(speed) = start.cycle_speed() else {
+        return Vec::new();
+    };
+    let angle = |extent: Extent| match extent {
+        Extent::Time(time) => time * speed,
+        Extent::Angle(angle) => angle,
+    };
+    // a few milliseconds may be meant, a few degrees are `4 rev`
+    let (sample, duration) = match kind {
+        AnalysisKind::Transient(transient) => match transient.duration {
+            Extent::Angle(duration) => (angle(transient.sample), Some(duration)),
+            Extent::Time(_) => (angle(transient.sample), None),
+        },
+        AnalysisKind::Periodic(periodic) => (periodic.sample, None),
+        AnalysisKind::Linear(_) | AnalysisKind::Assemble => return Vec::new(),
+    };
+    let deg = |angle: f64| short(angle.to_degrees(), 3);
+    let finding = |message: String, label: &str, help: &str| Finding {
+        code: codes::SAMPLING,
+        name: lint::SAMPLING.to_owned(),
+        origin: analysis.clone(),
+        message,
+        label: label.to_owned(),
+        help: help.to_owned(),
+        decided_by: Vec::new(),
+    };
+    let mut found = Vec::new();
+    if let Some(duration) = duration.filter(|duration| *duration < SHORT) {
+        let message = format!("the run ends after {} deg of the cycle", deg(duration));
+        found.push(finding(
+            message,
+            "its duration",
+            "`4 rev` are four turns of the cycle's angle",
+        ));
+    } else if sample > COARSE {
+        let message = format!("the cycle turns by {} deg between two samples", deg(sample));
+        let help = "0.5 to 2 deg show forces and films; also no step is longer than a sample";
+        found.push(finding(message, "its samples", help));
+    }
+    found
 }
 
 fn mm(x: f64) -> String {
@@ -251,6 +306,10 @@ impl Start<'_> {
         if slip <= SLIP * speeds[0].abs().max(speeds[1].abs()) || slip < 1.0 {
             return None;
         }
+        // a brake or a damper does not wind up
+        if !matches!(springs(self.model, self.state, element), Ok(true)) {
+            return None;
+        }
         let message = format!(
             "{} turns with {} rpm at the start, {} with {} rpm: it winds up",
             self.path(markers[0]),
@@ -342,9 +401,23 @@ impl Start<'_> {
     /// A machine with a cycle is held but for its turning; so is a shaft on films.
     fn is_asked_for(&self, motion: &Loose) -> bool {
         let system = &self.model.compiled.system;
+        let cycle = self.cycle_speed().is_some();
+        // what swings about an axis may be held by its weight or by spin, but not where it stands while the machine turns: a shaft
+        // without its gear
+        if matches!(motion.about, Some((_, true))) {
+            let slow = STANDS_STILL * self.cycle_speed().unwrap_or(0.0);
+            return cycle && motion.bodies.iter().all(|body| self.spin_of(*body) < slow);
+        }
         // what moves in all directions hangs on nothing: told as such
-        if matches!(motion.about, Some((_, true))) || motion.directions == 3 {
+        if motion.directions == 3 {
             return false;
+        }
+        // a shaft that turns and falls along its axis
+        if let Some(along) = motion.along
+            && along.dot(&self.gravity()).abs() > FALLS * self.gravity().norm()
+            && motion.bodies.iter().any(|body| self.spin_of(*body) > 1.0)
+        {
+            return true;
         }
         let of_film = system.journals.iter().any(|journal| {
             let own = &self.model.elements[journal.element as usize].markers;
@@ -353,7 +426,39 @@ impl Start<'_> {
                 body.is_some_and(|body| motion.bodies.contains(&body))
             })
         });
-        of_film || self.cycle_speed().is_some()
+        of_film || cycle
+    }
+
+    /// A spring on which a body sinks farther than the machine is large.
+    fn sinks(&self) -> Option<Finding> {
+        // what cannot be evaluated is told by the run
+        let (element, way) = sag(self.model, self.state, self.gravity()).ok().flatten()?;
+        if way < SINKS * self.model.length {
+            return None;
+        }
+        let message = format!(
+            "under the weight of what it carries it gives way by {} mm: is its stiffness in the right unit?",
+            mm(way)
+        );
+        let mut finding = self.finding(codes::SINKS, lint::SAG, element, message);
+        finding.help = "1 N/mm are 1000 N/m".to_owned();
+        Some(finding)
+    }
+
+    /// Angular speed of a body at the start (rad/s).
+    fn spin_of(&self, body: usize) -> f64 {
+        let first = self.model.bodies[body].velocity;
+        V3::from_column_slice(&self.state.velocity[first + 3..first + 6]).norm()
+    }
+
+    fn gravity(&self) -> V3 {
+        V3::from(
+            self.model
+                .compiled
+                .system
+                .gravity
+                .map(|slot| self.model.slot(slot)),
+        )
     }
 
     fn loose_motion(&self, motion: &Loose) -> Finding {

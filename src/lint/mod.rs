@@ -5,7 +5,7 @@ mod numbers;
 mod turned;
 
 use crate::codes;
-use crate::failure::{decided, related, span};
+use crate::failure::{MOST_PLACES, decided, related, span};
 use crate::significant::significant;
 use eng_grammar::Diagnostic;
 use eng_runtime::Warning;
@@ -72,6 +72,17 @@ impl Finding {
     }
 }
 
+/// Adds the first places that decide a finding, each once and as many as a message shows.
+fn decide(finding: &mut Finding, places: Vec<Origin>) {
+    for place in places {
+        let known = |p: &Origin| p.used_at == place.used_at;
+        let new = place.used_at.is_some() && !finding.decided_by.iter().any(known);
+        if new && finding.decided_by.len() < MOST_PLACES {
+            finding.decided_by.push(place);
+        }
+    }
+}
+
 /// A text without its digits: what tells two messages of one kind apart from others.
 pub(crate) fn without_numbers(text: &str) -> String {
     text.chars()
@@ -80,9 +91,29 @@ pub(crate) fn without_numbers(text: &str) -> String {
 }
 
 /// What lints say of the numbers of a bound model.
-pub(crate) fn of_numbers(system: &System, bound: &Bound) -> Vec<Finding> {
+pub(crate) fn of_numbers(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    bound: &Bound,
+) -> Vec<Finding> {
     let advice = bound.advice.iter().map(Finding::of_parameters);
-    advice.chain(numbers::numbers(system, bound)).collect()
+    let mut found: Vec<Finding> = advice.collect();
+    // a number that is given by the name of a constant is decided where that stands
+    for finding in &mut found {
+        let constants = finding.decided_by.iter().filter_map(|origin| {
+            let at = compiled.system.stated.get(&origin.path)?;
+            Some(Origin {
+                used_at: Some(*at),
+                ..origin.clone()
+            })
+        });
+        let constants: Vec<Origin> = constants.collect();
+        if finding.decided_by.len() + constants.len() <= MOST_PLACES {
+            decide(finding, constants);
+        }
+    }
+    found.extend(numbers::numbers(compiled, overrides, bound));
+    found
 }
 
 /// What lints say of the assembled model of an analysis.
@@ -95,6 +126,7 @@ pub(crate) fn of_start(
     let start = assembled::Start { model, state };
     let mut found = assembled::assembled(&start);
     found.extend(assembled::step(&start, kind, analysis));
+    found.extend(assembled::sampling(&start, kind, analysis));
     found
 }
 

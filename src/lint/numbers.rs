@@ -3,9 +3,9 @@
 use super::{Finding, short};
 use crate::codes;
 use crate::local::at;
-use eng_system::code::Bound;
+use eng_system::code::{Bound, Compiled};
 use eng_system::lint;
-use eng_system::system::{BodyInertia, BodyRef, Origin, System};
+use eng_system::system::{BodyInertia, BodyRef, Element, FiringInfo, Origin, Slot, System};
 
 /// Gravity on earth, with what people round it to (m/s²).
 const EARTH: std::ops::Range<f64> = 9.7..10.1;
@@ -15,20 +15,52 @@ const HEAVIEST: f64 = 20_000.0;
 const NO_BALL: f64 = 0.3;
 /// Radius of gyration over the way to the farthest marker, from the centre of mass: uniform rods have 0.58, cranks 0.5, webs 1.
 const USUAL: std::ops::Range<f64> = 0.13..2.6;
+/// Radius of gyration over the radius of a ball of steel of the same mass, up to which a body may be larger than its markers: discs, rims.
+const COMPACT: f64 = 3.0;
+/// Density of steel (kg/m³).
+const STEEL: f64 = 7_800.0;
 /// Share of the farthest way by which markers on the other side of the centre of mass make a body a long one.
-const OTHER_SIDE: f64 = 0.05;
+const OTHER_SIDE: f64 = 0.02;
+/// Share of the stated mass below which an analysis takes a mass away.
+const TAKEN_AWAY: f64 = 0.01;
+/// Share of their sum of squares by which markers may stand beside the line that they are on.
+const BESIDE_LINE: f64 = 0.02;
+/// A least radius of gyration across a line of markers, over the way to the farthest of them, and its moment over that about the line:
+/// below both the moments stand in the wrong order.
+const ACROSS: f64 = 0.3;
+const ABOUT_LINE: f64 = 2.0;
 /// Distances below this (m) are no measure of a machine.
 const NO_MEASURE: f64 = 0.02;
 
 /// What is probably wrong in the numbers of a model.
-pub(super) fn numbers(system: &System, bound: &Bound) -> Vec<Finding> {
+pub(super) fn numbers(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    bound: &Bound,
+) -> Vec<Finding> {
+    let system = &compiled.system;
     let mut found = Vec::new();
     found.extend(gravity(system, bound));
     let bodies = bodies(system, bound);
     let reach = bodies.iter().map(|body| body.farthest).fold(0.0, f64::max);
-    found.extend(bodies.iter().filter_map(|body| size(system, body, reach)));
+    // an analysis that takes a mass away leaves an inertia that does not fit
+    let text = compiled.bind.bind(&[], &system.tables);
+    let taken_away = |body: &Solid<'_>| {
+        let set = overrides.iter().any(Option::is_some);
+        let stated = text
+            .as_ref()
+            .map_or(f64::NAN, |text| at(text, body.slots[0]));
+        set && body.mass < TAKEN_AWAY * stated
+    };
+    let kept = bodies.iter().filter(|body| !taken_away(body));
+    found.extend(kept.filter_map(|body| {
+        let doubt = size(body, reach).or_else(|| order(body))?;
+        Some(of_inertia(compiled, body, doubt))
+    }));
+    found.extend(whole_turns(system, bound));
     found.extend(periods(system, bound));
     found.extend(one_firing(system, bound));
+    found.extend(without_gas(system));
     found
 }
 
@@ -86,6 +118,14 @@ struct Solid<'s> {
     spread: bool,
     /// Whether it has markers on opposite sides of its centre of mass.
     both_sides: bool,
+    /// Slots of the mass and of the largest moment.
+    slots: [Slot; 2],
+    /// Index of the farthest marker.
+    farthest_marker: Option<usize>,
+    /// The moments about the body's axes (kg m²).
+    moments: [f64; 3],
+    /// Sums of squares of the ways along the body's axes (m²).
+    spans: [f64; 3],
 }
 
 fn bodies<'s>(system: &'s System, bound: &Bound) -> Vec<Solid<'s>> {
@@ -101,11 +141,16 @@ fn bodies<'s>(system: &'s System, bound: &Bound) -> Vec<Solid<'s>> {
                 return None;
             };
             let center = center_of_mass.map(|slot| at(bound, slot));
-            let own = system.markers.iter().filter(|marker| {
-                marker.body == BodyRef::Body(index as u32) && marker.origin.used_at.is_some()
-            });
+            let own: Vec<usize> = (0..system.markers.len())
+                .filter(|m| {
+                    let marker = &system.markers[*m];
+                    marker.body == BodyRef::Body(index as u32) && marker.origin.used_at.is_some()
+                })
+                .collect();
             let arms: Vec<[f64; 3]> = own
-                .map(|marker| {
+                .iter()
+                .map(|m| {
+                    let marker = &system.markers[*m];
                     let place = marker.position.map(|slot| at(bound, slot));
                     [0, 1, 2].map(|i| place[i] - center[i])
                 })
@@ -117,13 +162,23 @@ fn bodies<'s>(system: &'s System, bound: &Bound) -> Vec<Solid<'s>> {
                 let between = [0, 1, 2].map(|i| a[i] - b[i]);
                 dot(&between, &between) > OTHER_SIDE * square
             };
+            let moments = [0, 1, 2].map(|i| at(bound, inertia[i]));
+            let largest = (0..3).fold(0, |best, i| match moments[i] > moments[best] {
+                true => i,
+                false => best,
+            });
+            let farthest = (0..own.len()).max_by(|a, b| {
+                let [x, y] = [*a, *b].map(|i| dot(&arms[i], &arms[i]));
+                x.total_cmp(&y).then(b.cmp(a))
+            });
             Some(Solid {
                 path: &body.origin.path,
                 mass: at(bound, *mass),
-                inertia: [0, 1, 2]
-                    .map(|i| at(bound, inertia[i]))
-                    .into_iter()
-                    .fold(0.0, f64::max),
+                inertia: moments[largest],
+                slots: [*mass, inertia[largest]],
+                farthest_marker: farthest.map(|i| own[i]),
+                moments,
+                spans: [0, 1, 2].map(|i| arms.iter().map(|arm| arm[i] * arm[i]).sum()),
                 farthest: libm::sqrt(square),
                 spread: pairs().any(apart),
                 both_sides: pairs().any(|(a, b)| dot(a, b) < -OTHER_SIDE * square),
@@ -132,12 +187,19 @@ fn bodies<'s>(system: &'s System, bound: &Bound) -> Vec<Solid<'s>> {
         .collect()
 }
 
+/// What does not fit in a body's inertia, and whether a marker has a part in it.
+struct Doubt {
+    message: String,
+    marker: bool,
+}
+
 /// A body whose inertia does not fit its mass and its markers. `reach` is the farthest marker of all bodies from its centre of mass.
-fn size(system: &System, body: &Solid<'_>, reach: f64) -> Option<Finding> {
+fn size(body: &Solid<'_>, reach: f64) -> Option<Doubt> {
     let radius = libm::sqrt(body.inertia / body.mass);
     // I = 2/5 m r², m = 4/3 π r³ ρ
-    let ball = libm::cbrt(0.75 * body.mass / (std::f64::consts::PI * HEAVIEST));
-    let least = libm::sqrt(0.4) * ball;
+    let ball = |density: f64| libm::cbrt(0.75 * body.mass / (std::f64::consts::PI * density));
+    let least = libm::sqrt(0.4) * ball(HEAVIEST);
+    let wide = radius > COMPACT * ball(STEEL);
     let long = body.spread && body.farthest > NO_MEASURE;
     let ratio = radius / body.farthest;
     let mm = |x: f64| short(1e3 * x, 3);
@@ -147,37 +209,149 @@ fn size(system: &System, body: &Solid<'_>, reach: f64) -> Option<Finding> {
         short(body.inertia, 4),
         mm(radius)
     );
-    let message = if radius < NO_BALL * least {
-        format!(
-            "{told}; even a ball of tungsten of this mass has {} mm",
-            mm(least)
+    let (message, marker) = if radius < NO_BALL * least {
+        let ball = mm(least);
+        (
+            format!("{told}; even a ball of tungsten of this mass has {ball} mm"),
+            false,
         )
-    } else if long && (ratio > USUAL.end || body.both_sides && ratio < USUAL.start) {
-        format!(
-            "{told}, but its markers reach {} mm from its centre of mass",
-            mm(body.farthest)
-        )
-    } else if radius > USUAL.end * reach && reach > NO_MEASURE {
-        format!(
+    } else if long && (wide && ratio > USUAL.end || body.both_sides && ratio < USUAL.start) {
+        let reach = mm(body.farthest);
+        let message = format!("{told}, but its markers reach {reach} mm from its centre of mass");
+        (message, true)
+    } else if wide && radius > USUAL.end * reach && reach > NO_MEASURE {
+        let message = format!(
             "{told}, but no marker of the model is farther than {} mm from a centre of mass",
             mm(reach)
-        )
+        );
+        (message, false)
     } else {
         return None;
     };
+    Some(Doubt { message, marker })
+}
+
+/// A body with its markers along one of its axes that has little inertia across that line, and much about it.
+fn order(body: &Solid<'_>) -> Option<Doubt> {
+    let whole: f64 = body.spans.iter().sum();
+    let line = (0..3).find(|i| body.spans[*i] > (1.0 - BESIDE_LINE) * whole)?;
+    let across = (0..3).filter(|i| *i != line).map(|i| body.moments[i]);
+    let least = across.fold(f64::INFINITY, f64::min);
+    let radius = libm::sqrt(least / body.mass);
+    let wrong = body.spread
+        && body.farthest > NO_MEASURE
+        && radius < ACROSS * body.farthest
+        && body.moments[line] > ABOUT_LINE * least;
+    wrong.then(|| Doubt {
+        message: format!(
+            "its markers are along its {} axis, but its moment about that axis, {} kg*m^2, is more than twice one across it, {} kg*m^2: do the moments stand in the right order?",
+            ["x", "y", "z"][line],
+            short(body.moments[line], 4),
+            short(least, 4)
+        ),
+        marker: false,
+    })
+}
+
+/// A doubt about an inertia, with the places that decide it.
+fn of_inertia(compiled: &Compiled, body: &Solid<'_>, doubt: Doubt) -> Finding {
+    let system = &compiled.system;
     let (code, name) = (codes::INERTIA, lint::INERTIA);
-    let mut finding = about(system, code, name, body.path, "inertia", message);
+    let mut finding = about(system, code, name, body.path, "inertia", doubt.message);
     finding.help =
         "check the units of mass, inertia and places: `g*m^2`, `kg*m^2`, `mm`".to_owned();
-    let mass = format!("{}.mass", body.path);
+    let mut places = Vec::new();
+    let parameters = |slot: Slot| compiled.bind.parameters_of(slot).into_iter();
+    let stated = |index: u32| Some(system.parameters.get(index as usize)?.origin.clone());
+    let [mass, inertia] = body.slots.map(parameters);
+    let of_marker = body.farthest_marker.filter(|_| doubt.marker);
+    let of_marker = of_marker.map(|m| &system.markers[m]);
+    places.extend(inertia.filter_map(stated));
+    let attribute = format!("{}.mass", body.path);
+    places.extend(system.stated.get(&attribute).map(|at| Origin {
+        path: attribute.clone(),
+        used_at: Some(*at),
+        defined_at: None,
+    }));
+    if let Some(marker) = of_marker {
+        let slots = marker.position.iter();
+        places.extend(slots.flat_map(|slot| parameters(*slot)).filter_map(stated));
+        places.push(marker.origin.clone());
+    }
+    places.extend(mass.filter_map(stated).filter(|p| p.path != attribute));
+    super::decide(&mut finding, places);
     finding
-        .decided_by
-        .extend(system.stated.get(&mass).map(|at| Origin {
-            path: mass.clone(),
-            used_at: Some(*at),
-            defined_at: None,
-        }));
-    Some(finding)
+}
+
+/// Bodies that stand for pistons as others of their declaration do, and have no gas.
+fn without_gas(system: &System) -> Vec<Finding> {
+    // two pistons may face each other in one bore
+    let bodies_of = |firing: &FiringInfo| {
+        let element = system.elements.get(firing.element as usize)?;
+        let body = |local: u32| {
+            let marker = *element.markers.get(local as usize)?;
+            match system.markers.get(marker as usize)?.body {
+                BodyRef::Body(body) => Some((body as usize, element)),
+                BodyRef::Ground => None,
+            }
+        };
+        Some([firing.piston, firing.head].map(body))
+    };
+    let firings = system.firings.iter().filter_map(bodies_of);
+    let fired: Vec<(usize, &Element)> = firings.flatten().flatten().collect();
+    let mut found = Vec::new();
+    for (index, body) in system.bodies.iter().enumerate() {
+        let alike = |other: usize| {
+            system.bodies[other].origin.used_at == body.origin.used_at && other != index
+        };
+        let Some((like, element)) = fired.iter().find(|(other, _)| alike(*other)) else {
+            continue;
+        };
+        if fired.iter().any(|(other, _)| *other == index) || body.origin.used_at.is_none() {
+            continue;
+        }
+        let message = format!(
+            "{} has no gas, as {} has",
+            body.origin.path, system.bodies[*like].origin.path
+        );
+        found.push(Finding {
+            code: codes::CYLINDER,
+            name: lint::FIRING.to_owned(),
+            origin: Origin {
+                defined_at: None,
+                ..element.origin.clone()
+            },
+            message,
+            label: "of another cylinder".to_owned(),
+            help: "give each cylinder its gas; `scale: 0` takes it away".to_owned(),
+            decided_by: vec![body.origin.clone()],
+        });
+    }
+    found
+}
+
+/// A cycle whose period is no whole number of half turns: degrees read as rad.
+fn whole_turns(system: &System, bound: &Bound) -> Option<Finding> {
+    let cycle = system.cycle.as_ref()?;
+    let period = at(bound, cycle.period);
+    let halves = period / std::f64::consts::PI;
+    let whole = libm::round(halves);
+    if whole >= 1.0 && (halves - whole).abs() < 1e-6 * whole {
+        return None;
+    }
+    Some(Finding {
+        code: codes::PERIOD,
+        name: lint::PERIOD.to_owned(),
+        origin: cycle.origin.clone(),
+        message: format!(
+            "the cycle repeats every {} deg, which are no whole turns: is its unit right?",
+            short(period.to_degrees(), 5)
+        ),
+        label: "its period".to_owned(),
+        help: "720 deg are the cycle of a four-stroke engine, 360 deg that of a two-stroke"
+            .to_owned(),
+        decided_by: Vec::new(),
+    })
 }
 
 /// Periodic tables of angles of which no whole number fills the cycle.

@@ -12,17 +12,37 @@ use eng_runtime::model::Model;
 use eng_runtime::rotation::V3;
 use eng_system::code::{Bound, Compiled};
 use eng_system::lint;
-use eng_system::system::{FiringInfo, Origin};
+use eng_system::system::{FiringInfo, Origin, Slot, System};
 use std::f64::consts::{PI, TAU};
 
-/// Most that a firing angle may be off its dead centre; offset and inclined bores move it by some degrees.
-const OFF: f64 = 25.0 * PI / 180.0;
+/// Most that a firing angle may be off its dead centre; offset bores and articulated rods move it by some degrees.
+const OFF: f64 = 15.0 * PI / 180.0;
 /// Bore over stroke of engines: from slow marine two-strokes to racing engines.
 const BORE_TO_STROKE: std::ops::Range<f64> = 0.6..1.7;
+/// Length of rods over the throw: 2.3 in slow marine engines, 3 to 5 in most.
+const ROD_TO_THROW: std::ops::Range<f64> = 2.0..10.0;
 /// Shortest stroke (m) that is one.
 const NO_STROKE: f64 = 1e-3;
 /// Share of the other's way below which a body stands.
 const STANDS: f64 = 0.1;
+/// Cosine of the angle between gravity and the bores, towards the heads, from which on the engine hangs upside down.
+const UPSIDE_DOWN: f64 = 0.5;
+/// Share of gravity along the crankshaft from which on the shaft stands upright.
+const UPRIGHT: f64 = 0.9;
+
+/// What decides the motion of a cylinder and its gas.
+enum Where {
+    /// The marker of the throw and the parameters that place it.
+    Throw,
+    /// The markers of the rod.
+    Rod,
+    /// The marker of the head.
+    Head,
+    /// The parameters of the bore.
+    Bore,
+    /// The firing angle.
+    Firing,
+}
 
 /// What one cylinder does in a turn.
 struct Watched<'s> {
@@ -36,6 +56,15 @@ struct Watched<'s> {
     /// Where piston and head were first, and the farthest they have been from there (m).
     begin: Option<[V3; 2]>,
     ways: [f64; 2],
+    /// The bore's direction at the first place, from the crank to the head.
+    up: V3,
+    /// The marker by which the crank moves the piston's rod.
+    throw: Option<usize>,
+    /// Length of the rod between piston and crank, across the crankshaft (m), and its markers.
+    rod_length: Option<f64>,
+    rod_markers: Option<[usize; 2]>,
+    /// Whether a joint ties the piston to the head's body, as a liner does.
+    guided: bool,
     /// Whether the rod stands beyond the piston, seen from the head, when the piston is highest; with that height.
     beyond: Option<(f64, bool)>,
 }
@@ -62,13 +91,20 @@ pub(super) fn turned(
             travel: Vec::new(),
             begin: None,
             ways: [0.0; 2],
+            up: V3::zeros(),
+            throw: None,
+            rod_length: None,
+            rod_markers: None,
+            guided: false,
             beyond: None,
         })
         .collect();
     if cylinders.is_empty() {
         return Vec::new();
     }
+    let mut shaft = None;
     let found = turn(compiled, overrides, &mut |place| {
+        shaft = shaft.or_else(|| shaft_axis(place));
         for cylinder in &mut cylinders {
             cylinder.look(place);
         }
@@ -77,10 +113,72 @@ pub(super) fn turned(
     if !matches!(found, Ok(true)) {
         return Vec::new();
     }
-    cylinders
-        .iter()
-        .flat_map(|cylinder| cylinder.doubts(compiled))
+    let doubts = cylinders.iter().flat_map(|c| c.doubts(compiled));
+    doubts
+        .chain(gravity(system, bound, &cylinders, shaft))
         .collect()
+}
+
+/// The axis of the cycle's angle (inertial, unit length), where it is one between two markers.
+fn shaft_axis(place: &Place<'_>) -> Option<V3> {
+    let [_, reference] = cycle_markers(place.model)?;
+    let marker = rows::marker(
+        place.model,
+        reference,
+        &place.state.pose,
+        &place.state.velocity,
+    );
+    Some(marker.rotation.column(2).into_owned())
+}
+
+/// The markers of the cycle's angle: the one that turns, and the one that it is measured from.
+fn cycle_markers(model: &Model) -> Option<[usize; 2]> {
+    let element = model.compiled.system.cycle.as_ref()?.element as usize;
+    let rotation = model
+        .compiled
+        .system
+        .elements
+        .get(element)?
+        .rotations
+        .first()?;
+    let markers = &model.elements.get(element)?.markers;
+    Some([
+        *markers.get(rotation.turning as usize)?,
+        *markers.get(rotation.reference as usize)?,
+    ])
+}
+
+/// Gravity towards the heads, or along the crankshaft.
+fn gravity(
+    system: &System,
+    bound: &Bound,
+    cylinders: &[Watched<'_>],
+    shaft: Option<V3>,
+) -> Option<Finding> {
+    let down = V3::from(system.gravity.map(|slot| at(bound, slot)));
+    let down = (down.norm() > 0.0).then(|| down.normalize())?;
+    let mean = cylinders.iter().map(|c| c.up.dot(&down)).sum::<f64>() / cylinders.len() as f64;
+    let message = if mean > UPSIDE_DOWN {
+        "gravity acts from the crankshaft towards the heads: has it lost its sign?"
+    } else if shaft.is_some_and(|axis| axis.dot(&down).abs() > UPRIGHT) {
+        "gravity acts along the crankshaft: is it along the right axis?"
+    } else {
+        return None;
+    };
+    Some(Finding {
+        code: codes::GRAVITY,
+        name: lint::GRAVITY.to_owned(),
+        origin: Origin {
+            path: String::new(),
+            used_at: system.stated.get("gravity").copied(),
+            defined_at: None,
+        },
+        message: message.to_owned(),
+        label: "this gravity".to_owned(),
+        help: "an engine that hangs or stands upright says so: `accept gravity` in the model"
+            .to_owned(),
+        decided_by: Vec::new(),
+    })
 }
 
 /// The distance of two angles on a circle of a turn (rad).
@@ -103,6 +201,29 @@ impl Watched<'_> {
         let travel = (piston.position - head.position).dot(&axis);
         self.travel.push((place.angle, travel));
         let places = [piston.position, head.position];
+        if self.begin.is_none() {
+            self.up = axis;
+            let throw = self.throw(model);
+            self.throw = throw.map(|(marker, _)| marker);
+            self.rod_markers = throw.and_then(|(_, rod)| rod);
+            self.rod_length = throw.and_then(|(_, rod)| {
+                let [from, to] =
+                    rod?.map(|m| rows::marker(model, m, &state.pose, &state.velocity).position);
+                let shaft = shaft_axis(place)?;
+                let along = to - from;
+                Some((along - shaft * along.dot(&shaft)).norm())
+            });
+            let bodies = self.markers.map(|m| model.markers[m].body);
+            self.guided = model.elements.iter().enumerate().any(|(e, element)| {
+                let on = |body| {
+                    element
+                        .markers
+                        .iter()
+                        .any(|m| model.markers[*m].body == body)
+                };
+                element.dynamic && !model.class(e).rows.is_empty() && bodies.into_iter().all(on)
+            });
+        }
         let begin = self.begin.get_or_insert(places);
         for i in 0..2 {
             self.ways[i] = self.ways[i].max((places[i] - begin[i]).norm());
@@ -131,6 +252,82 @@ impl Watched<'_> {
         Some(frame.position + frame.rotation * body.center())
     }
 
+    /// The marker on the crank, the body that turns with the cycle, to which joints and films lead from the piston; and the two markers of
+    /// the rod, where a single body is between them.
+    fn throw(&self, model: &Model) -> Option<(usize, Option<[usize; 2]>)> {
+        let of = |marker: usize| model.markers[marker].body;
+        let crank = of(cycle_markers(model)?[0])?;
+        let [piston, head] = self.markers.map(of);
+        let films = &model.compiled.system.journals;
+        let joins = |e: usize| {
+            let film = films.iter().any(|journal| journal.element as usize == e);
+            model.elements[e].dynamic && (film || !model.class(e).rows.is_empty())
+        };
+        let piston = piston?;
+        // bodies, and the marker of each at which it was reached from the piston itself
+        let mut reached = vec![(piston, None)];
+        let mut next = 0;
+        while let Some((here, entered)) = reached.get(next).copied() {
+            next += 1;
+            for e in (0..model.elements.len()).filter(|e| joins(*e)) {
+                let &[a, b] = model.elements[e].markers.as_slice() else {
+                    continue;
+                };
+                for (from, to) in [(a, b), (b, a)] {
+                    let Some(body) = of(to).filter(|_| of(from) == Some(here)) else {
+                        continue;
+                    };
+                    if body == crank {
+                        return Some((to, entered.map(|marker| [marker, from])));
+                    }
+                    if Some(body) != head && reached.iter().all(|(known, _)| *known != body) {
+                        reached.push((body, (here == piston).then_some(to)));
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    /// The same with the places that decide the motion: the throw, the bore and the constant that states the firing angle.
+    fn with_places(&self, mut finding: Finding, compiled: &Compiled, wanted: &[Where]) -> Finding {
+        let system = &compiled.system;
+        let path = &system.elements[self.firing.element as usize].origin.path;
+        let parameters = |slot: Slot| {
+            let own = compiled.bind.parameters_of(slot).into_iter();
+            own.filter_map(|index| Some(system.parameters.get(index as usize)?.origin.clone()))
+        };
+        let mut places = Vec::new();
+        for place in wanted {
+            match place {
+                Where::Throw => {
+                    let marker = self.throw.map(|m| &system.markers[m]);
+                    let slots = marker.iter().flat_map(|marker| marker.position);
+                    places.extend(slots.flat_map(parameters));
+                    places.extend(marker.map(|marker| marker.origin.clone()));
+                }
+                Where::Rod => {
+                    let markers = self.rod_markers.into_iter().flatten();
+                    places.extend(markers.map(|m| system.markers[m].origin.clone()));
+                }
+                Where::Head => places.push(system.markers[self.markers[1]].origin.clone()),
+                Where::Bore => places.extend(parameters(self.firing.bore)),
+                Where::Firing => {
+                    let path = format!("{path}.firing");
+                    let stated = system.stated.get(&path).copied();
+                    places.extend(stated.map(|at| Origin {
+                        path,
+                        used_at: Some(at),
+                        defined_at: None,
+                    }));
+                    places.extend(parameters(self.firing.angle));
+                }
+            }
+        }
+        super::decide(&mut finding, places);
+        finding
+    }
+
     fn finding(&self, compiled: &Compiled, name: &str, message: String, help: &str) -> Finding {
         let element = &compiled.system.elements[self.firing.element as usize];
         Finding {
@@ -154,7 +351,12 @@ impl Watched<'_> {
         let (Some((dead_center, high)), Some((_, low))) = (highest, lowest) else {
             return found;
         };
-        let stroke = high - low;
+        // of two pistons in one bore each has its own stroke
+        let [own, other] = self.ways;
+        let stroke = match other > STANDS * own && !self.guided {
+            true => (high - low) * own / (own + other),
+            false => high - low,
+        };
         if self.ways[0] < STANDS * self.ways[1] {
             let message = "the head moves and the piston stands: are they swapped?".to_owned();
             found.push(self.finding(
@@ -166,6 +368,20 @@ impl Watched<'_> {
             return found;
         }
         if stroke < NO_STROKE {
+            if own > NO_STROKE && other > NO_STROKE && !self.guided {
+                let message = format!(
+                    "piston and head move by {} mm and stay as far apart: do they run together that should run against each other?",
+                    short(1e3 * own, 3)
+                );
+                let finding = self.finding(
+                    compiled,
+                    lint::BORE,
+                    message,
+                    "the gas has no stroke: see the gears, throws and axes of both",
+                );
+                let places = [Where::Head, Where::Throw];
+                found.push(self.with_places(finding, compiled, &places));
+            }
             return found;
         }
         if apart(self.angle, *dead_center) > OFF {
@@ -174,12 +390,14 @@ impl Watched<'_> {
                 deg(self.angle),
                 deg(dead_center.rem_euclid(TAU))
             );
-            found.push(self.finding(
+            let finding = self.finding(
                 compiled,
                 lint::FIRING,
                 message,
                 "give `firing:` the cycle angle of this cylinder's firing dead centre",
-            ));
+            );
+            let places = [Where::Firing, Where::Head, Where::Throw];
+            found.push(self.with_places(finding, compiled, &places));
         }
         let ratio = self.bore / stroke;
         if !BORE_TO_STROKE.contains(&ratio) {
@@ -188,21 +406,39 @@ impl Watched<'_> {
                 short(1e3 * self.bore, 4),
                 short(1e3 * stroke, 4)
             );
-            found.push(self.finding(
+            let finding = self.finding(
                 compiled,
                 lint::BORE,
                 message,
                 "bore over stroke is 0.6 to 1.7 in most engines: is a radius or a stroke given for a diameter or a throw?",
-            ));
+            );
+            found.push(self.with_places(finding, compiled, &[Where::Bore, Where::Throw]));
+        }
+        if let Some(rod) = self.rod_length
+            && !ROD_TO_THROW.contains(&(rod / (0.5 * stroke)))
+        {
+            let message = format!(
+                "a rod of {} mm for a stroke of {} mm",
+                short(1e3 * rod, 4),
+                short(1e3 * stroke, 4)
+            );
+            let finding = self.finding(
+                compiled,
+                lint::BORE,
+                message,
+                "rods are two to ten times as long as the throw: see the markers of both",
+            );
+            found.push(self.with_places(finding, compiled, &[Where::Rod, Where::Throw]));
         }
         if matches!(self.beyond, Some((_, true))) {
             let message = "the rod stands between piston and head: gas pulls it".to_owned();
-            found.push(self.finding(
+            let finding = self.finding(
                 compiled,
                 lint::MIRRORED,
                 message,
                 "is the `branch` of the liner, or the head's z axis, the wrong way round?",
-            ));
+            );
+            found.push(self.with_places(finding, compiled, &[Where::Head]));
         }
         found
     }

@@ -18,6 +18,10 @@ pub const SWAPPED: &str = "swapped";
 pub const IDLE: &str = "idle";
 /// A fixed step that is long for the speed of the cycle.
 pub const STEP: &str = "step";
+/// Samples that are far apart for the speed of the cycle, or a run that ends before it has turned.
+pub const SAMPLING: &str = "sampling";
+/// A spring that is too soft for the weight it carries.
+pub const SAG: &str = "sag";
 /// An angle of many turns.
 pub const TURNS: &str = "turns";
 
@@ -31,9 +35,9 @@ pub const BORE: &str = "bore";
 pub const MIRRORED: &str = "mirrored";
 
 /// All of them.
-pub const BUILT_IN: [&str; 13] = [
-    INERTIA, GRAVITY, DAMPING, LOOSE, APART, SWAPPED, IDLE, STEP, TURNS, PERIOD, FIRING, BORE,
-    MIRRORED,
+pub const BUILT_IN: [&str; 15] = [
+    INERTIA, GRAVITY, DAMPING, LOOSE, APART, SWAPPED, IDLE, STEP, SAMPLING, SAG, TURNS, PERIOD,
+    FIRING, BORE, MIRRORED,
 ];
 
 /// `accept usual` in the block of a use, of a body, of a component or of the model.

@@ -361,7 +361,8 @@ pub struct System {
     pub journals: Vec<JournalInfo>,
     /// Cylinders that fire, for figures and orders.
     pub firings: Vec<FiringInfo>,
-    /// Where attributes are stated, by path: `gravity`, `crank.inertia`.
+    /// Where attributes are stated, by path: `gravity`, `crank.inertia`; of a number that is given to a class by the name of a constant
+    /// (`gas[2].firing`), where that constant stands.
     pub stated: std::collections::BTreeMap<String, Location>,
     /// What the text accepts of lints.
     pub accepted: Vec<crate::lint::Accepted>,

@@ -115,7 +115,7 @@ eng_grammar::codes! {
         "accept usul",
         "accept usual";
     MANY_TURNS = "W0551", "an angle in rad is many turns",
-        "More than 20 rad, three turns, stand where engines have parts of a turn: degrees were probably meant. Where it is meant, `accept turns` stands in the definition around.",
+        "More than 20 rad, three turns, stand where engines have parts of a turn: degrees were probably meant. Or the sine of a number above a turn is asked for that has no unit of an angle: `sin(16)`; `i*360/7 deg` is i*360/(7 deg). Where it is meant, `accept turns` stands in the definition around.",
         "start crank.angle = 180 rad",
         "start crank.angle = 180 deg";
     UNUSED_LET = "W0301", "a value is not used",

@@ -148,10 +148,10 @@ eng_grammar::codes! {
         "advise teeth > 11 else \"so few teeth are undercut\"",
         "const teeth = 23\nadvise teeth > 11 else \"so few teeth are undercut\"";
     UNTIED = "W0503", "a body is tied to nothing",
-        "No joint, force or journal touches it: it moves by gravity and its start velocity alone.",
+        "No joint, force or journal touches it: it moves by gravity and its start velocity alone. `accept loose` in the body takes it for meant; where nothing touches the ground, free flight is taken for meant.",
         "", "";
     ADRIFT = "W0504", "bodies have no path to the ground",
-        "They hang together, but nothing ties one of them to the ground: together they fall or drift.",
+        "They hang together, but nothing ties one of them to the ground: together they fall or drift. `accept loose` takes it for meant; where nothing touches the ground, free flight is taken for meant.",
         "", "";
     UNSERVED = "W0505", "a load on a flexible body has no static mode",
         "Normal modes alone converge slowly under a load at one place: the body seems too stiff there. A static mode at that marker answers the load exactly. A term that lists its freedoms is taken as it is; one whose markers nothing loads gives no mode. Constraint modes of a free body that are rigid motions, as those of a single interface, leave nothing: they serve no load.",

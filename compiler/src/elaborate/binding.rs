@@ -133,9 +133,11 @@ impl BindProgram {
                     }
                 }
                 Op::Table(handle, argument, _) => {
-                    let table = graph
-                        .as_constant(handle)
-                        .and_then(|index| tables.get(index as usize));
+                    let index = match graph.op(handle) {
+                        Op::Input(k) if k >= FIXED => self.fixed.get((k - FIXED) as usize).copied(),
+                        _ => graph.as_constant(handle),
+                    };
+                    let table = index.and_then(|index| tables.get(index as usize));
                     if let Some(table) = table {
                         add(Origin {
                             path: table.name().to_owned(),
@@ -383,6 +385,9 @@ impl<'a> Elaborator<'a, '_> {
                     }
                     None => (f64::NEG_INFINITY, f64::INFINITY),
                 };
+                if let Some(at) = expr.and_then(|e| self.named_by(e, scope)) {
+                    self.stated.insert(path.to_owned(), at);
+                }
                 let index = self.parameters.len() as u32;
                 self.parameters.push(Parameter {
                     origin: eng_system::system::Origin {
@@ -448,6 +453,29 @@ impl<'a> Elaborator<'a, '_> {
             _ => return None,
         };
         self.program.unit(unit).ok()
+    }
+
+    /// Where the first constant stands that an expression names: `firing[i]`, `-offset`.
+    fn named_by(&self, expr: &ast::Expr, scope: ScopeId) -> Option<Location> {
+        let name = match &expr.kind {
+            ast::ExprKind::Name(name) => name,
+            ast::ExprKind::Index { base, .. } => return self.named_by(base, scope),
+            ast::ExprKind::Paren { inner, .. } => return self.named_by(inner, scope),
+            ast::ExprKind::Unary { operand, .. } => return self.named_by(operand, scope),
+            ast::ExprKind::Binary { left, right, .. } => {
+                let left = self.named_by(left, scope);
+                return left.or_else(|| self.named_by(right, scope));
+            }
+            _ => return None,
+        };
+        let mut at = Some(scope);
+        while let Some(id) = at {
+            if self.scope(id).entries.contains_key(name) {
+                return self.named.get(&(id.0 as usize, name.clone())).copied();
+            }
+            at = self.scope(id).parent;
+        }
+        None
     }
 
     /// The unit of the parameter that a value is made of: `bore` or `bore/2` is shown as `bore` is.

@@ -20,6 +20,38 @@ pub(crate) fn find(name: &str) -> Option<&'static str> {
 type UnaryOp = fn(Node) -> Op;
 
 impl<'a> Elaborator<'a, '_> {
+    /// Tells of `cos(16)`: a number of the text that is more than a turn in rad, and no angle.
+    fn angle_without_unit(&mut self, name: &str, x: Scalar, span: Span, scope: ScopeId) {
+        let known = match x.stage {
+            Stage::Bind => self.bench.bind.graph.as_constant(x.node),
+            Stage::Motion => None,
+        };
+        let Some(value) = known.filter(|value| value.abs() > std::f64::consts::TAU) else {
+            return;
+        };
+        let path = self.scope(scope).path.clone();
+        if x.dimension == Dimension::ANGLE
+            || self.accepts(eng_system::lint::TURNS, &path)
+            || !self.turns_told.insert(span)
+        {
+            return;
+        }
+        let turns = value.abs() / std::f64::consts::TAU;
+        let shown = format!("{value:.6}");
+        let shown = shown.trim_end_matches('0').trim_end_matches('.');
+        self.diagnostics.push(
+            Diagnostic::warning(
+                codes::MANY_TURNS,
+                format!(
+                    "`{name}` of {shown}, which is no angle: it is taken in rad, {turns:.1} turns"
+                ),
+            )
+            .at(span, "are degrees meant?")
+            .with_help("give the angle its unit where it is stated: `deg` or `rad`")
+            .acceptable(eng_system::lint::TURNS),
+        );
+    }
+
     pub fn builtin(
         &mut self,
         name: &'static str,
@@ -55,6 +87,9 @@ impl<'a> Elaborator<'a, '_> {
         };
         if let Some((op, dimension)) = unary {
             let x = self.only_scalar(values, span)?;
+            if matches!(name, "sin" | "cos" | "tan") {
+                self.angle_without_unit(name, x, span, scope);
+            }
             return Ok(Value::Scalar(
                 self.bench.unary(x, dimension, |g, n| g.unary(op, n)),
             ));

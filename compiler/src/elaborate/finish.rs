@@ -107,6 +107,8 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             advised: Vec::new(),
             lints: program.lints(),
             stated: BTreeMap::new(),
+            named: Default::default(),
+            turns_told: Default::default(),
             gravity: None,
             cycle: None,
             pending: Vec::new(),

@@ -195,8 +195,12 @@ pub(crate) struct Elaborator<'a, 'd> {
     pub advised: Vec<(Diagnostic, Vec<String>)>,
     /// Names of all lints.
     pub lints: std::collections::BTreeSet<&'a str>,
-    /// Where attributes are stated, by path.
+    /// Where attributes are stated, by path; of a number that is given to a class by the name of a constant, where that stands.
     pub stated: std::collections::BTreeMap<String, Location>,
+    /// Calls of `sin` and its like that were told to have no angle.
+    pub turns_told: std::collections::HashSet<Span>,
+    /// Where the `let`s and `const`s of models and components stand, by scope and name.
+    pub named: HashMap<(usize, String), Location>,
     pub gravity: Option<[crate::ir::Node; 3]>,
     pub cycle: Option<CycleDraft<'a>>,
     pub pending: Vec<model::Pending<'a>>,

@@ -86,6 +86,12 @@ impl<'a> Elaborator<'a, '_> {
                     .at(span, "the circle closes here"),
             )),
             Some(Entry::Lazy(lazy)) => {
+                if let Lazy::Binding(binding) = &lazy
+                    && self.scope(scope).lasting
+                {
+                    let at = super::location(binding.name.span);
+                    self.named.insert((scope.0 as usize, name.to_owned()), at);
+                }
                 self.define(scope, name, Entry::Busy);
                 let guards = self.guards.clone();
                 self.guards

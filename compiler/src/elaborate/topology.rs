@@ -4,7 +4,8 @@ use super::Elaborator;
 use super::binding::span_of;
 use crate::codes;
 use eng_grammar::{Diagnostic, Span};
-use eng_system::system::{BodyRef, Location, Origin};
+use eng_system::lint;
+use eng_system::system::{BodyRef, Location, Origin, Role};
 
 impl Elaborator<'_, '_> {
     fn unused_markers(&self) -> Vec<(Location, Vec<&str>)> {
@@ -47,6 +48,17 @@ impl Elaborator<'_, '_> {
         )
     }
 
+    /// Whether all bodies fly freely, and that is meant: nothing touches the ground, there is no cycle, and gravity is stated to be zero or
+    /// a body begins with a velocity.
+    fn flies(&self, grounded: bool) -> bool {
+        let graph = &self.bench.bind.graph;
+        let zero = |n: &crate::ir::Node| graph.as_constant(*n) == Some(0.0);
+        let weightless = self.gravity.as_ref().is_some_and(|g| g.iter().all(zero));
+        let thrown = (self.elements.iter())
+            .any(|element| matches!(element.role, Role::StartVelocity { exact: true }));
+        !grounded && self.cycle.is_none() && (weightless || thrown)
+    }
+
     /// Lints on bodies that nothing holds and markers that nothing uses.
     pub fn connections(&mut self, model: Span) {
         let ground = self.bodies.len();
@@ -74,11 +86,16 @@ impl Elaborator<'_, '_> {
                 parent[x] = y;
             }
         }
-        let untied = self.bodies.iter().zip(&touched);
-        let untied = untied
-            .filter(|(_, touched)| !**touched)
-            .map(|(body, _)| &body.origin);
-        for (place, paths) in by_place(untied) {
+        let free = self.flies(touched[ground]);
+        let untied: Vec<Origin> = (0..ground)
+            .filter(|b| !touched[*b] && !free)
+            .map(|b| self.bodies[b].origin.clone())
+            .collect();
+        let untied: Vec<Origin> = untied
+            .into_iter()
+            .filter(|origin| !self.accepts(lint::LOOSE, &origin.path))
+            .collect();
+        for (place, paths) in by_place(untied.iter()) {
             let (noun, verb) = match paths.len() {
                 1 => ("body", "is"),
                 _ => ("bodies", "are"),
@@ -92,19 +109,23 @@ impl Elaborator<'_, '_> {
                     span_of(place),
                     "no joint, force, journal or drive touches it",
                 )
-                .with_help("tie it to something, or remove it"),
+                .with_help("tie it to something, or remove it")
+                .acceptable(lint::LOOSE),
             );
         }
         let mut groups: Vec<usize> = Vec::new();
-        for (b, body) in self.bodies.iter().enumerate() {
-            let origin = &body.origin;
-            let Some(place) = origin.used_at.filter(|_| touched[b]) else {
+        for b in (0..ground).filter(|b| touched[*b] && !free) {
+            let origin = self.bodies[b].origin.clone();
+            let Some(place) = origin.used_at else {
                 continue;
             };
             let path = &origin.path;
             let r = root(&parent, b);
             if r != root(&parent, ground) && !groups.contains(&r) {
                 groups.push(r);
+                if self.accepts(lint::LOOSE, path) {
+                    continue;
+                }
                 let members: Vec<&str> = (0..ground)
                     .filter(|c| root(&parent, *c) == r)
                     .map(|c| self.bodies[c].origin.path.as_str())
@@ -113,7 +134,8 @@ impl Elaborator<'_, '_> {
                     Diagnostic::warning(codes::ADRIFT, format!("{path} has no path to the ground"))
                         .at(span_of(place), "it will fall or drift")
                         .with_note(format!("it hangs together with: {}", members.join(", ")))
-                        .with_help("tie one of these to `ground` by a joint or a force, if that is not meant"),
+                        .with_help("tie one of these to `ground` by a joint or a force, if that is not meant")
+                        .acceptable(lint::LOOSE),
                 );
             }
         }

@@ -86,6 +86,7 @@ pub fn through(model: &Model, element: usize, state: &State) -> Option<Chain> {
                 origin: origins.bodies[body].origin.clone(),
                 length: across.norm(),
                 parameters,
+                markers: markers.map(|m| origins.markers[m].origin.clone()),
             })
         })
         .collect();

@@ -6,7 +6,7 @@ use crate::body::BodyModel;
 use crate::dynamics::undefined;
 use crate::error::RuntimeError;
 use crate::model::Model;
-use crate::rotation::{exponential, normalized, product};
+use crate::rotation::{exponential, normalized, product, quaternion};
 use crate::state::{State, move_pose};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
@@ -191,6 +191,17 @@ pub fn close_all(
     if bad.is_empty() {
         return Ok(());
     }
+    // A joint may close with its axes exchanged, on the border of its branches: put its markers' axes side by side.
+    let mut trial = state.clone();
+    for element in &bad {
+        align(model, stated, *element, &mut trial);
+    }
+    close(model, &rows, &every, &mut trial, 80)?;
+    let found = offending(model, exact, conditioned, &trial)?;
+    if found.len() < bad.len() {
+        bad = found;
+        *state = trial;
+    }
     let mut numbers = Numbers::new(1);
     for _ in 0..(2 * model.elements.len()).min(40) {
         let Some(first) = bad.first().copied() else {
@@ -266,6 +277,28 @@ pub fn close_all(
             })
             .collect(),
     })
+}
+
+/// Turns a body without a stated place about its marker, so that the axes of an element's two markers agree.
+fn align(model: &Model, stated: &[bool], element: usize, state: &mut State) {
+    let markers = model.elements[element].markers.as_slice();
+    let (&[a, b], Some(_)) = (markers, model.class(element).rows.first()) else {
+        return;
+    };
+    for (own, other) in [(a, b), (b, a)] {
+        let Some(body) = model.markers[own].body.filter(|body| !stated[*body]) else {
+            continue;
+        };
+        let [place, target] =
+            [own, other].map(|m| super::rows::marker(model, m, &state.pose, &state.velocity));
+        let marker = &model.markers[own];
+        let rotation = target.rotation * marker.orientation.transpose();
+        let position = place.position - rotation * marker.position;
+        let pose = model.bodies[body].pose;
+        state.pose[pose..pose + 3].copy_from_slice(position.as_slice());
+        state.pose[pose + 3..pose + 7].copy_from_slice(&quaternion(&rotation));
+        return;
+    }
 }
 
 fn turn_body(model: &Model, pose: usize, numbers: &mut Numbers, state: &mut State, reach: f64) {

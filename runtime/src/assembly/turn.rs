@@ -6,7 +6,7 @@
 //! reached, the mechanism locks there.
 
 use super::closing::set_mobility;
-use super::rows::{Along, Rows, wishes};
+use super::rows::{self, Along, Rows, wishes};
 use super::{assemble, at, chains, lock};
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;
@@ -19,6 +19,8 @@ use eng_system::code::Compiled;
 
 /// Places of a turn of 360°.
 const PLACES: f64 = 36.0;
+/// Most turns that are looked at, of a cycle however long.
+const MOST_TURNS: f64 = 4.0;
 /// How often a step is halved before its place counts as out of reach.
 const HALVINGS: usize = 6;
 /// A scaled row below this is closed: far below what a lock leaves open.
@@ -39,8 +41,8 @@ pub struct Place<'a> {
     pub angle: f64,
 }
 
-/// Turns a model through one period and shows each place to `visit`, the start first. `false` where there is nothing to turn: no
-/// cycle, or one that stands at the start.
+/// Turns a model through one period and shows each place to `visit`, the start first. Without a cycle it is a turn of what a drive
+/// turns fastest, its angle counted from the start. `false` where there is nothing to turn: no cycle and no drive, or a cycle that stands at the start.
 ///
 /// # Errors
 ///
@@ -51,25 +53,27 @@ pub fn turn(
     visit: &mut dyn FnMut(&Place<'_>) -> Result<(), RuntimeError>,
 ) -> Result<bool, RuntimeError> {
     let mut model = Model::bind(compiled, overrides)?;
-    let Some(cycle) = compiled.system.cycle.clone() else {
-        return Ok(false);
-    };
     let mut state = assemble(&mut model)?;
     let Ok(motion) = SteadyMotion::new(&model, &state) else {
         return Ok(false);
     };
-    let mut turning = Turning::new(&model, motion, cycle.element as usize)?;
-    let period = model.slot(cycle.period);
+    let cycle = compiled.system.cycle.as_ref();
+    let mut turning = Turning::new(&model, motion, cycle.map(|cycle| cycle.element as usize))?;
+    let period = cycle.map_or(std::f64::consts::TAU, |cycle| model.slot(cycle.period));
     let Ok(velocity) = turning.motion.velocity(&model, &state) else {
         return Ok(false);
     };
     state.velocity.copy_from_slice(&velocity);
+    if cycle.is_none() {
+        turning.speed = driven(&model, &state)?;
+    }
     let [start, rate] = turning.cycle(&state)?;
     if rate == 0.0 || !rate.is_finite() || !(period > 0.0 && period.is_finite()) {
         return Ok(false);
     }
     let whole = std::f64::consts::TAU / PLACES / rate.abs();
-    let places = libm::round(period / std::f64::consts::TAU * PLACES) as usize;
+    let turns = (period / std::f64::consts::TAU).min(MOST_TURNS);
+    let places = libm::round(turns * PLACES) as usize;
     let mut angle = start;
     visit(&Place {
         model: &model,
@@ -105,6 +109,28 @@ pub fn turn(
     Ok(true)
 }
 
+/// The highest speed (rad/s) that a drive imposes on its first marker about its second one's z axis; 0 where none does.
+fn driven(model: &Model, state: &State) -> Result<f64, RuntimeError> {
+    let mut rest = state.clone();
+    rest.velocity.fill(0.0);
+    let mut fastest: f64 = 0.0;
+    for (index, element) in model.elements.iter().enumerate() {
+        if !element.dynamic || model.class(index).rows.is_empty() {
+            continue;
+        }
+        // rows that change while nothing moves
+        let rates = Rows::new(model, vec![index]).rates(model, &at(&rest))?;
+        if let &[a, b] = element.markers.as_slice()
+            && rates.iter().any(|rate| *rate != 0.0)
+        {
+            let [a, b] = [a, b].map(|m| rows::marker(model, m, &state.pose, &state.velocity));
+            let relative = a.rotation * a.angular_velocity - b.rotation * b.angular_velocity;
+            fastest = fastest.max(relative.dot(&b.rotation.column(2)).abs());
+        }
+    }
+    Ok(fastest)
+}
+
 /// Whether the cycle has turned by about what it should.
 fn kept_up(turned: f64, wanted: f64) -> bool {
     (turned - wanted).abs() <= BEHIND * wanted.abs()
@@ -118,7 +144,10 @@ struct Turning<'a> {
     exact: Rows,
     mobility: Vec<f64>,
     dynamics: Dynamics,
-    outputs: Outputs,
+    /// The cycle's, where there is one.
+    outputs: Option<Outputs>,
+    /// Without a cycle: how fast the angle grows (rad/s).
+    speed: f64,
     watch: Watch,
 }
 
@@ -126,7 +155,7 @@ impl<'a> Turning<'a> {
     fn new(
         model: &'a Model,
         motion: SteadyMotion,
-        cycle: usize,
+        cycle: Option<usize>,
     ) -> Result<Turning<'a>, RuntimeError> {
         let elements: Vec<usize> = (0..model.elements.len())
             .filter(|e| model.elements[*e].dynamic && !model.class(*e).rows.is_empty())
@@ -143,17 +172,21 @@ impl<'a> Turning<'a> {
             exact,
             mobility,
             dynamics: Dynamics::new(model),
-            outputs: Outputs::watching(model, cycle)?,
+            outputs: cycle.map(|e| Outputs::watching(model, e)).transpose()?,
+            speed: 0.0,
             watch: Watch::new(model, |_| true),
         })
     }
 
     /// Cycle angle (rad) and its rate (rad/s) at a state.
     fn cycle(&mut self, state: &State) -> Result<[f64; 2], RuntimeError> {
+        let Some(outputs) = &mut self.outputs else {
+            return Ok([self.speed * state.time, self.speed]);
+        };
         self.dynamics
             .place(self.model, state.time, &state.pose, &state.velocity);
-        self.outputs.evaluate(self.model, &self.dynamics, state)?;
-        Ok(self.outputs.watched_values)
+        outputs.evaluate(self.model, &self.dynamics, state)?;
+        Ok(outputs.watched_values)
     }
 
     /// The place after `h` (s), with the cycle's angle and rate; `None` where the equations do not close.
@@ -229,7 +262,7 @@ impl<'a> Turning<'a> {
         let model = self.model;
         let moment = Moment {
             time: state.time,
-            cycle_angle: Some(angle),
+            cycle_angle: self.outputs.as_ref().map(|_| angle),
         };
         if let Some(locked) = lock::near(model, state, moment)? {
             return Ok(locked);
