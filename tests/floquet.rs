@@ -363,18 +363,26 @@ fn decay(values: &[f64], h: f64) -> Complex<f64> {
 }
 
 /// A square bar in two short bearings, which bends in axes that turn with it. `push` is a bump of a force at both ends, across the load.
+/// `brake` holds both ends until 5 ms.
 const FLEXIBLE: &str = "
     use std.joints.PointOnPlane
     use std.drives.PrescribedRotation
     use std.journals.Short
-    force Bump(a: Marker, b: Marker, size: Force) {
-        let place = (time - 6 ms)/1.5 ms
+    force Bump(a: Marker, b: Marker, size: Force, middle: Time, width: Time) {
+        let place = (time - middle)/width
         apply force size*exp(-place*place)*b.y on a against b
+    }
+    force Brake(a: Marker, b: Marker, coefficient: Damping) {
+        let over = (time - 5 ms)/0.5 ms
+        apply force -coefficient*(1 - tanh(over))/2*a.velocity on a against b
     }
     model Flexible {
         param speed: AngularVelocity = 1200 rad/s
         param pull: Acceleration = 185 m/s^2
         param push: Force = 0 N
+        param moment: Time = 6 ms
+        param width: Time = 1.5 ms
+        param brake: Damping = 0 N*s/m
         gravity = [1, 0, 0]*pull
         marker near = [0, 0, 0] mm
         marker far = [0, 0, 200] mm
@@ -390,30 +398,30 @@ const FLEXIBLE: &str = "
         drive turn = PrescribedRotation(bar.foot, near, speed: speed)
         journal left = Short(pin: bar.foot, shell: near, diameter: 20 mm, width: 10 mm, radial_clearance: 20 um, viscosity: 10 mPa*s)
         journal right = Short(pin: bar.tip, shell: far, diameter: 20 mm, width: 10 mm, radial_clearance: 20 um, viscosity: 10 mPa*s)
-        force first = Bump(bar.foot, near, size: push)
-        force second = Bump(bar.tip, far, size: push)
+        force first = Bump(bar.foot, near, size: push, middle: moment, width: width)
+        force second = Bump(bar.tip, far, size: push, middle: moment, width: width)
+        force held = Brake(bar.foot, near, coefficient: brake)
+        force braked = Brake(bar.tip, far, coefficient: brake)
         output middle = dot(bar.foot.origin + bar.tip.origin - near.origin - far.origin, ground.y)/2 as um
     }
     analysis loaded = linear(Flexible(), over: 1 rev, number: 2)
     analysis frozen = linear(Flexible(), number: 2, frozen: true)
     analysis plain = linear(Flexible(), number: 2)
     analysis light = linear(Flexible(pull: 2 m/s^2), over: 1 rev, number: 2)
-    analysis decay = transient(Flexible(push: 0.5 N), duration: 30 ms, sample: 0.25 ms, step: 5 us, start: quasi_static)";
+    analysis decay = transient(Flexible(push: 0.5 N), duration: 30 ms, sample: 0.25 ms, step: 5 us, start: quasi_static)
+    analysis edge[s in [7400, 7800, 8000, 9000] rad/s] = linear(Flexible(speed: s, pull: 200 m/s^2), over: 1 rev, number: 1)
+    analysis half = linear(Flexible(pull: 200 m/s^2), over: 1 rev, number: 1)
+    analysis whirl[s in [7600, 7680, 8000] rad/s] = transient(
+        Flexible(speed: s, pull: 200 m/s^2, push: 0.1 N, moment: 8 ms, width: 0.3 ms, brake: 2000 N*s/m),
+        duration: 45 ms, sample: 0.1 ms, step: 2 us, start: quasi_static)";
 
 /// The whirl of a flexible rotor dies out in time as its exponent says, within 1e-3 |λ|; the frozen picture is farther off. Hardly loaded
 /// it whirls at half its speed, about a motion that no transient stays on.
 #[test]
 fn a_flexible_rotor_on_two_bearings() {
     let program = program(FLEXIBLE);
-    let results = outcome(&program, "decay").results;
-    let y = &results.column("middle").expect("a column").values;
-    // The bump is over. Differences know nothing of where it comes to rest, sums over about a period of the bending nothing of its ring;
-    // neither changes an exponent.
-    let mut swing: Vec<f64> = y[48..].windows(2).map(|w| w[1] - w[0]).collect();
-    for count in [4, 3, 3, 4] {
-        swing = swing.windows(count).map(|w| w.iter().sum()).collect();
-    }
-    let due = decay(&swing, 0.25e-3);
+    // the bump is over
+    let due = whirl(&program, "decay", 48, 0.25e-3);
     let nearest = |found: &LinearModes| {
         let off = found
             .modes
@@ -446,4 +454,61 @@ fn a_flexible_rotor_on_two_bearings() {
         "{}",
         whirl.value
     );
+}
+
+/// λ of the whirl of a transient of [`FLEXIBLE`], from a sample on.
+fn whirl(program: &Program, analysis: &str, from: usize, h: f64) -> Complex<f64> {
+    let results = outcome(program, analysis).results;
+    let y = &results.column("middle").expect("a column").values;
+    // Differences know nothing of where it comes to rest, sums over about a period of the bending nothing of its ring; neither changes
+    // an exponent.
+    let mut swing: Vec<f64> = y[from..].windows(2).map(|w| w[1] - w[0]).collect();
+    for count in [4, 3, 3, 4] {
+        swing = swing.windows(count).map(|w| w.iter().sum()).collect();
+    }
+    decay(&swing, h)
+}
+
+/// The speed at which oil whirl of a flexible rotor begins, by bisection from multipliers, is that at which whirl in transients neither
+/// grows nor dies; beyond it shooting finds the motion that no transient stays on, and whirl leaves it as its exponent says.
+#[test]
+fn the_threshold_of_oil_whirl() {
+    let program = program(FLEXIBLE);
+    let growth = |found: &LinearModes| found.modes[0].value.re;
+    let edge: Vec<LinearModes> = (1..=4)
+        .map(|i| modes(&program, &format!("edge[{i}]")))
+        .collect();
+    assert!(!edge[0].modes[0].grows() && edge[1..].iter().all(|found| found.modes[0].grows()));
+    for found in &edge {
+        let orbit = found.orbit.as_ref().expect("an orbit");
+        assert!(orbit.gap < 1e-2, "{orbit:?}");
+    }
+    let half = program.analysis("half").expect("an analysis");
+    let speed = half.parameter("speed").expect("a parameter");
+    let (mut below, mut above) = (7400.0, 7800.0);
+    while above - below > 0.5 {
+        let middle = 0.5 * (below + above);
+        let quantity = format!("{middle} rad/s").parse().expect("a quantity");
+        let at = half.clone().set(speed, quantity).expect("a setting");
+        let found = at.run(&mut |_| {}).map_err(|f| f.error).expect("modes");
+        let found = found.modes.expect("modes");
+        *(if growth(&found) > 0.0 {
+            &mut above
+        } else {
+            &mut below
+        }) = middle;
+    }
+    let threshold = 0.5 * (below + above);
+    let [slow, fast, beyond] =
+        [1, 2, 3].map(|i| whirl(&program, &format!("whirl[{i}]"), 250, 1e-4));
+    assert!(slow.re < 0.0 && fast.re > 0.0, "{slow} {fast}");
+    let due = 7600.0 - 80.0 * slow.re / (fast.re - slow.re);
+    let exponent = edge[2].modes[0].value;
+    println!(
+        "threshold {threshold}, of transients {due}; beyond it {exponent}, of a transient {beyond}; at 9000 rad/s {}",
+        edge[3].modes[0].value
+    );
+    near(threshold / due, 1.0, 1e-3);
+    assert!((exponent - beyond).norm() < 1e-3 * beyond.norm());
+    near(exponent.re, beyond.re, 1e-2 * beyond.re);
 }

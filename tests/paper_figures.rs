@@ -9,6 +9,8 @@ const ANALYSES: &str = "
 analysis steady = periodic(Engine())
 analysis quasi_static = transient(Engine(), duration: 90 deg, sample: 0.5 deg)
 analysis assembled = transient(Engine(), duration: 90 deg, sample: 0.5 deg, start: assembled)
+analysis cycle = linear(Engine(), after: 16 rev, over: 2 rev, number: 12)
+analysis drive_line = transient(Engine(), duration: 24 rev, sample: 720 deg)
 analysis fired_start = transient(Engine(combustion: 1), duration: 1 deg, sample: 0.5 deg)
 ";
 
@@ -178,4 +180,53 @@ fn nothing_of_the_engine_hangs() {
         .unwrap_or_else(|error| panic!("{error}"));
     let found = analysis.hanging().unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(found, None);
+}
+
+/// The modes of the engine over a cycle of two turns: all die out, none is neutral, for the dynamometer holds the phase; the slowest, the
+/// drive line's torsion, does so as in the transient from cycle to cycle; pitching and heaving are where the frozen picture has them.
+#[test]
+fn the_engine_over_a_cycle() {
+    let outcome = run("cycle");
+    let found = outcome.modes.expect("modes");
+    let orbit = found.orbit.as_ref().expect("an orbit");
+    assert!((orbit.period / 30e-3 - 1.0).abs() < 1e-9 && orbit.gap <= 1.0);
+    assert_eq!(found.zeros, 0);
+    assert!(found.modes.iter().all(|mode| !mode.grows()));
+    let torsion = found
+        .modes
+        .iter()
+        .max_by(|a, b| a.value.re.total_cmp(&b.value.re))
+        .expect("a mode");
+    // |μ| and angle of an oscillation sampled once a cycle: y(k+2) = s y(k+1) − p y(k)
+    let results = run("drive_line").results;
+    let swing: Vec<f64> = column(&results, "coupling.torque")[3..]
+        .windows(2)
+        .map(|w| w[1] - w[0])
+        .collect();
+    let sum = |term: &dyn Fn(&[f64]) -> f64| swing.windows(3).map(term).sum::<f64>();
+    let (aa, ab, bb) = (
+        sum(&|w| w[1] * w[1]),
+        -sum(&|w| w[1] * w[0]),
+        sum(&|w| w[0] * w[0]),
+    );
+    let (ay, by) = (sum(&|w| w[1] * w[2]), -sum(&|w| w[0] * w[2]));
+    let det = aa * bb - ab * ab;
+    let (s, p) = ((ay * bb - by * ab) / det, (aa * by - ab * ay) / det);
+    let decay = 0.5 * p.ln() / orbit.period;
+    let turn = (0.5 * s / p.sqrt()).acos();
+    let multiplier = (torsion.value * orbit.period).exp();
+    println!(
+        "{orbit:?}: slowest {} 1/s of {} Hz, in time {decay}; turn a cycle {}, in time {turn}",
+        torsion.value.re,
+        torsion.frequency(),
+        multiplier.arg()
+    );
+    assert!((torsion.value.re / decay - 1.0).abs() < 5e-3, "{decay}");
+    assert!((multiplier.arg().abs() - turn).abs() < 5e-3, "{turn}");
+    for due in [162.3, 227.2] {
+        let near = found
+            .oscillations()
+            .any(|mode| (mode.frequency() / due - 1.0).abs() < 5e-3);
+        assert!(near, "{due} Hz");
+    }
 }

@@ -3,13 +3,17 @@
 use super::floquet::about_an_orbit;
 use super::{LinearModes, Wanted, linearise};
 use crate::error::{Moment, RuntimeError};
-use crate::simulation::{Options, Simulation};
-use crate::transient::{Advance, Observer, follow};
+use crate::simulation::{Options, Simulation, Slow, Warning};
+use crate::transient::{Advance, Observer, Sample, Verdict, follow};
 use eng_system::code::Compiled;
 use eng_system::system::{Extent, Linear};
+use std::ops::ControlFlow;
 
 /// Steps without progress of the cycle before a run by angle gives up.
 const PATIENCE: u64 = 200_000;
+
+/// Share of the progress that is the transient to the state, where a period follows.
+const BEFORE: f64 = 0.25;
 
 /// Linearises where an analysis says. `observer` gets start, progress and warnings, and no samples.
 pub fn run_linear(
@@ -33,6 +37,10 @@ pub fn run_linear(
     };
     let mut values = vec![0.0; compiled.system.channels.len()];
     simulation.evaluate_channels(&mut values)?;
+    let all = observer;
+    // a period after it takes longer
+    let part = if linear.over.is_some() { BEFORE } else { 1.0 };
+    let observer = &mut Stretch::new(all, 0.0, part);
     match linear.after {
         None => {}
         Some(Extent::Time(end)) => {
@@ -54,10 +62,48 @@ pub fn run_linear(
     }
     let modes = match linear.over {
         None => simulation.sampled_modes(wanted)?,
-        Some(over) => about_an_orbit(&mut simulation, over, linear.step, wanted, observer)?,
+        Some(over) => {
+            let mut rest = Stretch::new(all, part, 1.0);
+            about_an_orbit(&mut simulation, over, linear.step, wanted, &mut rest)?
+        }
     };
-    follow(&simulation, observer, &Advance::new(&simulation, 1.0), true)?;
+    follow(&simulation, all, &Advance::new(&simulation, 1.0), true)?;
     Ok(modes)
+}
+
+/// An observer of a stretch of the whole: its progress is from one part to another, 0…1.
+pub(super) struct Stretch<'a> {
+    inner: &'a mut dyn Observer,
+    from: f64,
+    to: f64,
+}
+
+impl<'a> Stretch<'a> {
+    pub fn new(inner: &'a mut dyn Observer, from: f64, to: f64) -> Stretch<'a> {
+        Stretch { inner, from, to }
+    }
+}
+
+impl Observer for Stretch<'_> {
+    fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
+        self.inner.sample(sample)
+    }
+
+    fn progress(&mut self, advance: &Advance) -> Verdict {
+        let fraction = self.from + (self.to - self.from) * advance.fraction;
+        self.inner.progress(&Advance {
+            fraction,
+            ..*advance
+        })
+    }
+
+    fn paced(&mut self, slow: &Slow) {
+        self.inner.paced(slow);
+    }
+
+    fn warning(&mut self, warning: &Warning) {
+        self.inner.warning(warning);
+    }
 }
 
 fn tell(

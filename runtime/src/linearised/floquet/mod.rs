@@ -10,7 +10,7 @@
 //!
 //! Ṅ depends on place and velocity alone, so ẋ turns by the same Q. Left out, every multiplier would be wrong.
 //!
-//! - `orbit`: the motion, by transient and Newton's shooting; `march`: X and N by Radau IIA, once more with steps of double length, whose
+//! - `shooting`: the motion, by Newton's method; `orbit`: the equations along it; `march`: X and N by Radau IIA, once more with steps of double length, whose
 //!   difference is the error that is told; `multipliers`: eigenvalues of the product, small ones too; `harmonics`: k.
 //! - **Neutral** multipliers, of free turning and sliding and of the phase of a motion that no drive holds, are 1 in double blocks that split
 //!   by the root of the error; what lies so near to 1 is counted and not listed, and judged neither stable nor unstable.
@@ -20,6 +20,7 @@ mod harmonics;
 mod march;
 mod multipliers;
 mod orbit;
+mod shooting;
 
 pub use harmonics::Harmonics;
 
@@ -31,7 +32,8 @@ use eng_system::system::{Extent, StepControl};
 use harmonics::harmonics;
 use multipliers::{Multiplier, multipliers};
 use nalgebra::{Complex, DMatrix, DVector};
-use orbit::{Period, Round, period_of, repeating};
+use orbit::{Round, period_of};
+use shooting::repeating;
 use std::f64::consts::TAU;
 
 /// Most distance from 1 that the split of whole and halved steps may excuse.
@@ -142,7 +144,7 @@ pub(super) fn about_an_orbit(
     wanted: Wanted,
     observer: &mut dyn Observer,
 ) -> Result<LinearModes, RuntimeError> {
-    let period = period_of(simulation, over)?;
+    let period = period_of(simulation, over, observer)?;
     let (round, gap) = repeating(simulation, period, control, observer)?;
     let whole = Round::monodromy(&round.fine.segments);
     let phase = phase(&round, &whole);
@@ -150,12 +152,15 @@ pub(super) fn about_an_orbit(
     let of_state = gap.share * model.tolerance / model.length;
     let neutral = (SPLIT * libm::sqrt(of_state.max(phase.unwrap_or(0.0)))).max(NEUTRAL);
     let all = multipliers(&round.fine.segments)?;
-    let coarse = multipliers(&round.coarse.segments)?;
+    let coarse = match &round.coarse {
+        Some(march) => multipliers(&march.segments)?.found,
+        None => Vec::new(),
+    };
     let mut zeros = 0;
     let mut modes = Vec::new();
     for multiplier in &all.found {
         let value = harmonics::exponential(multiplier.logarithm);
-        let error = uncertainty(multiplier, &coarse.found);
+        let error = uncertainty(multiplier, &coarse);
         // a pair that the march itself has split
         let split = (SPLIT * error).min(MOST_SPLIT);
         if (value - 1.0).norm() <= neutral.max(split) {
@@ -172,11 +177,9 @@ pub(super) fn about_an_orbit(
         wanted,
         modes,
     )?;
-    let speed = match period {
-        Period::Cycle(angle) => simulation
-            .cycle_rate()
-            .map(|rate| libm::copysign(angle / round.period, rate)),
-        Period::Time(_) => simulation.cycle_rate(),
+    let speed = match (simulation.cycle_rate(), period.angle) {
+        (Some(rate), Some(angle)) => Some(libm::copysign(angle / round.period, rate)),
+        (rate, _) => rate,
     };
     Ok(LinearModes {
         coefficients: Coefficients::Periodic,

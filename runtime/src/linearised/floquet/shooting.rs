@@ -1,0 +1,382 @@
+//! The motion that repeats.
+//!
+//! A round of `orbit` is one period from a state. If the state after it is not the one before, up to whole turns, Newton's shooting
+//! mends it:
+//!
+//! ```text
+//! x₀ ← x₀ + (1 − W)⁺ (x_T − x₀)       W the monodromy matrix, in the coordinates N at the start
+//! ```
+//!
+//! which finds unstable motions too. Directions that W leaves as they are (a free turn, the phase) stay: the inverse is that of the least
+//! change.
+//!
+//! **Period.** Where an angle is asked for, the time that it takes from the first state on is a first guess of T: on the way to the motion
+//! that repeats the angle swings. What a drive turns has no freedom that could mend its gap; T mends it. With v the velocity, d the gap
+//! of all moves, and the parts of both that no freedom has, `v' = v − NNᵀMv`,
+//!
+//! ```text
+//! δT = −v'ᵀMd'/v'ᵀMv'       x₀ ← x₀ + (1 − W)⁺ (x_T + y δT − x₀)       y = (NᵀMv, NᵀMv̇, ż)
+//! ```
+//!
+//! Where nothing drives, v' = 0, and T is one of the unknowns: `(1 − W) δx − y δT = x_T − x₀`. A T that is stated as a time is kept.
+
+use super::super::constancy;
+use super::super::run::Stretch;
+use super::orbit::{Period, Round, round};
+use crate::acceleration::AccelerationSystem;
+use crate::dynamics::Dynamics;
+use crate::error::{Moment, RuntimeError};
+use crate::model::Model;
+use crate::rotation::{V3, logarithm, product};
+use crate::simulation::Simulation;
+use crate::state::{State, move_pose};
+use crate::transient::Observer;
+use eng_system::system::StepControl;
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// Rounds of the shooting.
+const SHOTS: usize = 20;
+/// Gap, as a share of what is allowed, below which no round is needed, and shrinkage at which another is no use.
+const CLOSED: f64 = 1e-3;
+const STALLED: f64 = 0.5;
+/// Longest move of the first round, as a share of the model's position tolerance, which is a thousandth of a clearance.
+const STRIDE: f64 = 200.0;
+/// Factors of the longest move after a round that did as foreseen, and after one that did not.
+const LONGER: f64 = 2.5;
+const SHORTER: f64 = 0.25;
+/// Singular value of 1 − W, as a share of the largest, of a direction that stays.
+const STAYS: f64 = 1e-7;
+/// Rates are as large as moves times so many times 2π/T.
+const RATES: f64 = 10.0;
+/// Change of a body's spin, as a share of the largest, up to which the shooting finds the motion that was asked for.
+const FREE: f64 = 0.02;
+/// Change of the coefficients over the period, which the gap of the state explains.
+const ALIKE: f64 = 0.02;
+/// Change of a period that was asked for as an angle, as a share, up to which the motion is the one that was asked for.
+const DETUNED: f64 = 0.02;
+/// Speed that no freedom has, as a share of the whole in the mass norm, above which something is driven.
+const DRIVEN: f64 = 1e-6;
+
+/// Where a round of the shooting begins.
+struct Aim {
+    state: State,
+    /// Its period (s).
+    time: f64,
+    /// Share of Newton's step.
+    factor: f64,
+}
+
+/// What is left of x_T − x₀.
+pub(super) struct Gap {
+    /// In the coordinates ξ of the start.
+    coordinates: DVector<f64>,
+    /// As a share of what is allowed.
+    pub share: f64,
+    /// δT (s) that closes what is driven; `None` where nothing is.
+    driven: Option<f64>,
+    /// Index of the body that is farthest off, and its gap in words.
+    worst: (Option<usize>, String),
+}
+
+impl Round {
+    /// The state after the period less the one before, whole turns left out.
+    fn gap(&self, model: &Model) -> Gap {
+        let (from, to) = (&self.start, &self.end);
+        let mut moves = vec![0.0; model.velocities];
+        for body in &model.bodies {
+            let (p, v) = (body.pose, body.velocity);
+            for i in 0..3 {
+                moves[v + i] = to.pose[p + i] - from.pose[p + i];
+            }
+            let quaternion =
+                |s: &State| [s.pose[p + 3], s.pose[p + 4], s.pose[p + 5], s.pose[p + 6]];
+            let [w, x, y, z] = quaternion(from);
+            let mut turn = product(&[w, -x, -y, -z], &quaternion(to));
+            if turn[0] < 0.0 {
+                turn = turn.map(|q| -q);
+            }
+            let angle: V3 = logarithm(&turn);
+            moves[v + 3..v + 6].copy_from_slice(angle.as_slice());
+            for i in 0..body.modes() {
+                moves[v + 6 + i] = to.pose[p + 7 + i] - from.pose[p + 7 + i];
+            }
+        }
+        let difference =
+            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| b - a).collect() };
+        let rates = difference(&from.velocity, &to.velocity);
+        let states = difference(&from.states, &to.states);
+        let allowed = model.tolerance / model.length;
+        let scales = model.velocity_scales();
+        let mut share = 0.0;
+        let mut worst = (None, "nothing".to_owned());
+        for (index, body) in model.bodies.iter().enumerate() {
+            for i in body.velocity..body.velocity + body.width() {
+                let of_place = (moves[i] / scales[i]).abs() / allowed;
+                let of_rate = (rates[i] / scales[i]).abs() / (allowed * RATES * TAU / self.period);
+                let larger = of_place.max(of_rate);
+                if larger.is_nan() || larger > share {
+                    share = larger;
+                    let place = i - body.velocity;
+                    let moved = of_place >= of_rate;
+                    let amount = if moved { moves[i] } else { rates[i] };
+                    let text = match (place, moved) {
+                        (0..3, true) => format!("is {:.3e} m away", amount.abs()),
+                        (0..3, false) => format!("is {:.3e} m/s faster or slower", amount.abs()),
+                        (3..6, true) => format!("is turned by {:.3e}°", amount.abs().to_degrees()),
+                        (3..6, false) => {
+                            format!("turns by {:.3e} rad/s faster or slower", amount.abs())
+                        }
+                        (_, true) => format!("is bent otherwise (mode {})", place - 5),
+                        (_, false) => format!("bends at another rate (mode {})", place - 5),
+                    };
+                    worst = (Some(index), text);
+                }
+            }
+        }
+        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+        let (off, size) = (
+            largest(&states),
+            largest(&from.states).max(largest(&to.states)),
+        );
+        if size > 0.0 && off / (1e-3 * size) > share {
+            share = off / (1e-3 * size);
+            worst = (
+                None,
+                format!("a state of an element differs by {off:.3e} (SI)"),
+            );
+        }
+        let ground = |x: Vec<f64>| self.first.in_ground_axes(DVector::from_vec(x));
+        let moves = ground(moves);
+        Gap {
+            driven: self.detuning(&moves),
+            coordinates: self.coordinates(&moves, &ground(rates), &states),
+            share,
+            worst,
+        }
+    }
+
+    /// δT (s) that closes the moves (ground axes) that no freedom has; `None` where nothing is driven.
+    fn detuning(&self, moves: &DVector<f64>) -> Option<f64> {
+        let (basis, mass) = (&self.first.basis, &self.first.mass);
+        let given = |x: &DVector<f64>| x - basis * (basis.transpose() * (mass * x));
+        let velocity = self
+            .first
+            .in_ground_axes(DVector::from_column_slice(&self.start.velocity));
+        let driven = given(&velocity);
+        let loads = mass * &driven;
+        let (square, whole) = (driven.dot(&loads), velocity.dot(&(mass * &velocity)));
+        (square > DRIVEN * DRIVEN * whole).then(|| -given(moves).dot(&loads) / square)
+    }
+
+    /// Newton's step of the shooting, which moves nothing aside by more than a `reach` of the position tolerance; the period stays where
+    /// it is not `free`.
+    fn mended(
+        &self,
+        model: &Model,
+        gap: &Gap,
+        free: bool,
+        reach: f64,
+    ) -> Result<Aim, RuntimeError> {
+        let p = self.first.freedoms();
+        let size = gap.coordinates.len();
+        let pace = TAU / self.period;
+        let weight = |i: usize| if (p..2 * p).contains(&i) { pace } else { 1.0 };
+        let whole = Round::monodromy(&self.fine.segments);
+        let along = self.along();
+        // the period is sought beside the state where nothing drives
+        let sought = free && gap.driven.is_none();
+        let given = gap.driven.filter(|_| free).unwrap_or(0.0);
+        let off = DMatrix::from_fn(size, size + usize::from(sought), |i, j| {
+            if j == size {
+                -along[i] / (weight(i) * pace)
+            } else {
+                (f64::from(u8::from(i == j)) - whole[(i, j)]) * weight(j) / weight(i)
+            }
+        });
+        let wanted = DVector::from_fn(size, |i, _| {
+            (gap.coordinates[i] + along[i] * given) / weight(i)
+        });
+        let decomposed = off.svd(true, true);
+        let largest = decomposed.singular_values.amax();
+        let solved = decomposed.solve(&wanted, STAYS * largest).map_err(|what| {
+            RuntimeError::Eigenvalues {
+                size,
+                what: what.to_owned(),
+            }
+        })?;
+        let step = DVector::from_fn(size, |i, _| solved[i] * weight(i));
+        let change = if sought { solved[size] / pace } else { given };
+        let (x, y) = (step.rows(0, p), step.rows(p, p));
+        // a move along the motion itself leaves no film
+        let own = along.rows(0, p);
+        let square = own.norm_squared();
+        let forward = if square > 0.0 {
+            own.dot(&x) / square
+        } else {
+            0.0
+        };
+        let aside = self
+            .first
+            .in_body_axes(&self.first.basis * (x - own * forward));
+        let moves = &self.first.basis * x;
+        let rates = &self.first.basis * y + &self.first.basis_rate * x;
+        let moves = self.first.in_body_axes(moves);
+        let rates = self.first.in_body_axes(rates);
+        let scales = model.velocity_scales();
+        let farthest = aside
+            .iter()
+            .zip(&scales)
+            .fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()));
+        let most = reach * model.tolerance / model.length;
+        let factor = if farthest > most {
+            most / farthest
+        } else {
+            1.0
+        };
+        let mut state = self.start.clone();
+        move_pose(
+            model,
+            &self.start.pose,
+            moves.as_slice(),
+            factor,
+            &mut state.pose,
+        );
+        for (v, rate) in state.velocity.iter_mut().zip(rates.iter()) {
+            *v += factor * rate;
+        }
+        for (z, change) in state
+            .states
+            .iter_mut()
+            .zip(step.rows(2 * p, size - 2 * p).iter())
+        {
+            *z += factor * change;
+        }
+        put_back(model, &mut state, self.moment)?;
+        Ok(Aim {
+            state,
+            time: self.period + factor * change,
+            factor,
+        })
+    }
+}
+
+/// Brings a state that was moved along its constraints back onto them: what a long move leaves is of second order.
+fn put_back(model: &Model, state: &mut State, moment: Moment) -> Result<(), RuntimeError> {
+    let mut dynamics = Dynamics::new(model);
+    let mut system = AccelerationSystem::new(model)?;
+    system.project(model, &mut dynamics, state, moment, true)?;
+    let mut defect = vec![0.0; model.velocities];
+    system.velocity_defect(model, &mut dynamics, state, moment, &mut defect)?;
+    for (v, off) in state.velocity.iter_mut().zip(&defect) {
+        *v -= off;
+    }
+    Ok(())
+}
+
+/// The error of a motion that does not repeat.
+fn not_repeating(
+    model: &Model,
+    round: &Round,
+    (body, what): &(Option<usize>, String),
+) -> RuntimeError {
+    let origin = body.map(|b| Box::new(model.bodies[b].origin.clone()));
+    let named = origin
+        .as_ref()
+        .map_or(String::new(), |o| format!("{} ", o.path));
+    RuntimeError::NotRepeating {
+        moment: round.moment,
+        period: round.period,
+        what: format!("{named}{what}"),
+        origin,
+    }
+}
+
+/// The repeating motion at or near the state of the last outputs.
+pub(super) fn repeating(
+    simulation: &Simulation,
+    period: Period,
+    control: StepControl,
+    observer: &mut dyn Observer,
+) -> Result<(Round, Gap), RuntimeError> {
+    let model = simulation.model();
+    let asked = simulation.sampled_state();
+    let near = FREE * constancy::fastest(model, asked);
+    let mut aim = Aim {
+        state: asked.clone(),
+        time: period.time,
+        factor: 1.0,
+    };
+    let mut reach = STRIDE;
+    let mut before: Option<(Round, Gap)> = None;
+    for shot in 1..=SHOTS {
+        // each round takes half of the progress that is left
+        let done = |shot: usize| 1.0 - libm::exp2(-(shot as f64));
+        let mut stretch = Stretch::new(observer, done(shot), done(shot + 1));
+        let tried = round(
+            simulation,
+            &aim.state,
+            aim.time,
+            control,
+            false,
+            &mut stretch,
+        );
+        let found = match tried {
+            Ok(found) => Some(found),
+            Err(RuntimeError::Stopped(why)) => return Err(RuntimeError::Stopped(why)),
+            // a step too long may end where no motion is
+            Err(failed) if before.is_none() || shot == SHOTS => return Err(failed),
+            Err(_) => None,
+        };
+        let found = found.map(|found| {
+            let gap = found.gap(model);
+            (found, gap)
+        });
+        let share = found.as_ref().map_or(f64::INFINITY, |(_, gap)| gap.share);
+        let last = before.as_ref().map_or(f64::INFINITY, |(_, gap)| gap.share);
+        let stalled = share > STALLED * last;
+        if let Some((found, gap)) = &found {
+            if share <= CLOSED || (share <= 1.0 && (stalled || shot == SHOTS)) {
+                let both = [&found.first, &found.last];
+                if !constancy::alike(model, both, TAU / found.period, ALIKE) {
+                    let what = "the state repeats, but the forces about it do not: something depends on time with another period";
+                    return Err(not_repeating(model, found, &(None, what.to_owned())));
+                }
+                let mut stretch = Stretch::new(observer, done(shot + 1), 1.0);
+                let found = round(
+                    simulation,
+                    &aim.state,
+                    aim.time,
+                    control,
+                    true,
+                    &mut stretch,
+                )?;
+                let gap = found.gap(model);
+                return Ok((found, gap));
+            }
+            if shot == SHOTS || (!share.is_finite() && before.is_none()) {
+                return Err(not_repeating(model, found, &gap.worst));
+            }
+        }
+        if share < last {
+            if aim.factor < 1.0 && share < (1.0 - 0.5 * aim.factor) * last {
+                reach *= LONGER;
+            }
+            before = found;
+        } else {
+            reach *= SHORTER;
+        }
+        let Some((found, gap)) = &before else {
+            break;
+        };
+        aim = found.mended(model, gap, period.free, reach)?;
+        // where speeds are free, a motion of another speed has the period
+        let other_speed = near > 0.0 && constancy::change_of_spin(model, asked, &aim.state) > near;
+        if other_speed || (aim.time / period.time - 1.0).abs() > DETUNED {
+            return Err(not_repeating(model, found, &gap.worst));
+        }
+    }
+    Err(RuntimeError::NoPeriod {
+        message: "no motion that repeats was found".to_owned(),
+    })
+}

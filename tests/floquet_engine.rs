@@ -1,0 +1,81 @@
+//! Modes of engines over a cycle, by Floquet's multipliers, against the decay of their transients.
+
+use eng::{Coefficients, LinearModes, Mode, Outcome, Program, Sources};
+use nalgebra::Complex;
+use std::f64::consts::TAU;
+
+fn program(analyses: &str) -> Program {
+    let text = include_str!("../examples/inline4/inline4.eng");
+    let sources = Sources::from_texts([
+        ("inline4.eng".to_owned(), format!("{text}\n{analyses}")),
+        (
+            "pressure.csv".to_owned(),
+            include_str!("../examples/inline4/pressure.csv").to_owned(),
+        ),
+    ]);
+    match eng::check(&sources, "inline4.eng").into_program() {
+        Ok(program) => program,
+        Err(report) => panic!("{report}"),
+    }
+}
+
+fn outcome(program: &Program, analysis: &str) -> Outcome {
+    let analysis = program.analysis(analysis).expect("an analysis");
+    match analysis.run(&mut |_| {}) {
+        Ok(outcome) => outcome,
+        Err(failed) => panic!("{}", failed.error),
+    }
+}
+
+fn modes(program: &Program, analysis: &str) -> LinearModes {
+    outcome(program, analysis).modes.expect("modes")
+}
+
+/// μ of the oscillation that the values at the begin of each cycle have, from `y(k+2) = s y(k+1) − p y(k)`: the whirls in the films are
+/// dead after a cycle.
+fn multiplier(values: &[f64]) -> Complex<f64> {
+    let swing: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
+    let mut normal = [0.0; 5];
+    for w in swing.windows(3) {
+        let (a, b, y) = (w[1], -w[0], w[2]);
+        for (sum, x) in normal.iter_mut().zip([a * a, a * b, b * b, a * y, b * y]) {
+            *sum += x;
+        }
+    }
+    let [aa, ab, bb, ay, by] = normal;
+    let det = aa * bb - ab * ab;
+    let (s, p) = ((ay * bb - by * ab) / det, (aa * by - ab * ay) / det);
+    Complex::new(0.5 * s, (p - 0.25 * s * s).sqrt())
+}
+
+/// A four-cylinder engine on films over two turns, unfired and fired: the drive line's torsion, the slowest motion, dies from cycle to
+/// cycle as it does in the transient. The dynamometer holds the phase: no multiplier is neutral.
+#[test]
+fn an_engine_over_a_cycle() {
+    let program = program(
+        "analysis unfired_cycle = linear(Inline4(combustion: 0), after: 2 rev, over: 2 rev)
+        analysis fired_cycle = linear(Inline4(combustion: 1), after: 2 rev, over: 2 rev)
+        analysis unfired_decay = transient(Inline4(combustion: 0), duration: 24 rev, sample: 720 deg)",
+    );
+    let results = outcome(&program, "unfired_decay").results;
+    let torque = &results.column("brake_torque").expect("a column").values;
+    let due = multiplier(&torque[2..]);
+    for name in ["unfired_cycle", "fired_cycle"] {
+        let found = modes(&program, name);
+        assert_eq!(found.coefficients, Coefficients::Periodic);
+        assert_eq!(found.zeros, 0, "{found:?}");
+        assert!(found.modes.iter().all(|m| !m.grows()), "{found:?}");
+        let orbit = found.orbit.as_ref().expect("an orbit");
+        // two turns at the dynamometer's 4000 rpm, though the crank's speed swings
+        assert!((orbit.period / 30e-3 - 1.0).abs() < 1e-9, "{orbit:?}");
+        let slowest = |a: &&Mode, b: &&Mode| a.value.re.total_cmp(&b.value.re);
+        let torsion = found.modes.iter().max_by(slowest).expect("a mode");
+        let found = (torsion.value * orbit.period).exp();
+        println!("{name}: {found}, of the transient {due}; {}", torsion.value);
+        let off = (found - due).norm().min((found.conj() - due).norm());
+        // gas does not touch the drive line but by the speed's own swing
+        let allowed = if name == "unfired_cycle" { 1e-3 } else { 1e-2 };
+        assert!(off < allowed * due.norm(), "{name}: {found} {due} {off:e}");
+        assert!((torsion.value.im / TAU - 56.1).abs() < 0.1);
+    }
+}
