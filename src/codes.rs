@@ -87,6 +87,10 @@ eng_grammar::codes! {
         "`over:` is an angle, but the model has no cycle and no body turns. Give the period as a time.",
         "analysis modes = linear(Column(), over: 1 rev)",
         "analysis modes = linear(Column(), over: 20 ms)";
+    UNSTEADY = "E0743", "`linear` is asked for at a state that is neither rest nor a steady motion",
+        "A body moves, or forces do not balance, and on the way from there stiffness, damping or inertia changes: a pendulum at its turning point, a slider under way, a model that was assembled and not balanced. Eigenvalues of that moment hold for no motion. Take the quasi-static start, or let the motion die out with `after:`; where it repeats, `over:` with its period gives its modes; `frozen: true` asks for the picture of the moment all the same.",
+        "analysis modes = linear(Pendulum(), start: assembled)",
+        "analysis modes = linear(Pendulum())";
     LOCKED = "E0760", "the mechanism locks",
         "Its geometry lets it go no further at this position: a rod shorter than the throw, a guide whose axis lies across the motion, two joints that ask for different motions. Forces have no part in it. The message names the loop of bodies, the lengths between their joints and the axes.",
         "", "";

@@ -3,7 +3,9 @@
 use crate::codes;
 use crate::significant::significant;
 use eng_grammar::{Diagnostic, SourceId, Span};
-use eng_runtime::{Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Turning, Unstable};
+use eng_runtime::{
+    Leaving, Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Turning, Unstable,
+};
 use eng_system::code::BindError;
 use eng_system::system::{Location, Origin, System};
 use eng_system::table::Outside;
@@ -122,6 +124,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         }
         R::NoPeriod { .. } => d(codes::NO_PERIOD).with_help("give the period as a time, such as `over: 20 ms`"),
         R::Turning { bodies, .. } => turning(d(codes::TURNING), bodies),
+        R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),
         R::Singular { repeated, .. } if !repeated.is_empty() => {
             let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {
                 place(message, &group.redundant.origin, "repeats others at this position")
@@ -151,6 +154,16 @@ fn turning(message: Diagnostic, bodies: &[eng_runtime::TurningBody]) -> Diagnost
             place(message, &body.origin, &format!("turns at {} rpm and {}", significant(body.speed*30.0/std::f64::consts::PI, 4), body.reason()))
         })
         .with_help("where the motion repeats, `over: 1 rev` (a period: an angle or a time) gives its modes; `frozen: true` holds the coefficients at this moment: a picture for frequencies well above the speed, wrong for whirl, damping and stability")
+}
+
+/// The body that leaves the state, and what to do.
+fn unsteady(message: Diagnostic, body: &eng_runtime::LeavingBody) -> Diagnostic {
+    let label = match body.leaving {
+        Leaving::Moves(speed) => format!("moves at {} m/s", significant(speed, 4)),
+        Leaving::Unbalanced(a) => format!("bodies gain speed by up to {} m/s^2", significant(a, 4)),
+    };
+    place(message, &body.origin, &label)
+        .with_help("linearise at rest: let `start: quasi_static` find the balance, or let the motion die out with a longer `after:`; where it repeats, `over:` with its period gives its modes; `frozen: true` holds the coefficients at this moment")
 }
 
 /// A message with a place before those that it has.

@@ -359,6 +359,23 @@ impl AccelerationSystem {
         Ok(())
     }
 
+    /// Brings a state back to Φ = 0 and Φ̇ = 0, velocities by the smallest change in the mass norm.
+    pub fn restore(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        state: &mut State,
+        moment: Moment,
+    ) -> Result<(), RuntimeError> {
+        self.project(model, dynamics, state, moment, true)?;
+        let mut defect = vec![0.0; model.velocities];
+        self.velocity_defect(model, dynamics, state, moment, &mut defect)?;
+        for (v, off) in state.velocity.iter_mut().zip(&defect) {
+            *v -= off;
+        }
+        Ok(())
+    }
+
     /// The smallest x in the mass norm with `G x = rates`, with the factors last made: after `velocity_defect` or
     /// `accelerations`.
     pub fn normal(&mut self, model: &Model, rates: &[f64], out: &mut [f64]) {

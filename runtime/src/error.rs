@@ -210,6 +210,36 @@ impl TurningBody {
     }
 }
 
+/// How a body leaves the state about which a motion was to be linearised.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Leaving {
+    /// It moves (m/s).
+    Moves(f64),
+    /// Forces do not balance; the largest acceleration of a body (m/s²).
+    Unbalanced(f64),
+}
+
+/// A body that leaves the state, by which the coefficients of the linearised motion change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeavingBody {
+    /// The body.
+    pub origin: Origin,
+    /// How.
+    pub leaving: Leaving,
+}
+
+impl LeavingBody {
+    /// The reason in words, after the name of the body.
+    pub fn reason(&self) -> &'static str {
+        match self.leaving {
+            Leaving::Moves(_) => "moves, and its stiffness, damping or inertia changes on its way",
+            Leaving::Unbalanced(_) => {
+                "is not in balance, and its stiffness, damping or inertia changes on its way there"
+            }
+        }
+    }
+}
+
 fn list_turning(bodies: &[TurningBody]) -> String {
     let named: Vec<&str> = bodies
         .iter()
@@ -483,6 +513,14 @@ pub enum RuntimeError {
         moment: Moment,
         /// The bodies that change them.
         bodies: Vec<TurningBody>,
+    },
+    /// The state is neither at rest nor in a steady motion.
+    #[error("the motion at {moment} is neither rest nor steady: {} {}", body.origin.path, body.reason())]
+    Unsteady {
+        /// When.
+        moment: Moment,
+        /// The body that moves on.
+        body: Box<LeavingBody>,
     },
     /// A motion that should repeat does not.
     #[error("the motion from {moment} on does not repeat after {period:.6e} s: {what}")]

@@ -49,7 +49,9 @@ pub mod state;
 pub mod topology;
 pub mod transient;
 
-pub use error::{Moment, NamedRow, RedundantGroup, RuntimeError, TurningBody, Varies};
+pub use error::{
+    Leaving, LeavingBody, Moment, NamedRow, RedundantGroup, RuntimeError, TurningBody, Varies,
+};
 pub use integrator::Statistics;
 pub use linearised::{LinearModes, run_linear};
 pub use periodic::repetition::Mode;

@@ -5,17 +5,19 @@
 //! them has changed in ground axes: the mass M, the allowed moves `Π = N NᵀM`, `ΠᵀKΠ`, `ΠᵀCΠ` and the blocks of the states. These do not
 //! depend on the choice of N, and where all of them stay, N can stay as well, so that the equations in x are those of every moment.
 //!
+//! The same is asked of motions that do not turn (`leaving`): a slider on its way, a body far from the place where forces balance.
+//!
 //! A wheel of revolution on its axis passes, in films too. A body of unequal inertia, one with a load or joint beside its axis, and one
 //! that bends in a film or on a joint of another body do not: the bending is counted in axes that turn with the body.
 
 use super::equations::Equations;
 use crate::acceleration::AccelerationSystem;
 use crate::dynamics::Dynamics;
-use crate::error::{Moment, RuntimeError, TurningBody, Varies};
+use crate::error::{Leaving, LeavingBody, Moment, RuntimeError, TurningBody, Varies};
 use crate::model::Model;
 use crate::rotation::{V3, exponential, matrix};
 use crate::state::{State, move_pose};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// A body that is slower (rad/s) does not turn: it settles, or rounding moves it.
@@ -26,6 +28,14 @@ const ANGLES: [f64; 2] = [0.7, 1.5];
 const SAME: f64 = 1e-6;
 /// The same as a share of the largest of all: what rounding leaves.
 const ROUNDING: f64 = 1e-11;
+/// Share of the model's length that its position tolerance is where no clearance is smaller.
+const OF_LENGTH: f64 = 1e-6;
+/// A tenth of a clearance, in position tolerances.
+const OF_CLEARANCE: f64 = 100.0;
+/// See [`reach`].
+const FOLLOWED: f64 = 1e-2;
+/// Stiffness, as a share of the largest, of a direction that nothing holds.
+const HELD: f64 = 1e-10;
 /// An axis that is nearer to the body's origin, as a share of the model's length, goes through it.
 const ON_AXIS: f64 = 1e-4;
 
@@ -156,6 +166,164 @@ pub(super) fn change_of_spin(model: &Model, from: &State, to: &State) -> f64 {
         .fold(0.0_f64, |most, body| most.max(change(body.velocity)))
 }
 
+/// Bodies that do not turn and move, with their speeds (m/s).
+fn sliding(model: &Model, state: &State) -> Vec<(usize, f64)> {
+    let speed = |first: usize| V3::from_column_slice(&state.velocity[first..first + 3]).norm();
+    (0..model.bodies.len())
+        .filter(|b| spin(state, model.bodies[*b].velocity).norm() <= AT_REST)
+        .map(|b| (b, speed(model.bodies[b].velocity)))
+        .filter(|(_, speed)| *speed > AT_REST * model.length)
+        .collect()
+}
+
+/// Share of the model's length, or angle (rad), over which a motion that does not turn is followed: a tenth of a clearance where there are
+/// films.
+fn reach(model: &Model) -> f64 {
+    let share = model.tolerance / model.length;
+    if share < 0.99 * OF_LENGTH {
+        OF_CLEARANCE * share
+    } else {
+        FOLLOWED
+    }
+}
+
+/// A motion from the state on that does not turn, and along which the coefficients change: velocities of bodies that do not turn, or
+/// accelerations, those of steady turning left out.
+///
+/// Velocities: all bodies go on until the fastest of them has gone the [`reach`]. Accelerations: towards the place where forces balance,
+/// `K δ = NᵀM v̇`, without end where nothing holds; a place nearer than the reach is rest. Free fall, steady travel and what is linear
+/// are left, for nothing changes on their way.
+pub(super) fn leaving(
+    model: &Model,
+    state: &State,
+    equations: &Equations,
+    moment: Moment,
+) -> Option<LeavingBody> {
+    let groups = groups(model);
+    let here = Coefficients::new(model, equations);
+    let reach = reach(model);
+    let pace = fastest(model, state).max(1.0);
+    let same = |there: Result<Equations, RuntimeError>| {
+        // where the equations cannot be made, nothing says that they stay
+        there.is_ok_and(|there| {
+            here.same(
+                &Coefficients::new(model, &there),
+                &groups,
+                pace,
+                [SAME, ROUNDING],
+            )
+        })
+    };
+    let sliding = sliding(model, state);
+    if let Some((body, speed)) = sliding
+        .iter()
+        .copied()
+        .reduce(|a, b| if b.1 > a.1 { b } else { a })
+    {
+        let mut bodies = turning(model, state);
+        bodies.extend(sliding.iter().map(|(b, _)| *b));
+        let time = reach * model.length / speed;
+        if ![1.0, 2.0]
+            .into_iter()
+            .all(|n| same(turned_on(model, state, &bodies, n * time, moment)))
+        {
+            return Some(LeavingBody {
+                origin: model.bodies[body].origin.clone(),
+                leaving: Leaving::Moves(speed),
+            });
+        }
+    }
+    let (moves, acceleration) = towards_balance(model, state, equations)?;
+    let scales = model.velocity_scales();
+    let (first, size) = farthest(&moves, &scales);
+    if size < reach {
+        return None;
+    }
+    let along = equations.in_body_axes(moves * (reach / size));
+    if same(moved_by(model, state, along.as_slice(), moment)) {
+        return None;
+    }
+    let body = model
+        .bodies
+        .iter()
+        .rfind(|body| body.velocity <= first)
+        .or(model.bodies.first())?;
+    Some(LeavingBody {
+        origin: body.origin.clone(),
+        leaving: Leaving::Unbalanced(acceleration),
+    })
+}
+
+/// The largest number by its scale: its index and size.
+fn farthest(x: &DVector<f64>, scales: &[f64]) -> (usize, f64) {
+    let sizes = x.iter().zip(scales).map(|(x, s)| (x / s).abs());
+    sizes.enumerate().fold(
+        (0, 0.0),
+        |most, now| if now.1 > most.1 { now } else { most },
+    )
+}
+
+/// Moves (ground axes) to the place where forces balance, by the equations of the state, and the largest acceleration of a body (m/s²);
+/// none at rest. Where nothing holds, the way is a length of the model's.
+fn towards_balance(
+    model: &Model,
+    state: &State,
+    equations: &Equations,
+) -> Option<(DVector<f64>, f64)> {
+    let ground = |x: &[f64]| equations.in_ground_axes(DVector::from_column_slice(x));
+    let velocity = ground(&state.velocity);
+    let mut acceleration = ground(&state.acceleration);
+    for body in turning(model, state) {
+        let first = model.bodies[body].velocity;
+        let at = |x: &DVector<f64>, i: usize| V3::new(x[i], x[i + 1], x[i + 2]);
+        let steady = at(&velocity, first + 3).cross(&at(&velocity, first));
+        for i in 0..3 {
+            acceleration[first + i] -= steady[i];
+        }
+    }
+    let scales = model.velocity_scales();
+    let rates = equations.basis.transpose() * (&equations.mass * acceleration);
+    let free = &equations.basis * &rates;
+    let (_, size) = farthest(&free, &scales);
+    if size.is_nan() || size <= AT_REST {
+        return None;
+    }
+    let largest = model.bodies.iter().map(|body| {
+        let first = body.velocity;
+        V3::new(free[first], free[first + 1], free[first + 2]).norm()
+    });
+    let largest = largest.fold(0.0, f64::max);
+    let decomposed = equations.stiffness.clone().svd(true, true);
+    let stiffest = decomposed.singular_values.amax();
+    let mut way = if stiffest > 0.0 {
+        decomposed.solve(&rates, HELD * stiffest).ok()?
+    } else {
+        DVector::zeros(rates.len())
+    };
+    let left = &rates - &equations.stiffness * &way;
+    let (_, falls) = farthest(&(&equations.basis * &left), &scales);
+    if falls > AT_REST.max(SAME * size) {
+        way += left / falls;
+    }
+    Some((&equations.basis * way, largest))
+}
+
+/// The equations where the bodies have moved (body axes), back on their constraints.
+fn moved_by(
+    model: &Model,
+    state: &State,
+    moves: &[f64],
+    moment: Moment,
+) -> Result<Equations, RuntimeError> {
+    let mut moved = state.clone();
+    move_pose(model, &state.pose, moves, 1.0, &mut moved.pose);
+    let mut dynamics = Dynamics::new(model);
+    let mut system = AccelerationSystem::new(model)?;
+    system.restore(model, &mut dynamics, &mut moved, moment)?;
+    system.accelerations(model, &mut dynamics, &mut moved, moment)?;
+    Equations::new(model, &moved, moment)
+}
+
 /// The speed of the fastest body that turns (rad/s), zero where none does.
 pub(super) fn fastest(model: &Model, state: &State) -> f64 {
     turning(model, state)
@@ -171,8 +339,8 @@ pub(super) fn alike(model: &Model, both: [&Equations; 2], pace: f64, share: f64)
     a.same(&b, &groups(model), pace, [share, 1e-3 * share])
 }
 
-/// The equations where `bodies` have turned on for a time (s): each about its own axis, which stands in space; its velocity in its own
-/// axes is kept.
+/// The equations where `bodies` have gone on for a time (s): each that turns about its own axis, which stands in space, its velocity in its
+/// own axes kept; the others straight on.
 fn turned_on(
     model: &Model,
     state: &State,
@@ -187,6 +355,12 @@ fn turned_on(
     for index in bodies {
         let (first, pose) = (model.bodies[*index].velocity, model.bodies[*index].pose);
         let own = spin(state, first);
+        if own.norm() <= AT_REST {
+            for i in first..first + 3 {
+                increment[i] = state.velocity[i] * time;
+            }
+            continue;
+        }
         increment[first + 3..first + 6].copy_from_slice((own * time).as_slice());
         let q = &state.pose[pose + 3..pose + 7];
         let rotation = matrix(&[q[0], q[1], q[2], q[3]]);

@@ -19,8 +19,8 @@
 //! without an approximation so far. (Without the terms of Ṅ a body that turns about a pin would seem to be held there by springs.)
 //!
 //! **Frozen time.** These coefficients are held at their values of the moment, and `ξ̇ = A ξ`, `ξ = (x, ẋ, z)` solved for its
-//! eigenvalues. That is exact where they are constant: at rest, and about steady rotation of rigid bodies of revolution, which is
-//! tested (`constancy`). Else it is the picture of a moment, made only where it is asked for ([`Wanted::frozen`]) and marked as such:
+//! eigenvalues. That is exact where they are constant: at rest, in steady travel, and about steady rotation of rigid bodies of
+//! revolution, which is tested (`constancy`). Else it is the picture of a moment, made only where it is asked for ([`Wanted::frozen`]) and marked as such:
 //! good for motions fast against the change of the coefficients, modes of an engine well above its speed, and wrong for whirl and
 //! its damping. Amplitudes of a flexible body are those in its own axes: the bending of a shaft that turns at Ω is seen from its body,
 //! shifted by up to ±Ω.
@@ -63,14 +63,14 @@ pub struct Wanted {
     pub number: Option<u32>,
     /// Largest |λ| (rad/s); `None`: no limit.
     pub up_to: Option<f64>,
-    /// Whether coefficients that change while bodies turn are held at their values of the moment; else they are refused.
+    /// Whether coefficients that change while bodies turn or move on are held at their values of the moment; else they are refused.
     pub frozen: bool,
 }
 
 /// What the coefficients of the linearised motion are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coefficients {
-    /// Constant while the bodies turn, or nothing turns.
+    /// Constant while the bodies turn and move, or nothing does.
     Constant,
     /// Held at their values of the moment.
     Frozen,
@@ -171,8 +171,8 @@ impl LinearModes {
 /// Linearises about a state on the constraints, with its accelerations and multipliers.
 ///
 /// # Errors
-/// When constraints depend on each other there, numbers are not finite, or coefficients change while bodies turn and `wanted` does
-/// not take them as frozen.
+/// When constraints depend on each other there, numbers are not finite, or coefficients change while bodies turn or move on and
+/// `wanted` does not take them as frozen.
 pub fn linearise(
     model: &Model,
     state: &State,
@@ -182,7 +182,16 @@ pub fn linearise(
     let equations = Equations::new(model, state, moment)?;
     let bodies = constancy::varying(model, state, &equations, moment, !wanted.frozen);
     let coefficients = match bodies.as_slice() {
-        [] => Coefficients::Constant,
+        [] => match constancy::leaving(model, state, &equations, moment) {
+            None => Coefficients::Constant,
+            Some(_) if wanted.frozen => Coefficients::Frozen,
+            Some(body) => {
+                return Err(RuntimeError::Unsteady {
+                    moment,
+                    body: Box::new(body),
+                });
+            }
+        },
         _ if wanted.frozen => Coefficients::Frozen,
         _ => return Err(RuntimeError::Turning { moment, bodies }),
     };

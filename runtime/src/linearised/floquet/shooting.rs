@@ -25,7 +25,7 @@ use super::super::run::Stretch;
 use super::orbit::{Period, Round, round};
 use crate::acceleration::AccelerationSystem;
 use crate::dynamics::Dynamics;
-use crate::error::{Moment, RuntimeError};
+use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{V3, logarithm, product};
 use crate::simulation::Simulation;
@@ -252,26 +252,15 @@ impl Round {
         {
             *z += factor * change;
         }
-        put_back(model, &mut state, self.moment)?;
+        // what a long move leaves is of second order
+        let mut system = AccelerationSystem::new(model)?;
+        system.restore(model, &mut Dynamics::new(model), &mut state, self.moment)?;
         Ok(Aim {
             state,
             time: self.period + factor * change,
             factor,
         })
     }
-}
-
-/// Brings a state that was moved along its constraints back onto them: what a long move leaves is of second order.
-fn put_back(model: &Model, state: &mut State, moment: Moment) -> Result<(), RuntimeError> {
-    let mut dynamics = Dynamics::new(model);
-    let mut system = AccelerationSystem::new(model)?;
-    system.project(model, &mut dynamics, state, moment, true)?;
-    let mut defect = vec![0.0; model.velocities];
-    system.velocity_defect(model, &mut dynamics, state, moment, &mut defect)?;
-    for (v, off) in state.velocity.iter_mut().zip(&defect) {
-        *v -= off;
-    }
-    Ok(())
 }
 
 /// The error of a motion that does not repeat.
