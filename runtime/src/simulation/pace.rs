@@ -3,6 +3,7 @@
 use super::Simulation;
 use crate::dynamics::Dynamics;
 use crate::error::{Moment, RuntimeError};
+use crate::model::Model;
 use crate::state::move_pose;
 use eng_system::system::Origin;
 
@@ -115,6 +116,8 @@ const MOMENTS: [f64; 11] = [
 ];
 /// Least change between two moments of what may jump, of its own size.
 const NOTABLE: f64 = 0.05;
+/// Rounding of an element's wrench, of the largest force in it.
+const ROUNDING: f64 = 1e-9;
 /// Halvings of the time between two moments.
 const HALVINGS: usize = 60;
 /// Part of a change that is left after all halvings if it is a jump: of a steep slope nothing is.
@@ -128,6 +131,26 @@ struct Part {
     first: usize,
     count: usize,
     unit: &'static str,
+    /// What makes a number of this part of a force: one for forces, the model's length (m) for torques, nothing for rates.
+    arm: Option<f64>,
+}
+
+impl Part {
+    /// Changes up to this are rounding of the element's wrenches, as evaluated into `loads`.
+    fn rounding(&self, model: &Model, loads: &[f64]) -> f64 {
+        let (Some(arm), Some(element)) = (self.arm, model.elements.get(self.element)) else {
+            return 0.0;
+        };
+        let wrenches = loads.iter().skip(element.wrench).copied();
+        let wrenches: Vec<f64> = wrenches.take(6 * element.markers.len()).collect();
+        let strength = |wrench: &[f64]| {
+            let (force, torque) = wrench.split_at(3);
+            let of = |x: &[f64]| size(x.iter().copied());
+            of(force).max(of(torque) / model.length)
+        };
+        let strengths = wrenches.chunks_exact(6).map(strength);
+        ROUNDING * arm * strengths.fold(0.0, f64::max)
+    }
 }
 
 impl Simulation {
@@ -204,7 +227,7 @@ impl Simulation {
         for part in self.parts() {
             let pairs = moments.windows(2).enumerate();
             let changes = pairs.filter_map(|(index, pair)| match pair {
-                [a, b] => Some((relative_change(a, b, &part), index)),
+                [a, b] => Some((self.relative_change(a, b, &part), index)),
                 _ => None,
             });
             if let Some((change, index)) = changes.max_by(|a, b| a.0.total_cmp(&b.0))
@@ -229,6 +252,21 @@ impl Simulation {
             })
     }
 
+    /// The change of a part as a share of its own size; zero where it is no more than the rounding of the element's wrenches.
+    fn relative_change(&self, a: &[f64], b: &[f64], part: &Part) -> f64 {
+        let own = |x: &[f64]| size(x.iter().skip(part.first).take(part.count).copied());
+        let by = change(a, b, part);
+        if by
+            > part
+                .rounding(&self.model, a)
+                .max(part.rounding(&self.model, b))
+        {
+            by / own(a).max(own(b))
+        } else {
+            0.0
+        }
+    }
+
     /// Elements' wrenches, forces and torques apart, and rates of states.
     fn parts(&self) -> Vec<Part> {
         let mut parts = Vec::new();
@@ -236,21 +274,22 @@ impl Simulation {
             if !info.dynamic {
                 continue;
             }
-            let part = |first, count, unit| Part {
+            let part = |first, count, unit, arm| Part {
                 element,
                 first,
                 count,
                 unit,
+                arm,
             };
             for marker in 0..info.markers.len() {
                 let first = info.wrench + 6 * marker;
-                parts.push(part(first, 3, "N"));
-                parts.push(part(first + 3, 3, "N m"));
+                parts.push(part(first, 3, "N", Some(1.0)));
+                parts.push(part(first + 3, 3, "N m", Some(self.model.length)));
             }
             let states = self.model.class(element).states.len();
             if states > 0 {
                 let first = self.model.wrenches + info.state;
-                parts.push(part(first, states, "SI units per second"));
+                parts.push(part(first, states, "SI units per second", None));
             }
         }
         parts
@@ -323,15 +362,4 @@ fn change(a: &[f64], b: &[f64], part: &Part) -> f64 {
     };
     let (a, b): (Vec<f64>, Vec<f64>) = (of(a), of(b));
     size(a.iter().zip(&b).map(|(a, b)| b - a))
-}
-
-/// The same as a share of the part's own size.
-fn relative_change(a: &[f64], b: &[f64], part: &Part) -> f64 {
-    let own = |x: &[f64]| size(x.iter().skip(part.first).take(part.count).copied());
-    let largest = own(a).max(own(b));
-    if largest > 0.0 {
-        change(a, b, part) / largest
-    } else {
-        0.0
-    }
 }
