@@ -42,6 +42,8 @@ pub const COLUMNS: [&str; 5] = [
 ];
 /// Modes whose harmonics are listed.
 const MOST_HARMONICS: usize = 20;
+/// Roundness of a motion, 0…1, from which on it is called a whirl.
+const WHIRLS: f64 = 0.2;
 /// What frozen modes are good for.
 const FROZEN_PICTURE: &str = "frozen picture: the coefficients change while bodies turn and were held at this moment; frequencies well above the speed are about right, whirl, damping and stability are not those of the motion";
 /// Parts that a line of the table names, and the smallest share that it does.
@@ -272,6 +274,19 @@ fn of_orbit(modes: &LinearModes, orbit: &Orbit) -> Vec<String> {
         facts.push(format!(
             "ambiguous frequency, for no harmonic holds half of the motion: modes {ambiguous}; growth is definite"
         ));
+    }
+    let round = |from: f64| {
+        listed(&|r| {
+            let clear = r.harmonics.share >= 0.5;
+            r.harmonics
+                .whirl
+                .is_some_and(|w| clear && w * from >= WHIRLS)
+        })
+    };
+    for (sense, which) in [("forward", round(1.0)), ("backward", round(-1.0))] {
+        if !which.is_empty() {
+            facts.push(format!("{sense} whirl: modes {which}"));
+        }
     }
     for (index, mode) in modes.modes.iter().enumerate().take(MOST_HARMONICS) {
         if let Some(r) = &mode.repeating

@@ -106,6 +106,11 @@ fn a_round_disc_whirls_forwards_and_backwards() {
             near(mode.value.re, 0.0, 1e-7 * at_rest);
             assert!(error(mode) < 1e-4 && !mode.grows(), "{mode:?}");
         }
+        // backward below, forward above, both round; the fastest body of all turns about +z
+        let whirl = |mode: &Mode| mode.repeating.as_ref().and_then(|r| r.harmonics.whirl);
+        for (mode, due) in found.modes.iter().zip([-1.0, 1.0]) {
+            near(whirl(mode).expect("a sense"), due, 1e-6);
+        }
         let exact = modes(&program, &format!("constant[{}]", index + 1));
         assert_eq!(exact.coefficients, Coefficients::Constant);
         for (mode, due) in found.modes.iter().zip(&exact.modes) {

@@ -332,6 +332,18 @@ pub(super) fn fastest(model: &Model, state: &State) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// The axis about which the fastest body turns, of length 1 in ground axes; none where none does.
+pub(super) fn axis(model: &Model, state: &State) -> Option<V3> {
+    let of = |index: usize| spin(state, model.bodies[index].velocity).norm();
+    let fastest = turning(model, state)
+        .into_iter()
+        .reduce(|a, b| if of(b) > of(a) { b } else { a })?;
+    let body = &model.bodies[fastest];
+    let q = &state.pose[body.pose + 3..body.pose + 7];
+    let axis = matrix(&[q[0], q[1], q[2], q[3]]) * spin(state, body.velocity);
+    Some(axis / axis.norm())
+}
+
 /// Whether two sets of equations are the same but for a `share` of the largest of each kind; `pace` (rad/s) measures mass, damping and
 /// stiffness by each other.
 pub(super) fn alike(model: &Model, both: [&Equations; 2], pace: f64, share: f64) -> bool {

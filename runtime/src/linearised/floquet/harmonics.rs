@@ -26,6 +26,29 @@ pub struct Harmonics {
     pub share: f64,
     /// Frequencies (rad/s, positive) of further ones above a tenth, with their shares, the largest first.
     pub further: Vec<(f64, f64)>,
+    /// Sense in which the leading harmonic goes round: 1 a circle with the turn of the fastest body (forward whirl), −1 one against it
+    /// (backward), 0 to and fro; `None` where no body turns, or the multiplier is real.
+    pub whirl: Option<f64>,
+}
+
+/// Sense of a harmonic `Re (c e^{iωt})` about an axis of length 1, rows of c in threes along the ground's axes: with `c = a + ib` it is
+/// `−2 sign(ω) Σ n·(a × b) / Σ (|a|² + |b|²)`, parts along n left out; zero where nothing moves across it.
+fn sense(c: &[Complex<f64>], axis: &V3, frequency: f64) -> f64 {
+    let (mut around, mut whole) = (0.0, 0.0);
+    for part in c.chunks_exact(3) {
+        let [a, b] = [0, 1].map(|imaginary| {
+            let of = |z: Complex<f64>| if imaginary == 1 { z.im } else { z.re };
+            let v = V3::new(of(part[0]), of(part[1]), of(part[2]));
+            v - axis * axis.dot(&v)
+        });
+        around -= 2.0 * axis.dot(&a.cross(&b));
+        whole += a.norm_squared() + b.norm_squared();
+    }
+    if whole > 0.0 {
+        libm::copysign(1.0, frequency) * around / whole
+    } else {
+        0.0
+    }
 }
 
 /// Rows that take moves in ground axes (one a velocity) to weighted moves seen from the ground.
@@ -120,8 +143,13 @@ fn transform(values: &mut [Complex<f64>]) {
     }
 }
 
-/// Harmonics of a mode; `sights`, a power of two of them, at equal distances over the period (s).
-pub(super) fn harmonics(mode: &Multiplier, sights: &[Sight], period: f64) -> Harmonics {
+/// Harmonics of a mode; `sights`, a power of two of them, at equal distances over the period (s), and the axis of the fastest body.
+pub(super) fn harmonics(
+    mode: &Multiplier,
+    sights: &[Sight],
+    period: f64,
+    axis: Option<V3>,
+) -> Harmonics {
     let exponent = mode.logarithm / period;
     let turned: Vec<DVector<Complex<f64>>> = sights
         .iter()
@@ -157,6 +185,7 @@ pub(super) fn harmonics(mode: &Multiplier, sights: &[Sight], period: f64) -> Har
             leading: 0,
             share: 1.0,
             further: Vec::new(),
+            whirl: None,
         };
     }
     if mode.real {
@@ -182,7 +211,22 @@ pub(super) fn harmonics(mode: &Multiplier, sights: &[Sight], period: f64) -> Har
     }
     energies.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     let (leading, largest) = energies.first().copied().unwrap_or((0, whole));
-    let frequency = |k: i32| (exponent.im + TAU * f64::from(k) / period).abs();
+    let signed = |k: i32| exponent.im + TAU * f64::from(k) / period;
+    let frequency = |k: i32| signed(k).abs();
+    let whirl = axis.filter(|_| !mode.real).map(|axis| {
+        let share = |j: usize| {
+            let turns = (j as f64 * f64::from(leading) / count as f64).fract();
+            exponential(Complex::new(0.0, -TAU * turns))
+        };
+        let mut c = vec![Complex::new(0.0, 0.0); rows];
+        for (j, u) in turned.iter().enumerate() {
+            let factor = share(j);
+            for (sum, x) in c.iter_mut().zip(u.iter()) {
+                *sum += x * factor;
+            }
+        }
+        sense(&c, &axis, signed(leading))
+    });
     Harmonics {
         leading,
         share: largest / whole,
@@ -192,6 +236,7 @@ pub(super) fn harmonics(mode: &Multiplier, sights: &[Sight], period: f64) -> Har
             .take_while(|(_, e)| *e > TOLD * whole)
             .map(|(k, e)| (frequency(*k), e / whole))
             .collect(),
+        whirl,
     }
 }
 

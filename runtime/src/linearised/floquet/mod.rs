@@ -24,8 +24,10 @@ mod shooting;
 
 pub use harmonics::Harmonics;
 
+use super::constancy;
 use super::{Coefficients, Found, LinearModes, Wanted, collected, complex};
 use crate::error::RuntimeError;
+use crate::rotation::V3;
 use crate::simulation::Simulation;
 use crate::transient::Observer;
 use eng_system::system::{Extent, StepControl};
@@ -111,8 +113,8 @@ fn uncertainty(multiplier: &Multiplier, coarse: &[Multiplier]) -> f64 {
 }
 
 /// The eigenpair of a multiplier with the frequency of its largest harmonic, as a positive one.
-fn found(multiplier: &Multiplier, round: &Round, error: f64) -> Found {
-    let own = harmonics(multiplier, &round.sights, round.period);
+fn found(multiplier: &Multiplier, round: &Round, axis: Option<V3>, error: f64) -> Found {
+    let own = harmonics(multiplier, &round.sights, round.period, axis);
     let shift = TAU * f64::from(own.leading) / round.period;
     let mut value = multiplier.logarithm / round.period + Complex::new(0.0, shift);
     let mut vector = multiplier.vectors[0].clone();
@@ -156,6 +158,7 @@ pub(super) fn about_an_orbit(
         Some(march) => multipliers(&march.segments)?.found,
         None => Vec::new(),
     };
+    let axis = constancy::axis(model, &round.start);
     let mut zeros = 0;
     let mut modes = Vec::new();
     for multiplier in &all.found {
@@ -167,7 +170,7 @@ pub(super) fn about_an_orbit(
             zeros += if multiplier.real { 1 } else { 2 };
             continue;
         }
-        modes.push(found(multiplier, &round, error / round.period));
+        modes.push(found(multiplier, &round, axis, error / round.period));
     }
     let modes = collected(
         model,
