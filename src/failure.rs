@@ -75,7 +75,10 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             }
             .with_help("no force is at fault: change a length or an axis, or let a joint hold less")
         }
-        R::Redundant { groups } => redundant(groups),
+        R::Redundant { groups } => match groups.first() {
+            Some(group) => with_markers(redundant(groups), &group.redundant.origin, system),
+            None => redundant(groups),
+        },
         R::NotFinite {
             origin,
             outside: Some(outside),

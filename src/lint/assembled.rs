@@ -92,6 +92,24 @@ pub(super) fn step(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) ->
 
 /// Samples so far apart that they show nothing of a turn, and a run that ends before the machine has turned.
 pub(super) fn sampling(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) -> Vec<Finding> {
+    let finding = |message: String, label: &str, help: &str| Finding {
+        code: codes::SAMPLING,
+        name: lint::SAMPLING.to_owned(),
+        origin: analysis.clone(),
+        message,
+        label: label.to_owned(),
+        help: help.to_owned(),
+        decided_by: Vec::new(),
+    };
+    if let AnalysisKind::Transient(transient) = kind
+        && let (Extent::Time(sample), Extent::Time(duration)) =
+            (transient.sample, transient.duration)
+        && sample > duration
+    {
+        let [sample, duration] = [sample, duration].map(|time| short(time, 4));
+        let message = format!("the run of {duration} s ends before its first sample at {sample} s");
+        return vec![finding(message, "its samples", "are both units right?")];
+    }
     let Some(speed) = start.cycle_speed() else {
         return Vec::new();
     };
@@ -109,15 +127,6 @@ pub(super) fn sampling(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin
         AnalysisKind::Linear(_) | AnalysisKind::Assemble => return Vec::new(),
     };
     let deg = |angle: f64| short(angle.to_degrees(), 3);
-    let finding = |message: String, label: &str, help: &str| Finding {
-        code: codes::SAMPLING,
-        name: lint::SAMPLING.to_owned(),
-        origin: analysis.clone(),
-        message,
-        label: label.to_owned(),
-        help: help.to_owned(),
-        decided_by: Vec::new(),
-    };
     let mut found = Vec::new();
     if let Some(duration) = duration.filter(|duration| *duration < SHORT) {
         let message = format!("the run ends after {} deg of the cycle", deg(duration));
@@ -319,7 +328,40 @@ impl Start<'_> {
         );
         let mut finding = self.finding(codes::IDLE, lint::IDLE, element, message);
         finding.help = "is each of its markers on the body that is meant, and is that body joined to the shaft?".to_owned();
+        let slower = markers[usize::from(speeds[1].abs() < speeds[0].abs())];
+        super::decide(&mut finding, self.what_turns(markers[0], slower));
         Some(finding)
+    }
+
+    /// Where the start velocities of the shaft behind a coupling's end are stated: of the bodies that joints tie to it, the ground left
+    /// out; and where its slower end hangs.
+    fn what_turns(&self, end: usize, slower: usize) -> Vec<Origin> {
+        let system = &self.model.compiled.system;
+        let body_of = |marker: &usize| self.model.markers[*marker].body;
+        let mut shaft: Vec<usize> = body_of(&end).into_iter().collect();
+        let mut next = 0;
+        while let Some(here) = shaft.get(next).copied() {
+            next += 1;
+            for (e, element) in self.model.elements.iter().enumerate() {
+                let bodies = || element.markers.iter().filter_map(&body_of);
+                // what holds all six freedoms
+                let welded = element.dynamic && self.model.class(e).rows.len() == 6;
+                if welded && bodies().any(|b| b == here) {
+                    shaft.extend(bodies().filter(|b| !shaft.contains(b)).collect::<Vec<_>>());
+                }
+            }
+        }
+        let starts = system.elements.iter().enumerate().filter(|(e, element)| {
+            let mut bodies = self.model.elements[*e].markers.iter().filter_map(&body_of);
+            matches!(element.role, Role::StartVelocity { .. }) && bodies.any(|b| shaft.contains(&b))
+        });
+        let mut places: Vec<Origin> = starts.map(|(_, element)| element.origin.clone()).collect();
+        if places.is_empty() {
+            let bodies = shaft.iter().skip(1).chain(&shaft[..shaft.len().min(1)]);
+            places.extend(bodies.map(|b| system.bodies[*b].origin.clone()));
+        }
+        places.extend(body_of(&slower).map(|b| system.bodies[b].origin.clone()));
+        places
     }
 
     /// Journals whose shell turns in a pin that does not.

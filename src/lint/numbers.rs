@@ -116,7 +116,7 @@ struct Solid<'s> {
     farthest: f64,
     /// Whether it has markers at two places.
     spread: bool,
-    /// Whether it has markers on opposite sides of its centre of mass.
+    /// Whether it has markers on opposite sides of its centre of mass, or this is far beyond all of them.
     both_sides: bool,
     /// Slots of the mass and of the largest moment.
     slots: [Slot; 2],
@@ -181,10 +181,23 @@ fn bodies<'s>(system: &'s System, bound: &Bound) -> Vec<Solid<'s>> {
                 spans: [0, 1, 2].map(|i| arms.iter().map(|arm| arm[i] * arm[i]).sum()),
                 farthest: libm::sqrt(square),
                 spread: pairs().any(apart),
-                both_sides: pairs().any(|(a, b)| dot(a, b) < -OTHER_SIDE * square),
+                both_sides: pairs().any(|(a, b)| dot(a, b) < -OTHER_SIDE * square)
+                    || is_beyond(&arms, square),
             })
         })
         .collect()
+}
+
+/// Whether a centre of mass is farther from all markers than half of what they are apart, of markers that are apart by more than
+/// a fifth of the farthest way (`square` its square): two hinges beside each other tell of no length.
+fn is_beyond(arms: &[[f64; 3]], square: f64) -> bool {
+    let size = |a: [f64; 3]| a.iter().map(|x| x * x).sum::<f64>();
+    let nearest = arms.iter().map(|a| size(*a)).fold(f64::INFINITY, f64::min);
+    let pairs = arms.iter().flat_map(|a| arms.iter().map(move |b| (a, b)));
+    let span = pairs
+        .map(|(a, b)| size([0, 1, 2].map(|i| a[i] - b[i])))
+        .fold(0.0, f64::max);
+    span > 0.04 * square && nearest > 0.25 * span
 }
 
 /// What does not fit in a body's inertia, and whether a marker has a part in it.
