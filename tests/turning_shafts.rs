@@ -117,3 +117,175 @@ fn a_shaft_in_bearings_sags_as_at_rest() {
         assert!(ringing < 1e-2, "{ratio}: {ringing}");
     }
 }
+
+/// A disc of 2 kg in the middle of the shaft, its centre of mass beside the axis.
+const DISC: f64 = 2.0;
+const PIN: f64 = 0.02;
+const WIDTH: f64 = 0.005;
+const CLEARANCE: f64 = 14e-6;
+const VISCOSITY: f64 = 8e-3;
+/// First critical speed of shaft and disc in rigid bearings (rad/s).
+const CRITICAL: f64 = 680.0;
+
+fn rotor(speed: f64, unbalance: &str, bearings: &str, duration: &str, start: &str) -> Outcome {
+    let text = format!(
+        "use std.joints.{{PointOnPlane, PointOnLine, Fixed}}
+         use std.drives.PrescribedRotation
+         use std.journals.Short
+         model Rotor {{
+             gravity = [0, -9.81, 0] m/s^2
+             marker left = [0, 0, 0] m
+             marker right = [0, 0, {LENGTH}] m
+             flexible shaft {{
+                 mesh = nastran(\"shaft.bdf\", units: m_kg_s)
+                 modes = static(at: [left, right, middle], freedoms: [x, y]) + normal(4)
+                 damping = 0 %
+                 geometric_stiffness = true
+                 marker left = node(1)
+                 marker middle = node(5)
+                 marker right = node(9)
+                 start angular_velocity = [0, 0, {speed}] rad/s
+             }}
+             body disc {{
+                 mass = {DISC} kg
+                 inertia = [0.8, 0.8, 1.6] g*m^2
+                 center_of_mass = [{unbalance}, 0 um, 0 um]
+                 marker hub = origin
+             }}
+             joint fit = Fixed(disc.hub, shaft.middle)
+             joint thrust = PointOnPlane(shaft.left, left)
+             {bearings}
+             drive turn = PrescribedRotation(shaft.left, left, speed: {speed} rad/s)
+             output sag: Length = dot(shaft.middle.origin - shaft.left.origin, ground.y)
+             output aside: Length = dot(shaft.middle.origin - shaft.left.origin, ground.x)
+             output pin_sag: Length = dot(shaft.left.origin, ground.y)
+             output pin_aside: Length = dot(shaft.left.origin, ground.x)
+         }}
+         analysis begins = transient(Rotor(), duration: {duration}, sample: 0.1 ms, start: {start})"
+    );
+    let sources = Sources::from_texts([
+        ("rotor.eng".to_owned(), text),
+        ("shaft.bdf".to_owned(), deck()),
+    ]);
+    let program: Program = eng::check(&sources, "rotor.eng")
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}"));
+    program
+        .analysis("begins")
+        .unwrap_or_else(|error| panic!("{error}"))
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error))
+}
+
+fn films() -> String {
+    format!(
+        "journal film[j in 1..2] = Short(
+             pin: [shaft.left, shaft.right][j], shell: [left, right][j], diameter: {PIN} m, width: {WIDTH} m,
+             radial_clearance: {CLEARANCE:e} m, viscosity: {VISCOSITY} Pa*s)"
+    )
+}
+
+fn followed(outcome: &Outcome) {
+    let Some(StartReport::QuasiStatic(found)) = &outcome.start else {
+        panic!("{:?}", outcome.start);
+    };
+    assert!(
+        matches!(found.turning, Some(Turning::Followed { change, .. }) if change < 1e-3),
+        "{found:?}"
+    );
+}
+
+/// Eccentricity ratio of Ocvirk's bearing under a still load, from `W = μΩRB³/c² ε/(4 (1 − ε²)²) √(16 ε² + π² (1 − ε²))`, and its
+/// attitude `tan φ = π √(1 − ε²)/(4 ε)` (NACA TN 2808).
+fn ocvirk(load: f64, speed: f64) -> (f64, f64) {
+    use std::f64::consts::PI;
+    let unit = VISCOSITY * speed * 0.5 * PIN * WIDTH.powi(3) / CLEARANCE.powi(2);
+    let carried = |e: f64| {
+        let rest = 1.0 - e * e;
+        unit * e / (4.0 * rest * rest) * (16.0 * e * e + PI * PI * rest).sqrt()
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if carried(middle) < load {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    (low, (PI * (1.0 - low * low).sqrt()).atan2(4.0 * low))
+}
+
+/// A rotor in two films under its weight: pins on Ocvirk's locus, the shaft bent as at rest, and both stay so for 10 ms.
+#[test]
+fn a_shaft_in_films_sags_as_at_rest() {
+    let rigid = "joint one = PointOnLine(shaft.left, left)
+                 joint two = PointOnLine(shaft.right, right)";
+    let rest = -column(&rotor(0.0, "0 um", rigid, "0.1 ms", "quasi_static"), "sag")[0];
+    let weight = 9.81 * (DISC + DENSITY * area() * LENGTH);
+    println!("at rest {rest:e}");
+    for ratio in [0.3, 0.5, 0.8, 1.5] {
+        let speed = ratio * CRITICAL;
+        let outcome = rotor(speed, "0 um", &films(), "10 ms", "quasi_static");
+        followed(&outcome);
+        let [sag, aside, pin_sag, pin_aside] =
+            ["sag", "aside", "pin_sag", "pin_aside"].map(|path| column(&outcome, path));
+        let bent = (sag[0] + rest).hypot(aside[0]) / rest;
+        let (eccentricity, attitude) = ocvirk(0.5 * weight, speed);
+        let due = CLEARANCE * eccentricity;
+        let pin = (pin_sag[0] + due * attitude.cos()).hypot(pin_aside[0] - due * attitude.sin())
+            / CLEARANCE;
+        let ringing = (0..sag.len()).fold(0.0_f64, |w, i| {
+            let disc = (sag[i] - sag[0]).hypot(aside[i] - aside[0]);
+            let pin = (pin_sag[i] - pin_sag[0]).hypot(pin_aside[i] - pin_aside[0]);
+            w.max((disc + pin) / rest)
+        });
+        println!(
+            "Ω/ω {ratio}: bent off by {bent:.2e}, pin by {pin:.2e} of the clearance, in 10 ms {ringing:.2e}"
+        );
+        assert!(bent < 1e-3, "{ratio}: {bent}");
+        assert!(pin < 1e-3, "{ratio}: {pin}");
+        assert!(ringing < 2e-3, "{ratio}: {ringing}");
+    }
+}
+
+/// The same with an unbalance: what the start begins comes back after a turn, and is the motion that a long run comes to.
+#[test]
+fn an_unbalance_in_films_repeats_from_the_start() {
+    let speed = 0.5 * CRITICAL;
+    let turn = 2.0 * std::f64::consts::PI / speed;
+    let outcome = rotor(speed, "5 um", &films(), "40 ms", "quasi_static");
+    followed(&outcome);
+    // as assembled it comes to the same after 40 turns
+    let long = rotor(
+        speed,
+        "5 um",
+        &films(),
+        &format!("{} s", 42.0 * turn),
+        "assembled",
+    );
+    let at = |outcome: &Outcome, path: &str, time: f64| {
+        let times = column(outcome, "time");
+        let values = column(outcome, path);
+        let k = times
+            .partition_point(|t| *t <= time)
+            .clamp(1, times.len() - 1);
+        let part = (time - times[k - 1]) / (times[k] - times[k - 1]);
+        values[k - 1] + part * (values[k] - values[k - 1])
+    };
+    for path in ["sag", "aside", "pin_sag", "pin_aside"] {
+        let values = column(&outcome, path);
+        let swing = values.iter().fold(f64::NEG_INFINITY, |m, x| m.max(*x))
+            - values.iter().fold(f64::INFINITY, |m, x| m.min(*x));
+        let (mut again, mut later) = (0.0_f64, 0.0_f64);
+        for k in 0..100 {
+            let time = turn * f64::from(k) / 100.0;
+            let here = at(&outcome, path, time);
+            again = again.max((at(&outcome, path, time + turn) - here).abs() / swing);
+            later = later.max((at(&long, path, time + 40.0 * turn) - here).abs() / swing);
+        }
+        println!("{path}: after a turn {again:.2e}, of a long run {later:.2e} of the swing");
+        assert!(again < 1e-2, "{path}: {again}");
+        assert!(later < 2e-2, "{path}: {later}");
+    }
+}

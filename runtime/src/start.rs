@@ -70,8 +70,15 @@ pub enum Turning {
         /// Change of the start from half as many angles, as a share of the largest bending.
         change: f64,
     },
-    /// As if all loads turned with them, in a model with films: the orbits of pins in their films are not solved for.
-    OnFilms,
+    /// In films, as in the motion that repeats: it was followed from a balance until it did.
+    Followed {
+        /// Periods that were followed.
+        periods: usize,
+        /// The period (s).
+        period: f64,
+        /// Change over the last one, of a clearance or of the largest bending.
+        change: f64,
+    },
     /// As if all loads turned with them, for the reason told.
     WithTheBody {
         /// A body that turns.
@@ -150,13 +157,24 @@ impl std::fmt::Display for StartReport {
                     )?;
                 }
                 match &e.turning {
-                    Some(Turning::Repeating { angles, period, change }) => write!(
+                    Some(Turning::Repeating {
+                        angles,
+                        period,
+                        change,
+                    }) => write!(
                         f,
                         "; turning flexible bodies as in the motion that repeats after {:.4} ms, at {angles} angles to {change:.1e}",
                         1e3 * period
                     )?,
-                    Some(Turning::OnFilms) => f.write_str(
-                        "; turning flexible bodies as if all loads turned with them, for they turn on films",
+                    Some(Turning::Followed {
+                        periods,
+                        period,
+                        change,
+                    }) => write!(
+                        f,
+                        "; turning flexible bodies and their films as in the motion that repeats after {:.4} ms, followed for {periods} \
+                         periods to {change:.1e}",
+                        1e3 * period
                     )?,
                     Some(Turning::WithTheBody { reason, .. }) => write!(
                         f,

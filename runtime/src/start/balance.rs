@@ -116,6 +116,8 @@ pub struct Balance<'a> {
     acceleration: Vec<f64>,
     /// Rows of what is held at another angle of a turn, in scaled velocities.
     turned: Option<DMatrix<f64>>,
+    /// Whether the inertia of bent bodies that turn counts.
+    softened: bool,
 }
 
 /// A place with its multipliers and efforts.
@@ -161,6 +163,7 @@ impl<'a> Balance<'a> {
             acceleration,
             motion,
             turned: None,
+            softened: true,
         };
         (balance.fixed, balance.fixed_names) = balance.what_moves(state)?;
         let (_, mut rows) = balance.holds(state)?;
@@ -201,6 +204,21 @@ impl<'a> Balance<'a> {
         self.dynamics
             .add_inertia(model, &self.velocity, &self.acceleration, &mut balance);
         self.dynamics.add_forces(model, -1.0, &mut balance);
+        if !self.softened {
+            let mut softening = DMatrix::zeros(n, n);
+            self.add_softening(state, -1.0, &mut softening);
+            let mut shapes = DVector::zeros(n);
+            for body in &model.bodies {
+                for k in 0..body.modes() {
+                    let i = body.velocity + 6 + k;
+                    shapes[i] = state.pose[body.pose + 7 + k] / self.motion.scales()[i];
+                }
+            }
+            let stiffer = softening * shapes;
+            for i in 0..n {
+                balance[i] += stiffer[i] * self.unit / self.motion.scales()[i];
+            }
+        }
         let (values, rows) = self.held(state)?;
         let mut out = DVector::zeros(n + m + rows.nrows());
         for i in 0..n {
@@ -294,6 +312,9 @@ impl<'a> Balance<'a> {
                 out[(j, n + m + i)] = rows[(i, j)];
             }
         }
+        if !self.softened {
+            self.add_softening(state, -1.0, &mut out);
+        }
         Ok(out)
     }
 
@@ -378,7 +399,7 @@ impl<'a> Balance<'a> {
                 .map_err(|e| locked(model, e))?;
             self.velocity = velocity;
             self.acceleration = acceleration;
-            if round > 0 && moved <= 1e-3 * model.tolerance {
+            if !self.softened || (round > 0 && moved <= 1e-3 * model.tolerance) {
                 break;
             }
         }

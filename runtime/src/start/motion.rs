@@ -12,7 +12,7 @@
 //! 7. what is left has the least kinetic energy.
 //!
 //! Along a path that is known at all angles of a period ([`SteadyMotion::along_path`]) all velocities are the path's own, changed by
-//! least squares (scaled) so that the constraints, 1, 2 and 4 hold.
+//! least squares (scaled) so that the constraints, 1 and 4 hold.
 //!
 //! Zeros come after the films: a shaft that is stated to turn about the ground's axis alone tilts by microradians in its bearings
 //! and turns about its own axis, else its pins would circle in their shells as fast as the shaft turns.
@@ -20,7 +20,7 @@
 //! Which combinations of rows decide is settled once, at the assembled place; at any other the same combinations give the
 //! velocities by a linear system. The steady acceleration is their rate along the motion itself.
 
-use super::picking::{split, unit_rows};
+use super::picking::{DETERMINED, split, split_above, unit_rows};
 use crate::assembly::at;
 use crate::assembly::rows::{self, Along, Rows};
 use crate::chain;
@@ -36,6 +36,8 @@ use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// A row shorter than this (in scaled velocities) says nothing.
 const EMPTY: f64 = 1e-12;
+/// Share of a stated velocity that tilts of shafts have.
+const TILTS: f64 = 1e-2;
 /// Share of an element's stiffest direction below which it does not count as held.
 const SOFT: f64 = 1e-6;
 /// Scaled increment of a place over which rates are compared.
@@ -133,7 +135,7 @@ impl SteadyMotion {
             Wish::Loads(loads(true)),
             Wish::Loads(loads(false)),
         ];
-        SteadyMotion::decide(model, state, wishes)
+        SteadyMotion::decide(model, state, wishes, DETERMINED)
     }
 
     /// The rows that velocities along a path must keep. Stated zeros come after the shapes and frames of flexible bodies: a shaft that
@@ -145,11 +147,18 @@ impl SteadyMotion {
             .filter(|b| b.modes() > 0)
             .flat_map(|b| b.velocity..b.velocity + b.width());
         let [moving, still, _] = stated(model, state)?;
-        let wishes = vec![moving, Wish::Films, Wish::Own(flexible.collect()), still];
-        SteadyMotion::decide(model, state, wishes)
+        let wishes = vec![moving, Wish::Own(flexible.collect()), still];
+        // a drive that turns a shaft leaves its tilts alone to the speed that is stated of it: they do not make up for a difference
+        SteadyMotion::decide(model, state, wishes, TILTS)
     }
 
-    fn decide(model: &Model, state: &State, wishes: Vec<Wish>) -> Result<SteadyMotion, NoMotion> {
+    /// Combinations of a wish's rows of which those before leave no more than `least` decide nothing.
+    fn decide(
+        model: &Model,
+        state: &State,
+        wishes: Vec<Wish>,
+        least: f64,
+    ) -> Result<SteadyMotion, NoMotion> {
         let mut motion = SteadyMotion {
             constraints: rows_of(model, |e| model.elements[e].dynamic),
             factors: Vec::new(),
@@ -165,7 +174,7 @@ impl SteadyMotion {
         for wish in wishes {
             let (_, mut matrix) = motion.wished(model, state, &wish)?;
             let factors = unit_rows(&mut matrix, EMPTY);
-            let picked = split(&(&matrix * &open)).ok_or(NoMotion::Singular)?;
+            let picked = split_above(&(&matrix * &open), least).ok_or(NoMotion::Singular)?;
             open = &open * picked.free;
             motion.levels.push(Level {
                 wish,
@@ -426,6 +435,30 @@ impl SteadyMotion {
         Ok((velocity, kept))
     }
 
+    /// What a place misses of the constraints, and their rows, in scaled increments.
+    pub fn missed_places(
+        &self,
+        model: &Model,
+        state: &State,
+    ) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
+        let (values, mut matrix) = self.constraints.evaluate(model, &at(state), Along::Pose)?;
+        self.scale_columns(&mut matrix);
+        Ok(weighed(values, matrix, &self.factors))
+    }
+
+    /// What velocities miss of the rows that they keep at a place, and these rows, in scaled velocities.
+    pub fn missed_rates(
+        &self,
+        model: &Model,
+        state: &State,
+        velocity: &[f64],
+    ) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
+        let kept = self.kept(model, state)?;
+        let y = DVector::from_fn(model.velocities, |i, _| velocity[i] / self.scales[i]);
+        let missed = &kept.rows * y + &kept.values;
+        Ok((missed, kept.rows))
+    }
+
     fn kept_levels(&self) -> impl Iterator<Item = &Level> {
         self.levels
             .iter()
@@ -563,7 +596,7 @@ fn films(model: &Model) -> Vec<usize> {
 }
 
 /// All modal rates.
-fn modal(model: &Model) -> Vec<usize> {
+pub fn modal(model: &Model) -> Vec<usize> {
     model
         .bodies
         .iter()
@@ -656,7 +689,7 @@ fn rates_of_eccentricities(model: &Model, pose: &[f64], velocity: &[f64]) -> Vec
 }
 
 /// Rates of the eccentricities of all journals, seen from their shells, by velocities: two rows (x, y) a journal.
-fn eccentricity_rates(model: &Model, state: &State) -> DMatrix<f64> {
+pub fn eccentricity_rates(model: &Model, state: &State) -> DMatrix<f64> {
     let count = model.compiled.system.journals.len();
     let mut matrix = DMatrix::zeros(2 * count, model.velocities);
     for journal in 0..count {

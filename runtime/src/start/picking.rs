@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 /// A combination of unit rows below this determines nothing.
-const DETERMINED: f64 = 1e-6;
+pub(super) const DETERMINED: f64 = 1e-6;
 
 /// Rows by what they determine in a space.
 pub(super) struct Picked {
@@ -15,6 +15,11 @@ pub(super) struct Picked {
 
 /// Splits the space (columns of `matrix`) into what its rows determine and the rest. `None` where the numbers are not finite.
 pub(super) fn split(matrix: &DMatrix<f64>) -> Option<Picked> {
+    split_above(matrix, DETERMINED)
+}
+
+/// The same; combinations of unit rows up to `least` determine nothing.
+pub(super) fn split_above(matrix: &DMatrix<f64>, least: f64) -> Option<Picked> {
     let (rows, space) = matrix.shape();
     if rows == 0 || space == 0 {
         return Some(Picked {
@@ -29,7 +34,7 @@ pub(super) fn split(matrix: &DMatrix<f64>) -> Option<Picked> {
     let padded = matrix.clone().resize(rows.max(space), space, 0.0);
     let svd = padded.try_svd(true, true, f64::EPSILON, 10_000)?;
     let (left, right) = (svd.u?, svd.v_t?);
-    let determined = |i: &usize| svd.singular_values[*i] > DETERMINED;
+    let determined = |i: &usize| svd.singular_values[*i] > least;
     let strong: Vec<usize> = (0..space).filter(determined).collect();
     let weak: Vec<usize> = (0..space).filter(|i| !determined(i)).collect();
     Some(Picked {

@@ -10,15 +10,19 @@
 //! ```
 //!
 //! w_j are the rates along the places themselves (`ṙ = D r`, `ω = 2 q̄ ∘ D q`, `ȧ = D a`, D the derivative of [`derivative`]), H and c
-//! the rows that velocities must keep: `Φ̇ = 0`, stated speeds, and `ė = 0` of the films ([`SteadyMotion::along_path`]). All
+//! the rows that velocities must keep: `Φ̇ = 0` and stated speeds (`SteadyMotion::along_path`). All
 //! velocities are scaled in this projection. Loads of each order get their own answer: `(k − Ω²n)⁻¹` where they turn with
 //! the body, `(k − Ω²n − Ω²m + iΩ(c + Ωg))⁻¹` where they are still. Orders from N/2 on are quasi-static.
 //!
 //! All angles are solved together by Newton's method with [`krylov::gmres`], preconditioned by the matrix of the balance at each
 //! angle without the centrifugal softening, with which it would be singular where the speed meets a frequency.
+//!
+//! In films the motion is [followed] instead.
 
 mod angles;
 mod derivative;
+mod followed;
+mod kept;
 mod krylov;
 mod path;
 mod tangent;
@@ -41,6 +45,19 @@ pub(super) enum NoOrbit {
     Told(String),
     /// The model cannot be evaluated.
     Stop(Stop),
+}
+
+impl NoOrbit {
+    /// In words; an error is none.
+    fn reason(self) -> Result<String, Stop> {
+        match self {
+            NoOrbit::Told(reason) => Ok(reason),
+            NoOrbit::Stop(Stop::Obstacle(stop)) => {
+                Ok(format!("{}: {}", stop.origin.path, stop.message))
+            }
+            NoOrbit::Stop(error) => Err(error),
+        }
+    }
 }
 
 impl<E: Into<Stop>> From<E> for NoOrbit {
@@ -79,9 +96,7 @@ impl Balance<'_> {
     /// which all loads turn with the bodies.
     pub(super) fn turning(&mut self, state: &mut State) -> Result<Equilibrium, Stop> {
         if !self.model.compiled.system.journals.is_empty() {
-            let (place, mut found) = self.balanced(state)?;
-            found.turning = Some(Turning::OnFilms);
-            return self.told_of(state, &place, found);
+            return self.turning_in_films(state);
         }
         let (place, mut found, obstacle) = match self.balanced(state) {
             Ok((place, found)) => (place, found, None),
@@ -101,16 +116,36 @@ impl Balance<'_> {
                 self.acceleration = orbit.acceleration;
                 return self.told_of(state, &orbit.place, found);
             }
-            Err(NoOrbit::Stop(Stop::Error(error))) => return Err(Stop::Error(error)),
-            Err(NoOrbit::Stop(Stop::Obstacle(stop))) => {
-                format!("{}: {}", stop.origin.path, stop.message)
-            }
-            Err(NoOrbit::Told(reason)) => reason,
+            Err(none) => none.reason()?,
         };
         if let Some(mut obstacle) = obstacle {
             obstacle.message = format!("{}; {reason}", obstacle.message);
             return Err(Stop::Obstacle(obstacle));
         }
+        let origin = self.turning_body().cloned().unwrap_or_default();
+        found.turning = Some(Turning::WithTheBody { origin, reason });
+        self.told_of(state, &place, found)
+    }
+
+    /// The same in films. The motion is followed from a balance without the inertia of what is bent, with which there may be none near
+    /// where the speed meets a frequency.
+    fn turning_in_films(&mut self, state: &mut State) -> Result<Equilibrium, Stop> {
+        self.softened = false;
+        let begun = self.balanced(state);
+        self.softened = true;
+        let reason = match begun {
+            Ok((place, mut found)) => match self.follow(&place) {
+                Ok(followed) => {
+                    found.turning = Some(followed.told);
+                    self.velocity = followed.velocity;
+                    return self.told_of(state, &followed.place, found);
+                }
+                Err(none) => none.reason()?,
+            },
+            Err(Stop::Obstacle(stop)) => format!("{}: {}", stop.origin.path, stop.message),
+            Err(error) => return Err(error),
+        };
+        let (place, mut found) = self.balanced(state)?;
         let origin = self.turning_body().cloned().unwrap_or_default();
         found.turning = Some(Turning::WithTheBody { origin, reason });
         self.told_of(state, &place, found)

@@ -8,6 +8,7 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
 use crate::rotation::{Quaternion, logarithm, product};
+use crate::start::motion::modal;
 use crate::state::State;
 use std::f64::consts::TAU;
 
@@ -19,6 +20,8 @@ const OF_A_CYCLE: usize = 48;
 const MOST_TURNS: usize = 20;
 /// Steps between two angles of the fine grid.
 const STEPS: usize = 2;
+/// Share of a turn within which a body has come round.
+const ROUND: f64 = 1e-3;
 /// Share of the model's length, or rad, within which a place has come back.
 const BACK: f64 = 1e-4;
 
@@ -92,10 +95,38 @@ fn cycle_time(balance: &Balance, place: &Place) -> Result<Option<(f64, f64)>, Ru
     let mut dynamics = Dynamics::new(model);
     let mut state = place.state.clone();
     state.velocity.copy_from_slice(&balance.velocity);
+    // shapes move to and fro
+    for i in modal(model) {
+        state.velocity[i] = 0.0;
+    }
     dynamics.place(model, state.time, &state.pose, &state.velocity);
     watch.evaluate(model, &dynamics, &state)?;
     let (period, rate) = (model.slot(cycle.period), watch.watched_values[1].abs());
     Ok((rate > TURNS * balance.pace).then_some((period / rate, period / TAU)))
+}
+
+/// Time after which a motion repeats (s), and its turns: the cycle's, or that after which all that turns has come round.
+pub(super) fn period_of(balance: &Balance, place: &Place) -> Result<(f64, f64), NoOrbit> {
+    if let Some(cycle) = cycle_time(balance, place)? {
+        return Ok(cycle);
+    }
+    let turn = slowest_turn(balance)?;
+    let comes_round = |time: f64| {
+        balance.model.bodies.iter().all(|body| {
+            let spin = &balance.velocity[body.velocity + 3..body.velocity + 6];
+            let turns = libm::sqrt(spin.iter().map(|x| x * x).sum()) * time / TAU;
+            (turns - libm::round(turns)).abs() <= ROUND
+        })
+    };
+    (1..=MOST_TURNS)
+        .map(|turns| turns as f64)
+        .find(|turns| comes_round(turns * turn))
+        .map(|turns| (turns * turn, turns))
+        .ok_or_else(|| {
+            NoOrbit::Told(format!(
+                "the motion does not repeat within {MOST_TURNS} turns"
+            ))
+        })
 }
 
 /// Time of a turn (s) of the flexible body that turns slowest.
@@ -119,7 +150,7 @@ fn slowest_turn(balance: &Balance) -> Result<f64, NoOrbit> {
 }
 
 /// The unwrapped angles where a state has come to.
-fn unwrap(
+pub(super) fn unwrap(
     model: &Model,
     watch: &mut Watch,
     dynamics: &mut Dynamics,

@@ -1,0 +1,531 @@
+//! The start of flexible bodies that turn in films: their motion followed until it repeats.
+//!
+//! A pin is carried by the squeeze of its film as much as by the wedge, so its place is the outcome of the load before: of the motion that
+//! repeats nothing is known at one angle alone. Neither does the motion with `ė = 0` come back after a period, for the rates that it
+//! sets to zero are no derivatives of places. So the whole motion is followed, from the balance, with the scheme of the steps (`ρ∞ = ½`, 2° a
+//! step), until a period changes nothing any more. What dies slowly is found ahead by Anderson's method: with the states x_i at the
+//! beginnings of the last periods and P(x_i) at their ends,
+//!
+//! ```text
+//! x = Σ γ_i P(x_i)        Σ γ_i = 1        |Σ γ_i (P(x_i) − x_i)| least
+//! ```
+//!
+//! What is stated to move keeps its speed in the mean, by efforts of critical damping that are soft against all orders of the period
+//! ([`kept`]); element states stay. Velocities where the start is are those of the places followed, by central differences of eighth
+//! order: the scheme's own miss `Φ̇ = 0` by `C h² v̈`, which is as much as a film is squeezed. Last, the place and its velocities
+//! are brought to what the text states, so that eccentricities, shapes and their rates change least.
+//! (D. G. Anderson, J. ACM 12 (1965) 547.)
+
+use super::super::{Balance, Place, Stop};
+use super::kept::Kept;
+use super::path::{period_of, turn_between, unwrap};
+use super::{NoOrbit, singular};
+use crate::dynamics::Dynamics;
+use crate::integrator::{Goal, Integrator};
+use crate::linear::{BlockLu, LinearSolver, Pattern};
+use crate::model::Model;
+use crate::outputs::Watch;
+use crate::start::Turning;
+use crate::start::motion::{SteadyMotion, eccentricities, eccentricity_rates, film_ratios, modal};
+use crate::state::{State, move_pose};
+use nalgebra::{DMatrix, DVector};
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+
+/// Steps of a turn.
+const STEPS: f64 = 180.0;
+/// ρ∞ of the scheme.
+const RADIUS: f64 = 0.5;
+/// Periods that are followed at most.
+const PERIODS: usize = 40;
+/// Periods before what is left is taken for linear.
+const PLAIN: usize = 2;
+/// Periods that are taken together.
+const TOGETHER: usize = 8;
+/// Change over a period, of a clearance or of the largest bending, below which the motion repeats.
+const REPEATS: f64 = 2e-4;
+/// The same where it has been followed for long.
+const NEARLY: f64 = 5e-3;
+/// Iterations of a step.
+const ITERATIONS: usize = 20;
+/// Iterations with the first matrix.
+const MATRIX: usize = 4;
+/// Scaled correction at which a step is solved, as a share of the position tolerance.
+const GOAL: f64 = 1e-3;
+/// Weight of eccentricities and shapes against all else where a place is brought to what is stated.
+const STIFF: f64 = 1e4;
+/// Rounds of that.
+const ROUNDS: usize = 3;
+/// Singular values of what changed over the last periods, as a share of the largest, that say nothing.
+const SAME: f64 = 1e-8;
+
+/// The motion found, where it starts.
+pub(super) struct Followed {
+    pub place: Place,
+    pub velocity: Vec<f64>,
+    pub told: Turning,
+}
+
+/// The scheme between two states of the motion.
+struct Follower {
+    integrator: Integrator,
+    dynamics: Dynamics,
+    watch: Watch,
+    solver: BlockLu,
+    kept: Kept,
+    step: f64,
+    /// The last places.
+    behind: VecDeque<Vec<f64>>,
+}
+
+/// All that a period begins with, as offsets from a place: increments, velocities, accelerations, the scheme's own, and what is ahead.
+type Vector = Vec<f64>;
+
+/// Makes the rows of element states those of what stays.
+fn still_states(pattern: &Pattern, states: std::ops::Range<usize>, values: &mut [f64]) {
+    for column in 0..pattern.size {
+        for k in pattern.columns[column]..pattern.columns[column + 1] {
+            let row = pattern.rows[k];
+            if states.contains(&row) {
+                values[k] = f64::from(u8::from(row == column));
+            }
+        }
+    }
+}
+
+fn no_step() -> NoOrbit {
+    NoOrbit::Told("a step along its motion has no solution".to_owned())
+}
+
+impl Follower {
+    fn new(
+        balance: &mut Balance,
+        state: &State,
+        period: f64,
+        step: f64,
+    ) -> Result<Follower, NoOrbit> {
+        let model = balance.model;
+        // its own iteration is not called: that of `advance` keeps element states and adds the efforts
+        let goal = Goal {
+            absolute: GOAL * model.tolerance / model.length,
+            relative: 0.0,
+        };
+        let mut integrator = Integrator::new(model, state, RADIUS, goal)?;
+        let still = vec![0.0; model.velocities];
+        integrator.start(
+            &still,
+            &still,
+            &vec![0.0; model.rows],
+            &vec![0.0; model.states],
+        );
+        let solver = BlockLu::new(integrator.pattern());
+        Ok(Follower {
+            kept: Kept::new(balance, state, period)?,
+            integrator,
+            dynamics: Dynamics::new(model),
+            watch: Watch::new(model, |_| true),
+            solver,
+            step,
+            behind: VecDeque::new(),
+        })
+    }
+
+    /// A step on.
+    fn advance(&mut self, balance: &mut Balance) -> Result<(), NoOrbit> {
+        let model = balance.model;
+        let (n, s) = (model.velocities, model.states);
+        let h = self.step;
+        let scales = model.velocity_scales();
+        let goal = GOAL * model.tolerance / model.length;
+        let here = self.integrator.current.clone();
+        let pulled = self.kept.pull(balance, &here, h)?
+            * (self.integrator.coefficients.beta * h * h
+                / (model.mass * model.length * model.length));
+        self.integrator.predict(model, h, true);
+        let mut trial = self.integrator.trial().to_vec();
+        for i in 0..s {
+            trial[n + i] = here.states[i] / self.integrator.state_scales(model)[i];
+        }
+        self.integrator.set_trial(&trial);
+        let mut pose = here.pose.clone();
+        let mut last = f64::INFINITY;
+        for iteration in 0..ITERATIONS {
+            self.integrator.evaluate(model, &mut self.dynamics, h)?;
+            let mut correction: Vec<f64> =
+                self.integrator.last_residual().iter().map(|r| -r).collect();
+            correction[n..n + s].fill(0.0);
+            for (r, p) in correction.iter_mut().zip(pulled.iter()) {
+                *r += p;
+            }
+            if iteration == 0 || iteration >= MATRIX {
+                self.integrator.fill(model, &mut self.dynamics, h)?;
+                let mut values = self.integrator.values().to_vec();
+                still_states(self.integrator.pattern(), n..n + s, &mut values);
+                self.solver.factor(&values).map_err(|_| no_step())?;
+            }
+            self.solver.solve(&mut correction);
+            let size = correction[..n].iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+            if correction.iter().any(|x| !x.is_finite()) {
+                return Err(no_step());
+            }
+            move_pose(
+                model,
+                &here.pose,
+                &unscaled(&trial, &scales),
+                1.0,
+                &mut pose,
+            );
+            let step = unscaled(&correction, &scales);
+            let factor = balance.allowed(&pose.clone(), &step, size, &mut pose);
+            for (x, d) in trial.iter_mut().zip(&correction) {
+                *x += factor * d;
+            }
+            self.integrator.set_trial(&trial);
+            if factor == 1.0 && (size <= goal || (size <= 1e3 * goal && size >= 0.5 * last)) {
+                return self.accept(balance);
+            }
+            last = size;
+        }
+        Err(no_step())
+    }
+
+    fn accept(&mut self, balance: &mut Balance) -> Result<(), NoOrbit> {
+        let model = balance.model;
+        let h = self.step;
+        self.integrator.evaluate(model, &mut self.dynamics, h)?;
+        let time = self.integrator.current.time + h;
+        self.integrator.accept(model, h, time);
+        let now = &mut self.integrator.current;
+        unwrap(model, &mut self.watch, &mut self.dynamics, now)?;
+        self.kept.follow(balance, now, h)?;
+        self.behind.push_front(now.pose.clone());
+        self.behind.truncate(5);
+        Ok(())
+    }
+
+    /// Rates of the places where it is, from those before and after, by central differences of eighth order.
+    fn rates(&mut self, balance: &mut Balance) -> Result<Vec<f64>, NoOrbit> {
+        const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+        let model = balance.model;
+        let here = self.integrator.current.pose.clone();
+        let before: Vec<Vec<f64>> = self.behind.iter().skip(1).cloned().collect();
+        let mut rates = vec![0.0; model.velocities];
+        for (weight, behind) in WEIGHTS.iter().zip(&before) {
+            self.advance(balance)?;
+            let after = offset(model, &here, &self.integrator.current.pose);
+            let behind = offset(model, &here, behind);
+            for (rate, (a, b)) in rates.iter_mut().zip(after.iter().zip(&behind)) {
+                *rate += weight * (a - b) / self.step;
+            }
+        }
+        Ok(rates)
+    }
+
+    /// Puts the time and all angles back to those of a state a period before.
+    fn rewind(&mut self, first: &State) {
+        let now = &mut self.integrator.current;
+        now.time = first.time;
+        now.rotations.copy_from_slice(&first.rotations);
+    }
+
+    /// What goes on from here, from a place.
+    fn read(&self, model: &Model, from: &State) -> Vector {
+        let now = &self.integrator.current;
+        let mut all = offset(model, &from.pose, &now.pose);
+        all.extend(&now.velocity);
+        all.extend(&now.acceleration);
+        all.extend(&self.integrator.auxiliary);
+        all.extend(&self.integrator.jerk);
+        all.extend(&now.multipliers);
+        all.extend(&self.integrator.multiplier_rate);
+        all.extend(self.kept.ahead.iter());
+        all.extend(self.kept.faster.iter());
+        all
+    }
+
+    /// The other way; `false` where a pin would not be in its shell.
+    fn write(&mut self, model: &Model, from: &State, all: &[f64]) -> bool {
+        let n = model.velocities;
+        let mut pose = from.pose.clone();
+        move_pose(model, &from.pose, &all[..n], 1.0, &mut pose);
+        if film_ratios(model, &pose)
+            .iter()
+            .any(|ratio| *ratio >= WITHIN)
+        {
+            return false;
+        }
+        let now = &mut self.integrator.current;
+        now.pose.copy_from_slice(&pose);
+        let mut rest = &all[n..];
+        let mut take = |to: &mut [f64]| {
+            let (own, others) = rest.split_at(to.len());
+            to.copy_from_slice(own);
+            rest = others;
+        };
+        take(&mut now.velocity);
+        take(&mut now.acceleration);
+        take(&mut self.integrator.auxiliary);
+        take(&mut self.integrator.jerk);
+        take(&mut now.multipliers);
+        take(&mut self.integrator.multiplier_rate);
+        take(self.kept.ahead.as_mut_slice());
+        take(self.kept.faster.as_mut_slice());
+        true
+    }
+}
+
+/// Eccentricity ratio up to which a place is taken that was found ahead.
+const WITHIN: f64 = 0.98;
+
+fn unscaled(unknowns: &[f64], scales: &[f64]) -> Vec<f64> {
+    unknowns.iter().zip(scales).map(|(x, s)| x * s).collect()
+}
+
+/// The increment from a place to another.
+fn offset(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; model.velocities];
+    for body in &model.bodies {
+        let (p, v) = (body.pose, body.velocity);
+        for i in 0..3 {
+            out[v + i] = to[p + i] - from[p + i];
+        }
+        let turn = turn_between(&from[p + 3..p + 7], &to[p + 3..p + 7]);
+        out[v + 3..v + 6].copy_from_slice(turn.as_slice());
+        for i in 0..body.modes() {
+            out[v + 6 + i] = to[p + 7 + i] - from[p + 7 + i];
+        }
+    }
+    out
+}
+
+/// Largest change from a state to another: of eccentricities as shares of their clearances, and of shapes as shares of the largest of
+/// their body.
+fn change(model: &Model, from: &State, to: &State) -> f64 {
+    let films = eccentricities(model, &from.pose)
+        .into_iter()
+        .zip(eccentricities(model, &to.pose));
+    let journals = &model.compiled.system.journals;
+    let mut change = journals
+        .iter()
+        .zip(films)
+        .fold(0.0_f64, |w, (journal, (a, b))| {
+            w.max(libm::hypot(b[0] - a[0], b[1] - a[1]) / model.slot(journal.radial_clearance))
+        });
+    for body in &model.bodies {
+        let shapes = body.pose + 7..body.pose + 7 + body.modes();
+        let (a, b) = (&from.pose[shapes.clone()], &to.pose[shapes]);
+        let size = b.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+        let off = a
+            .iter()
+            .zip(b)
+            .fold(0.0_f64, |w, (a, b)| w.max((a - b).abs()));
+        if size > 0.0 {
+            change = change.max(off / size);
+        }
+    }
+    change
+}
+
+/// What to begin a period with, from the beginnings and ends of the last ones; weights make their entries alike.
+fn ahead(begins: &[Vector], ends: &[Vector], weights: &[f64]) -> Option<Vector> {
+    let (last_end, last_begin) = (ends.last()?, begins.last()?);
+    let count = ends.len() - 1;
+    let off = |k: usize, i: usize| weights[i] * (ends[k][i] - begins[k][i]);
+    let size = weights.len();
+    let changes = DMatrix::from_fn(size, count, |i, k| off(k, i) - off(count, i));
+    let wanted = DVector::from_fn(size, |i, _| -weights[i] * (last_end[i] - last_begin[i]));
+    let svd = changes.try_svd(true, true, f64::EPSILON, 10_000)?;
+    let parts = svd.solve(&wanted, SAME * svd.singular_values.amax()).ok()?;
+    let mut next = last_end.clone();
+    for (end, part) in ends.iter().zip(parts.iter()) {
+        for (x, (a, b)) in next.iter_mut().zip(end.iter().zip(last_end)) {
+            *x += part * (a - b);
+        }
+    }
+    next.iter().all(|x| x.is_finite()).then_some(next)
+}
+
+impl Balance<'_> {
+    /// Follows the motion from a place until it repeats.
+    pub(super) fn follow(&mut self, place: &Place) -> Result<Followed, NoOrbit> {
+        let model = self.model;
+        let mut first = place.state.clone();
+        first.velocity.copy_from_slice(&self.velocity);
+        first.acceleration.copy_from_slice(&self.acceleration);
+        first.rates.fill(0.0);
+        let (period, turns) = period_of(self, place)?;
+        let count = libm::ceil(turns * STEPS) as usize;
+        let weights = self.weights(&first, turns * TAU / period);
+        let mut follower = Follower::new(self, &first, period, period / count as f64)?;
+        let start = first.clone();
+        let (mut begins, mut ends) = (Vec::new(), Vec::new());
+        let mut off = f64::INFINITY;
+        let mut followed = 0;
+        while followed < PERIODS && off > REPEATS {
+            let begin = follower.read(model, &start);
+            for _ in 0..count {
+                follower.advance(self)?;
+            }
+            followed += 1;
+            follower.rewind(&start);
+            let now = &follower.integrator.current;
+            let before = off;
+            off = change(model, &first, now);
+            first.copy_from(now);
+            if followed <= PLAIN || off <= REPEATS {
+                continue;
+            }
+            if off > 4.0 * before {
+                begins.clear();
+                ends.clear();
+            }
+            begins.push(begin);
+            ends.push(follower.read(model, &start));
+            if ends.len() > TOGETHER {
+                begins.remove(0);
+                ends.remove(0);
+            }
+            if ends.len() > 1
+                && let Some(next) = ahead(&begins, &ends, &weights)
+                && follower.write(model, &start, &next)
+            {
+                first.copy_from(&follower.integrator.current);
+            }
+        }
+        if off > NEARLY || off.is_nan() {
+            return Err(NoOrbit::Told(format!(
+                "its motion on the films does not repeat: the {PERIODS}th period of {:.4} ms changes the bending by {off:.1e} of itself",
+                1e3 * period
+            )));
+        }
+        let rates = follower.rates(self)?;
+        let (state, velocity) = self.stated(&first, rates, &mut follower.kept)?;
+        Ok(Followed {
+            place: Place {
+                state,
+                efforts: place.efforts.clone(),
+            },
+            velocity,
+            told: Turning::Followed {
+                periods: followed,
+                period,
+                change: off,
+            },
+        })
+    }
+
+    /// Weights that make increments and velocities alike: of shapes by the largest of their body, of frames by the clearances.
+    fn weights(&self, state: &State, pace: f64) -> Vec<f64> {
+        let model = self.model;
+        let mut weights = vec![0.0; model.velocities];
+        for body in &model.bodies {
+            let shapes = &state.pose[body.pose + 7..body.pose + 7 + body.modes()];
+            let size = shapes.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+            let v = body.velocity;
+            weights[v..v + 3].fill(1e-3 / model.tolerance);
+            weights[v + 3..v + 6].fill(1e-3 * model.length / model.tolerance);
+            weights[v + 6..v + body.width()].fill(if size > 0.0 { 1.0 / size } else { 0.0 });
+        }
+        let rates: Vec<f64> = weights.iter().map(|w| w / pace).collect();
+        weights.extend(rates);
+        weights
+    }
+
+    /// What the text states of places, and what keeps its mean speed: how far off, and the rows, in scaled increments.
+    fn stated_or_kept(
+        &mut self,
+        state: &State,
+        kept: &Kept,
+    ) -> Result<(DVector<f64>, DMatrix<f64>), Stop> {
+        let (mut values, mut rows) = self.holds(state)?;
+        let count = rows.nrows() - self.fixed.nrows();
+        for (i, factor) in self.factors.iter().enumerate() {
+            values[i] *= factor;
+            rows.row_mut(i).scale_mut(*factor);
+        }
+        let stated: Vec<usize> = self
+            .holding
+            .iter()
+            .copied()
+            .filter(|i| *i < count)
+            .collect();
+        let moving = kept.rows(self, state)?;
+        let (first, size) = (stated.len(), stated.len() + moving.nrows());
+        let mut all = DMatrix::zeros(size, rows.ncols());
+        all.rows_mut(0, first).copy_from(&rows.select_rows(&stated));
+        all.rows_mut(first, moving.nrows()).copy_from(&moving);
+        let mut off = DVector::zeros(size);
+        off.rows_mut(0, first)
+            .copy_from(&values.select_rows(&stated));
+        off.rows_mut(first, moving.nrows()).copy_from(&kept.ahead);
+        Ok((off, all))
+    }
+
+    /// Weight of moves in scaled velocities: eccentricities and shapes are stiff.
+    fn stiff(&self, state: &State) -> DMatrix<f64> {
+        let model = self.model;
+        let n = model.velocities;
+        let mut films = eccentricity_rates(model, state);
+        for (mut column, scale) in films.column_iter_mut().zip(self.motion.scales()) {
+            column.scale_mut(*scale * STIFF / model.length);
+        }
+        let mut weight = films.tr_mul(&films) + DMatrix::identity(n, n);
+        for i in modal(model) {
+            weight[(i, i)] += STIFF * STIFF;
+        }
+        weight
+    }
+
+    /// The least move, in scaled velocities, by which rows give what is wanted.
+    fn softest(
+        &self,
+        state: &State,
+        rows: &DMatrix<f64>,
+        wanted: &DVector<f64>,
+    ) -> Result<DVector<f64>, NoOrbit> {
+        let found = self.stiff(state).cholesky().and_then(|weight| {
+            let across = weight.solve(&rows.transpose());
+            let factors = (rows * &across).lu().solve(wanted)?;
+            Some(across * factors)
+        });
+        found.ok_or_else(|| {
+            NoOrbit::Told("what is stated cannot be met along its motion".to_owned())
+        })
+    }
+
+    /// Brings a place of the motion and its velocities to what the text states: eccentricities, shapes and their rates change least.
+    fn stated(
+        &mut self,
+        state: &State,
+        mut rates: Vec<f64>,
+        kept: &mut Kept,
+    ) -> Result<(State, Vec<f64>), NoOrbit> {
+        let model = self.model;
+        let n = model.velocities;
+        let mut state = state.clone();
+        for _ in 0..ROUNDS {
+            let (off, held) = self.stated_or_kept(&state, kept)?;
+            let (missed, constraints) = self.motion.missed_places(model, &state)?;
+            let count = constraints.nrows();
+            let mut rows = DMatrix::zeros(count + held.nrows(), n);
+            rows.rows_mut(0, count).copy_from(&constraints);
+            rows.rows_mut(count, held.nrows()).copy_from(&held);
+            let mut wanted = DVector::zeros(rows.nrows());
+            wanted.rows_mut(0, count).copy_from(&-missed);
+            wanted.rows_mut(count, off.len()).copy_from(&-off);
+            let step = self.softest(&state, &rows, &wanted)?;
+            let own = kept.ahead.len();
+            kept.ahead += held.rows(held.nrows() - own, own) * &step;
+            let from = state.pose.clone();
+            let increment = unscaled(step.as_slice(), self.motion.scales());
+            move_pose(model, &from, &increment, 1.0, &mut state.pose);
+        }
+        let motion = SteadyMotion::along_path(model, &state).map_err(singular)?;
+        let (missed, rows) = motion.missed_rates(model, &state, &rates)?;
+        let step = self.softest(&state, &rows, &-missed)?;
+        for (rate, (y, s)) in rates.iter_mut().zip(step.iter().zip(self.motion.scales())) {
+            *rate += y * s;
+        }
+        Ok((state, rates))
+    }
+}

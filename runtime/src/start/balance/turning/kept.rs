@@ -1,0 +1,136 @@
+//! What keeps its mean speed along a motion: what is stated to move, the cycle's angle, and what nothing holds.
+//!
+//! Held at a place of the body, its speed would not swing with the loads of the cycle, and the twist by which a crank carries these to its
+//! flywheel would be wrong. So each row has an effort that is soft against the orders of the period and damped critically,
+//! `−J (ω_g² φ + 2 ω_g φ̇)`, with how far ahead φ it is, its inertia J, and `ω_g` a tenth of the pace of the period.
+
+use super::super::{Balance, Stop};
+use super::NoOrbit;
+use crate::start::motion::modal;
+use crate::start::picking::{split, unit_rows};
+use crate::state::State;
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// Pace of the efforts, of that of the period.
+const SOFT: f64 = 0.1;
+/// Share of a row of what moves that the constraints leave free, up to which they hold it.
+const HELD: f64 = 1e-2;
+/// Share of a row of what moves that others do not say, up to which it follows from them: what is left are small tilts.
+const DEPENDS: f64 = 0.1;
+
+/// The rows of what keeps its mean speed, each of length one in scaled velocities, and where they are.
+pub(super) struct Kept {
+    /// Which rows of what moves.
+    moving: Vec<usize>,
+    /// Their speeds.
+    values: DVector<f64>,
+    /// Inertia of each.
+    inertia: Vec<f64>,
+    /// How far each is ahead.
+    pub ahead: DVector<f64>,
+    /// How much faster each is.
+    pub faster: DVector<f64>,
+    /// Pace of the efforts (1/s).
+    pace: f64,
+}
+
+fn scaled(balance: &Balance, velocity: &[f64]) -> DVector<f64> {
+    let scales = balance.motion.scales();
+    DVector::from_fn(scales.len(), |i, _| velocity[i] / scales[i])
+}
+
+fn no_numbers() -> NoOrbit {
+    NoOrbit::Told("its rows are no numbers".to_owned())
+}
+
+impl Kept {
+    /// At a state in the motion, which repeats after a period (s).
+    pub fn new(balance: &mut Balance, state: &State, period: f64) -> Result<Kept, NoOrbit> {
+        let (mut rows, _) = balance.what_moves(state)?;
+        unit_rows(&mut rows, 1e-12);
+        // as rigid bodies: a crank that is stated to turn at both ends is not twisted, nor are its tilts held
+        let shapes = modal(balance.model);
+        let bent = balance.motion.free.select_rows(&shapes);
+        let rigid = split(&bent).ok_or_else(no_numbers)?;
+        let free = &balance.motion.free * rigid.free;
+        let mut moving = Vec::new();
+        let mut basis: Vec<DVector<f64>> = Vec::new();
+        for i in 0..rows.nrows() {
+            let own = (rows.row(i) * &free).transpose();
+            let mut alone = rows.row(i).into_owned();
+            shapes.iter().for_each(|i| alone[*i] = 0.0);
+            // a drive holds it: what is free are tilts
+            if own.norm() <= HELD * alone.norm() {
+                continue;
+            }
+            let mut rest = own.clone();
+            for known in &basis {
+                rest -= known * known.dot(&rest);
+            }
+            if rest.norm() > DEPENDS * own.norm() {
+                basis.push(rest.normalize());
+                moving.push(i);
+            }
+        }
+        let count = moving.len() + balance.neutral.nrows();
+        let mut kept = Kept {
+            moving,
+            values: DVector::zeros(0),
+            inertia: Vec::new(),
+            ahead: DVector::zeros(count),
+            faster: DVector::zeros(count),
+            pace: SOFT * TAU / period,
+        };
+        let rows = kept.rows(balance, state)?;
+        let free = &balance.motion.free;
+        let along = &rows * free;
+        let mass = free.transpose() * balance.motion.mass(balance.model, state) * free;
+        let mass = mass.cholesky().ok_or_else(no_numbers)?;
+        kept.inertia = along
+            .row_iter()
+            .map(|own| 1.0 / own.transpose().dot(&mass.solve(&own.transpose())))
+            .collect();
+        // shapes move to and fro
+        let mut velocity = scaled(balance, &state.velocity);
+        for i in shapes {
+            velocity[i] = 0.0;
+        }
+        kept.values = rows * velocity;
+        Ok(kept)
+    }
+
+    /// The rows at a place.
+    pub fn rows(&self, balance: &mut Balance, state: &State) -> Result<DMatrix<f64>, Stop> {
+        let (mut moving, _) = balance.what_moves(state)?;
+        unit_rows(&mut moving, 1e-12);
+        let (count, free) = (self.moving.len(), balance.neutral.nrows());
+        let mut rows = DMatrix::zeros(count + free, moving.ncols());
+        rows.rows_mut(0, count)
+            .copy_from(&moving.select_rows(&self.moving));
+        rows.rows_mut(count, free).copy_from(&balance.neutral);
+        Ok(rows)
+    }
+
+    /// The loads by which they are brought back over a step (s), along the scaled velocities.
+    pub fn pull(
+        &self,
+        balance: &mut Balance,
+        state: &State,
+        step: f64,
+    ) -> Result<DVector<f64>, Stop> {
+        let efforts = DVector::from_fn(self.inertia.len(), |k, _| {
+            let ahead = self.ahead[k] + step * self.faster[k];
+            -self.inertia[k] * self.pace * (self.pace * ahead + 2.0 * self.faster[k])
+        });
+        Ok(self.rows(balance, state)?.tr_mul(&efforts))
+    }
+
+    /// Takes a step (s) to a state into account.
+    pub fn follow(&mut self, balance: &mut Balance, state: &State, step: f64) -> Result<(), Stop> {
+        let faster = self.rows(balance, state)? * scaled(balance, &state.velocity) - &self.values;
+        self.ahead += (&self.faster + &faster) * (0.5 * step);
+        self.faster = faster;
+        Ok(())
+    }
+}
