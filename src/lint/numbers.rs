@@ -24,7 +24,7 @@ const OTHER_SIDE: f64 = 0.02;
 /// Share of the stated mass below which an analysis takes a mass away.
 const TAKEN_AWAY: f64 = 0.01;
 /// Share of their sum of squares by which markers may stand beside the line that they are on.
-const BESIDE_LINE: f64 = 0.02;
+const BESIDE_LINE: f64 = 0.1;
 /// A least radius of gyration across a line of markers, over the way to the farthest of them, and its moment over that about the line:
 /// below both the moments stand in the wrong order.
 const ACROSS: f64 = 0.3;

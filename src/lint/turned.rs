@@ -65,6 +65,8 @@ struct Watched<'s> {
     rod_markers: Option<[usize; 2]>,
     /// Whether a joint ties the piston to the head's body, as a liner does.
     guided: bool,
+    /// Whether the head is on the body that turns with the cycle and does not guide the piston.
+    on_crank: bool,
     /// Whether the rod stands beyond the piston, seen from the head, when the piston is highest; with that height.
     beyond: Option<(f64, bool)>,
 }
@@ -96,6 +98,7 @@ pub(super) fn turned(
             rod_length: None,
             rod_markers: None,
             guided: false,
+            on_crank: false,
             beyond: None,
         })
         .collect();
@@ -223,6 +226,9 @@ impl Watched<'_> {
                 };
                 element.dynamic && !model.class(e).rows.is_empty() && bodies.into_iter().all(on)
             });
+            let crank = cycle_markers(model).and_then(|[turning, _]| model.markers[turning].body);
+            // of a rotary engine the block turns, with a guide for the piston
+            self.on_crank = crank.is_some() && bodies[1] == crank && !self.guided;
         }
         let begin = self.begin.get_or_insert(places);
         for i in 0..2 {
@@ -344,6 +350,45 @@ impl Watched<'_> {
         }
     }
 
+    /// Gas whose markers are on the wrong bodies.
+    fn misplaced(&self, compiled: &Compiled) -> Option<Finding> {
+        let [own, other] = self.ways;
+        if own < STANDS * other {
+            let message = "the head moves and the piston stands: are they swapped?".to_owned();
+            let help = "the first marker is the piston's";
+            return Some(self.finding(compiled, lint::SWAPPED, message, help));
+        }
+        self.on_crank.then(|| {
+            let message = "the head turns with the crank, and does not guide the piston".to_owned();
+            let help = "the second marker is the head's, on the block";
+            let finding = self.finding(compiled, lint::SWAPPED, message, help);
+            self.with_places(finding, compiled, &[Where::Head])
+        })
+    }
+
+    /// Gas whose piston and head stay as far apart.
+    fn without_stroke(&self, compiled: &Compiled) -> Option<Finding> {
+        let [own, other] = self.ways;
+        let (message, help) = if own < NO_STROKE && self.throw.is_some() {
+            (
+                "the piston does not move while the crank turns".to_owned(),
+                "is the rod joined to the pin of the crank, and is its throw stated?",
+            )
+        } else if own > NO_STROKE && other > NO_STROKE && !self.guided {
+            (
+                format!(
+                    "piston and head move by {} mm and stay as far apart: do they run together that should run against each other?",
+                    short(1e3 * own, 3)
+                ),
+                "the gas has no stroke: see the gears, throws and axes of both",
+            )
+        } else {
+            return None;
+        };
+        let finding = self.finding(compiled, lint::BORE, message, help);
+        Some(self.with_places(finding, compiled, &[Where::Head, Where::Throw]))
+    }
+
     fn doubts(&self, compiled: &Compiled) -> Vec<Finding> {
         let mut found = Vec::new();
         let highest = self.travel.iter().max_by(|a, b| a.1.total_cmp(&b.1));
@@ -357,31 +402,12 @@ impl Watched<'_> {
             true => (high - low) * own / (own + other),
             false => high - low,
         };
-        if self.ways[0] < STANDS * self.ways[1] {
-            let message = "the head moves and the piston stands: are they swapped?".to_owned();
-            found.push(self.finding(
-                compiled,
-                lint::SWAPPED,
-                message,
-                "the first marker is the piston's",
-            ));
+        if let Some(finding) = self.misplaced(compiled) {
+            found.push(finding);
             return found;
         }
         if stroke < NO_STROKE {
-            if own > NO_STROKE && other > NO_STROKE && !self.guided {
-                let message = format!(
-                    "piston and head move by {} mm and stay as far apart: do they run together that should run against each other?",
-                    short(1e3 * own, 3)
-                );
-                let finding = self.finding(
-                    compiled,
-                    lint::BORE,
-                    message,
-                    "the gas has no stroke: see the gears, throws and axes of both",
-                );
-                let places = [Where::Head, Where::Throw];
-                found.push(self.with_places(finding, compiled, &places));
-            }
+            found.extend(self.without_stroke(compiled));
             return found;
         }
         if apart(self.angle, *dead_center) > OFF {

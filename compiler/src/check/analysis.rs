@@ -7,7 +7,7 @@ use super::mismatch::Due;
 use super::scope::Scope;
 use super::types::{Quantity, Type};
 use crate::codes;
-use eng_grammar::ast::{Argument, Declaration, Expr, ExprKind, Form, Kind};
+use eng_grammar::ast::{Argument, Binder, Declaration, Expr, ExprKind, Form, Kind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
@@ -54,7 +54,9 @@ impl<'p> Checker<'p> {
         };
         match name {
             "transient" | "periodic" | "linear" | "assemble" => {
+                self.read_locals.clear();
                 self.model_and_options(&scope, name, value.span, arguments);
+                self.unread_indices(&declaration.index);
             }
             "static" => {
                 self.not_built(callee.span, &format!("`{name}` analyses"));
@@ -78,6 +80,20 @@ impl<'p> Checker<'p> {
                     message = message.with_help(EXAMPLE);
                 }
                 self.report(message);
+            }
+        }
+    }
+
+    /// Warns of an index that no argument reads: all points of the sweep are the same.
+    fn unread_indices(&mut self, index: &[Binder]) {
+        for binder in index {
+            let name = &binder.name;
+            if !self.read_locals.contains(&name.text) {
+                self.report(
+                    Diagnostic::warning(codes::UNUSED_LET, format!("`{}` is not used", name.text))
+                        .at(name.span, "no argument reads it: all runs are the same")
+                        .with_help("give it to a parameter of the model, or remove it"),
+                );
             }
         }
     }

@@ -65,6 +65,8 @@ struct Checker<'p> {
     variables: Vec<String>,
     /// Members that are read, by definition and name.
     used: BTreeSet<(DefinitionId, String)>,
+    /// Names of parameters and indices that the definition at hand reads.
+    read_locals: BTreeSet<String>,
     /// Top-level names that each module reads.
     used_top: BTreeSet<(u32, DefinitionId)>,
     /// The dimension that is due where a literal stands.
@@ -132,6 +134,7 @@ impl<'p> Checker<'p> {
             signatures: BTreeMap::new(),
             variables: Vec::new(),
             used: BTreeSet::new(),
+            read_locals: BTreeSet::new(),
             used_top: BTreeSet::new(),
             used_units: BTreeSet::new(),
             wanted: None,

@@ -211,6 +211,7 @@ impl<'p> Checker<'p> {
     /// What a name means, without what is built in.
     pub(super) fn find(&mut self, scope: &Scope<'p>, name: &str) -> Option<Found<'p>> {
         if let Some((_, ty)) = scope.locals.iter().rev().find(|(n, _)| n == name) {
+            self.read_locals.insert(name.to_owned());
             return Some(Found::Local(ty.clone()));
         }
         if let Some(marker) = scope.body.and_then(|body| marker_of(body, name)) {
