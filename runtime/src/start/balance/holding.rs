@@ -60,7 +60,7 @@ impl Balance<'_> {
     }
 
     /// The cycle's rate by scaled velocities: it is affine in them.
-    fn cycle_rate(&mut self, element: usize, state: &State) -> Result<Vec<f64>, Stop> {
+    pub(super) fn cycle_rate(&mut self, element: usize, state: &State) -> Result<Vec<f64>, Stop> {
         let model = self.model;
         let mut watch = Outputs::watching(model, element)?;
         let mut moving = state.clone();
@@ -80,6 +80,15 @@ impl Balance<'_> {
             moving.velocity[i] = 0.0;
         }
         Ok(row)
+    }
+
+    /// The cycle's angle at a place (rad), as the unwrapped angles of the state count it.
+    pub(super) fn cycle_angle(&mut self, element: usize, state: &State) -> Result<f64, Stop> {
+        let mut watch = Outputs::watching(self.model, element)?;
+        self.dynamics
+            .place(self.model, state.time, &state.pose, &state.velocity);
+        watch.evaluate(self.model, &mut self.dynamics, state)?;
+        Ok(watch.watched_values[0])
     }
 
     /// Velocities on which an element's outputs can depend: all where it reads other elements' outputs.

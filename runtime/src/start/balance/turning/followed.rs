@@ -55,7 +55,7 @@ const GOAL: f64 = 1e-3;
 /// Weight of eccentricities and shapes against all else where a place is brought to what is stated.
 const STIFF: f64 = 1e4;
 /// Rounds of that.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 5;
 /// Singular values of what changed over the last periods, as a share of the largest, that say nothing.
 const SAME: f64 = 1e-8;
 
@@ -399,7 +399,7 @@ impl Balance<'_> {
             )));
         }
         let rates = follower.rates(self)?;
-        let (state, velocity) = self.stated(&first, rates, &mut follower.kept)?;
+        let (state, velocity) = self.stated(&place.state, &first, rates, &mut follower.kept)?;
         Ok(Followed {
             place: Place {
                 state,
@@ -493,9 +493,10 @@ impl Balance<'_> {
         })
     }
 
-    /// Brings a place of the motion and its velocities to what the text states: eccentricities, shapes and their rates change least.
+    /// Brings a place of the motion and its velocities to what the text states, and the cycle to its angle at the place that it came from: eccentricities, shapes and their rates change least.
     fn stated(
         &mut self,
+        from: &State,
         state: &State,
         mut rates: Vec<f64>,
         kept: &mut Kept,
@@ -504,6 +505,7 @@ impl Balance<'_> {
         let n = model.velocities;
         let mut state = state.clone();
         for _ in 0..ROUNDS {
+            kept.measure_cycle(self, from, &state)?;
             let (off, held) = self.stated_or_kept(&state, kept)?;
             let (missed, constraints) = self.motion.missed_places(model, &state)?;
             let count = constraints.nrows();

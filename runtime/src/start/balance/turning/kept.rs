@@ -100,6 +100,26 @@ impl Kept {
         Ok(kept)
     }
 
+    /// Takes how far the cycle's angle is ahead from the places themselves: what is added up over the steps drifts, and a crank that twists has
+    /// another angle at each of its markers.
+    pub fn measure_cycle(
+        &mut self,
+        balance: &mut Balance,
+        from: &State,
+        here: &State,
+    ) -> Result<(), Stop> {
+        // its row is the first of what moves
+        let cycle = balance.model.compiled.system.cycle.as_ref();
+        let (Some(element), Some(0)) = (cycle.map(|c| c.element as usize), self.moving.first())
+        else {
+            return Ok(());
+        };
+        let turned = balance.cycle_angle(element, here)? - balance.cycle_angle(element, from)?;
+        let row = DVector::from_vec(balance.cycle_rate(element, here)?);
+        self.ahead[0] = (turned - TAU * libm::round(turned / TAU)) / row.norm();
+        Ok(())
+    }
+
     /// The rows at a place.
     pub fn rows(&self, balance: &mut Balance, state: &State) -> Result<DMatrix<f64>, Stop> {
         let (mut moving, _) = balance.what_moves(state)?;
