@@ -157,8 +157,8 @@ eng_grammar::codes! {
         "At the start the shell turns at more than twice the speed of the pin. The film's frame, its angles and its tables are those of the shell: pin and shell are probably swapped. `accept swapped` in the journal takes it for meant, as for a rotating bush.",
         "journal main = Short(pin: block.main, shell: crank.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)",
         "journal main = Short(pin: crank.main, shell: block.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)";
-    IDLE = "W0757", "a coupling slips at the start, or a body does nothing",
-        "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that it winds up at once (a mere damper does not); or a body is held on the ground and nothing else touches it. A flywheel that was joined to the ground instead of the crank does both. `accept idle` takes it for meant.",
+    IDLE = "W0757", "a coupling slips at the start, or a body or element does nothing",
+        "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that it winds up at once (a mere damper does not); a body is held on the ground and nothing else touches it; or a spring, film or gas acts between bodies that are joined rigidly. A flywheel that was joined to the ground instead of the crank does both. `accept idle` takes it for meant.",
         "joint bolts = Fixed(flywheel.hub, ground)",
         "joint bolts = Fixed(flywheel.hub, crank.flange)";
     LONG_STEP = "W0758", "a fixed step turns the cycle by more than 10 degrees",
@@ -174,7 +174,7 @@ eng_grammar::codes! {
         "analysis run = transient(Engine(), duration: 4 rev, sample: 100 deg)",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 1 deg)";
     CYLINDER = "W0759", "a cylinder's gas does not fit the motion of its piston",
-        "The machine is turned through its cycle by its geometry. A firing angle is more than 15 degrees from the piston's dead centre, or the same for all cylinders; one piston of several has no gas; bore over stroke is outside 0.6 to 1.7; rod over throw is outside 2 to 10; piston and head run together; the rod stands between piston and head, so that gas pulls it; the head moves and the piston stands. `accept firing`, `bore`, `mirrored` or `swapped` in the element takes it for meant.",
+        "The machine is turned through its cycle by its geometry. A firing angle is more than 15 degrees from the piston's dead centre, or the same for all cylinders; one piston of several has no gas; bore over stroke is outside 0.6 to 1.7; rod over throw is outside 2 to 10; piston and head run together; the rod stands between piston and head, so that gas pulls it; the head moves and the piston does not; the head is on the crank; the piston does not move; the bore is slanted to the crankshaft. `accept firing`, `bore`, `mirrored` or `swapped` in the element takes it for meant.",
         "force gas[i in 1..4] = GasPressure(piston[i].bore, block.liner[i], bore: 86 mm, pressure: indicated)",
         "force gas[i in 1..4] = GasPressure(piston[i].bore, block.liner[i], bore: 86 mm, pressure: indicated, firing: firing[i])";
     NOISE = "W0716", "an output is lost in the noise of the steps",

@@ -11,7 +11,7 @@ use eng_system::system::{Location, Origin, System};
 use eng_system::table::Outside;
 
 mod geometry;
-use geometry::{MOST_PARAMETERS, PLACING, with_axes, with_lengths, with_markers};
+use geometry::{MOST_PARAMETERS, PLACING, with_angle, with_axes, with_lengths, with_markers};
 pub(crate) use geometry::{does_not_turn, hanging};
 
 /// The message of a failure: the user's line first, the law's second.
@@ -31,12 +31,18 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
                     related(message, &row.origin, "and here")
                 };
             }
-            with_lengths(message, chain.as_deref(), system).with_help(PLACING)
+            let message = with_lengths(message, chain.as_deref(), system);
+            let message = match rows.first() {
+                Some(row) => with_markers(message, &row.origin, system),
+                None => message,
+            };
+            with_angle(message, chain.as_deref(), system).with_help(PLACING)
         }
         R::Branch { origin, chain, .. } => {
             let message = place(d(codes::WRONG_BRANCH), origin, "assembled the other way round");
             let message = with_markers(message, origin, system);
-            with_lengths(message, chain.as_deref(), system)
+            let message = with_lengths(message, chain.as_deref(), system);
+            with_angle(message, chain.as_deref(), system)
                 .with_help(PLACING)
                 .with_help("or ask for another `branch` at the use")
         }
@@ -50,6 +56,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             // the guide or the drive: rows of the start have no markers of their own
             if let Some(row) = rows.first() {
                 message = with_markers(message, &row.origin, system);
+                message = with_angle(message, chain.as_deref(), system);
             }
             let message = match chain {
                 Some(chain) => with_axes(message, chain).with_help(format!(

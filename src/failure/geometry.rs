@@ -7,6 +7,7 @@ use eng_grammar::Diagnostic;
 use eng_runtime::RuntimeError;
 use eng_runtime::assembly::hanging::Hanging;
 use eng_runtime::error::Chain;
+use eng_system::Dimension;
 use eng_system::system::{Origin, System};
 
 /// The warning of bodies that hang loose.
@@ -144,4 +145,79 @@ pub(super) fn with_axes(message: Diagnostic, chain: &Chain) -> Diagnostic {
         "z axes of the joints, in ground axes: {}",
         axes.join("; ")
     ))
+}
+
+/// Cosine from which on two axes are parallel.
+const PARALLEL: f64 = 0.999;
+/// Sine of the angle from which on an axis is not square to another: a degree.
+const NOT_SQUARE: f64 = 0.0175;
+
+/// How a joint lets its bodies move, by its rows: two lengths and three angles hold a guide, three and two a hinge.
+#[derive(Clone, Copy, PartialEq)]
+enum Lets {
+    Slide,
+    Turn,
+    Other,
+}
+
+fn lets(joint: &Origin, system: &System) -> Lets {
+    let mut elements = system.elements.iter();
+    let element = elements.find(|e| e.origin.path == joint.path);
+    let Some(class) = element.and_then(|e| system.classes.get(e.class as usize)) else {
+        return Lets::Other;
+    };
+    let lengths = class
+        .rows
+        .iter()
+        .filter(|row| row.dimension == Dimension::LENGTH);
+    match (lengths.count(), class.rows.len()) {
+        (2, 5) => Lets::Slide,
+        (3, 5) => Lets::Turn,
+        _ => Lets::Other,
+    }
+}
+
+/// A guide that is not square to the hinges of its loop, or a hinge that is not parallel to them, with the angle between the axes: the axis that most hinges share is
+/// taken for theirs.
+pub(super) fn with_angle(
+    message: Diagnostic,
+    chain: Option<&Chain>,
+    system: &System,
+) -> Diagnostic {
+    let joints: Vec<(&str, &[f64; 3], Lets)> = chain
+        .into_iter()
+        .flat_map(|chain| &chain.joints)
+        .filter_map(|(of, axis)| Some((of.path.as_str(), axis.as_ref()?, lets(of, system))))
+        .collect();
+    let cosine =
+        |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>().abs();
+    let hinges = || joints.iter().filter(|(.., lets)| *lets == Lets::Turn);
+    let along = |axis: &[f64; 3]| {
+        let same = hinges().filter(|(_, other, _)| cosine(axis, other) > PARALLEL);
+        same.map(|(path, ..)| *path).collect::<Vec<_>>()
+    };
+    let Some((paths, shared)) = hinges()
+        .map(|(_, axis, _)| (along(axis), *axis))
+        .max_by_key(|(paths, _)| paths.len())
+        .filter(|(paths, _)| paths.len() > 1)
+    else {
+        return message;
+    };
+    let wrong = joints.iter().find_map(|(path, axis, lets)| {
+        let cosine = cosine(axis, shared);
+        let (what, due) = match lets {
+            Lets::Slide if cosine > NOT_SQUARE => ("guide", "square (90°)"),
+            Lets::Turn if cosine < PARALLEL => ("hinge", "parallel (0°)"),
+            _ => return None,
+        };
+        let angle = fixed(libm::acos(cosine.min(1.0)).to_degrees(), 1);
+        Some(format!(
+            "the axis of the {what} {path} is {angle}° apart from that of {}: in a plane loop it is {due} to them",
+            paths.join(", ")
+        ))
+    });
+    match wrong {
+        Some(note) => message.with_note(note),
+        None => message,
+    }
 }

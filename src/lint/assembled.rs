@@ -50,6 +50,7 @@ pub(super) fn assembled(start: &Start<'_>) -> Vec<Finding> {
             found.extend(start.beside(element));
             found.extend(start.unplaced(element));
             found.extend(start.slips(element));
+            found.extend(start.between_welded(element));
         }
     }
     found.extend(start.swapped());
@@ -333,24 +334,74 @@ impl Start<'_> {
         Some(finding)
     }
 
+    /// A body and all that joints of six rows tie to it, the ground left out.
+    fn welded_to(&self, body: usize) -> Vec<usize> {
+        let mut welded = vec![body];
+        let mut next = 0;
+        while let Some(here) = welded.get(next).copied() {
+            next += 1;
+            for (e, element) in self.model.elements.iter().enumerate() {
+                let bodies = || {
+                    let markers = element.markers.iter();
+                    markers.filter_map(|m| self.model.markers[*m].body)
+                };
+                let holds = element.dynamic && self.model.class(e).rows.len() == 6;
+                if holds && bodies().any(|b| b == here) {
+                    let new = bodies().filter(|b| !welded.contains(b));
+                    welded.extend(new.collect::<Vec<_>>());
+                }
+            }
+        }
+        welded
+    }
+
+    /// A spring, film or gas between two rigid bodies that are welded to each other.
+    fn between_welded(&self, element: usize) -> Option<Finding> {
+        let class = self.model.class(element);
+        let markers = self.pair(element)?;
+        let [a, b] = markers.map(|m| self.model.markers[m].body);
+        let (a, b) = (a?, b?);
+        let rigid = [a, b]
+            .iter()
+            .all(|body| self.model.bodies[*body].modes() == 0);
+        if !class.rows.is_empty() || !class.applies_load || a == b || !rigid {
+            return None;
+        }
+        self.welded_to(a).contains(&b).then(|| {
+            let bodies = &self.model.compiled.system.bodies;
+            let [a, b] = [a, b].map(|body| bodies[body].origin.path.as_str());
+            let message =
+                format!("{a} and {b} are joined rigidly: it acts between them and moves nothing");
+            let mut finding = self.finding(codes::IDLE, lint::IDLE, element, message);
+            finding.help = "is the joint, or the element, on the bodies that are meant?".to_owned();
+            super::decide(&mut finding, self.welds(&markers));
+            finding
+        })
+    }
+
+    /// The joints of six rows on the bodies of markers.
+    fn welds(&self, markers: &[usize; 2]) -> Vec<Origin> {
+        let body = |m: &usize| self.model.markers[*m].body;
+        let on = |e: usize| {
+            let own = &self.model.elements[e];
+            let touches = |m: &usize| markers.iter().any(|other| body(other) == body(m));
+            own.dynamic && self.model.class(e).rows.len() == 6 && own.markers.iter().any(touches)
+        };
+        let welds = (0..self.model.elements.len()).filter(|e| on(*e));
+        welds
+            .map(|e| Origin {
+                defined_at: None,
+                ..self.origin(e).clone()
+            })
+            .collect()
+    }
+
     /// Where the start velocities of the shaft behind a coupling's end are stated: of the bodies that joints tie to it, the ground left
     /// out; and where its slower end hangs.
     fn what_turns(&self, end: usize, slower: usize) -> Vec<Origin> {
         let system = &self.model.compiled.system;
         let body_of = |marker: &usize| self.model.markers[*marker].body;
-        let mut shaft: Vec<usize> = body_of(&end).into_iter().collect();
-        let mut next = 0;
-        while let Some(here) = shaft.get(next).copied() {
-            next += 1;
-            for (e, element) in self.model.elements.iter().enumerate() {
-                let bodies = || element.markers.iter().filter_map(&body_of);
-                // what holds all six freedoms
-                let welded = element.dynamic && self.model.class(e).rows.len() == 6;
-                if welded && bodies().any(|b| b == here) {
-                    shaft.extend(bodies().filter(|b| !shaft.contains(b)).collect::<Vec<_>>());
-                }
-            }
-        }
+        let shaft = body_of(&end).map_or(Vec::new(), |body| self.welded_to(body));
         let starts = system.elements.iter().enumerate().filter(|(e, element)| {
             let mut bodies = self.model.elements[*e].markers.iter().filter_map(&body_of);
             matches!(element.role, Role::StartVelocity { .. }) && bodies.any(|b| shaft.contains(&b))

@@ -27,6 +27,8 @@ const NO_STROKE: f64 = 1e-3;
 const STANDS: f64 = 0.1;
 /// Cosine of the angle between gravity and the bores, towards the heads, from which on the engine hangs upside down.
 const UPSIDE_DOWN: f64 = 0.5;
+/// Angles (rad) of a bore with the crankshaft that neither an engine has, whose bores are square to it, nor an axial machine.
+const SLANTED: std::ops::Range<f64> = 0.03..1.54;
 /// Share of gravity along the crankshaft from which on the shaft stands upright.
 const UPRIGHT: f64 = 0.9;
 
@@ -117,7 +119,9 @@ pub(super) fn turned(
         return Vec::new();
     }
     let doubts = cylinders.iter().flat_map(|c| c.doubts(compiled));
+    let slanted = cylinders.iter().filter_map(|c| c.slanted(compiled, shaft?));
     doubts
+        .chain(slanted)
         .chain(gravity(system, bound, &cylinders, shaft))
         .collect()
 }
@@ -350,10 +354,25 @@ impl Watched<'_> {
         }
     }
 
+    /// A bore that is neither square to the crankshaft nor along it.
+    fn slanted(&self, compiled: &Compiled, shaft: V3) -> Option<Finding> {
+        let off = libm::asin(self.up.dot(&shaft).abs().min(1.0));
+        SLANTED.contains(&off).then(|| {
+            let message = format!(
+                "its bore is {} deg off the plane square to the crankshaft",
+                short(off.to_degrees(), 3)
+            );
+            let help =
+                "a bore's z axis is square to the shaft: see the components of the head's marker";
+            let finding = self.finding(compiled, lint::BORE, message, help);
+            self.with_places(finding, compiled, &[Where::Head])
+        })
+    }
+
     /// Gas whose markers are on the wrong bodies.
     fn misplaced(&self, compiled: &Compiled) -> Option<Finding> {
         let [own, other] = self.ways;
-        if own < STANDS * other {
+        if own < STANDS * other && other > NO_STROKE {
             let message = "the head moves and the piston stands: are they swapped?".to_owned();
             let help = "the first marker is the piston's";
             return Some(self.finding(compiled, lint::SWAPPED, message, help));
