@@ -162,7 +162,7 @@ pub fn run_periodic(
         slowest: None,
         decay: None,
         growing: Vec::new(),
-        fraction: 0.0,
+        progress: Progress::default(),
         observer,
     };
     let transient = Transient {
@@ -273,8 +273,30 @@ struct Cycles<'a> {
     slowest: Option<Decay>,
     decay: Option<Decay>,
     growing: Vec<Growth>,
-    fraction: f64,
+    progress: Progress,
     observer: &'a mut dyn Observer,
+}
+
+/// Progress towards a number of cycles that is foreseen anew after each.
+#[derive(Clone, Copy, Debug, Default)]
+struct Progress {
+    /// Cycles so far.
+    run: f64,
+    /// Done part, 0…1.
+    fraction: f64,
+}
+
+impl Progress {
+    /// The done part after `run` cycles of `expected` ones. It grows with every step, also where more cycles are foreseen than before: a
+    /// part that stood still would look like a run without an end.
+    fn advance(&mut self, run: f64, expected: f64) -> f64 {
+        let rest = expected - self.run;
+        if rest > 0.0 {
+            self.fraction += (1.0 - self.fraction) * ((run - self.run) / rest).clamp(0.0, 1.0);
+        }
+        self.run = run;
+        self.fraction
+    }
 }
 
 impl Observer for Cycles<'_> {
@@ -317,9 +339,8 @@ impl Observer for Cycles<'_> {
             }
             _ => f64::from(self.limit.cycles),
         };
-        self.fraction = self.fraction.max((run / expected).clamp(0.0, 1.0));
         self.observer.progress(&Advance {
-            fraction: self.fraction,
+            fraction: self.progress.advance(run, expected),
             ..*advance
         })
     }
@@ -428,5 +449,24 @@ impl Cycles<'_> {
                 return;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Progress;
+
+    #[test]
+    fn progress_grows_where_more_cycles_are_foreseen() {
+        let mut progress = Progress::default();
+        // three cycles are foreseen at first, then thirty
+        let mut last = 0.0;
+        for tenth in 1..=300 {
+            let run = 0.1 * f64::from(tenth);
+            let now = progress.advance(run, if run < 2.5 { 3.0 } else { 30.0 });
+            assert!(now > last, "{run}");
+            last = now;
+        }
+        assert!((last - 1.0).abs() < 1e-12, "{last}");
     }
 }
