@@ -87,7 +87,7 @@ impl Balance<'_> {
         let mut watch = Outputs::watching(self.model, element)?;
         self.dynamics
             .place(self.model, state.time, &state.pose, &state.velocity);
-        watch.evaluate(self.model, &mut self.dynamics, state)?;
+        watch.evaluate(self.model, &self.dynamics, state)?;
         Ok(watch.watched_values[0])
     }
 
