@@ -15,6 +15,7 @@
 // tests compare with the standard library's functions
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+pub mod element;
 pub mod error;
 pub mod fe;
 pub mod foreign;

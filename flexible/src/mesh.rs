@@ -6,10 +6,8 @@
 
 use std::collections::BTreeMap;
 
+pub use crate::element::{ABSENT, ElementKind};
 use crate::error::FlexibleError;
-
-/// Stands in a connectivity for a mid-side node that is not there: that edge is straight and linear.
-pub const ABSENT: u32 = u32::MAX;
 
 /// A node.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,71 +26,6 @@ pub struct Node {
 pub struct Frame {
     /// Rotation frame → basic.
     pub rotation: [[f64; 3]; 3],
-}
-
-/// Shape and order of nodes of an element. Nodes are in the order of VTK and Abaqus: corners, then mid-side nodes; a hexahedron's
-/// and wedge's mid-side nodes bottom, top, vertical; a tetrahedron's 12 23 31 14 24 34.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum ElementKind {
-    /// 4-node tetrahedron.
-    Tetrahedron4,
-    /// 10-node tetrahedron.
-    Tetrahedron10,
-    /// 8-node hexahedron.
-    Hexahedron8,
-    /// 20-node hexahedron.
-    Hexahedron20,
-    /// 6-node wedge.
-    Wedge6,
-    /// 15-node wedge.
-    Wedge15,
-    /// 5-node pyramid.
-    Pyramid5,
-    /// 13-node pyramid: base edges, then edges to the apex.
-    Pyramid13,
-    /// 3-node shell or facet.
-    Triangle3,
-    /// 6-node shell or facet.
-    Triangle6,
-    /// 4-node shell or facet.
-    Quadrilateral4,
-    /// 8-node shell or facet.
-    Quadrilateral8,
-    /// 2-node beam.
-    Beam2,
-}
-
-impl ElementKind {
-    /// Number of nodes.
-    pub fn node_count(self) -> usize {
-        match self {
-            ElementKind::Beam2 => 2,
-            ElementKind::Triangle3 => 3,
-            ElementKind::Tetrahedron4 | ElementKind::Quadrilateral4 => 4,
-            ElementKind::Pyramid5 => 5,
-            ElementKind::Wedge6 | ElementKind::Triangle6 => 6,
-            ElementKind::Hexahedron8 | ElementKind::Quadrilateral8 => 8,
-            ElementKind::Tetrahedron10 => 10,
-            ElementKind::Pyramid13 => 13,
-            ElementKind::Wedge15 => 15,
-            ElementKind::Hexahedron20 => 20,
-        }
-    }
-
-    /// Number of corner nodes; they come first.
-    pub fn corner_count(self) -> usize {
-        match self {
-            ElementKind::Beam2 => 2,
-            ElementKind::Triangle3 | ElementKind::Triangle6 => 3,
-            ElementKind::Tetrahedron4
-            | ElementKind::Tetrahedron10
-            | ElementKind::Quadrilateral4
-            | ElementKind::Quadrilateral8 => 4,
-            ElementKind::Pyramid5 | ElementKind::Pyramid13 => 5,
-            ElementKind::Wedge6 | ElementKind::Wedge15 => 6,
-            ElementKind::Hexahedron8 | ElementKind::Hexahedron20 => 8,
-        }
-    }
 }
 
 /// The code whose rules a mesh was written for: the same name stands for different elements in different codes.

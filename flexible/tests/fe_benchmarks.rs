@@ -2,9 +2,10 @@
 
 mod fe_meshes;
 
-use eng_flexible::fe::shape::Shape;
+use eng_flexible::element::Shape;
+use eng_flexible::element::quadrature;
 use eng_flexible::fe::stress::{nodal_stress, von_mises};
-use eng_flexible::fe::{Reduction, Rules, assemble, quadrature};
+use eng_flexible::fe::{Reduction, Rules, assemble};
 use eng_flexible::mesh::{ElementKind, Mesh, Support};
 use eng_flexible::solve::{EigenOptions, Modes, lowest_modes};
 use fe_meshes::*;

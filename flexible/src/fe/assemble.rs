@@ -194,7 +194,7 @@ impl System<'_> {
                 computed.push(Computed {
                     present,
                     start: total,
-                    stiff: super::shape::is_solid(element.kind),
+                    stiff: element.kind.is_solid(),
                 });
                 total += PAIR * pairs;
             }
@@ -443,7 +443,7 @@ impl Tables {
             if tables.iter().any(|(known, _)| *known == key) {
                 continue;
             }
-            let form = if super::shape::is_solid(element.kind) {
+            let form = if element.kind.is_solid() {
                 form::form(mesh, element, rules.stiffness)?
             } else {
                 Form::Full

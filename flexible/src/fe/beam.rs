@@ -14,8 +14,8 @@
 //! With a shear factor of zero the section does not shear. A section without a second moment carries no bending in that plane,
 //! one without a torsion constant no torque: rods and cables.
 
-use super::quadrature::unit_interval;
 use super::vector::{add, cross, norm, scale, subtract};
+use crate::element::quadrature::unit_interval;
 use crate::mesh::{BeamAxes, Material, Section};
 
 /// A matrix over the twelve freedoms of two ends.

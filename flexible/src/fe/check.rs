@@ -1,7 +1,6 @@
 //! What a mesh must be before anything is computed from it. After [`check`] every index of the mesh is in range, every place
 //! is finite, and every element has the section and the constants it needs: the kernel indexes without asking again.
 
-use super::shape;
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, Element, ElementKind, Material, Mesh, Section, Tie};
 
@@ -50,11 +49,9 @@ pub(super) fn role<'a>(mesh: &'a Mesh, element: &Element) -> Option<Role<'a>> {
         None => None,
     };
     match (element.kind, property.section, material) {
-        (kind, Section::Solid, Some(material)) if shape::is_solid(kind) => {
-            Some(Role::Solid(material))
-        }
+        (kind, Section::Solid, Some(material)) if kind.is_solid() => Some(Role::Solid(material)),
         (ElementKind::Beam2, Section::Beam { .. }, Some(material)) => Some(Role::Beam(material)),
-        (kind, section, material) if !shape::is_solid(kind) && kind != ElementKind::Beam2 => {
+        (kind, section, material) if !kind.is_solid() && kind != ElementKind::Beam2 => {
             match (section, material) {
                 (
                     Section::Shell {
@@ -195,7 +192,7 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
         check_element(mesh, element)?;
         let property = &mesh.properties[element.property as usize];
         let Some(role) = role(mesh, element) else {
-            if shape::is_solid(element.kind)
+            if element.kind.is_solid()
                 && property.section == Section::Solid
                 && property.material.is_none()
             {

@@ -1,16 +1,7 @@
-//! The form of each solid: what its file names, by the rules of a code.
+//! The form of each solid: the table of rules by which a code's name stands for a stiffness.
 //!
-//! | element | CalculiX 2.20 | Abaqus | Nastran | without code, or all in full |
-//! | --- | --- | --- | --- | --- |
-//! | 8-node hexahedron | full | mean dilatation | incompatible modes; full with `IN = 2`, `ISOP = 1` | incompatible modes; all in full: full |
-//! | … `R` | refused | refused | incompatible modes | full |
-//! | … `I` | refused | refused | incompatible modes | full |
-//! | 20-node hexahedron | full | full | full, told; full with `IN = 3`, `ISOP = 1` | full |
-//! | … `R` | reduced | reduced | reduced; so with `IN = 2`, `ISOP = 1` | full |
-//! | 6-node wedge | reduced (2 points) | full, told | full, told | full |
-//! | 15-node wedge, pyramids | full | full | full, told | full |
-//! | tetrahedra | full | full | full | full |
-//! | other variants (`H`, `M`, …) | refused | refused | refused | full |
+//! [`RULES`] is read from above; the first line that fits an element says how it is made, or why it is refused. A new form is a
+//! variant of [`Form`], its mechanics in a file of its own, and a line.
 //!
 //! CalculiX' C3D8R has one point, also for its mass, which then lacks the element's own inertia, and stiffness against hourglasses that
 //! resists rigid rotation in elements that are no parallelepipeds. The incompatible modes of its C3D8I are freedoms with mass. Nastran
@@ -23,9 +14,11 @@
 use std::collections::BTreeMap;
 
 use super::check::{Role, role};
-use super::rules::{MassRule, Rules, StiffnessRule};
+use super::hexahedron::{self, EnhancedPoint};
+use super::rules::{MassRule, Rules, StiffnessRule, Table};
+use crate::element::{ElementKind, MOST_NODES};
 use crate::error::FlexibleError;
-use crate::mesh::{Code, Element, ElementKind, Mesh, VARIANT_LETTERS, Variant};
+use crate::mesh::{Code, Element, Material, Mesh, VARIANT_LETTERS, Variant};
 
 /// How the stiffness of a solid is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,6 +33,24 @@ pub enum Form {
     Incompatible,
 }
 
+/// What a form adds to the strains of an element's points.
+///
+/// # Errors
+/// The Jacobian (m³) where it is not positive.
+pub(super) type Correction =
+    fn(&Table, &[[f64; 3]; MOST_NODES], &Material, &mut [EnhancedPoint]) -> Result<(), f64>;
+
+impl Form {
+    /// What it adds to the strains of the shape functions; `None`: nothing.
+    pub(super) fn correction(self) -> Option<Correction> {
+        match self {
+            Form::Full | Form::Reduced => None,
+            Form::MeanDilatation => Some(hexahedron::mean_dilatation),
+            Form::Incompatible => Some(hexahedron::incompatible),
+        }
+    }
+}
+
 /// What a rule makes of an element's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
@@ -50,111 +61,193 @@ enum Verdict {
     Refused(&'static str, &'static str),
 }
 
-const INCOMPATIBLE: &str = "state `element_rules = nastran`, which gives 8-node hexahedra incompatible modes, or write C3D20R in the file";
-const IN_FULL: &str = "; or state `element_rules = exact`, which integrates them in full";
+/// Whose rules give an element its form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Whose {
+    /// The text's: all in full.
+    InFull,
+    /// Nobody's: a mesh of no code.
+    Nobody,
+    Nastran,
+    Abaqus,
+    CalculiX,
+}
 
-/// The code whose rules hold for a mesh written for `mesh`.
-fn code(mesh: Code, rule: StiffnessRule) -> Code {
-    match rule {
-        StiffnessRule::Named => mesh,
-        StiffnessRule::Full => Code::None,
-        StiffnessRule::CalculiX => Code::CalculiX,
-        StiffnessRule::Abaqus => Code::Abaqus,
-        StiffnessRule::Nastran => Code::Nastran,
+impl Whose {
+    /// Whose rules hold for a mesh written for a code.
+    fn of(mesh: Code, rule: StiffnessRule) -> Self {
+        match (rule, mesh) {
+            (StiffnessRule::Full, _) => Whose::InFull,
+            (StiffnessRule::Named, Code::None) => Whose::Nobody,
+            (StiffnessRule::Nastran, _) | (StiffnessRule::Named, Code::Nastran) => Whose::Nastran,
+            (StiffnessRule::Abaqus, _) | (StiffnessRule::Named, Code::Abaqus) => Whose::Abaqus,
+            (StiffnessRule::CalculiX, _) | (StiffnessRule::Named, Code::CalculiX) => {
+                Whose::CalculiX
+            }
+        }
+    }
+
+    fn title(self) -> &'static str {
+        match self {
+            Whose::InFull | Whose::Nobody => "their code",
+            Whose::Nastran => "Nastran",
+            Whose::Abaqus => "Abaqus",
+            Whose::CalculiX => "CalculiX",
+        }
     }
 }
 
-/// The bit of a letter.
-fn letter(wanted: char) -> u8 {
-    VARIANT_LETTERS
-        .chars()
-        .position(|c| c == wanted)
-        .map_or(0, |bit| 1 << bit)
+/// The variants that a rule is for.
+#[derive(Clone, Copy)]
+enum For {
+    /// All.
+    Any,
+    /// No letters, and no `PSOLID` that says more than its bubble functions.
+    Plain,
+    /// These letters and no others.
+    Letters(&'static str),
+    /// Any letters.
+    AnyLetters,
+    /// `IN` of `PSOLID`, with `ISOP = FULL`.
+    InFull(u8),
+    /// `IN` of `PSOLID`: so many points or more.
+    Points(u8),
 }
 
-fn verdict(kind: ElementKind, variant: Variant, mesh: Code, rule: StiffnessRule) -> Verdict {
-    use ElementKind::{Hexahedron8, Hexahedron20, Wedge6};
-    use Verdict::{Refused, Told};
-    let full = Verdict::Form(Form::Full);
-    let reduced = Verdict::Form(Form::Reduced);
-    let letters = match variant {
-        Variant::Letters(letters) => letters,
-        _ => 0,
-    };
-    match (code(mesh, rule), kind) {
-        (Code::None, Hexahedron8) if rule == StiffnessRule::Named => {
-            Verdict::Form(Form::Incompatible)
+impl For {
+    fn fits(self, variant: Variant) -> bool {
+        match (self, variant) {
+            (For::Any, _)
+            | (For::Plain, Variant::Plain | Variant::Network { points: 0, .. })
+            | (For::AnyLetters, Variant::Letters(_)) => true,
+            (For::Letters(wanted), Variant::Letters(letters)) => {
+                // Σ of distinct bits: each letter stands once
+                let bits = wanted
+                    .chars()
+                    .filter_map(|letter| VARIANT_LETTERS.find(letter));
+                bits.map(|bit| 1 << bit).sum::<u8>() == letters
+            }
+            (For::InFull(wanted), Variant::Network { points, full }) => full && points == wanted,
+            (For::Points(least), Variant::Network { points, .. }) => points >= least,
+            _ => false,
         }
-        (Code::None, _) => full,
-        (Code::Nastran, kind) => nastran(kind, variant),
-        (_, Hexahedron20) if letters == letter('R') => reduced,
-        (_, Hexahedron8) if letters == letter('R') => Refused(
-            "one integration point and an artificial stiffness against hourglasses, so that bending takes many elements across",
-            INCOMPATIBLE,
-        ),
-        (Code::Abaqus, Hexahedron8) if letters == letter('I') => {
-            Refused("its incompatible modes are not public", INCOMPATIBLE)
-        }
-        (_, Hexahedron8) if letters == letter('I') => Refused(
-            "its incompatible modes are freedoms with mass",
-            INCOMPATIBLE,
-        ),
-        (_, _) if letters != 0 => Refused(
-            "its rule is not reproduced",
-            "write the plain type or C3D20R in the file",
-        ),
-        (Code::Abaqus, Hexahedron8) => Verdict::Form(Form::MeanDilatation),
-        (Code::CalculiX, Wedge6) => reduced,
-        (Code::Abaqus, Wedge6) => Told(Form::Full, "Abaqus takes fewer points"),
-        _ => full,
     }
 }
 
-/// The rules of `PSOLID`, as far as they are public, and what comes nearest for the letters of other codes.
-fn nastran(kind: ElementKind, variant: Variant) -> Verdict {
-    use ElementKind::{Hexahedron8, Hexahedron20, Tetrahedron4, Tetrahedron10};
-    let in_full = Variant::Network {
-        points: 2,
-        full: true,
-    };
-    let refused = Verdict::Refused(
+/// A line of the table.
+struct Rule {
+    whose: &'static [Whose],
+    /// Kinds; none: all.
+    kinds: &'static [ElementKind],
+    variants: For,
+    verdict: Verdict,
+}
+
+const fn rule(
+    whose: &'static [Whose],
+    kinds: &'static [ElementKind],
+    variants: For,
+    verdict: Verdict,
+) -> Rule {
+    Rule {
+        whose,
+        kinds,
+        variants,
+        verdict,
+    }
+}
+
+/// The forms of solids by code, kind and variant. The first line that fits holds.
+const RULES: &[Rule] = {
+    use ElementKind::{Hexahedron8, Hexahedron20, Tetrahedron4, Tetrahedron10, Wedge6};
+    use For::{Any, AnyLetters, Letters, Plain, Points};
+    use Verdict::{Form as Made, Refused, Told};
+    use Whose::{Abaqus, CalculiX, Nastran, Nobody};
+    const FULL: Verdict = Made(Form::Full);
+    const REDUCED: Verdict = Made(Form::Reduced);
+    const BUBBLE: Verdict = Made(Form::Incompatible);
+    const ADVICE: &str = "state `element_rules = nastran`, which gives 8-node hexahedra incompatible modes, or write C3D20R in the file";
+    const UNKNOWN: Verdict = Refused(
+        "its rule is not reproduced",
+        "write the plain type or C3D20R in the file",
+    );
+    const SHEAR: Verdict = Refused(
         "reduced integration of the shear alone is not public",
         "leave IN and ISOP of their PSOLID blank",
     );
-    match (kind, variant) {
-        (Hexahedron8, _) if variant == in_full => Verdict::Form(Form::Full),
-        (Hexahedron20, _) if variant == in_full => Verdict::Form(Form::Reduced),
-        (Hexahedron20, Variant::Letters(letters)) if letters == letter('R') => {
-            Verdict::Form(Form::Reduced)
-        }
-        (Tetrahedron4 | Tetrahedron10, Variant::Network { .. }) => Verdict::Form(Form::Full),
-        (Hexahedron8, Variant::Plain | Variant::Network { points: 0, .. }) => {
-            Verdict::Form(Form::Incompatible)
-        }
-        (Hexahedron8, Variant::Letters(letters))
-            if [letter('R'), letter('I')].contains(&letters) =>
-        {
-            Verdict::Form(Form::Incompatible)
-        }
-        (_, Variant::Letters(_)) => Verdict::Refused(
-            "its rule is not reproduced",
-            "write the plain type or C3D20R in the file",
+    &[
+        rule(&[Whose::InFull], &[], Any, FULL),
+        rule(&[Nobody], &[Hexahedron8], Any, BUBBLE),
+        rule(&[Nobody], &[], Any, FULL),
+        rule(&[Abaqus, CalculiX], &[Hexahedron20], Letters("R"), REDUCED),
+        rule(
+            &[Abaqus, CalculiX],
+            &[Hexahedron8],
+            Letters("R"),
+            Refused(
+                "one integration point and an artificial stiffness against hourglasses, so that bending takes many elements across",
+                ADVICE,
+            ),
         ),
-        (Hexahedron8, Variant::Network { .. }) => refused,
-        (
-            _,
-            Variant::Network {
-                points: 3,
-                full: true,
-            },
-        ) => Verdict::Form(Form::Full),
-        (_, Variant::Network { points: 1.., .. }) => refused,
-        (Tetrahedron4 | Tetrahedron10, _) => Verdict::Form(Form::Full),
-        _ => Verdict::Told(
-            Form::Full,
-            "Nastran integrates their shear at fewer points, by a rule that is not public",
+        rule(
+            &[Abaqus],
+            &[Hexahedron8],
+            Letters("I"),
+            Refused("its incompatible modes are not public", ADVICE),
         ),
-    }
+        rule(
+            &[CalculiX],
+            &[Hexahedron8],
+            Letters("I"),
+            Refused("its incompatible modes are freedoms with mass", ADVICE),
+        ),
+        rule(&[Abaqus, CalculiX], &[], AnyLetters, UNKNOWN),
+        rule(&[Abaqus], &[Hexahedron8], Any, Made(Form::MeanDilatation)),
+        rule(&[CalculiX], &[Wedge6], Any, REDUCED),
+        rule(
+            &[Abaqus],
+            &[Wedge6],
+            Any,
+            Told(Form::Full, "Abaqus takes fewer points"),
+        ),
+        rule(&[Abaqus, CalculiX], &[], Any, FULL),
+        rule(&[Nastran], &[Hexahedron8], For::InFull(2), FULL),
+        rule(&[Nastran], &[Hexahedron20], For::InFull(2), REDUCED),
+        rule(&[Nastran], &[Hexahedron20], Letters("R"), REDUCED),
+        rule(&[Nastran], &[Hexahedron8], Letters("R"), BUBBLE),
+        rule(&[Nastran], &[Hexahedron8], Letters("I"), BUBBLE),
+        rule(&[Nastran], &[], AnyLetters, UNKNOWN),
+        rule(&[Nastran], &[Tetrahedron4, Tetrahedron10], Any, FULL),
+        rule(&[Nastran], &[Hexahedron8], Plain, BUBBLE),
+        rule(&[Nastran], &[Hexahedron8], Any, SHEAR),
+        rule(&[Nastran], &[], For::InFull(3), FULL),
+        rule(&[Nastran], &[], Points(1), SHEAR),
+        rule(
+            &[Nastran],
+            &[],
+            Any,
+            Told(
+                Form::Full,
+                "Nastran integrates their shear at fewer points, by a rule that is not public",
+            ),
+        ),
+    ]
+};
+
+const IN_FULL: &str = "; or state `element_rules = exact`, which integrates them in full";
+
+/// What the table says of an element.
+fn verdict(kind: ElementKind, variant: Variant, mesh: Code, stated: StiffnessRule) -> Verdict {
+    let whose = Whose::of(mesh, stated);
+    RULES
+        .iter()
+        .find(|rule| {
+            rule.whose.contains(&whose)
+                && (rule.kinds.is_empty() || rule.kinds.contains(&kind))
+                && rule.variants.fits(variant)
+        })
+        // the last line of each code fits everything
+        .map_or(Verdict::Form(Form::Full), |rule| rule.verdict)
 }
 
 /// The form of a solid.
@@ -191,13 +284,10 @@ pub(super) fn mass_rule(mesh: &Mesh, element: &Element, rules: &Rules) -> MassRu
 /// The name of an element's type in its file.
 fn name(mesh: &Mesh, kind: ElementKind, variant: Variant) -> String {
     let nodes = kind.node_count();
+    let names = kind.description().names;
     if mesh.code == Code::Nastran {
-        let card = match kind.corner_count() {
-            4 => "CTETRA",
-            5 => "CPYRAM",
-            6 => "CPENTA",
-            _ => "CHEXA",
-        };
+        // every solid has a card
+        let card = names.nastran.first().copied().unwrap_or_default();
         return match variant {
             Variant::Network { points, full } => {
                 let points = match points {
@@ -219,7 +309,8 @@ fn name(mesh: &Mesh, kind: ElementKind, variant: Variant) -> String {
             .collect(),
         _ => String::new(),
     };
-    format!("C3D{nodes}{letters}")
+    let plain = names.abaqus.first().copied().unwrap_or_default();
+    format!("{plain}{letters}")
 }
 
 /// Solids by type: how many, and the number of the first.
@@ -258,20 +349,11 @@ pub fn check(mesh: &Mesh, rule: StiffnessRule) -> Result<(), FlexibleError> {
     Err(FlexibleError::Structure {
         problem: format!(
             "elements that are not computed as {} does: {}",
-            title(code(mesh.code, rule)),
+            Whose::of(mesh.code, rule).title(),
             refused.join("; ")
         ),
         advice: format!("{}{IN_FULL}", advised.join("; ")),
     })
-}
-
-fn title(code: Code) -> &'static str {
-    match code {
-        Code::None => "their code",
-        Code::Nastran => "Nastran",
-        Code::Abaqus => "Abaqus",
-        Code::CalculiX => "CalculiX",
-    }
 }
 
 /// What is to be told of the forms that a mesh's solids take.

@@ -3,12 +3,11 @@
 //! Both leave the strain linear in the displacements of the nodes, ε = (B + C) u with the shape functions' B and a correction C, so that
 //! stiffness is ∫ (B + C)ᵀ D (B + C) dV and stresses are D (B + C) u. C vanishes for displacements linear in space.
 
-use super::form::Form;
 use super::rules::Table;
-use super::shape::MOST_NODES;
 use super::solid::{Gradients, PAIR, gradients, pair, tangents};
 use super::stress::{Components, stress};
 use super::vector::determinant;
+use crate::element::MOST_NODES;
 use crate::mesh::Material;
 
 /// Corners.
@@ -59,10 +58,8 @@ pub(super) fn enhanced(
             correction: [[0.0; 6]; FREEDOMS],
         });
     }
-    match table.form {
-        Form::MeanDilatation => mean_dilatation(&mut points),
-        Form::Incompatible => incompatible(table, places, material, &mut points)?,
-        Form::Full | Form::Reduced => {}
+    if let Some(correct) = table.form.correction() {
+        correct(table, places, material, &mut points)?;
     }
     Ok(points)
 }
@@ -70,7 +67,15 @@ pub(super) fn enhanced(
 /// ε + ⅓ (mean of tr ε over the element − tr ε) I: C = ⅓ (ḡ − g) on the normal strains, ḡ = ∫ g dV / V.
 ///
 /// Abaqus Theory Guide 3.2.4 (its C3D8, to whose matrices this is equal in all digits).
-fn mean_dilatation(points: &mut [EnhancedPoint]) {
+///
+/// # Errors
+/// None.
+pub(super) fn mean_dilatation(
+    _: &Table,
+    _: &[[f64; 3]; MOST_NODES],
+    _: &Material,
+    points: &mut [EnhancedPoint],
+) -> Result<(), f64> {
     let volume: f64 = points.iter().map(|point| point.volume).sum();
     let mut mean = [[0.0; 3]; NODES];
     for point in points.iter() {
@@ -87,6 +92,7 @@ fn mean_dilatation(points: &mut [EnhancedPoint]) {
             row[..3].fill((mean - slope) / 3.0);
         }
     }
+    Ok(())
 }
 
 /// Displacements α_mk (1 − ξ_m²) e_k inside the element, m and k from 1 to 3, whose α take on the values of least energy:
@@ -95,7 +101,10 @@ fn mean_dilatation(points: &mut [EnhancedPoint]) {
 /// The modes' gradients are −2 ξ_m ∂ξ_m/∂x at the middle times j₀/j, so that ∫ G dV vanishes and constant strains are met in elements of
 /// any shape (R. L. Taylor, P. J. Beresford, E. L. Wilson, Int. J. Num. Meth. Eng. 10, 1976, 1211–1219). Bending of a parallelepiped is
 /// exact.
-fn incompatible(
+///
+/// # Errors
+/// None: the Jacobians of the points have been checked.
+pub(super) fn incompatible(
     table: &Table,
     places: &[[f64; 3]; MOST_NODES],
     material: &Material,

@@ -1,9 +1,8 @@
 //! Which quadrature each element uses, and how mass is spread.
 
 use super::form::Form;
-use super::quadrature::{self, Point};
-use super::shape::{self, Shape};
-use crate::mesh::ElementKind;
+use crate::element::quadrature::Point;
+use crate::element::{ElementKind, Shape};
 
 /// Which code's rules give each solid its form: see [`super::form`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -98,8 +97,8 @@ pub(super) enum Spread {
 }
 
 pub(super) fn spread(kind: ElementKind, rule: MassRule) -> Spread {
-    let linear = shape::edges(kind).is_empty();
-    if rule == MassRule::Abaqus && !shape::is_solid(kind) {
+    let linear = kind.linear() == kind;
+    if rule == MassRule::Abaqus && !kind.is_solid() {
         return Spread::Consistent;
     }
     match (rule, linear) {
@@ -110,60 +109,20 @@ pub(super) fn spread(kind: ElementKind, rule: MassRule) -> Spread {
 }
 
 /// Points for the stiffness of a solid; none for other elements.
-pub fn stiffness_points(kind: ElementKind, form: Form) -> Vec<Point> {
-    match kind {
-        ElementKind::Tetrahedron4 => quadrature::tetrahedron_1(),
-        ElementKind::Tetrahedron10 => quadrature::tetrahedron_4(),
-        ElementKind::Hexahedron8 => quadrature::hexahedron(2),
-        ElementKind::Hexahedron20 => quadrature::hexahedron(match form {
-            Form::Reduced => 2,
-            _ => 3,
-        }),
-        ElementKind::Wedge6 => match form {
-            Form::Reduced => quadrature::wedge(&quadrature::triangle_1(), 2),
-            _ => quadrature::wedge(&quadrature::triangle_3(), 2),
-        },
-        ElementKind::Wedge15 => quadrature::wedge(&quadrature::triangle_3(), 3),
-        ElementKind::Pyramid5 => quadrature::pyramid(2),
-        ElementKind::Pyramid13 => quadrature::pyramid(3),
-        _ => Vec::new(),
-    }
-}
-
-/// Points that integrate N_a N_b det J exactly for any place of the nodes. Degrees of the integrand: tetrahedra 2 and 7;
-/// hexahedra 4 and 9 a coordinate; wedges 4 and 9 at most; pyramids 4 and 9 in the collapsed coordinates. For surfaces, whose
-/// area element is a root, exact when flat, straight and (quadrilaterals) with any corners.
-fn exact_points(kind: ElementKind) -> Vec<Point> {
-    match kind {
-        ElementKind::Tetrahedron4 => quadrature::tetrahedron(2),
-        ElementKind::Tetrahedron10 => quadrature::tetrahedron(4),
-        ElementKind::Hexahedron8 => quadrature::hexahedron(3),
-        ElementKind::Hexahedron20 => quadrature::hexahedron(5),
-        ElementKind::Wedge6 => quadrature::wedge(&quadrature::triangle(3), 3),
-        ElementKind::Wedge15 => quadrature::wedge(&quadrature::triangle(5), 5),
-        ElementKind::Pyramid5 => quadrature::pyramid(3),
-        ElementKind::Pyramid13 => quadrature::pyramid(5),
-        ElementKind::Triangle3 => quadrature::triangle(2),
-        ElementKind::Triangle6 => quadrature::triangle(4),
-        ElementKind::Quadrilateral4 => quadrature::quadrilateral(3),
-        ElementKind::Quadrilateral8 => quadrature::quadrilateral(5),
-        ElementKind::Beam2 => Vec::new(),
+pub(super) fn stiffness_points(kind: ElementKind, form: Form) -> Vec<Point> {
+    let element = kind.description();
+    match form {
+        Form::Reduced => (element.reduced)(),
+        _ => (element.stiffness)(),
     }
 }
 
 fn mass_points(kind: ElementKind, form: Form, rule: MassRule) -> Vec<Point> {
+    let element = kind.description();
     match rule {
-        _ if !shape::is_solid(kind) => exact_points(kind),
-        MassRule::CalculiX => stiffness_points(kind, form),
-        MassRule::Abaqus
-            if matches!(
-                kind,
-                ElementKind::Hexahedron20 | ElementKind::Wedge15 | ElementKind::Pyramid13
-            ) =>
-        {
-            stiffness_points(kind, Form::Full)
-        }
-        _ => exact_points(kind),
+        MassRule::CalculiX if kind.is_solid() => stiffness_points(kind, form),
+        MassRule::Abaqus => (element.mass_of_abaqus)(),
+        _ => (element.mass)(),
     }
 }
 
@@ -201,15 +160,9 @@ pub(super) struct Table {
 
 impl Table {
     pub(super) fn new(kind: ElementKind, form: Form, mass: MassRule) -> Self {
-        let centre = match shape::linear(kind) {
-            ElementKind::Tetrahedron4 => Some([0.25; 3]),
-            ElementKind::Hexahedron8 => Some([0.0; 3]),
-            ElementKind::Wedge6 => Some([1.0 / 3.0, 1.0 / 3.0, 0.0]),
-            ElementKind::Pyramid5 => Some([0.0, 0.0, 0.25]),
-            _ => None,
-        };
+        let middle = || Shape::at(kind.linear(), kind.description().centre);
         Table {
-            corners: centre.map(|at| Shape::at(shape::linear(kind), at)),
+            corners: kind.is_solid().then(middle),
             form,
             stiffness: samples(kind, &stiffness_points(kind, form)),
             mass: samples(kind, &mass_points(kind, form, mass)),

@@ -1,11 +1,10 @@
 //! Stiffness and mass of one solid: isotropic, linear elastic, small displacements.
 
 use super::check::wrong;
-use super::form::Form;
 use super::hexahedron;
 use super::rules::{Sample, Spread, Table};
-use super::shape::{MOST_NODES, Shape};
 use super::vector::{cross, determinant, norm, subtract};
+use crate::element::{MOST_NODES, Shape};
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, ElementKind, Material, Mesh};
 
@@ -178,7 +177,7 @@ pub(super) fn add_matrices(
     if let Some(corners) = &table.corners {
         gradients(corners, places, present.kind.corner_count())?;
     }
-    if matches!(table.form, Form::MeanDilatation | Form::Incompatible) {
+    if table.form.correction().is_some() {
         hexahedron::add_stiffness(table, places, material, blocks)?;
     } else {
         add_stiffness(table, present, places, material, blocks)?;

@@ -3,13 +3,13 @@
 //! Components are in the order xx, yy, zz, xy, yz, zx, in basic axes; shear strains are engineering ones (γ = 2 ε).
 
 use super::check::{self, Role, role, wrong};
-use super::form::{self, Form};
+use super::form;
 use super::freedoms::FreedomMap;
 use super::hexahedron;
 use super::rules::{self, Rules, Table};
-use super::shape::{self, MOST_NODES, Shape};
 use super::solid::{Present, gradients, inverted, lame};
 use super::vector::add;
+use crate::element::{MOST_NODES, Shape, shape};
 use crate::error::FlexibleError;
 use crate::mesh::{Element, ElementKind, Material, Mesh};
 
@@ -103,7 +103,7 @@ impl ElementRecovery {
         let integration = rules::stiffness_points(element.kind, form);
         let at: Vec<[f64; 3]> = integration.iter().map(|point| point.at).collect();
         let corner = extrapolation(element.kind, &at);
-        let edges = shape::edges(element.kind);
+        let edges = element.kind.midside_edges();
         let corners = element.kind.corner_count();
         recovery.extrapolation = mesh
             .nodes_of(element)
@@ -139,7 +139,7 @@ impl ElementRecovery {
             .map(|point| (point.at, point.weight))
             .collect();
         let mut points = strain_points(mesh, element, &present, &samples)?;
-        if matches!(form, Form::MeanDilatation | Form::Incompatible) {
+        if form.correction().is_some() {
             let table = Table::new(element.kind, form, rules.mass);
             let enhanced = hexahedron::enhanced(&table, &present.places(mesh), material)
                 .map_err(|jacobian| inverted(&[(element.id, jacobian)]))?;
@@ -271,7 +271,7 @@ fn extrapolation(kind: ElementKind, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
     if points.len() < corners {
         return vec![vec![1.0 / points.len().max(1) as f64; points.len()]; corners];
     }
-    let linear = shape::linear(kind);
+    let linear = kind.linear();
     let values: Vec<[f64; MOST_NODES]> = points
         .iter()
         .map(|point| Shape::at(linear, *point).values)

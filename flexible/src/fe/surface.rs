@@ -1,9 +1,9 @@
 //! Mass of shells: consistent, of the middle surface, without rotary inertia. They carry no stiffness.
 
 use super::rules::Table;
-use super::shape::MOST_NODES;
 use super::solid::{Present, add_mass, tangents};
 use super::vector::{cross, norm};
+use crate::element::MOST_NODES;
 
 /// Adds ∫ N_a N_b m dA to the masses of zeroed `blocks`, as [`super::solid::add_matrices`] does; `mass_per_area` (kg/m²).
 ///

@@ -3,29 +3,7 @@
 use super::check::{Role, role};
 use super::mass::RigidMass;
 use super::vector::{cross, dot, norm, subtract};
-use crate::mesh::{ABSENT, ElementKind, Mesh, Section};
-
-/// Tetrahedra, triangles or a line between the corners of an element.
-fn simplices(kind: ElementKind) -> &'static [&'static [usize]] {
-    match kind {
-        ElementKind::Tetrahedron4 | ElementKind::Tetrahedron10 => &[&[0, 1, 2, 3]],
-        ElementKind::Pyramid5 | ElementKind::Pyramid13 => &[&[0, 1, 2, 4], &[0, 2, 3, 4]],
-        ElementKind::Wedge6 | ElementKind::Wedge15 => {
-            &[&[0, 1, 2, 3], &[1, 2, 3, 4], &[2, 3, 4, 5]]
-        }
-        ElementKind::Hexahedron8 | ElementKind::Hexahedron20 => &[
-            &[0, 1, 2, 6],
-            &[0, 2, 3, 6],
-            &[0, 3, 7, 6],
-            &[0, 7, 4, 6],
-            &[0, 4, 5, 6],
-            &[0, 5, 1, 6],
-        ],
-        ElementKind::Triangle3 | ElementKind::Triangle6 => &[&[0, 1, 2]],
-        ElementKind::Quadrilateral4 | ElementKind::Quadrilateral8 => &[&[0, 1, 2], &[0, 2, 3]],
-        ElementKind::Beam2 => &[&[0, 1]],
-    }
-}
+use crate::mesh::{ABSENT, Mesh, Section};
 
 /// Volume (m³), area (m²) or length (m).
 fn measure(corners: &[[f64; 3]]) -> f64 {
@@ -104,7 +82,7 @@ pub fn estimate(mesh: &Mesh) -> Option<RigidMass> {
         else {
             continue;
         };
-        for simplex in simplices(element.kind) {
+        for simplex in element.kind.description().simplices {
             let places: Vec<[f64; 3]> = simplex.iter().map(|i| corners[*i]).collect();
             sum.add(density * measure(&places), &places);
         }

@@ -2,7 +2,6 @@
 
 pub mod abaqus;
 mod content;
-pub(crate) mod faces;
 pub mod gmsh;
 mod held;
 mod labels;

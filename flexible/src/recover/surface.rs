@@ -1,7 +1,7 @@
 //! The surface of a mesh, for pictures and films.
 
+use crate::element::around;
 use crate::mesh::{ElementKind, Mesh};
-use crate::read::faces::{around, faces};
 use std::collections::BTreeMap;
 
 /// Triangles of the outer faces of solids and of shells and facets, and the lines of beams: indices of nodes. A face with
@@ -32,7 +32,7 @@ impl Surface {
             if let (ElementKind::Beam2, &[a, b]) = (element.kind, nodes) {
                 surface.lines.push([a, b]);
             }
-            for (place, face) in faces(element.kind).iter().enumerate() {
+            for (place, face) in element.kind.description().faces.iter().enumerate() {
                 let mut key: Vec<u32> =
                     face.iter().filter_map(|c| nodes.get(*c).copied()).collect();
                 key.sort_unstable();
@@ -50,7 +50,7 @@ impl Surface {
             let Some(element) = mesh.elements.get(index as usize) else {
                 continue;
             };
-            let all = faces(element.kind);
+            let all = element.kind.description().faces;
             let Some(face) = all.get(place) else { continue };
             let ring = around(element.kind, mesh.nodes_of(element), face);
             // a solid's faces are listed as seen from inside

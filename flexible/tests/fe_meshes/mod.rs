@@ -7,7 +7,7 @@ use std::io::{self, Read};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use eng_flexible::fe::{Reduction, Structure, shape};
+use eng_flexible::fe::{Reduction, Structure};
 use eng_flexible::mesh::{
     BeamAxes, Element, ElementKind, Material, Mesh, Node, Property, Section, Support, Variant,
 };
@@ -48,7 +48,7 @@ const CENTRE: Key = [2, 2, 2];
 
 fn corner_sets(kind: ElementKind) -> Vec<Vec<Key>> {
     let pick = |local: &[usize]| local.iter().map(|&i| CORNERS[i]).collect::<Vec<_>>();
-    match shape::linear(kind) {
+    match kind.linear() {
         ElementKind::Hexahedron8 => vec![CORNERS.to_vec()],
         ElementKind::Wedge6 => vec![pick(&[0, 1, 2, 4, 5, 6]), pick(&[0, 2, 3, 4, 6, 7])],
         // along the diagonal 0–6, so that the faces of neighbours match
@@ -160,7 +160,7 @@ pub fn grid(
                                 .or_insert_with(|| add_node(mesh, at(*key))),
                         );
                     }
-                    for [a, b] in shape::edges(kind) {
+                    for [a, b] in kind.midside_edges() {
                         let key = [0, 1, 2].map(|x: usize| (keys[*a][x] + keys[*b][x]) / 2);
                         let (p, q) = (at(keys[*a]), at(keys[*b]));
                         let middle = if curved {

@@ -42,7 +42,6 @@ pub(super) enum SpringKind {
 impl Shape {
     /// The shape of a type (capitals).
     pub fn of(name: &str) -> Option<Shape> {
-        use ElementKind::*;
         let fixed = match name {
             "MASS" => Some(Shape::Mass),
             "ROTARYI" => Some(Shape::Rotary),
@@ -62,18 +61,16 @@ impl Shape {
                 nodes: 2,
                 shear: false,
             }),
-            "S3" | "S3R" | "S3RS" | "STRI3" => Some(Shape::Shell(Triangle3)),
-            "S6" | "STRI65" => Some(Shape::Shell(Triangle6)),
-            "S4" | "S4R" | "S4RS" | "S4RSW" | "S4R5" => Some(Shape::Shell(Quadrilateral4)),
-            "S8" | "S8R" | "S8R5" => Some(Shape::Shell(Quadrilateral8)),
-            _ => None,
+            _ => ElementKind::of_abaqus(name)
+                .filter(|kind| !kind.is_solid())
+                .map(Shape::Shell),
         };
         if fixed.is_some() {
             return fixed;
         }
         if let Some(rest) = name.strip_prefix("C3D") {
             let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-            let (count, variant) = rest.split_at_checked(digits)?;
+            let (plain, variant) = name.split_at_checked("C3D".len() + digits)?;
             let mut letters = 0;
             for letter in variant.chars() {
                 // with temperatures: the same mechanics
@@ -81,17 +78,7 @@ impl Shape {
                     letters |= 1 << VARIANT_LETTERS.find(letter)?;
                 }
             }
-            let kind = match count {
-                "4" => Tetrahedron4,
-                "5" => Pyramid5,
-                "6" => Wedge6,
-                "8" => Hexahedron8,
-                "10" => Tetrahedron10,
-                "13" => Pyramid13,
-                "15" => Wedge15,
-                "20" => Hexahedron20,
-                _ => return None,
-            };
+            let kind = ElementKind::of_abaqus(plain)?;
             let variant = match letters {
                 0 => Variant::Plain,
                 letters => Variant::Letters(letters),
@@ -100,13 +87,7 @@ impl Shape {
         }
         let plane = ["SFM3D", "M3D", "R3D", "CPS", "CPE", "CAX", "DS"];
         let rest = plane.iter().find_map(|start| name.strip_prefix(start))?;
-        Some(Shape::Facet(match rest {
-            "3" | "3T" => Triangle3,
-            "4" | "4R" | "4I" => Quadrilateral4,
-            "6" | "6M" => Triangle6,
-            "8" | "8R" => Quadrilateral8,
-            _ => return None,
-        }))
+        ElementKind::of_abaqus_facet(rest).map(Shape::Facet)
     }
 
     /// Number of nodes in the file.

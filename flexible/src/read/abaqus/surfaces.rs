@@ -6,11 +6,11 @@ use super::lines::{Row, key};
 use super::model::Model;
 use super::scope::Block;
 use super::shapes::Shape;
+use crate::element::around;
 use crate::error::FileProblem;
 use crate::mesh::{Carries, ElementKind};
-use crate::read::faces;
 use crate::read::unread::UnreadCards;
-use crate::read::vector::{minus, norm};
+use crate::read::vector::{cross, minus, norm};
 
 /// Nodes, sorted, and the weight of each: its area, or what `TYPE=NODE` gives.
 pub(super) type Surface = Vec<(u32, f64)>;
@@ -102,7 +102,7 @@ fn add_faces(
             }
         };
         let nodes = model.row_nodes(element);
-        let all = faces::faces(kind);
+        let all = kind.description().faces;
         let wrong = || {
             row.at.problem(
                 format!("element {} has no face \"{}\"", element.label, row.text(1)),
@@ -115,8 +115,8 @@ fn add_faces(
                 .and_then(|number| number.checked_sub(1))
         };
         if !solid && let Some(edge) = number('E') {
-            let corners = faces::edges(kind).get(edge).ok_or_else(wrong)?;
-            add_edge(model, &faces::around(kind, nodes, corners), weights);
+            let corners = kind.description().edges.get(edge).ok_or_else(wrong)?;
+            add_edge(model, &around(kind, nodes, corners), weights);
             continue;
         }
         let chosen = match (face.as_str(), solid) {
@@ -144,8 +144,8 @@ fn add_face(
     corners: &[usize],
     weights: &mut BTreeMap<u32, f64>,
 ) {
-    let ring = faces::around(kind, nodes, corners);
-    for (node, share) in faces::shares(&ring, |node| model.position(node)) {
+    let ring = around(kind, nodes, corners);
+    for (node, share) in shares(&ring, |node| model.position(node)) {
         *weights.entry(node).or_insert(0.0) += share;
     }
 }
@@ -173,7 +173,12 @@ fn inner_faces(model: &Model) -> Vec<FaceKey> {
     for row in &model.rows {
         if let Shape::Solid(kind, _) = row.shape {
             let nodes = model.row_nodes(row);
-            all.extend(faces::faces(kind).iter().map(|face| face_key(nodes, face)));
+            all.extend(
+                kind.description()
+                    .faces
+                    .iter()
+                    .map(|face| face_key(nodes, face)),
+            );
         }
     }
     all.sort_unstable();
@@ -195,4 +200,72 @@ fn face_key(nodes: &[u32], corners: &[usize]) -> FaceKey {
     }
     key.sort_unstable();
     key
+}
+
+/// The area [length²] that each node of a face stands for. The face is cut into facets between neighbouring nodes (a triangle at
+/// each corner between mid-side nodes, and what they leave), and a facet's area shared equally among its nodes: positive for every
+/// node, and exact in sum for a flat face with straight edges.
+fn shares(ring: &[(u32, Option<u32>)], place: impl Fn(u32) -> [f64; 3]) -> Vec<(u32, f64)> {
+    let mut shares = Vec::new();
+    let mut inner = Vec::new();
+    let mut before = ring.last().and_then(|(_, middle)| *middle);
+    for (corner, middle) in ring {
+        match (before, *middle) {
+            (Some(before), Some(after)) => share(&[before, *corner, after], &place, &mut shares),
+            _ => inner.push(*corner),
+        }
+        inner.extend(*middle);
+        before = *middle;
+    }
+    share(&inner, &place, &mut shares);
+    shares
+}
+
+/// Shares the area of a polygon equally among its corners.
+fn share(polygon: &[u32], place: impl Fn(u32) -> [f64; 3], shares: &mut Vec<(u32, f64)>) {
+    let Some((first, rest)) = polygon.split_first() else {
+        return;
+    };
+    let origin = place(*first);
+    let mut twice = [0.0; 3];
+    for pair in rest.windows(2) {
+        if let [a, b] = *pair {
+            let normal = cross(minus(place(a), origin), minus(place(b), origin));
+            for (sum, value) in twice.iter_mut().zip(normal) {
+                *sum += value;
+            }
+        }
+    }
+    let each = 0.5 * norm(twice) / polygon.len() as f64;
+    shares.extend(polygon.iter().map(|node| (*node, each)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_of_a_square_of_eight_nodes() {
+        let places = [
+            [0.0, 0.0, 1.0],
+            [2.0, 0.0, 1.0],
+            [2.0, 2.0, 1.0],
+            [0.0, 2.0, 1.0],
+            [1.0, 0.0, 1.0],
+            [2.0, 1.0, 1.0],
+            [1.0, 2.0, 1.0],
+            [0.0, 1.0, 1.0],
+        ];
+        let nodes = [0, 1, 2, 3, 4, 5, 6, 7];
+        let ring = around(ElementKind::Quadrilateral8, &nodes, &[0, 1, 2, 3]);
+        let mut sums = [0.0; 8];
+        for (node, share) in shares(&ring, |node| places[node as usize]) {
+            sums[node as usize] += share;
+        }
+        // corner triangles of 1/2, inner square of 2
+        for (node, sum) in sums.iter().enumerate() {
+            let expected: f64 = if node < 4 { 1.0 / 6.0 } else { 0.5 + 2.0 / 6.0 };
+            assert!((sum - expected).abs() < 1e-15, "{node}: {sum}");
+        }
+    }
 }

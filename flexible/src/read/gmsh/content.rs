@@ -107,13 +107,13 @@ impl Content {
                 .count += 1;
             return Ok(());
         }
-        let Some((kind, order)) = kind.volume else {
+        let Some(kind) = kind.volume else {
             return Err(stream.problem(
                 format!("element {tag}: volumes of type {number} can't be read"),
                 "mesh with order 1, or with order 2 and Mesh.SecondOrderIncomplete = 1",
             ));
         };
-        if let Some(order) = order {
+        if let Some(order) = kind.description().names.gmsh_order {
             nodes = order
                 .iter()
                 .filter_map(|place| nodes.get(*place).copied())

@@ -54,28 +54,6 @@ pub(super) struct ElementCard {
     pub at: At,
 }
 
-/// A solid by its name: shapes without and with mid-side nodes.
-pub(super) fn solid(name: &str) -> Option<(ElementKind, ElementKind)> {
-    Some(match name {
-        "CTETRA" => (ElementKind::Tetrahedron4, ElementKind::Tetrahedron10),
-        "CHEXA" => (ElementKind::Hexahedron8, ElementKind::Hexahedron20),
-        "CPENTA" => (ElementKind::Wedge6, ElementKind::Wedge15),
-        "CPYRAM" | "CPYRA" => (ElementKind::Pyramid5, ElementKind::Pyramid13),
-        _ => return None,
-    })
-}
-
-/// A shell by its name: shapes without and with mid-side nodes.
-pub(super) fn shell(name: &str) -> Option<(ElementKind, ElementKind)> {
-    Some(match name {
-        "CTRIA3" | "CTRIAR" => (ElementKind::Triangle3, ElementKind::Triangle3),
-        "CTRIA6" => (ElementKind::Triangle3, ElementKind::Triangle6),
-        "CQUAD4" | "CQUADR" => (ElementKind::Quadrilateral4, ElementKind::Quadrilateral4),
-        "CQUAD8" => (ElementKind::Quadrilateral4, ElementKind::Quadrilateral8),
-        _ => return None,
-    })
-}
-
 /// Solids and shells in the order of the deck.
 #[derive(Debug, Default)]
 pub(super) struct Elements {
@@ -94,11 +72,9 @@ impl Elements {
     ) -> Result<(), FileProblem> {
         let (id, property) = (card.id(0, "EID")?, card.id(1, "PID")?);
         let (kind, mut grids) = grid_fields(card, linear, quadratic)?;
-        // Nastran gives the vertical edges before those of the top
-        match kind {
-            ElementKind::Hexahedron20 => swap_groups(&mut grids, 12, 4),
-            ElementKind::Wedge15 => swap_groups(&mut grids, 9, 3),
-            _ => {}
+        if let Some(order) = kind.description().names.nastran_order {
+            let placed = order.iter().filter_map(|place| grids.get(*place).copied());
+            grids = placed.collect();
         }
         self.push(card, id, kind, Family::Solid, property, &grids, Extra::None);
         Ok(())
@@ -229,11 +205,4 @@ fn grid_fields(
         return Ok((linear, grids));
     }
     Ok((quadratic, grids))
-}
-
-/// Swaps two neighbouring groups of `count` from `first`.
-fn swap_groups(grids: &mut [u64], first: usize, count: usize) {
-    if let Some(groups) = grids.get_mut(first..first + 2 * count) {
-        groups.rotate_left(count);
-    }
 }

@@ -121,12 +121,11 @@ impl Deck {
     /// Keeps a card; `false` where it isn't one that is read.
     fn read(&mut self, card: &Card) -> Result<bool, FileProblem> {
         let name = card.name.as_str();
-        if let Some(kinds) = elements::solid(name) {
-            self.elements.solid(card, kinds)?;
-            return Ok(true);
-        }
-        if let Some(kinds) = elements::shell(name) {
-            self.elements.shell(card, kinds, &mut self.unread)?;
+        if let Some(kinds) = ElementKind::of_nastran(name) {
+            match kinds.0.is_solid() {
+                true => self.elements.solid(card, kinds)?,
+                false => self.elements.shell(card, kinds, &mut self.unread)?,
+            }
             return Ok(true);
         }
         match name {
@@ -294,13 +293,9 @@ impl Deck {
                 .get(property as usize)
                 .is_some_and(|property| property.material.is_some());
             if card.family == Family::Shell && stiff {
-                let name = match card.kind {
-                    ElementKind::Triangle3 => "CTRIA3",
-                    ElementKind::Triangle6 => "CTRIA6",
-                    ElementKind::Quadrilateral4 => "CQUAD4",
-                    _ => "CQUAD8",
-                };
-                self.unread.note(name, &card.at, Carries::Structure);
+                for name in card.kind.description().names.nastran.iter().take(1) {
+                    self.unread.note(name, &card.at, Carries::Structure);
+                }
             }
             let ends = mesh.connectivity.get(first..first + 2);
             let beam = match (beam.and_then(|i| self.beams.cards.get(i as usize)), ends) {

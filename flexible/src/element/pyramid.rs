@@ -5,10 +5,69 @@
 //! Every function but the apex's has a factor d: N = d g(x, y, d), and by the chain rule
 //! ∂N/∂ξ = g_x, ∂N/∂η = g_y, ∂N/∂ζ = −g − d g_d + x g_x + y g_y.
 
-use super::Shape;
+use super::{Description, ElementKind, Names, Shape, quadrature};
+
+/// The pyramid of five nodes.
+pub(super) const PYRAMID5: Description = Description {
+    nodes: 5,
+    corners: 5,
+    dimension: 3,
+    linear: ElementKind::Pyramid5,
+    edges: &[
+        [0, 1],
+        [1, 2],
+        [2, 3],
+        [3, 0],
+        [0, 4],
+        [1, 4],
+        [2, 4],
+        [3, 4],
+    ],
+    faces: &[
+        &[0, 1, 2, 3],
+        &[0, 4, 1],
+        &[1, 4, 2],
+        &[2, 4, 3],
+        &[3, 4, 0],
+    ],
+    simplices: &[&[0, 1, 2, 4], &[0, 2, 3, 4]],
+    corner_places: &CORNERS,
+    centre: [0.0, 0.0, 0.25],
+    shape: linear,
+    stiffness: || quadrature::pyramid(2),
+    reduced: || quadrature::pyramid(2),
+    // degree 4 in the collapsed coordinates
+    mass: || quadrature::pyramid(3),
+    mass_of_abaqus: || quadrature::pyramid(3),
+    names: Names {
+        nastran: &["CPYRAM", "CPYRA"],
+        abaqus: &["C3D5"],
+        gmsh: Some(7),
+        ..Names::NONE
+    },
+};
+
+/// The pyramid of thirteen nodes.
+pub(super) const PYRAMID13: Description = Description {
+    nodes: 13,
+    shape: quadratic,
+    stiffness: || quadrature::pyramid(3),
+    reduced: || quadrature::pyramid(3),
+    // degree 9 in the collapsed coordinates
+    mass: || quadrature::pyramid(5),
+    mass_of_abaqus: || quadrature::pyramid(3),
+    names: Names {
+        nastran: &["CPYRAM", "CPYRA"],
+        abaqus: &["C3D13"],
+        gmsh: Some(19),
+        gmsh_order: Some(&[0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12]),
+        ..Names::NONE
+    },
+    ..PYRAMID5
+};
 
 /// Corners in collapsed coordinates x, y, ζ; the apex on the axis.
-pub(super) const CORNERS: [[f64; 3]; 5] = [
+const CORNERS: [[f64; 3]; 5] = [
     [-1.0, -1.0, 0.0],
     [1.0, -1.0, 0.0],
     [1.0, 1.0, 0.0],
@@ -35,7 +94,7 @@ fn put(shape: &mut Shape, node: usize, [x, y, z]: [f64; 3], factor: &Factor) {
 }
 
 /// Base corners d (1 ± x)(1 ± y)/4, apex ζ.
-pub(super) fn linear(shape: &mut Shape, point: [f64; 3]) {
+fn linear(shape: &mut Shape, point: [f64; 3]) {
     let [x, y, z] = point;
     for (node, corner) in CORNERS.iter().take(4).enumerate() {
         let (a, b) = (1.0 + corner[0] * x, 1.0 + corner[1] * y);
@@ -53,7 +112,7 @@ pub(super) fn linear(shape: &mut Shape, point: [f64; 3]) {
 
 /// Base corners d (1 ± x)(1 ± y)(±ξ ± η − 1)/4, base edges d² (1 − x²)(1 ± y)/2, edges to the apex ζ d (1 ± x)(1 ± y), apex
 /// ζ (2ζ − 1).
-pub(super) fn quadratic(shape: &mut Shape, point: [f64; 3]) {
+fn quadratic(shape: &mut Shape, point: [f64; 3]) {
     let [x, y, z] = point;
     let d = 1.0 - z;
     for (node, corner) in CORNERS.iter().take(4).enumerate() {

@@ -1,8 +1,70 @@
 //! Wedges: a triangle in r, s times a line in t.
 
-use super::Shape;
+use super::{Description, ElementKind, Names, Shape, quadrature};
 
-pub(super) const CORNERS: [[f64; 3]; 6] = [
+/// The wedge of six nodes.
+pub(super) const WEDGE6: Description = Description {
+    nodes: 6,
+    corners: 6,
+    dimension: 3,
+    linear: ElementKind::Wedge6,
+    edges: &[
+        [0, 1],
+        [1, 2],
+        [2, 0],
+        [3, 4],
+        [4, 5],
+        [5, 3],
+        [0, 3],
+        [1, 4],
+        [2, 5],
+    ],
+    faces: &[
+        &[0, 1, 2],
+        &[3, 5, 4],
+        &[0, 3, 4, 1],
+        &[1, 4, 5, 2],
+        &[2, 5, 3, 0],
+    ],
+    simplices: &[&[0, 1, 2, 3], &[1, 2, 3, 4], &[2, 3, 4, 5]],
+    corner_places: &CORNERS,
+    centre: [1.0 / 3.0, 1.0 / 3.0, 0.0],
+    shape: linear,
+    stiffness: || quadrature::wedge(&quadrature::triangle_3(), 2),
+    reduced: || quadrature::wedge(&quadrature::triangle_1(), 2),
+    // degree 4 at most
+    mass: || quadrature::wedge(&quadrature::triangle(3), 3),
+    mass_of_abaqus: || quadrature::wedge(&quadrature::triangle(3), 3),
+    names: Names {
+        nastran: &["CPENTA"],
+        abaqus: &["C3D6"],
+        gmsh: Some(6),
+        ..Names::NONE
+    },
+};
+
+/// The wedge of fifteen nodes.
+pub(super) const WEDGE15: Description = Description {
+    nodes: 15,
+    shape: quadratic,
+    stiffness: || quadrature::wedge(&quadrature::triangle_3(), 3),
+    reduced: || quadrature::wedge(&quadrature::triangle_3(), 3),
+    // degree 9 at most
+    mass: || quadrature::wedge(&quadrature::triangle(5), 5),
+    mass_of_abaqus: || quadrature::wedge(&quadrature::triangle_3(), 3),
+    names: Names {
+        nastran: &["CPENTA"],
+        // the vertical edges before those of the top
+        nastran_order: Some(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11]),
+        abaqus: &["C3D15"],
+        gmsh: Some(18),
+        gmsh_order: Some(&[0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11]),
+        ..Names::NONE
+    },
+    ..WEDGE6
+};
+
+const CORNERS: [[f64; 3]; 6] = [
     [0.0, 0.0, -1.0],
     [1.0, 0.0, -1.0],
     [0.0, 1.0, -1.0],
@@ -18,7 +80,7 @@ fn barycentric(point: [f64; 3]) -> [f64; 3] {
 }
 
 /// L (1 ± t)/2.
-pub(super) fn linear(shape: &mut Shape, point: [f64; 3]) {
+fn linear(shape: &mut Shape, point: [f64; 3]) {
     let area = barycentric(point);
     let t = point[2];
     for i in 0..3 {
@@ -37,7 +99,7 @@ pub(super) fn linear(shape: &mut Shape, point: [f64; 3]) {
 
 /// Corners L (2L − 1)(1 ± t)/2 − L (1 − t²)/2; edges of the triangles 2 L_a L_b (1 ± t); vertical edges L (1 − t²)
 /// (Zienkiewicz and Taylor, The Finite Element Method, vol. 1).
-pub(super) fn quadratic(shape: &mut Shape, point: [f64; 3]) {
+fn quadratic(shape: &mut Shape, point: [f64; 3]) {
     let area = barycentric(point);
     let t = point[2];
     let (bubble, bubble_slope) = (1.0 - t * t, -2.0 * t);

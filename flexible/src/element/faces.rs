@@ -1,0 +1,29 @@
+//! The nodes around a face.
+
+use super::ElementKind;
+
+/// Stands in a connectivity for a mid-side node that is not there: that edge is straight and linear.
+pub const ABSENT: u32 = u32::MAX;
+
+/// Nodes of the edge or face with these corners: each corner, and after it the mid-side node between it and the next one where
+/// there is one.
+pub(crate) fn around(
+    kind: ElementKind,
+    nodes: &[u32],
+    corners: &[usize],
+) -> Vec<(u32, Option<u32>)> {
+    let middle = |a: usize, b: usize| {
+        let edges = kind.description().edges;
+        let edge = edges
+            .iter()
+            .position(|edge| *edge == [a, b] || *edge == [b, a])?;
+        let node = nodes.get(kind.corner_count() + edge).copied()?;
+        (node != ABSENT).then_some(node)
+    };
+    let next = corners.iter().cycle().skip(1);
+    corners
+        .iter()
+        .zip(next)
+        .filter_map(|(a, b)| Some((nodes.get(*a).copied()?, middle(*a, *b))))
+        .collect()
+}

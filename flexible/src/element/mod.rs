@@ -1,0 +1,228 @@
+//! The table of finite elements: what each of them is, wherever one is met.
+//!
+//! A row is a [`Description`]: nodes, edges, faces, shape functions, integration rules, and the element's name and order of nodes in
+//! each code. It stands beside the shape functions in the file of its family; [`ElementKind::description`] finds it. Readers ask the
+//! table for names, the kernel for points, recovery and pictures for faces, so that a new element is a file with its row, a variant of
+//! [`ElementKind`] and an arm here. Which of its rules a code's name stands for is the business of [`crate::fe::form`].
+//!
+//! Nodes are in the order of VTK and Abaqus: corners, then mid-side nodes in the order of the edges.
+
+mod faces;
+mod hexahedron;
+mod line;
+mod pyramid;
+pub mod quadrature;
+pub mod shape;
+mod simplex;
+mod wedge;
+
+pub use faces::ABSENT;
+pub(crate) use faces::around;
+pub use shape::{MOST_NODES, Shape};
+
+use quadrature::Point;
+use serde::{Deserialize, Serialize};
+
+/// Shape and order of nodes of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum ElementKind {
+    /// 4-node tetrahedron.
+    Tetrahedron4,
+    /// 10-node tetrahedron: mid-side nodes 12 23 31 14 24 34.
+    Tetrahedron10,
+    /// 8-node hexahedron.
+    Hexahedron8,
+    /// 20-node hexahedron: mid-side nodes bottom, top, vertical.
+    Hexahedron20,
+    /// 6-node wedge.
+    Wedge6,
+    /// 15-node wedge: mid-side nodes bottom, top, vertical.
+    Wedge15,
+    /// 5-node pyramid.
+    Pyramid5,
+    /// 13-node pyramid: base edges, then edges to the apex.
+    Pyramid13,
+    /// 3-node shell or facet.
+    Triangle3,
+    /// 6-node shell or facet.
+    Triangle6,
+    /// 4-node shell or facet.
+    Quadrilateral4,
+    /// 8-node shell or facet.
+    Quadrilateral8,
+    /// 2-node beam.
+    Beam2,
+}
+
+/// A row of the table.
+#[derive(Clone, Copy)]
+pub(crate) struct Description {
+    /// Number of nodes.
+    nodes: usize,
+    /// Number of corner nodes; they come first.
+    corners: usize,
+    /// Dimension of its shape: 3 for a volume.
+    dimension: u8,
+    /// The element with the same corners and no mid-side nodes.
+    linear: ElementKind,
+    /// The corners of each edge, in the order of the mid-side nodes.
+    pub(crate) edges: &'static [[usize; 2]],
+    /// The corners of each face, in the order S1, S2, … of Abaqus. Those of a solid run as seen from inside; a shell is one face.
+    pub(crate) faces: &'static [&'static [usize]],
+    /// Tetrahedra, triangles or a line that fill the element between its corners.
+    pub(crate) simplices: &'static [&'static [usize]],
+    /// Places of the corners in the reference domain (a pyramid's in collapsed coordinates, its apex on the axis).
+    corner_places: &'static [[f64; 3]],
+    /// The middle of the reference domain.
+    pub(crate) centre: [f64; 3],
+    /// Puts its functions at a point of the reference domain into zeroed ones.
+    shape: fn(&mut Shape, [f64; 3]),
+    /// Points enough for the full rank of a solid's stiffness; none for other elements.
+    pub(crate) stiffness: fn() -> Vec<Point>,
+    /// The fewer points of its reduced variant; those of the full one where it has none.
+    pub(crate) reduced: fn() -> Vec<Point>,
+    /// Points that integrate N_a N_b det J exactly for any place of the nodes; for surfaces, whose area element is a root, exact
+    /// when flat, straight and (quadrilaterals) with any corners.
+    pub(crate) mass: fn() -> Vec<Point>,
+    /// Points at which Abaqus integrates its mass.
+    pub(crate) mass_of_abaqus: fn() -> Vec<Point>,
+    /// Its names in files.
+    pub(crate) names: Names,
+}
+
+/// Names of an element in files, and where its nodes come in another order there.
+#[derive(Clone, Copy)]
+pub(crate) struct Names {
+    /// Cards of Nastran, the usual one first. Quadratic elements without mid-side nodes are linear ones.
+    pub(crate) nastran: &'static [&'static str],
+    /// Place on the card of each node.
+    pub(crate) nastran_order: Option<&'static [usize]>,
+    /// Type in Abaqus and CalculiX: all of a shell's, the one without letters of a solid.
+    pub(crate) abaqus: &'static [&'static str],
+    /// What follows the family's name in types of surfaces without stiffness and of plane elements: `3` of `SFM3D3`.
+    pub(crate) abaqus_facets: &'static [&'static str],
+    /// Number of the type in gmsh.
+    pub(crate) gmsh: Option<i32>,
+    /// Place in a file of gmsh of each node.
+    pub(crate) gmsh_order: Option<&'static [usize]>,
+}
+
+impl Names {
+    /// No name anywhere.
+    const NONE: Names = Names {
+        nastran: &[],
+        nastran_order: None,
+        abaqus: &[],
+        abaqus_facets: &[],
+        gmsh: None,
+        gmsh_order: None,
+    };
+}
+
+impl ElementKind {
+    /// All of them.
+    pub const ALL: [ElementKind; 13] = [
+        ElementKind::Tetrahedron4,
+        ElementKind::Tetrahedron10,
+        ElementKind::Hexahedron8,
+        ElementKind::Hexahedron20,
+        ElementKind::Wedge6,
+        ElementKind::Wedge15,
+        ElementKind::Pyramid5,
+        ElementKind::Pyramid13,
+        ElementKind::Triangle3,
+        ElementKind::Triangle6,
+        ElementKind::Quadrilateral4,
+        ElementKind::Quadrilateral8,
+        ElementKind::Beam2,
+    ];
+
+    /// Its row.
+    pub(crate) const fn description(self) -> &'static Description {
+        match self {
+            ElementKind::Tetrahedron4 => &simplex::TETRAHEDRON4,
+            ElementKind::Tetrahedron10 => &simplex::TETRAHEDRON10,
+            ElementKind::Hexahedron8 => &hexahedron::HEXAHEDRON8,
+            ElementKind::Hexahedron20 => &hexahedron::HEXAHEDRON20,
+            ElementKind::Wedge6 => &wedge::WEDGE6,
+            ElementKind::Wedge15 => &wedge::WEDGE15,
+            ElementKind::Pyramid5 => &pyramid::PYRAMID5,
+            ElementKind::Pyramid13 => &pyramid::PYRAMID13,
+            ElementKind::Triangle3 => &simplex::TRIANGLE3,
+            ElementKind::Triangle6 => &simplex::TRIANGLE6,
+            ElementKind::Quadrilateral4 => &hexahedron::QUADRILATERAL4,
+            ElementKind::Quadrilateral8 => &hexahedron::QUADRILATERAL8,
+            ElementKind::Beam2 => &line::BEAM2,
+        }
+    }
+
+    /// Number of nodes.
+    pub const fn node_count(self) -> usize {
+        self.description().nodes
+    }
+
+    /// Number of corner nodes; they come first.
+    pub const fn corner_count(self) -> usize {
+        self.description().corners
+    }
+
+    /// Dimension of its shape: 1 for a beam, 2 for a shell or facet, 3 for a solid.
+    pub const fn dimension(self) -> u8 {
+        self.description().dimension
+    }
+
+    /// Whether the element has a volume.
+    pub const fn is_solid(self) -> bool {
+        self.dimension() == 3
+    }
+
+    /// The element with the same corners and no mid-side nodes.
+    pub const fn linear(self) -> ElementKind {
+        self.description().linear
+    }
+
+    /// The corners of each mid-side node, in their order; none for a linear element.
+    pub const fn midside_edges(self) -> &'static [[usize; 2]] {
+        if self.node_count() == self.corner_count() {
+            &[]
+        } else {
+            self.description().edges
+        }
+    }
+
+    /// The kinds of a card of Nastran, without and with mid-side nodes; one kind twice where it has none.
+    pub(crate) fn of_nastran(card: &str) -> Option<(ElementKind, ElementKind)> {
+        let named = |kind: &ElementKind| kind.description().names.nastran.contains(&card);
+        let kind = Self::ALL
+            .into_iter()
+            .filter(named)
+            .max_by_key(|kind| kind.node_count())?;
+        Some((kind.linear(), kind))
+    }
+
+    /// The kind of a type of Abaqus and CalculiX, given in capitals and without the letters of a solid's variant.
+    pub(crate) fn of_abaqus(name: &str) -> Option<ElementKind> {
+        let named = |kind: &ElementKind| kind.description().names.abaqus.contains(&name);
+        Self::ALL.into_iter().find(named)
+    }
+
+    /// The facet whose type ends so in Abaqus and CalculiX.
+    pub(crate) fn of_abaqus_facet(end: &str) -> Option<ElementKind> {
+        let named = |kind: &ElementKind| kind.description().names.abaqus_facets.contains(&end);
+        Self::ALL.into_iter().find(named)
+    }
+
+    /// The kind of a type of gmsh.
+    pub(crate) fn of_gmsh(number: i32) -> Option<ElementKind> {
+        let named = |kind: &ElementKind| kind.description().names.gmsh == Some(number);
+        Self::ALL.into_iter().find(named)
+    }
+}
+
+/// No points: of an element whose stiffness or mass is not integrated so.
+fn no_points() -> Vec<Point> {
+    Vec::new()
+}
+
+#[cfg(test)]
+mod tests;

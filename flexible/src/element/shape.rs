@@ -1,0 +1,74 @@
+//! Shape functions and their derivatives in the reference domains of [`super::quadrature`].
+//!
+//! Nodes are in the order of [`ElementKind`]. Shape functions sum to one, each is one at its node and zero at the others, and
+//! they hold all linear functions exactly.
+
+use super::ElementKind;
+
+/// The most nodes an element has.
+pub const MOST_NODES: usize = 20;
+
+/// Shape functions at a point: one entry a node of the element, zero behind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape {
+    /// Values (–).
+    pub values: [f64; MOST_NODES],
+    /// Derivatives in the reference coordinates (–); for a pyramid in ξ, η, ζ, not in the collapsed ones.
+    pub slopes: [[f64; 3]; MOST_NODES],
+}
+
+impl Shape {
+    fn zero() -> Self {
+        Shape {
+            values: [0.0; MOST_NODES],
+            slopes: [[0.0; 3]; MOST_NODES],
+        }
+    }
+
+    /// The functions of an element of this kind at a point of its reference domain (a pyramid's in collapsed coordinates). A
+    /// beam has none here: the result is zero.
+    pub fn at(kind: ElementKind, point: [f64; 3]) -> Self {
+        let mut shape = Shape::zero();
+        (kind.description().shape)(&mut shape, point);
+        shape
+    }
+
+    /// Removes a mid-side node: the edge becomes straight and linear, as half of the removed function goes to each of the
+    /// edge's corners. What remains still sums to one and holds linear functions, for the removed node's place is then the mean
+    /// of its corners'.
+    pub fn remove_midside(&mut self, kind: ElementKind, local: usize) {
+        let Some(edge) = local
+            .checked_sub(kind.corner_count())
+            .and_then(|k| kind.midside_edges().get(k))
+        else {
+            return;
+        };
+        let (value, slope) = (self.values[local], self.slopes[local]);
+        for &corner in edge {
+            self.values[corner] += 0.5 * value;
+            for (sum, s) in self.slopes[corner].iter_mut().zip(slope) {
+                *sum += 0.5 * s;
+            }
+        }
+        self.values[local] = 0.0;
+        self.slopes[local] = [0.0; 3];
+    }
+}
+
+/// Places of an element's nodes in its reference domain (a pyramid's in collapsed coordinates).
+pub fn node_places(kind: ElementKind) -> Vec<[f64; 3]> {
+    let corners = kind.description().corner_places;
+    let mut places = corners.to_vec();
+    for &[a, b] in kind.midside_edges() {
+        let mut middle = [0.0; 3];
+        for (i, x) in middle.iter_mut().enumerate() {
+            *x = 0.5 * (corners[a][i] + corners[b][i]);
+        }
+        if kind.linear() == ElementKind::Pyramid5 && b == 4 {
+            // half-way to the apex the collapsed coordinates still are the corner's
+            middle = [corners[a][0], corners[a][1], 0.5];
+        }
+        places.push(middle);
+    }
+    places
+}

@@ -1,0 +1,249 @@
+//! Shape functions of all elements, and the table's own consistency.
+
+use super::shape::node_places;
+use super::*;
+
+/// All with shape functions.
+fn kinds() -> impl Iterator<Item = ElementKind> {
+    let beam = |kind: &ElementKind| *kind != ElementKind::Beam2;
+    ElementKind::ALL.into_iter().filter(beam)
+}
+
+fn is_pyramid(kind: ElementKind) -> bool {
+    kind.linear() == ElementKind::Pyramid5
+}
+
+/// From the coordinates a rule uses to ξ, η, ζ.
+fn opened(kind: ElementKind, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    if is_pyramid(kind) {
+        [x * (1.0 - z), y * (1.0 - z), z]
+    } else {
+        [x, y, z]
+    }
+}
+
+fn closed(kind: ElementKind, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    if is_pyramid(kind) {
+        [x / (1.0 - z), y / (1.0 - z), z]
+    } else {
+        [x, y, z]
+    }
+}
+
+#[test]
+fn each_function_is_one_at_its_node_and_zero_at_the_others() {
+    for kind in kinds() {
+        let places = node_places(kind);
+        assert_eq!(places.len(), kind.node_count());
+        for (i, place) in places.iter().enumerate() {
+            let shape = Shape::at(kind, *place);
+            for j in 0..MOST_NODES {
+                let expected = if i == j { 1.0 } else { 0.0 };
+                assert!(
+                    (shape.values[j] - expected).abs() < 1e-15,
+                    "{kind:?} {i} {j}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn they_sum_to_one_hold_linear_functions_and_slopes_are_derivatives() {
+    let point = [0.31, 0.22, 0.17];
+    for kind in kinds() {
+        let places: Vec<_> = node_places(kind)
+            .into_iter()
+            .map(|place| opened(kind, place))
+            .collect();
+        for removed in [false, true] {
+            let mut shape = Shape::at(kind, closed(kind, point));
+            if removed {
+                for local in [kind.corner_count(), kind.node_count() - 1] {
+                    shape.remove_midside(kind, local);
+                }
+            }
+            let flat = if kind.node_count() == 2 {
+                0
+            } else {
+                shape_dimension(kind)
+            };
+            let sum: f64 = shape.values.iter().sum();
+            assert!((sum - 1.0).abs() < 1e-14, "{kind:?}");
+            for axis in 0..flat {
+                let place: f64 = places
+                    .iter()
+                    .zip(shape.values)
+                    .map(|(p, n)| p[axis] * n)
+                    .sum();
+                assert!((place - point[axis]).abs() < 1e-14, "{kind:?}");
+                for along in 0..flat {
+                    let slope: f64 = places
+                        .iter()
+                        .zip(shape.slopes)
+                        .map(|(p, s)| p[axis] * s[along])
+                        .sum();
+                    let expected = if axis == along { 1.0 } else { 0.0 };
+                    assert!((slope - expected).abs() < 1e-14, "{kind:?} {axis} {along}");
+                }
+            }
+        }
+        let shape = Shape::at(kind, closed(kind, point));
+        let step = 1e-6;
+        for axis in 0..shape_dimension(kind) {
+            let moved = |sign: f64| {
+                let mut moved = point;
+                moved[axis] += sign * step;
+                Shape::at(kind, closed(kind, moved))
+            };
+            let (up, down) = (moved(1.0), moved(-1.0));
+            for node in 0..kind.node_count() {
+                let difference = (up.values[node] - down.values[node]) / (2.0 * step);
+                assert!(
+                    (difference - shape.slopes[node][axis]).abs() < 1e-8,
+                    "{kind:?} node {node} axis {axis}"
+                );
+            }
+        }
+    }
+}
+
+fn shape_dimension(kind: ElementKind) -> usize {
+    if kind.is_solid() { 3 } else { 2 }
+}
+
+#[test]
+fn every_edge_of_a_solid_is_on_two_faces_in_opposite_directions() {
+    for kind in kinds() {
+        let mut directed = Vec::new();
+        for face in kind.description().faces {
+            for (a, b) in face.iter().zip(face.iter().cycle().skip(1)) {
+                directed.push((*a, *b));
+            }
+        }
+        let sides = if kind.description().faces.len() == 1 {
+            1
+        } else {
+            2
+        };
+        assert_eq!(
+            directed.len(),
+            sides * kind.description().edges.len(),
+            "{kind:?}"
+        );
+        for edge in kind.description().edges {
+            let there = directed.contains(&(edge[0], edge[1]));
+            let back = directed.contains(&(edge[1], edge[0]));
+            assert!(if sides == 2 {
+                there && back
+            } else {
+                there != back
+            });
+        }
+        let middle = kind.node_count() - kind.corner_count();
+        assert!(middle == 0 || middle == kind.description().edges.len());
+    }
+}
+
+/// Edges of gmsh's second-order volumes in the order of their mid-side nodes (gmsh reference manual, Node ordering).
+#[test]
+fn middle_nodes_belong_to_their_edges() {
+    let orders: [(i32, &[[usize; 2]]); 4] = [
+        (11, &[[0, 1], [1, 2], [2, 0], [3, 0], [2, 3], [1, 3]]),
+        (
+            17,
+            &[
+                [0, 1],
+                [0, 3],
+                [0, 4],
+                [1, 2],
+                [1, 5],
+                [2, 3],
+                [2, 6],
+                [3, 7],
+                [4, 5],
+                [4, 7],
+                [5, 6],
+                [6, 7],
+            ],
+        ),
+        (
+            18,
+            &[
+                [0, 1],
+                [0, 2],
+                [0, 3],
+                [1, 2],
+                [1, 4],
+                [2, 5],
+                [3, 4],
+                [3, 5],
+                [4, 5],
+            ],
+        ),
+        (
+            19,
+            &[
+                [0, 1],
+                [0, 3],
+                [0, 4],
+                [1, 2],
+                [1, 4],
+                [2, 3],
+                [2, 4],
+                [3, 4],
+            ],
+        ),
+    ];
+    for (number, gmsh) in orders {
+        let kind = ElementKind::of_gmsh(number).unwrap();
+        let order = kind.description().names.gmsh_order.unwrap();
+        let corners = kind.corner_count();
+        assert_eq!(order.len(), kind.node_count());
+        for (place, edge) in kind.midside_edges().iter().enumerate() {
+            let [a, b] = gmsh[order[corners + place] - corners];
+            assert!(*edge == [a, b] || *edge == [b, a], "{kind:?} {place}");
+        }
+    }
+}
+
+/// Nastran gives the mid-side nodes of the vertical edges before those of the top (Quick Reference Guide, CHEXA and CPENTA).
+#[test]
+fn names_find_their_kinds_and_orders_are_permutations() {
+    for kind in ElementKind::ALL {
+        let names = kind.description().names;
+        for order in [names.nastran_order, names.gmsh_order]
+            .into_iter()
+            .flatten()
+        {
+            let mut sorted = order.to_vec();
+            sorted.sort_unstable();
+            assert_eq!(
+                sorted,
+                (0..kind.node_count()).collect::<Vec<_>>(),
+                "{kind:?}"
+            );
+        }
+        for card in names.nastran {
+            let (linear, largest) = ElementKind::of_nastran(card).unwrap();
+            assert!([linear, largest].contains(&kind), "{kind:?} {card}");
+            assert_eq!(linear, kind.linear());
+        }
+        for name in names.abaqus {
+            assert_eq!(ElementKind::of_abaqus(name), Some(kind));
+        }
+        for end in names.abaqus_facets {
+            assert_eq!(ElementKind::of_abaqus_facet(end), Some(kind));
+        }
+        if let Some(number) = names.gmsh {
+            assert_eq!(ElementKind::of_gmsh(number), Some(kind));
+        }
+    }
+    let hexahedron = ElementKind::Hexahedron20.description();
+    let order = hexahedron.names.nastran_order.unwrap();
+    assert_eq!(hexahedron.edges[order[12] - 8], [0, 4]);
+    assert_eq!(
+        ElementKind::of_nastran("CQUAD4").unwrap().1,
+        ElementKind::Quadrilateral4
+    );
+}
