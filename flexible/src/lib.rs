@@ -31,6 +31,7 @@ pub mod rotary;
 pub mod solve;
 pub mod sparse;
 pub mod store;
+pub mod surface;
 pub mod units;
 
 pub use error::{FileProblem, FlexibleError, Place};

@@ -4,13 +4,14 @@
 //! foreign matrices, supports and tie components are written. Node and element *indices* (`u32`) count from 0 in the order of
 //! the file; *ids* are the file's own numbers.
 
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 pub use crate::element::{ABSENT, ElementKind};
 use crate::error::FlexibleError;
 
 /// A node.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Node {
     /// The file's number.
     pub id: u64,
@@ -22,14 +23,14 @@ pub struct Node {
 
 /// An analysis frame at a node: the rotation matrix frame → basic, row-major (columns are the frame's axes). A cylindrical or
 /// spherical frame is one such entry a node, evaluated at the node.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Rotation frame → basic.
     pub rotation: [[f64; 3]; 3],
 }
 
 /// The code whose rules a mesh was written for: the same name stands for different elements in different codes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Code {
     /// None: gmsh, or made by a program.
     #[default]
@@ -43,7 +44,7 @@ pub enum Code {
 }
 
 /// How a file names the integration of a solid, beside its shape.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub enum Variant {
     /// By its shape alone: `C3D8`, `CTETRA`; what that means is the code's business.
     #[default]
@@ -64,7 +65,7 @@ pub enum Variant {
 pub const VARIANT_LETTERS: &str = "MRIHSO";
 
 /// An element.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Element {
     /// The file's number.
     pub id: u64,
@@ -81,7 +82,7 @@ pub struct Element {
 }
 
 /// Place and direction of a beam's section.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BeamAxes {
     /// Vector in the section's first plane (basic frame), not parallel to the beam.
     pub orientation: [f64; 3],
@@ -92,7 +93,7 @@ pub struct BeamAxes {
 }
 
 /// What elements are made of.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Property {
     /// The file's number or name.
     pub name: String,
@@ -103,7 +104,7 @@ pub struct Property {
 }
 
 /// Section of an element.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Section {
     /// A solid.
     Solid,
@@ -134,7 +135,7 @@ pub enum Section {
 }
 
 /// An isotropic linear elastic material.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
     /// The file's number or name.
     pub name: String,
@@ -147,7 +148,7 @@ pub struct Material {
 }
 
 /// A mass at a node.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PointMass {
     /// The file's number.
     pub id: u64,
@@ -158,7 +159,7 @@ pub struct PointMass {
 }
 
 /// A spring between two freedoms, or a freedom and the ground.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spring {
     /// The file's number.
     pub id: u64,
@@ -171,7 +172,7 @@ pub struct Spring {
 }
 
 /// A rule that makes freedoms depend on others. Components are bits 0…5 of freedoms 1…6 in the node's analysis frame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Tie {
     /// The dependent components move as if on a rigid body with the six freedoms of `independent`.
     Rigid {
@@ -203,7 +204,7 @@ pub enum Tie {
 }
 
 /// Freedoms held at zero.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Support {
     /// Index of the node.
     pub node: u32,
@@ -212,7 +213,7 @@ pub struct Support {
 }
 
 /// Cards or keywords of one name that hold freedoms.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SupportCards {
     /// Name of the card or keyword: `SPC1`, `*BOUNDARY`.
     pub name: String,
@@ -225,7 +226,7 @@ pub struct SupportCards {
 }
 
 /// A named set.
-#[derive(Clone, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Set {
     /// Indices of nodes, sorted.
     pub nodes: Vec<u32>,
@@ -234,7 +235,7 @@ pub struct Set {
 }
 
 /// What an unread card or keyword could have carried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Carries {
     /// Output requests, loads, comments: nothing that reduction needs.
     Nothing,
@@ -245,7 +246,7 @@ pub enum Carries {
 }
 
 /// Cards or keywords of one name that were not read.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Unread {
     /// Name of the card or keyword.
     pub name: String,
@@ -258,7 +259,7 @@ pub struct Unread {
 }
 
 /// A mesh.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Mesh {
     /// The code it was written for.
     pub code: Code,

@@ -94,7 +94,7 @@ fn a_crankshaft_is_stored_read_and_recovered() {
 
     let key = Key::new(&[content_hash(&file)], &request_text(&request));
     let before = StoredBody::new(reduced, request.rules, key, vec![]);
-    let bytes = timed("writing", || before.to_bytes());
+    let bytes = timed("writing", || before.to_bytes().unwrap());
     println!("{:.1} MB", bytes.len() as f64 / 1e6);
     let stored = timed("reading", || StoredBody::from_bytes(&bytes).unwrap());
     assert_eq!(stored.key, key);

@@ -88,8 +88,8 @@ pub(super) fn save(sources: &Sources, stored: &StoredBody) -> Result<(), std::io
     std::fs::create_dir_all(folder)?;
     let target = place(folder, &stored.key);
     let partial = target.with_extension(format!("{}.tmp", std::process::id()));
-    let written = std::fs::write(&partial, stored.to_bytes())
-        .and_then(|()| std::fs::rename(&partial, &target));
+    let bytes = stored.to_bytes().map_err(std::io::Error::other)?;
+    let written = std::fs::write(&partial, bytes).and_then(|()| std::fs::rename(&partial, &target));
     if written.is_err() {
         let _ = std::fs::remove_file(&partial);
     }

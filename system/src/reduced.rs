@@ -10,12 +10,13 @@
 //! Matrices are row-major. Lengths are metres, masses kilograms, amplitudes carry the unit that makes Φa a displacement.
 
 use crate::flexible::Damping;
+use serde::{Deserialize, Serialize};
 
 /// A square matrix of the modes, or three rows of them, row-major.
 pub type Block = Vec<f64>;
 
 /// The constants of a flexible body's inertia, stiffness and damping.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Invariants {
     /// Number of modes, n.
     pub modes: usize,
@@ -54,7 +55,7 @@ pub struct Invariants {
 /// of the body's first moment, inertia and angular momentum, and the equations that follow from these keep energy and momentum.
 /// (O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method, vol. 2, initial-stress matrix; O. Wallrapp, R. Schwertassek,
 /// Dynamik flexibler Mehrkörpersysteme, 1998, section 5.4, for the reference loads.)
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Geometric {
     /// Of the centrifugal loads, a unit of `ω_j ω_k` (N/(rad/s)²), for jk = xx, yy, zz, xy, yz, zx.
     pub spin: [Block; 6],
@@ -67,7 +68,7 @@ pub struct Geometric {
 }
 
 /// Geometric stiffness of a load at a marker.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct MarkerStiffness {
     /// Index of the marker.
     pub marker: usize,
@@ -78,7 +79,7 @@ pub struct MarkerStiffness {
 }
 
 /// A marker of a flexible body.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct ReducedMarker {
     /// Its name in the model: `main[2]`.
     pub name: String,
@@ -91,7 +92,7 @@ pub struct ReducedMarker {
 }
 
 /// A reduced body.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct ReducedBody {
     /// The constants.
     pub invariants: Invariants,

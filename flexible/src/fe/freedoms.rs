@@ -1,5 +1,7 @@
 //! Numbering of the mesh's freedoms: three translations a node, six where it turns, in basic axes.
 
+use serde::{Deserialize, Serialize};
+
 use super::check::{Role, role};
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, ElementKind, Mesh, PointMass, Tie};
@@ -9,7 +11,8 @@ use crate::mesh::{ABSENT, ElementKind, Mesh, PointMass, Tie};
 /// Nodes turn (have rotations) at beams, at the independent node of a rigid tie, at the reference of an averaging one, at point
 /// masses with rotary inertia or an offset, and where a spring or an equation names a rotation. A node that nothing uses
 /// (a point that only gives a direction) has no freedoms.
-#[derive(Clone, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(try_from = "Vec<u32>", into = "Vec<u32>")]
 pub struct FreedomMap {
     /// First freedom of each node, and the number of all freedoms.
     first: Vec<u32>,
@@ -101,20 +104,6 @@ impl FreedomMap {
         Ok(FreedomMap { first })
     }
 
-    /// From the first freedom of each node and the number of all; `None` unless every node has 0, 3 or 6.
-    pub fn from_starts(first: Vec<u32>) -> Option<Self> {
-        let sound = first.first() == Some(&0)
-            && first
-                .windows(2)
-                .all(|pair| matches!(pair[1].checked_sub(pair[0]), Some(0 | 3 | 6)));
-        sound.then_some(FreedomMap { first })
-    }
-
-    /// The first freedom of each node, and the number of all.
-    pub fn starts(&self) -> &[u32] {
-        &self.first
-    }
-
     /// Number of freedoms.
     pub fn size(&self) -> usize {
         self.first.last().map_or(0, |&total| total as usize)
@@ -156,6 +145,28 @@ impl FreedomMap {
             .partition_point(|&first| first as usize <= freedom)
             - 1;
         Some((node as u32, (freedom - self.first[node] as usize) as u8))
+    }
+}
+
+impl From<FreedomMap> for Vec<u32> {
+    fn from(map: FreedomMap) -> Self {
+        map.first
+    }
+}
+
+impl TryFrom<Vec<u32>> for FreedomMap {
+    type Error = &'static str;
+
+    /// From the first freedom of each node and the number of all; every node has 0, 3 or 6.
+    fn try_from(first: Vec<u32>) -> Result<Self, Self::Error> {
+        let sound = first.first() == Some(&0)
+            && first
+                .windows(2)
+                .all(|pair| matches!(pair[1].checked_sub(pair[0]), Some(0 | 3 | 6)));
+        match sound {
+            true => Ok(FreedomMap { first }),
+            false => Err("a numbering of freedoms that is none"),
+        }
     }
 }
 

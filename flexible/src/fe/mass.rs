@@ -3,7 +3,7 @@
 use super::freedoms::FreedomMap;
 use crate::error::FlexibleError;
 use crate::mesh::Mesh;
-use crate::solve::product::{Lanes, TOGETHER, pack, unpack};
+use crate::sparse::product::{Lanes, TOGETHER, pack, unpack};
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 

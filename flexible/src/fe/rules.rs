@@ -3,9 +3,10 @@
 use super::form::Form;
 use crate::element::quadrature::Point;
 use crate::element::{ElementKind, Shape};
+use serde::{Deserialize, Serialize};
 
 /// Which code's rules give each solid its form: see [`super::form`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum StiffnessRule {
     /// Those of the code that the mesh was written for.
     #[default]
@@ -28,7 +29,7 @@ pub enum StiffnessRule {
 }
 
 /// Integration and form of the elements' mass. The foreign rules differ in solids only. Beams are consistent in all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum MassRule {
     /// Consistent mass, integrated exactly for any element, curved ones included.
     #[default]
@@ -46,7 +47,7 @@ pub enum MassRule {
 }
 
 /// The rules of an assembly.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Rules {
     /// For stiffness.
     pub stiffness: StiffnessRule,

@@ -3,8 +3,9 @@
 use super::{Structure, applied, products, subtract};
 use crate::error::FlexibleError;
 use crate::solve::dense::symmetric_eigen;
-use crate::solve::product::TOGETHER;
 use crate::sparse::SymmetricOperator;
+use crate::sparse::product::TOGETHER;
+use serde::{Deserialize, Serialize};
 
 /// A vector is dropped when what the vectors before it leave of it has less than this part of its K-norm.
 const DEPENDENCE: f64 = 1e-8;
@@ -27,7 +28,7 @@ pub struct Candidate {
 }
 
 /// A mode that is left out.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dropped {
     /// Its label.
     pub label: String,

@@ -10,12 +10,10 @@
 mod beams;
 pub mod motion;
 pub mod stress;
-mod surface;
 
 pub use beams::BeamForces;
 pub use motion::{Amplitudes, Both, FrameMotion, NodeMotion, NodeShapes};
 pub use stress::{Envelope, Location, ModalStress, principal};
-pub use surface::Surface;
 
 use crate::error::FlexibleError;
 use crate::fe::stress::ElementRecovery;
@@ -23,6 +21,7 @@ use crate::fe::{FreedomMap, Rules};
 use crate::mesh::Mesh;
 use crate::reduce::Reduced;
 use crate::store::StoredBody;
+pub use crate::surface::Surface;
 use eng_system::reduced::ReducedBody;
 
 /// A reduced body with its mesh and shapes.

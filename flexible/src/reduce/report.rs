@@ -3,9 +3,10 @@
 use crate::fe::RigidMass;
 use crate::modes::Dropped;
 use crate::solve::SturmCount;
+use serde::{Deserialize, Serialize};
 
 /// What a reduction found, for tables.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Report {
     /// Nodes of the mesh.
     pub nodes: usize,
@@ -41,7 +42,7 @@ pub struct Report {
 }
 
 /// A mode of the orthonormal set.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModeReport {
     /// Undamped frequency (Hz).
     pub frequency: f64,
@@ -56,7 +57,7 @@ pub struct ModeReport {
 }
 
 /// Mass, centre and inertia.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BodyMass {
     /// Mass (kg).
     pub mass: f64,
@@ -86,7 +87,7 @@ impl From<RigidMass> for BodyMass {
 }
 
 /// A static mode and the motion of a marker it is there for.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Served {
     /// Label of the mode: `static main[2].y`.
     pub mode: String,
@@ -102,7 +103,7 @@ pub struct Served {
 }
 
 /// A load that the modes don't serve.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Unserved {
     /// `main[2].rz`.
     pub label: String,

@@ -10,6 +10,7 @@ use super::positive::Shifted;
 use super::search::{Search, Start};
 use crate::error::FlexibleError;
 use crate::sparse::SymmetricMatrix;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Which modes.
@@ -56,7 +57,7 @@ impl Default for EigenOptions {
 }
 
 /// What a count by inertia showed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SturmCount {
     /// Eigenvalues below [`SturmCount::below`], all found. It may be more than the modes given, when the last one asked for has
     /// others as close to it as rounding.

@@ -7,11 +7,11 @@
 //! `T` is not taken as banded: every new column is projected on all others, which also makes restarts simple.
 
 use super::dense::symmetric_eigen;
-use super::product::multiply;
 use super::random::Random;
 use super::restrained::Restrained;
 use crate::error::FlexibleError;
 use crate::sparse::SymmetricMatrix;
+use crate::sparse::product::multiply;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 

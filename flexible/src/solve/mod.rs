@@ -18,7 +18,6 @@ pub(crate) mod lanczos;
 pub mod ordering;
 pub mod pencil;
 pub mod positive;
-pub(crate) mod product;
 mod random;
 pub(crate) mod restrained;
 mod search;

@@ -6,11 +6,11 @@ use super::factor::{Analysis, Definiteness, Factorization, diagonal, norm};
 use super::lanczos::{Lanczos, Ritz, dot};
 use super::pencil::shifted;
 use super::positive::{Shifted, first_shift, typical_ratio};
-use super::product::multiply;
 use super::restrained::{self, Combination, Restrained};
 use super::sturm::{BORDER, Pairs, Place, agree, miscounted};
 use crate::error::FlexibleError;
 use crate::sparse::SymmetricMatrix;
+use crate::sparse::product::multiply;
 use std::sync::Arc;
 
 /// The same where all eigenvalues are found densely: rounding is even over all of them.

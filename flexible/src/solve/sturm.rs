@@ -3,11 +3,11 @@
 use super::eigen::SturmCount;
 use super::factor::{Definiteness, Factorization};
 use super::positive::FIRST_SHIFT;
-use super::product::multiply;
 use super::random::Random;
 use super::restrained::Restrained;
 use super::search::Search;
 use crate::error::FlexibleError;
+use crate::sparse::product::multiply;
 
 /// Neighbours closer than this share of the eigenvalue are one cluster…
 const CLUSTER: f64 = 1e-6;

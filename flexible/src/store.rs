@@ -4,24 +4,22 @@
 //! magic (8 bytes) | version u32 | length of the whole u64 | key (32 bytes) | contents … | SHA-256 of all before (32 bytes)
 //! ```
 //!
-//! All little-endian; shapes and constants are f64, so that a body that was read gives the bits of the one that was written.
+//! The head is little-endian, the contents are in the format of `postcard`, which keeps the bits of every f64: a body that was read
+//! gives the bits of the one that was written. Reading asks for every byte, and takes no more room than the bytes that are there fill.
 //! The caller keeps the file: written to a temporary name and renamed, it is whole or not there. It belongs to its [`Key`], a
 //! hash over the input: a body whose key differs is to be reduced again.
 
-mod bytes;
-mod contents;
-
 use crate::fe::{FreedomMap, Rules};
 use crate::mesh::Mesh;
-use crate::recover::Surface;
 use crate::reduce::{Reduced, Report, Request};
-use bytes::{Source, Stored as _, fields};
+use crate::surface::Surface;
 use eng_system::reduced::ReducedBody;
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 /// Version of the format. Raised as well when the same input gives other numbers, since it is part of the key.
-pub const FORMAT_VERSION: u32 = 6;
+pub const FORMAT_VERSION: u32 = 7;
 
 /// A byte that no text begins with, a name, and a line's end that a transfer as text would spoil.
 const MAGIC: [u8; 8] = *b"\x8bENGRB\r\n";
@@ -58,10 +56,8 @@ pub enum StoreError {
     #[error("the file of the reduced body was altered after it was written: its hash differs")]
     Altered,
     /// Written by a program that did not mean it: sizes that contradict each other.
-    #[error("the file of the reduced body makes no sense at byte {byte}: {problem}")]
+    #[error("the file of the reduced body makes no sense: {problem}")]
     Contents {
-        /// Where.
-        byte: usize,
         /// What is wrong.
         problem: String,
     },
@@ -74,8 +70,14 @@ impl StoreError {
     }
 }
 
+fn senseless(problem: impl std::fmt::Display) -> StoreError {
+    StoreError::Contents {
+        problem: problem.to_string(),
+    }
+}
+
 /// SHA-256 of what a reduced body was made from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Key(pub [u8; 32]);
 
 impl Key {
@@ -119,7 +121,7 @@ pub fn request_text(request: &Request) -> String {
 }
 
 /// A reduced body with all that is kept of its reduction.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StoredBody {
     /// What it was made from.
     pub key: Key,
@@ -140,18 +142,6 @@ pub struct StoredBody {
     /// Shapes over the full freedoms, one after the other (m, rad a unit of amplitude).
     pub shapes: Vec<f64>,
 }
-
-fields!(StoredBody {
-    key: Key,
-    provenance: Vec<(String, String)>,
-    body: ReducedBody,
-    rules: Rules,
-    report: Report,
-    mesh: Mesh,
-    surface: Surface,
-    freedoms: FreedomMap,
-    shapes: Vec<f64>,
-});
 
 impl StoredBody {
     /// What is kept of a reduction, with its key and provenance. To the latter the versions of format and crate and the rules
@@ -184,19 +174,22 @@ impl StoredBody {
     }
 
     /// As the bytes of a file.
-    pub fn to_bytes(&self) -> Vec<u8> {
+    ///
+    /// # Errors
+    /// None of a body whose lists have a length, as all of these have.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, StoreError> {
         let mut out = Vec::with_capacity(8 * self.shapes.len() + (1 << 16));
         out.extend_from_slice(&MAGIC);
-        FORMAT_VERSION.write(&mut out);
-        0u64.write(&mut out);
-        self.write(&mut out);
+        out.extend_from_slice(&FORMAT_VERSION.to_le_bytes());
+        out.extend_from_slice(&[0; 8]);
+        let mut out = postcard::to_extend(self, out).map_err(senseless)?;
         let length = (out.len() + HASH) as u64;
         if let Some(place) = out.get_mut(HEAD - 8..HEAD) {
             place.copy_from_slice(&length.to_le_bytes());
         }
         let hash = Sha256::digest(&out);
         out.extend_from_slice(&hash);
-        out
+        Ok(out)
     }
 
     /// From the bytes of a file.
@@ -204,18 +197,19 @@ impl StoredBody {
     /// # Errors
     /// What is no stored body, of another version, cut off, altered, or contradicts itself.
     pub fn from_bytes(bytes: &[u8]) -> Result<StoredBody, StoreError> {
-        if !bytes.starts_with(&MAGIC) {
+        let Some(head) = bytes.strip_prefix(&MAGIC) else {
             return Err(StoreError::NotABody);
-        }
+        };
         let found = bytes.len() as u64;
-        let mut head = Source::new(bytes.get(MAGIC.len()..).unwrap_or_default());
         let short = |expected| StoreError::Length { expected, found };
         let least = (HEAD + HASH) as u64;
-        let version = u32::read(&mut head).map_err(|_| short(least))?;
+        let (version, head) = head.split_first_chunk().ok_or(short(least))?;
+        let version = u32::from_le_bytes(*version);
         if version != FORMAT_VERSION {
             return Err(StoreError::Version { found: version });
         }
-        let expected = u64::read(&mut head).map_err(|_| short(least))?;
+        let (length, _) = head.split_first_chunk().ok_or(short(least))?;
+        let expected = u64::from_le_bytes(*length);
         if expected != found || found < least {
             return Err(short(expected.max(least)));
         }
@@ -223,14 +217,13 @@ impl StoredBody {
         if Sha256::digest(signed).as_slice() != hash {
             return Err(StoreError::Altered);
         }
-        let mut source = Source::new(signed);
-        source.take(HEAD)?;
-        let stored = StoredBody::read(&mut source)?;
-        if source.left() > 0 {
-            return Err(source.senseless("something follows its contents"));
+        let contents = signed.get(HEAD..).unwrap_or_default();
+        let (stored, rest) = postcard::take_from_bytes::<Self>(contents).map_err(senseless)?;
+        if !rest.is_empty() {
+            return Err(senseless("something follows its contents"));
         }
         match stored.defect() {
-            Some(problem) => Err(source.senseless(&problem)),
+            Some(problem) => Err(StoreError::Contents { problem }),
             None => Ok(stored),
         }
     }

@@ -1,6 +1,6 @@
 //! A sparse symmetric matrix times several vectors.
 
-use crate::sparse::SymmetricMatrix;
+use super::SymmetricMatrix;
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 
 /// Vectors taken together: their entries of one row fill a cache line.

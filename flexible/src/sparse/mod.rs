@@ -1,7 +1,9 @@
 //! Sparse symmetric matrices, stored by columns of the lower triangle.
 
+pub(crate) mod product;
+
 use crate::error::FlexibleError;
-use crate::solve::product::multiply;
+use product::multiply;
 
 /// A sparse symmetric matrix: the lower triangle with the diagonal, by columns, rows ascending, no entry twice.
 #[derive(Clone, Debug, PartialEq, Default)]
