@@ -59,6 +59,17 @@ impl FileProblem {
     }
 }
 
+/// A part of a request that an error is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// A marker, by its index in the request.
+    Marker(usize),
+    /// The stiffness matrix of another code.
+    Stiffness,
+    /// The mass matrix of another code.
+    Mass,
+}
+
 /// An error of this crate.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FlexibleError {
@@ -91,6 +102,24 @@ pub enum FlexibleError {
         /// What to do.
         advice: String,
     },
+    /// A row of an interface can't be held: nothing moves it, or only together with the others.
+    #[error("{problem}")]
+    Row {
+        /// Number of the row, from 0; the caller knows which marker it is.
+        row: usize,
+        /// What is wrong, by the row's label.
+        problem: String,
+        /// What to do.
+        advice: String,
+    },
+    /// What is wrong with a part of the request.
+    #[error("{error}")]
+    Of {
+        /// Which part.
+        part: Part,
+        /// What is wrong.
+        error: Box<FlexibleError>,
+    },
     /// An iteration did not come to its end.
     #[error("{problem}")]
     Numerical {
@@ -109,7 +138,28 @@ impl FlexibleError {
             FlexibleError::Structure { advice, .. }
             | FlexibleError::Matrix { advice, .. }
             | FlexibleError::Singular { advice, .. }
+            | FlexibleError::Row { advice, .. }
             | FlexibleError::Numerical { advice, .. } => advice,
+            FlexibleError::Of { error, .. } => error.advice(),
+        }
+    }
+
+    /// The part of the request that it is about, where it is about one.
+    pub fn part(&self) -> Option<Part> {
+        match self {
+            FlexibleError::Of { part, .. } => Some(*part),
+            _ => None,
+        }
+    }
+
+    /// As an error of a part of the request; one that has a part keeps it.
+    pub(crate) fn of(self, part: Part) -> Self {
+        match self {
+            FlexibleError::Of { .. } => self,
+            error => FlexibleError::Of {
+                part,
+                error: Box::new(error),
+            },
         }
     }
 }

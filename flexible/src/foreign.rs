@@ -1,6 +1,6 @@
 //! Matrices and mode shapes of another code for a mesh: which freedom each row is, and their units.
 
-use crate::error::FlexibleError;
+use crate::error::{FlexibleError, Part};
 use crate::fe::NodalMatrix;
 use crate::mesh::{Mesh, Node};
 use crate::read::matrix::{
@@ -91,8 +91,12 @@ impl ForeignMatrices {
         units: MeshUnits,
     ) -> Result<Self, FlexibleError> {
         let (of_stiffness, of_mass) = (stiffness.freedoms, mass.freedoms);
-        let stiffness = stiffness.read(files, of_mass)?;
-        let mass = mass.read(files, of_stiffness)?;
+        let stiffness = stiffness
+            .read(files, of_mass)
+            .map_err(|error| error.of(Part::Stiffness))?;
+        let mass = mass
+            .read(files, of_stiffness)
+            .map_err(|error| error.of(Part::Mass))?;
         Ok(ForeignMatrices {
             stiffness,
             mass,
@@ -106,8 +110,12 @@ impl ForeignMatrices {
     /// # Errors
     /// As [`ForeignMatrix::to_symmetric`]; sizes that don't fit the stated order; rows that no one names; scalar points.
     pub fn nodal(&self, mesh: &Mesh) -> Result<(NodalMatrix, NodalMatrix), FlexibleError> {
-        let stiffness = self.one(mesh, &self.stiffness, MatrixKind::Stiffness)?;
-        let mass = self.one(mesh, &self.mass, MatrixKind::Mass)?;
+        let stiffness = self
+            .one(mesh, &self.stiffness, MatrixKind::Stiffness)
+            .map_err(|error| error.of(Part::Stiffness))?;
+        let mass = self
+            .one(mesh, &self.mass, MatrixKind::Mass)
+            .map_err(|error| error.of(Part::Mass))?;
         Ok((stiffness, mass))
     }
 

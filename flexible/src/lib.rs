@@ -34,6 +34,6 @@ pub mod store;
 pub mod surface;
 pub mod units;
 
-pub use error::{FileProblem, FlexibleError, Place};
+pub use error::{FileProblem, FlexibleError, Part, Place};
 pub use mesh::Mesh;
 pub use read::{Files, MeshFormat, read_mesh};

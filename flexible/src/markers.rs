@@ -1,6 +1,6 @@
 //! Markers on a mesh: a node, or nodes gathered around a place and tied to a centre.
 
-use crate::error::FlexibleError;
+use crate::error::{FlexibleError, Part};
 use crate::mesh::{Mesh, Node, Tie};
 
 /// Where a marker is.
@@ -224,20 +224,21 @@ pub fn place(mesh: &mut Mesh, markers: &[MarkerRequest]) -> Result<Vec<u32>, Fle
     let index = mesh.node_index();
     let mut next = mesh.nodes.iter().map(|node| node.id).max().unwrap_or(0);
     let mut found = Vec::with_capacity(markers.len());
-    for marker in markers {
+    for (position, marker) in markers.iter().enumerate() {
         let name = &marker.name;
+        let of_marker = |error: FlexibleError| error.of(Part::Marker(position));
         match &marker.place {
             Place::Node(id) => match index.get(id) {
                 Some(node) => found.push(*node),
                 None => {
-                    return Err(refuse(
+                    return Err(of_marker(refuse(
                         format!("{name}: the mesh has no node {id}"),
                         "check the number; or gather nodes by a ring or a set",
-                    ));
+                    )));
                 }
             },
             Place::Gathered { nodes, tie, center } => {
-                let gathered = select(mesh, name, nodes)?;
+                let gathered = select(mesh, name, nodes).map_err(of_marker)?;
                 let middle = match (center, nodes) {
                     (Some(center), _) => *center,
                     (None, Selection::Ring { center, .. }) => *center,

@@ -16,9 +16,9 @@ use eng_flexible::modes::Dropped;
 use eng_flexible::reduce::{Report, Served};
 use eng_flexible::store::{Key, StoredBody};
 use eng_flexible::units::MeshUnits;
-use eng_flexible::{Files, FlexibleError, MeshFormat, read_mesh};
+use eng_flexible::{Files, FlexibleError, MeshFormat, Part, read_mesh};
 use eng_grammar::{Diagnostic, SourceId, Span};
-use eng_system::flexible::{FlexibleSource, MarkerPlace};
+use eng_system::flexible::{FlexibleSource, MarkerPlace, MatrixSource};
 use eng_system::reduced::ReducedBody;
 use eng_system::system::Location;
 use std::io::Read;
@@ -263,27 +263,19 @@ fn reduced(
     Ok(stored)
 }
 
-/// A failure at the marker or the matrix that its text begins with, else at the mode set.
+/// A failure at the marker or the matrix that it is about, else at the mode set.
 fn reduction_failed(error: &FlexibleError, source: &FlexibleSource) -> Box<Diagnostic> {
-    let text = error.to_string();
-    let marker = source.markers.iter().find(|m| {
-        text.starts_with(&format!("{}:", m.name)) || text.starts_with(&format!("{}.", m.name))
-    });
-    // errors of a matrix begin with its file, and its name where the file has several
-    let matrix = [&source.stiffness, &source.mass]
-        .into_iter()
-        .flatten()
-        .find(|matrix| {
-            let title = match &matrix.matrix {
-                Some(name) => format!("{}: {name}", matrix.file),
-                None => matrix.file.clone(),
-            };
-            text.starts_with(&title)
-        });
-    match (marker, matrix) {
-        (Some(marker), _) => failed(codes::MESH_MARKER, error, marker.at, "this marker"),
-        (None, Some(matrix)) => failed(codes::REDUCTION, error, matrix.at, "this matrix"),
-        (None, None) => failed(
+    let marker = |index: usize| source.markers.get(index).map(|marker| marker.at);
+    let matrix = |matrix: &Option<MatrixSource>| matrix.as_ref().map(|matrix| matrix.at);
+    let (code, at, label) = match error.part() {
+        Some(Part::Marker(index)) => (codes::MESH_MARKER, marker(index), "this marker"),
+        Some(Part::Stiffness) => (codes::REDUCTION, matrix(&source.stiffness), "this matrix"),
+        Some(Part::Mass) => (codes::REDUCTION, matrix(&source.mass), "this matrix"),
+        None => (codes::REDUCTION, None, ""),
+    };
+    match at {
+        Some(at) => failed(code, error, at, label),
+        None => failed(
             codes::REDUCTION,
             error,
             source.modes_at,

@@ -7,7 +7,7 @@ use eng_flexible::read::matrix::{MatrixFormat, ShapeFormat, read_modes};
 use eng_flexible::reduce::{Interface, Request, Term};
 use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
-use eng_flexible::{Files, FlexibleError};
+use eng_flexible::{Files, Part};
 use eng_grammar::Diagnostic;
 use eng_system::flexible as text;
 
@@ -119,12 +119,8 @@ fn matrices(
     let files_of = (matrix_file(stiffness)?, matrix_file(mass)?);
     let per_node = stiffness.per_node.or(mass.per_node);
     ForeignMatrices::read(files, files_of.0, files_of.1, per_node, units).map_err(|e| {
-        let at = match &e {
-            FlexibleError::File(problem)
-                if problem.file == mass.file && problem.file != stiffness.file =>
-            {
-                mass.at
-            }
+        let at = match e.part() {
+            Some(Part::Mass) => mass.at,
             _ => stiffness.at,
         };
         super::failed(crate::codes::REDUCTION, &e, at, "this matrix")

@@ -10,7 +10,7 @@ use super::check::{check_attachments, check_nodes, list, wrong};
 use super::connection;
 use super::freedoms::{FreedomMap, direction};
 use super::mass::Mass;
-use crate::error::FlexibleError;
+use crate::error::{FlexibleError, Part};
 use crate::mesh::{Mesh, Support, Tie};
 use crate::sparse::SymmetricMatrix;
 
@@ -210,7 +210,8 @@ pub fn from_matrices(
 ) -> Result<ForeignStructure, FlexibleError> {
     check_nodes(mesh)?;
     check_attachments(mesh)?;
-    let (stiff, heavy) = (places(mesh, stiffness)?, places(mesh, mass)?);
+    let stiff = places(mesh, stiffness).map_err(|error| error.of(Part::Stiffness))?;
+    let heavy = places(mesh, mass).map_err(|error| error.of(Part::Mass))?;
     let moved = moved(mesh, [(stiffness, &stiff), (mass, &heavy)]);
     let count = moved
         .iter()

@@ -31,7 +31,7 @@ impl<'a> Interface<'a> {
     /// A row that reaches beyond the structure's freedoms, or is empty.
     pub fn new(structure: &'a Structure<'a>, rows: &'a [Load]) -> Result<Self, FlexibleError> {
         let size = structure.size();
-        for row in rows {
+        for (number, row) in rows.iter().enumerate() {
             let outside = row.entries.iter().find(|(f, _)| *f as usize >= size);
             if let Some((freedom, _)) = outside {
                 return Err(FlexibleError::Matrix {
@@ -40,7 +40,8 @@ impl<'a> Interface<'a> {
                 });
             }
             if row.entries.is_empty() {
-                return Err(FlexibleError::Structure {
+                return Err(FlexibleError::Row {
+                    row: number,
                     problem: format!("{} is held by a support already", row.label),
                     advice: "leave it out of the interface".into(),
                 });
@@ -127,7 +128,7 @@ impl<'a> Interface<'a> {
             }
         }
         let stiffness = positive_inverse(count, &flexibility, DEPENDENT)?
-            .map_err(|row| repeated(self.rows.get(row)))?;
+            .map_err(|row| repeated(self.rows, row))?;
         let held = self.seen.len().checked_div(count).unwrap_or(0);
         // F⁻¹ S and Sᵀ F⁻¹ S
         let forces = products(count, &stiffness, &self.seen);
@@ -155,9 +156,10 @@ impl<'a> Interface<'a> {
     }
 }
 
-fn repeated(row: Option<&Load>) -> FlexibleError {
-    let label = row.map_or("", |row| row.label.as_str());
-    FlexibleError::Structure {
+fn repeated(rows: &[Load], row: usize) -> FlexibleError {
+    let label = rows.get(row).map_or("", |row| row.label.as_str());
+    FlexibleError::Row {
+        row,
         problem: format!("{label} moves only with the other freedoms of the interface"),
         advice: "leave it out, or take nodes that move on their own".into(),
     }
@@ -166,7 +168,7 @@ fn repeated(row: Option<&Load>) -> FlexibleError {
 /// Refuses combinations that follow from each other.
 ///
 /// # Errors
-/// With the label of one.
+/// With the number and label of one.
 pub(super) fn independent(size: usize, rows: &[Load]) -> Result<(), FlexibleError> {
     let count = rows.len();
     let mut gram = Vec::with_capacity(count * count);
@@ -181,7 +183,7 @@ pub(super) fn independent(size: usize, rows: &[Load]) -> Result<(), FlexibleErro
     }
     positive_inverse(count, &gram, DEPENDENT)?
         .map(|_| ())
-        .map_err(|row| repeated(rows.get(row)))
+        .map_err(|row| repeated(rows, row))
 }
 
 /// The transpose of a matrix with `rows` rows, by columns.

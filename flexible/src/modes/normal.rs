@@ -113,23 +113,28 @@ fn fixed(
     for (index, freedom) in kept.enumerate() {
         place[freedom] = Some(index as u32);
     }
-    let combinations: Vec<Load> = rows
+    let (numbers, combinations): (Vec<usize>, Vec<Load>) = rows
         .iter()
-        .filter(|row| row.plain().is_none())
-        .map(|row| {
+        .enumerate()
+        .filter(|(_, row)| row.plain().is_none())
+        .map(|(number, row)| {
             let entries = row.entries.iter();
             let entries = entries.filter_map(|(freedom, factor)| {
                 let place = place.get(*freedom as usize).copied().flatten();
                 place.map(|place| (place, *factor))
             });
-            Load {
-                label: row.label.clone(),
-                entries: entries.collect(),
-            }
+            let label = row.label.clone();
+            let entries = entries.collect();
+            (number, Load { label, entries })
         })
-        .filter(|row| !row.entries.is_empty())
-        .collect();
-    independent(stiffness.size(), &combinations)?;
+        .filter(|(_, row)| !row.entries.is_empty())
+        .unzip();
+    independent(stiffness.size(), &combinations).map_err(|mut error| {
+        if let FlexibleError::Row { row, .. } = &mut error {
+            *row = numbers.get(*row).copied().unwrap_or(*row);
+        }
+        error
+    })?;
     let options = EigenOptions {
         held: combinations.into_iter().map(|row| row.entries).collect(),
         ..EigenOptions::default()

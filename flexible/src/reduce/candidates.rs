@@ -1,6 +1,6 @@
 //! The modes that the terms of a request ask for.
 
-use super::interface::{MarkerFreedom, MarkerFreedoms};
+use super::interface::{MarkerFreedom, MarkerFreedoms, at_marker};
 use super::report::{Report, Served, UNSERVED, Unserved};
 use super::{Interface, Term};
 use crate::error::FlexibleError;
@@ -127,10 +127,18 @@ impl Candidates<'_> {
             let vectors = match (term, first) {
                 (Term::Static(_), Some(first)) => Cow::Borrowed(answers_from(first)),
                 (_, Some(first)) => {
-                    let hold = Hold::new(self.structure, &rows)?;
-                    Cow::Owned(hold.constraint_modes(answers_from(first))?)
+                    let hold = Hold::new(self.structure, &rows)
+                        .map_err(|error| at_marker(error, &freedoms))?;
+                    let modes = hold
+                        .constraint_modes(answers_from(first))
+                        .map_err(|error| at_marker(error, &freedoms))?;
+                    Cow::Owned(modes)
                 }
-                (_, None) => Cow::Owned(constraint_modes(self.structure, &rows)?),
+                (_, None) => {
+                    let modes = constraint_modes(self.structure, &rows)
+                        .map_err(|error| at_marker(error, &freedoms))?;
+                    Cow::Owned(modes)
+                }
             };
             for (place, (freedom, row)) in freedoms.iter().zip(&rows).enumerate() {
                 self.report.served.push(Served {
@@ -160,13 +168,14 @@ impl Candidates<'_> {
         match term {
             Term::Static(_) | Term::Constraint(_) => Ok(Vec::new()),
             Term::Normal { modes, fixed } => {
+                let (freedoms, rows) = self.markers.loads("", fixed, self.reduction)?;
                 let (boundary, kind) = if fixed.is_empty() {
                     (Boundary::AsIs, "normal")
                 } else {
-                    let (_, rows) = self.markers.loads("", fixed, self.reduction)?;
                     (Boundary::Fixed(rows), "fixed normal")
                 };
-                let found = normal_modes_from(factor.take(), self.structure, *modes, &boundary)?;
+                let found = normal_modes_from(factor.take(), self.structure, *modes, &boundary)
+                    .map_err(|error| at_marker(error, &freedoms))?;
                 self.report.sturm.push(found.sturm);
                 let labels = (1..=found.eigenvalues.len()).map(|i| format!("{kind} {i}"));
                 Ok(named(labels, &found.vectors, size, 0.0))

@@ -1,7 +1,7 @@
 //! Freedoms of markers as rows over the free freedoms of a structure.
 
 use super::{Interface, Request};
-use crate::error::FlexibleError;
+use crate::error::{FlexibleError, Part};
 use crate::fe::{FreedomMap, Reduction};
 use crate::mesh::Support;
 use crate::modes::Load;
@@ -78,6 +78,10 @@ impl MarkerFreedoms<'_> {
                 advice: String::new(),
             });
         };
+        let wrong = |problem: String, advice: &str| {
+            let advice = advice.into();
+            FlexibleError::Structure { problem, advice }.of(Part::Marker(interface.marker))
+        };
         let mut found = Vec::new();
         for component in (0..6u8).filter(|c| interface.components & (1 << c) != 0) {
             let label = format!("{}.{}", marker.name, COMPONENTS[usize::from(component)]);
@@ -90,18 +94,16 @@ impl MarkerFreedoms<'_> {
                 match self.freedoms.freedom(*node, own) {
                     Some(freedom) => parts.push((freedom, own, factor)),
                     None if self.freedoms.of(*node).is_empty() => {
-                        return Err(FlexibleError::Structure {
-                            problem: format!("{label}: no element or matrix row moves this node"),
-                            advice: "take a node of the structure".into(),
-                        });
+                        return Err(wrong(
+                            format!("{label}: no element or matrix row moves this node"),
+                            "take a node of the structure",
+                        ));
                     }
                     None => {
-                        return Err(FlexibleError::Structure {
-                            problem: format!("{label}: the node of a solid does not turn"),
-                            advice:
-                                "gather nodes by a ring or a set, tied by a spider: its centre turns"
-                                    .into(),
-                        });
+                        return Err(wrong(
+                            format!("{label}: the node of a solid does not turn"),
+                            "gather nodes by a ring or a set, tied by a spider: its centre turns",
+                        ));
                     }
                 }
             }
@@ -131,7 +133,8 @@ impl MarkerFreedoms<'_> {
                             freedom.label
                         ),
                         advice: "hold all three directions, or turn the marker".into(),
-                    });
+                    }
+                    .of(Part::Marker(support.marker)));
                 }
             }
         }
@@ -174,5 +177,16 @@ impl MarkerFreedoms<'_> {
             }
         }
         movable
+    }
+}
+
+/// An error of a row as one of the marker whose freedom the row is.
+pub(super) fn at_marker(error: FlexibleError, freedoms: &[MarkerFreedom]) -> FlexibleError {
+    match error {
+        FlexibleError::Row { row, .. } => match freedoms.get(row) {
+            Some(freedom) => error.of(Part::Marker(freedom.marker)),
+            None => error,
+        },
+        other => other,
     }
 }

@@ -295,7 +295,13 @@ pub fn read(name: &str) -> Mesh {
 pub fn problem<T>(result: Result<T, FlexibleError>) -> String {
     match result {
         Ok(_) => panic!("no error"),
-        Err(FlexibleError::Structure { problem, advice }) => {
+        Err(FlexibleError::Of { error, .. }) => problem::<T>(Err(*error)),
+        Err(
+            FlexibleError::Structure { problem, advice }
+            | FlexibleError::Row {
+                problem, advice, ..
+            },
+        ) => {
             assert!(!advice.is_empty(), "{problem}: no advice");
             problem
         }
