@@ -1,7 +1,9 @@
 //! What an embedding program has to deal with.
 
-use crate::{QuantityError, Report};
+use crate::quantity::QuantityError;
+use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::Dimension;
+use std::sync::Arc;
 
 /// Any failure between a text and a result.
 #[derive(Debug, thiserror::Error)]
@@ -113,9 +115,76 @@ pub enum Error {
     Results(#[from] crate::results::ResultsError),
 }
 
+impl Error {
+    /// The messages of a text that is wrong or a model that does not run; none of other errors.
+    pub fn report(&self) -> Option<&Report> {
+        match self {
+            Error::Report(report) | Error::Run { report, .. } => Some(report),
+            _ => None,
+        }
+    }
+
+    /// Whether a watch stopped the run.
+    pub fn is_stopped(&self) -> bool {
+        matches!(self, Error::Run { cause, .. } if matches!(**cause, eng_runtime::RuntimeError::Stopped(_)))
+    }
+
+    /// The same with a note under each message.
+    pub(crate) fn with_note(mut self, note: &str) -> Error {
+        if let Error::Report(report) | Error::Run { report, .. } = &mut self {
+            let mut noted = Diagnostics::new();
+            for message in report.diagnostics.iter() {
+                noted.push(message.clone().with_note(note));
+            }
+            report.diagnostics = noted;
+        }
+        self
+    }
+}
+
 fn hint(nearest: &Option<String>) -> String {
     match nearest {
         Some(n) => format!("; did you mean {n}?"),
         None => String::new(),
     }
 }
+
+/// Messages with the texts that they point into.
+#[derive(Clone, Debug)]
+pub struct Report {
+    texts: Arc<SourceMap>,
+    diagnostics: Diagnostics,
+}
+
+impl Report {
+    pub(crate) fn new(texts: Arc<SourceMap>, diagnostics: Diagnostics) -> Report {
+        Report { texts, diagnostics }
+    }
+
+    /// The messages.
+    pub fn diagnostics(&self) -> &Diagnostics {
+        &self.diagnostics
+    }
+
+    /// The texts.
+    pub fn texts(&self) -> &SourceMap {
+        &self.texts
+    }
+
+    /// The messages as JSON; see [`crate::render`].
+    pub fn to_json(&self) -> String {
+        crate::render::json(&self.diagnostics, &self.texts)
+    }
+}
+
+impl std::fmt::Display for Report {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&crate::render::human(
+            &self.diagnostics,
+            &self.texts,
+            crate::render::Colors::None,
+        ))
+    }
+}
+
+impl std::error::Error for Report {}

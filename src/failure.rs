@@ -1,8 +1,9 @@
 //! Failures of the runtime as messages with their places in the text.
 
 use crate::codes;
+use crate::places::{at_first, place, related, span};
 use crate::significant::significant;
-use eng_grammar::{Diagnostic, SourceId, Span};
+use eng_grammar::Diagnostic;
 use eng_runtime::{
     Leaving, Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Turning, Unstable,
 };
@@ -176,17 +177,6 @@ fn unsteady(message: Diagnostic, body: &eng_runtime::LeavingBody) -> Diagnostic 
         .with_help("linearise at rest: let `start: quasi_static` find the balance, or let the motion die out with a longer `after:`; where it repeats, `over:` with its period gives its modes; `frozen: true` holds the coefficients at this moment")
 }
 
-/// A message with a place before those that it has.
-pub(crate) fn at_first(mut message: Diagnostic, at: Location, label: &str) -> Diagnostic {
-    for label in &mut message.labels {
-        label.primary = false;
-    }
-    let mut first = message.clone().at(span(at), label).labels;
-    first.rotate_right(1);
-    message.labels = first;
-    message
-}
-
 /// What to do about a load that jumps.
 const UNJUMPED: &str = "the motion comes to the jump from both sides, and no step passes it: join the branches of the `if` by a slope, such as `tanh(v/(1 mm/s))` in place of a sign";
 
@@ -341,21 +331,6 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
     }
 }
 
-/// Most places of numbers that a message shows.
-pub(crate) const MOST_PLACES: usize = 3;
-
-/// Where the numbers stand that decide a condition; those of a condition of many say nothing.
-pub(crate) fn decided(message: Diagnostic, by: &[Origin]) -> Diagnostic {
-    if by.len() > MOST_PLACES {
-        return message;
-    }
-    by.iter()
-        .fold(message, |message, origin| match origin.used_at {
-            Some(at) => message.also(span(at), format!("{} is stated here", origin.path)),
-            None => message,
-        })
-}
-
 /// Where the thing of a path stands in the text.
 fn place_of(path: &str, system: &System) -> Option<Location> {
     let parameters = system.parameters.iter().map(|p| &p.origin);
@@ -368,29 +343,6 @@ fn place_of(path: &str, system: &System) -> Option<Location> {
         .chain(elements)
         .find(|origin| origin.path == path && origin.used_at.is_some())
         .and_then(|origin| origin.used_at)
-}
-
-pub(crate) fn place(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
-    let message = match origin.used_at {
-        Some(at) => message.at(span(at), format!("{}: {label}", origin.path)),
-        None => message,
-    };
-    related(message, origin, "defined here")
-}
-
-pub(crate) fn related(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
-    match origin.defined_at {
-        Some(at) => message.also(span(at), label),
-        None => message,
-    }
-}
-
-pub(crate) fn span(at: Location) -> Span {
-    Span {
-        source: SourceId(at.source),
-        start: at.start,
-        end: at.end,
-    }
 }
 
 /// A start that is not the one wanted.
@@ -451,10 +403,9 @@ const NO_WHIRL: f64 = 2e-3;
 /// What is to be told of a periodic analysis besides whether it repeats: facts, and warnings.
 pub(crate) fn periodic(
     found: &PeriodicSummary,
-    analysis: &crate::Analysis,
+    system: &System,
     bound: &eng_system::code::Bound,
 ) -> (Vec<String>, Vec<Diagnostic>) {
-    let system = &analysis.model().compiled().system;
     let name = |channel: usize| system.channels.get(channel).map_or("", |c| c.path.as_str());
     let mut facts = Vec::new();
     let mut warnings: Vec<Diagnostic> = found
@@ -520,14 +471,6 @@ pub(crate) fn periodic(
         }
     }
     (facts, warnings)
-}
-
-/// The analysis that set a parameter.
-pub(crate) fn set_by(message: Diagnostic, analysis: &Origin) -> Diagnostic {
-    match analysis.used_at {
-        Some(at) => message.also(span(at), "set by this analysis"),
-        None => message,
-    }
 }
 
 /// The user's line, if the condition is of a class, and the condition.

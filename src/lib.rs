@@ -37,23 +37,27 @@ pub mod render;
 pub mod results;
 
 mod analysis;
+pub mod assembled;
 mod counted;
 mod error;
 mod failure;
+mod figures;
 mod lint;
-mod local;
+mod machine;
 mod model;
 pub mod modes;
 pub mod motion;
-mod patience;
+mod places;
 mod program;
 mod quantity;
 mod reduction;
 mod repetition;
 pub mod report;
+pub mod run;
 mod significant;
 mod simulation;
 mod sources;
+mod tables;
 
 pub use analysis::{Analysis, Failed, Outcome, Progress, Watch};
 pub use eng_runtime::linearised::{
@@ -65,12 +69,13 @@ pub use eng_runtime::{
 };
 pub use eng_system::system::{Start, StepControl};
 pub use eng_system::{Dimension, DisplayUnit};
-pub use error::Error;
-pub use local::Local;
+pub use error::{Error, Report};
+pub use machine::{JournalGeometry, Machine};
 pub use model::{Channel, ChannelInfo, Model, Parameter, ParameterInfo};
-pub use program::{Checked, Program, Report, check};
+pub use program::{Checked, Program, check};
 pub use quantity::{Quantity, QuantityError};
 pub use reduction::Reduction;
 pub use results::Results;
 pub use simulation::{Simulation, SimulationBuilder};
 pub use sources::Sources;
+pub use tables::JournalSummary;

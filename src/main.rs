@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    eng::cli::run(std::env::args_os(), &mut eng::Local::new())
+    eng::cli::run(std::env::args_os())
 }

@@ -1,7 +1,7 @@
 //! Compiled models and handles to what is in them.
 
 use crate::counted::counted;
-use crate::{Error, Quantity, SimulationBuilder};
+use crate::{Error, Quantity};
 use eng_grammar::SourceMap;
 use eng_system::code::Compiled;
 use eng_system::system::{Body, BodyInertia};
@@ -210,11 +210,6 @@ impl Model {
             .zip(&self.compiled.code)
             .map(|(class, code)| (class.name.clone(), code.code_bytes()))
             .collect()
-    }
-
-    /// Begins a simulation: set parameters, then start.
-    pub fn simulation(&self) -> SimulationBuilder {
-        SimulationBuilder::new(self.clone())
     }
 
     /// The index of a channel; one of another model is refused.

@@ -12,34 +12,20 @@
 //! | a channel's path, `….phase` | its amplitude while the mode has 1 J, and its phase against the mode's largest motion |
 
 use crate::counted::counted;
-use crate::results::{Column, Results, ResultsError};
+use crate::results::{Column, MODES, ROWS, Results, ResultsError};
 use eng_runtime::linearised::{
     Coefficients, LinearModes, Mode, Orbit, Part, Repeating, parts_of, stores,
 };
 use eng_runtime::model::Model;
-use eng_system::recorded::{
-    DAMPING_RATIO, FREQUENCY, KINETIC, LOST, MODE, POTENTIAL, RIGID, Recorded, of_modes,
-};
+use eng_system::recorded::{KINETIC, LOST, POTENTIAL, RIGID, Recorded, of_modes};
 use std::f64::consts::PI;
 
-/// Key of the metadata that tells what the rows are, and its value for modes.
-pub const ROWS: &str = "rows";
-/// See [`ROWS`].
-pub const MODES: &str = "modes";
 /// Key of the metadata that tells what the coefficients are, and its value where they were held at a moment.
 const COEFFICIENTS: &str = "coefficients";
 /// The value where they repeat.
 const PERIODIC: &str = "periodic";
 /// See [`COEFFICIENTS`].
 const FROZEN: &str = "frozen";
-/// Columns of every mode.
-pub const COLUMNS: [&str; 5] = [
-    MODE,
-    FREQUENCY,
-    "undamped_frequency",
-    DAMPING_RATIO,
-    "growth",
-];
 /// Modes whose harmonics are listed.
 const MOST_HARMONICS: usize = 20;
 /// Roundness of a motion, 0…1, from which on it is called a whirl.
@@ -310,11 +296,6 @@ fn of_orbit(modes: &LinearModes, orbit: &Orbit) -> Vec<String> {
     facts
 }
 
-/// Whether results hold modes.
-pub fn are_modes(results: &Results) -> bool {
-    results.metadata().get(ROWS).map(String::as_str) == Some(MODES)
-}
-
 /// `62 % crank mode 3, 20 % block`: the largest first.
 fn listed(mut shares: Vec<(String, f64)>) -> String {
     shares.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -386,6 +367,6 @@ mod tests {
             composition(&results, 0),
             "62 % crank mode 2, 20 % crank rigid, 16 % rod[1]"
         );
-        assert!(!are_modes(&results));
+        assert!(!results.are_modes());
     }
 }

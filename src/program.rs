@@ -1,6 +1,9 @@
 //! From texts to checked programs and compiled models.
 
-use crate::{Model, Sources};
+use crate::error::{Error, Report};
+use crate::model::Model;
+use crate::reduction::{Outlines, Reducer, Reduction, inspect};
+use crate::sources::Sources;
 use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses, elaborate};
 use eng_compiler::program::{DefinitionId, Program as Resolved};
 use eng_grammar::ast::{BindingKind, Block, Declaration, Form, ItemKind, Kind};
@@ -15,46 +18,6 @@ pub struct Checked {
     diagnostics: Diagnostics,
     program: Option<Program>,
 }
-
-/// Messages with the texts that they point into.
-#[derive(Clone, Debug)]
-pub struct Report {
-    texts: Arc<SourceMap>,
-    diagnostics: Diagnostics,
-}
-
-impl Report {
-    pub(crate) fn new(texts: Arc<SourceMap>, diagnostics: Diagnostics) -> Report {
-        Report { texts, diagnostics }
-    }
-
-    /// The messages.
-    pub fn diagnostics(&self) -> &Diagnostics {
-        &self.diagnostics
-    }
-
-    /// The texts.
-    pub fn texts(&self) -> &SourceMap {
-        &self.texts
-    }
-
-    /// The messages as JSON; see [`crate::render`].
-    pub fn to_json(&self) -> String {
-        crate::render::json(&self.diagnostics, &self.texts)
-    }
-}
-
-impl std::fmt::Display for Report {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&crate::render::human(
-            &self.diagnostics,
-            &self.texts,
-            crate::render::Colors::None,
-        ))
-    }
-}
-
-impl std::error::Error for Report {}
 
 /// Parses and checks a file with everything it uses: names, units, and every model with its default constants.
 /// Always returns; see [`Checked::into_program`].
@@ -86,7 +49,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             let elaborated =
                 elaborate(&resolved, &mut texts, sources, model, &[], &mut diagnostics);
             for flexible in elaborated.iter().flat_map(|e| &e.flexible) {
-                for found in crate::reduction::inspect(sources, flexible) {
+                for found in inspect(sources, flexible) {
                     diagnostics.push(found);
                 }
             }
@@ -107,8 +70,8 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             reports,
             texts: Arc::clone(&texts),
             file: file.to_owned(),
-            reducer: crate::reduction::Reducer::default(),
-            outlines: crate::reduction::Outlines::default(),
+            reducer: Reducer::default(),
+            outlines: Outlines::default(),
         }),
     });
     Checked {
@@ -186,8 +149,8 @@ struct Inner {
     reports: Vec<eng_system::report::Report>,
     texts: Arc<SourceMap>,
     file: String,
-    reducer: crate::reduction::Reducer,
-    outlines: crate::reduction::Outlines,
+    reducer: Reducer,
+    outlines: Outlines,
 }
 
 /// What stands for the flexible bodies of a model.
@@ -275,63 +238,44 @@ impl Program {
     }
 
     /// A model that is only looked at: rigid bodies stand for its flexible ones.
-    pub(crate) fn outlined(&self, name: &str) -> Result<Model, crate::Error> {
+    pub(crate) fn outlined(&self, name: &str) -> Result<Model, Error> {
         self.compile(self.model_of(name)?, &[], Bodies::Rigid)
     }
 
     /// Compiles a model with its default constants.
-    pub fn model(&self, name: &str) -> Result<Model, crate::Error> {
+    pub fn model(&self, name: &str) -> Result<Model, Error> {
         self.compile(self.model_of(name)?, &[], Bodies::Reduced)
     }
 
-    fn model_of(&self, name: &str) -> Result<DefinitionId, crate::Error> {
+    fn model_of(&self, name: &str) -> Result<DefinitionId, Error> {
         models_of(&self.inner.resolved)
             .into_iter()
             .find(|id| self.name_of(*id) == Some(name))
-            .ok_or_else(|| crate::Error::NoModel {
+            .ok_or_else(|| Error::NoModel {
                 name: name.to_owned(),
                 known: self.models().iter().map(ToString::to_string).collect(),
             })
     }
 
-    /// The plan of an analysis and its compiled model.
-    pub fn analysis(&self, name: &str) -> Result<crate::Analysis, crate::Error> {
-        let plan = self.plan(name)?;
-        let model = self.compile(plan.model, &plan.constants, Bodies::Reduced)?;
-        crate::Analysis::new(model, plan.analysis.clone(), self.clone())
-    }
-
-    /// Several analyses. Those of one model with the same constants, such as the points of a sweep over a parameter, share one
-    /// compiled model.
-    pub fn analyses_of(&self, names: &[&str]) -> Vec<Result<crate::Analysis, crate::Error>> {
-        self.analyses_with(names, Bodies::Reduced)
-    }
-
-    /// [`Program::analyses_of`], with other bodies in place of the flexible ones.
-    pub(crate) fn analyses_with(
-        &self,
-        names: &[&str],
-        bodies: Bodies,
-    ) -> Vec<Result<crate::Analysis, crate::Error>> {
-        let mut models: Vec<(&AnalysisPlan, Model)> = Vec::new();
-        names
-            .iter()
-            .map(|name| {
-                let plan = self.plan(name)?;
-                let known = models
-                    .iter()
-                    .find(|(p, _)| p.model == plan.model && p.constants == plan.constants);
-                let model = match known {
-                    Some((_, model)) => model.clone(),
-                    None => {
-                        let model = self.compile(plan.model, &plan.constants, bodies)?;
-                        models.push((plan, model.clone()));
-                        model
+    /// The flexible bodies of all models with their default constants, and what is doubtful about them.
+    ///
+    /// # Errors
+    /// What no change of the text mends: no memory for code.
+    pub fn reduce(&self) -> Result<(Vec<Reduction>, Diagnostics), Error> {
+        let (mut reductions, mut diagnostics) = (Vec::new(), Diagnostics::new());
+        for name in self.models() {
+            match self.model(name) {
+                Ok(model) => {
+                    for reduction in model.reductions() {
+                        reduction.doubts().for_each(|d| diagnostics.push(d));
+                        reductions.push(reduction.clone());
                     }
-                };
-                crate::Analysis::new(model, plan.analysis.clone(), self.clone())
-            })
-            .collect()
+                }
+                Err(Error::Report(report)) => diagnostics.extend(report.diagnostics().clone()),
+                Err(other) => return Err(other),
+            }
+        }
+        Ok((reductions, diagnostics))
     }
 
     /// Whether an analysis with an index gives a parameter other values at other points.
@@ -358,7 +302,7 @@ impl Program {
     }
 
     /// Why there is no parameter of this name, where a constant of the model or of the file has it.
-    pub(crate) fn constant(&self, model: &str, name: &str) -> Option<crate::Error> {
+    pub(crate) fn constant(&self, model: &str, name: &str) -> Option<Error> {
         let is_constant = |item: &eng_grammar::ast::Item| {
             matches!(&item.kind, ItemKind::Binding(binding)
                 if binding.kind == BindingKind::Const && binding.name.text == name)
@@ -375,31 +319,31 @@ impl Program {
         let name = name.to_owned();
         if of_model {
             let model = model.to_owned();
-            Some(crate::Error::Constant { name, model })
+            Some(Error::Constant { name, model })
         } else if file.items.iter().any(is_constant) {
-            Some(crate::Error::FileConstant { name })
+            Some(Error::FileConstant { name })
         } else {
             None
         }
     }
 
-    fn plan(&self, name: &str) -> Result<&AnalysisPlan, crate::Error> {
+    pub(crate) fn plan(&self, name: &str) -> Result<&AnalysisPlan, Error> {
         self.inner
             .plans
             .iter()
             .find(|p| p.analysis.origin.path == name)
-            .ok_or_else(|| crate::Error::NoAnalysis {
+            .ok_or_else(|| Error::NoAnalysis {
                 name: name.to_owned(),
                 known: self.analyses().iter().map(ToString::to_string).collect(),
             })
     }
 
-    fn compile(
+    pub(crate) fn compile(
         &self,
         id: DefinitionId,
         constants: &[(String, Structural)],
         bodies: Bodies,
-    ) -> Result<Model, crate::Error> {
+    ) -> Result<Model, Error> {
         let mut texts = SourceMap::clone(&self.inner.texts);
         let mut diagnostics = Diagnostics::new();
         let elaborated = elaborate(
@@ -411,10 +355,7 @@ impl Program {
             &mut diagnostics,
         );
         let Some(elaborated) = elaborated else {
-            return Err(crate::Error::Report(Report::new(
-                Arc::new(texts),
-                diagnostics,
-            )));
+            return Err(Error::Report(Report::new(Arc::new(texts), diagnostics)));
         };
         let (mut reductions, mut reduced) = (Vec::new(), Vec::new());
         for (index, source) in (0..).zip(&elaborated.flexible) {
@@ -440,7 +381,7 @@ impl Program {
             made.map_err(|diagnostic| {
                 let mut diagnostics = Diagnostics::new();
                 diagnostics.push(*diagnostic);
-                crate::Error::Report(Report::new(Arc::clone(&self.inner.texts), diagnostics))
+                Error::Report(Report::new(Arc::clone(&self.inner.texts), diagnostics))
             })?;
         }
         let mut code = Vec::with_capacity(elaborated.classes.len());

@@ -1,7 +1,7 @@
 //! Whether the cycle of a periodic analysis repeats, as its results keep it.
 
 use crate::codes;
-use crate::failure::place;
+use crate::places::place;
 use crate::significant::significant;
 use eng_grammar::Diagnostic;
 use eng_runtime::{PeriodicSummary, Remedy};

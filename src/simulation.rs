@@ -15,6 +15,13 @@ pub struct SimulationBuilder {
     options: Options,
 }
 
+impl Model {
+    /// Begins a simulation: set parameters, then start.
+    pub fn simulation(&self) -> SimulationBuilder {
+        SimulationBuilder::new(self.clone())
+    }
+}
+
 impl SimulationBuilder {
     pub(crate) fn new(model: Model) -> SimulationBuilder {
         let overrides = vec![None; model.compiled().system.parameters.len()];

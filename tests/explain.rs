@@ -57,11 +57,7 @@ fn explain(code: &str, output: &mut Vec<u8>) -> u8 {
         colored_errors: false,
         live: false,
     };
-    eng::cli::run_on(
-        ["eng", "explain", code].map(Into::into),
-        &mut eng::Local::new(),
-        &mut console,
-    )
+    eng::cli::run_on(["eng", "explain", code].map(Into::into), &mut console)
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! Where bodies begin and how far their geometry lets them go: closed forms.
 
-use eng::cli::Engine;
-use eng::{Local, Program, Sources, Start};
+use eng::{Program, Sources, Start};
 use std::path::Path;
 
 fn program(text: &str) -> Program {
@@ -115,16 +114,11 @@ fn the_axes_of_a_bore_turn_with_its_bank() {
 /// The state in which a run begins is the one that counts: a guess outside of the clearance is none of it.
 #[test]
 fn a_check_does_not_refuse_a_text_that_runs() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("geometry");
-    std::fs::create_dir_all(&folder).expect("a folder");
-    let file = folder.join("guessed.eng");
     let guess = format!("{TURNING}; guess position = [40, 0, 0] um");
     let analyses = "analysis run = transient(Engine(), duration: 6 deg, sample: 1 deg)
          analysis assembled = transient(Engine(), duration: 6 deg, sample: 1 deg, start: assembled)";
-    std::fs::write(&file, engine(&guess, analyses)).expect("a file");
-    let mut engine = Local::new();
-    engine.check(&file).expect("a checked text");
-    let found = engine.assemble().expect("assembled");
+    let program = program(&engine(&guess, analyses));
+    let found = program.assemble().expect("assembled");
     let codes: Vec<&str> = found.diagnostics.iter().map(|d| d.code).collect();
     assert_eq!(codes, ["E0711"], "the start that the text asks for");
     assert!(
@@ -133,7 +127,8 @@ fn a_check_does_not_refuse_a_text_that_runs() {
             .iter()
             .any(|fact| fact.starts_with("run: assembles"))
     );
-    engine.run("run", &[], &mut |_| {}).expect("a run");
+    let analysis = program.analysis("run").expect("an analysis");
+    eng::run::run(&analysis, false, &mut |_| {}).expect("a run");
 }
 
 /// A rod shorter than the throw locks at sin θ = rod/throw; a rod that is long enough comes round.
@@ -218,9 +213,8 @@ fn a_duration_in_turns_may_begin_at_rest() {
 #[test]
 fn a_check_lists_the_assembled_positions() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mistakes/bases/swing.eng");
-    let mut engine = Local::new();
-    engine.check(&file).expect("a file");
-    let found = engine.positions().expect("positions");
+    let text = std::fs::read_to_string(file).expect("a file");
+    let found = program(&text).positions().expect("positions");
     assert_eq!(found.len(), 1);
     assert_eq!(found[0].analyses, ["swing"]);
     let place = |marker: &str| {

@@ -1,8 +1,9 @@
 //! Lints: each says its name, and a text accepts it where it stands, in a part, or for the whole model.
 
-use eng::cli::{AssemblyOutcome, Engine};
+use eng::assembled::Assembled;
 use eng::render::{Colors, human};
-use eng::{Local, report::Described};
+use eng::report::Described;
+use eng::{Program, Sources};
 use std::path::PathBuf;
 
 /// A file of its own in a folder of its own, gone afterwards.
@@ -17,13 +18,20 @@ impl Text {
     }
 
     /// What `eng check` says: messages and facts.
-    fn check(&self) -> (String, AssemblyOutcome) {
-        let mut engine = Local::new();
-        let checked = engine.check(&self.0.join("model.eng")).expect("a file");
-        let assembled = engine.assemble().expect("a sound model");
-        let mut all = checked.diagnostics;
+    fn check(&self) -> (String, Assembled) {
+        let checked = eng::check(&Sources::folder(&self.0).expect("a folder"), "model.eng");
+        let program = checked.program().expect("a sound model");
+        let assembled = program.assemble().expect("a sound model");
+        let report = checked.report();
+        let mut all = report.diagnostics().clone();
         all.extend(assembled.diagnostics.clone());
-        (human(&all, &checked.sources, Colors::None), assembled)
+        (human(&all, report.texts(), Colors::None), assembled)
+    }
+
+    fn program(&self) -> Program {
+        eng::check(&Sources::folder(&self.0).expect("a folder"), "model.eng")
+            .into_program()
+            .expect("a sound model")
     }
 }
 
@@ -149,10 +157,10 @@ fn an_acceptance_that_nothing_needs_is_told() {
 #[test]
 fn a_report_lists_what_is_accepted() {
     let text = Text::new("report", &text("accept soft", "", "", "", "accept near"));
-    let mut engine = Local::new();
-    engine.check(&text.0.join("model.eng")).expect("a file");
-    let ran = engine.run("run", &[], &mut |_| {}).expect("a run");
-    let described: Vec<Described> = engine.describe(&[&ran.results]).expect("a model");
+    let program = text.program();
+    let analysis = program.analysis("run").expect("an analysis");
+    let ran = eng::run::run(&analysis, false, &mut |_| {}).expect("a run");
+    let described: Vec<Described> = program.describe(&[&ran.results]).expect("a model");
     assert_eq!(
         described[0].accepted,
         [

@@ -1,8 +1,7 @@
 //! What is wrong with meshes, markers on them and reductions: a folder of such models, their messages as snapshots, and every
 //! code at least once.
 
-use eng::Local;
-use eng::cli::{Engine, EngineError};
+use eng::Sources;
 use eng::codes::REDUCING;
 use eng::render::{Colors, human};
 use std::collections::BTreeSet;
@@ -23,22 +22,21 @@ fn fixtures() -> Vec<PathBuf> {
 fn meshes_that_fail_raise_every_code_of_a_reduction() {
     let mut raised: BTreeSet<&str> = BTreeSet::new();
     for path in fixtures() {
-        let mut engine = Local::new();
-        let checked = engine.check(&path).expect("a readable fixture");
-        let mut diagnostics = checked.diagnostics.clone();
-        if !diagnostics.has_errors() {
-            match engine.reduce() {
-                Ok(reduced) => diagnostics.extend(reduced.diagnostics),
-                Err(EngineError::Model {
-                    diagnostics: why, ..
-                }) => diagnostics.extend(why),
-                Err(other) => panic!("{}: {other}", path.display()),
-            }
+        let sources = Sources::folder(path.parent().expect("a folder")).expect("a folder");
+        let file = path.file_name().expect("a name").to_string_lossy();
+        let checked = eng::check(&sources, &file);
+        let report = checked.report();
+        let mut diagnostics = report.diagnostics().clone();
+        if let Some(program) = checked.program() {
+            let (_, doubts) = program
+                .reduce()
+                .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+            diagnostics.extend(doubts);
         }
         let name = path.file_stem().expect("a name").to_string_lossy();
         insta::assert_snapshot!(
             name.as_ref(),
-            human(&diagnostics, &checked.sources, Colors::None)
+            human(&diagnostics, report.texts(), Colors::None)
         );
         let codes: BTreeSet<&str> = diagnostics.iter().map(|d| d.code).collect();
         let text = std::fs::read_to_string(&path).expect("a fixture");

@@ -5,8 +5,7 @@
 //! model itself does not raise; as near if a label of that message in the model's own text is within three lines of the change. What is left out has no line of its own:
 //! there the line of the thing that lacks it counts, too (`lacking:`).
 
-use eng::Local;
-use eng::cli::Engine;
+use eng::Sources;
 use eng_grammar::{Diagnostic, SourceMap};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -95,14 +94,16 @@ impl Mistake {
 
 /// All that `eng check` says of a file.
 fn said(file: &Path) -> (Vec<Diagnostic>, SourceMap) {
-    let mut engine = Local::new();
-    let checked = engine.check(file).expect("a readable file");
-    let mut all: Vec<Diagnostic> = checked.diagnostics.iter().cloned().collect();
-    if !checked.diagnostics.has_errors() {
-        let assembled = engine.assemble().expect("a checked model");
+    let sources = Sources::folder(file.parent().expect("a folder")).expect("a folder");
+    let name = file.file_name().expect("a name").to_string_lossy();
+    let checked = eng::check(&sources, &name);
+    let report = checked.report();
+    let mut all: Vec<Diagnostic> = report.diagnostics().iter().cloned().collect();
+    if let Some(program) = checked.program() {
+        let assembled = program.assemble().expect("a checked model");
         all.extend(assembled.diagnostics.iter().cloned());
     }
-    (all, checked.sources)
+    (all, report.texts().clone())
 }
 
 /// Lines of a message's labels in the model's own text.

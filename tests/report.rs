@@ -5,8 +5,7 @@
 #[path = "../report/tests/report/tools.rs"]
 mod tools;
 
-use eng::Results;
-use eng::cli::{JournalGeometry, JournalSummary};
+use eng::{JournalGeometry, JournalSummary, Results};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

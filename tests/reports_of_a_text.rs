@@ -1,7 +1,7 @@
 //! `report` blocks through the whole chain: from a text whose signals are known in closed form to values, figures, files and pages.
 
-use eng::post::{EvaluatedReport, Outcome, PostError, Run, RunModel, evaluate};
-use eng::{Program, Results, Sources};
+use eng::post::{EvaluatedReport, Outcome, PostError, Run, evaluate};
+use eng::{Machine, Program, Results, Sources};
 use eng_report::figure::{Abscissa, Figure, History};
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ const limit = 9 kN
 
 struct Ran {
     program: Program,
-    results: Vec<(Results, RunModel)>,
+    results: Vec<(Results, Machine)>,
 }
 
 impl Ran {
@@ -54,7 +54,7 @@ impl Ran {
                 let outcome = analysis
                     .run(&mut |_| {})
                     .unwrap_or_else(|failed| panic!("{}", failed.error));
-                let model = RunModel::of(&analysis).expect("its numbers");
+                let model = analysis.machine().expect("its numbers");
                 (outcome.results, model)
             })
             .collect();
@@ -1019,15 +1019,12 @@ fn the_examples_and_the_reference_report() {
         .unwrap_or_else(|report| panic!("{report}"));
     let names: Vec<&str> = program.reports().iter().map(|r| r.name.as_str()).collect();
     assert_eq!(names, ["bearings", "again"]);
-    let runs: Vec<(Results, RunModel)> = ["unfired", "fired", "settled"]
+    let runs: Vec<(Results, Machine)> = ["unfired", "fired", "settled"]
         .iter()
         .map(|name| {
             let analysis = program.analysis(name).expect("an analysis");
             let outcome = analysis.run(&mut |_| {}).expect("a run");
-            (
-                outcome.results,
-                RunModel::of(&analysis).expect("its numbers"),
-            )
+            (outcome.results, analysis.machine().expect("its numbers"))
         })
         .collect();
     let runs: Vec<Run<'_>> = runs.iter().map(|(r, m)| Run::new(r, m)).collect();

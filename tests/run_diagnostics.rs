@@ -1,25 +1,22 @@
 //! What is wrong only shows when a model is assembled or runs: a folder of such models, their messages as snapshots, and every
 //! code at least once.
 
-use eng::cli::{Engine, EngineError};
 use eng::codes::{self, RUNNING};
 use eng::render::{Colors, human};
-use eng::{Error, Local, Progress, Sources, Verdict};
+use eng::{Error, Failed, Progress, Sources, Verdict};
 use eng_grammar::{Diagnostics, SourceMap};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The messages of each analysis of a file.
 fn messages(path: &Path) -> (SourceMap, Vec<(String, Diagnostics)>) {
-    let mut engine = Local::new();
-    let checked = engine.check(path).expect("a readable fixture");
-    assert!(
-        !checked.diagnostics.has_errors(),
-        "{}: the check finds it",
-        human(&checked.diagnostics, &checked.sources, Colors::None)
-    );
+    let sources = Sources::folder(path.parent().expect("a folder")).expect("a folder");
+    let file = path.file_name().expect("a name").to_string_lossy();
+    let program = eng::check(&sources, &file)
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}: the check finds it"));
     let mut found = Vec::new();
-    let assembled = engine.assemble().expect("what assembling finds");
+    let assembled = program.assemble().expect("what assembling finds");
     let told = assembled.diagnostics.iter();
     let mut locks = Diagnostics::new();
     told.filter(|d| d.code == codes::NO_TURN)
@@ -27,25 +24,24 @@ fn messages(path: &Path) -> (SourceMap, Vec<(String, Diagnostics)>) {
     if !locks.is_empty() {
         found.push(("check".to_owned(), locks));
     }
-    for analysis in &checked.analyses {
+    for name in program.analyses() {
         let mut diagnostics = Diagnostics::new();
-        match engine.run(analysis, &[], &mut |_| {}) {
+        let analysis = program.analysis(name).expect("an analysis");
+        match eng::run::run(&analysis, false, &mut |_| {}) {
             Ok(outcome) => diagnostics.extend(outcome.diagnostics),
-            Err(EngineError::Model {
-                diagnostics: why,
-                partial,
-            }) => {
+            Err(Failed { error, partial }) => {
                 if let Some(partial) = partial {
                     diagnostics.extend(partial.diagnostics);
                 }
-                diagnostics.extend(why);
+                let report = error.report();
+                let report = report.unwrap_or_else(|| panic!("{}: {error}", path.display()));
+                diagnostics.extend(report.diagnostics().clone());
             }
-            Err(other) => panic!("{}: {other}", path.display()),
         }
-        found.push((analysis.clone(), diagnostics));
+        found.push((name.to_owned(), diagnostics));
     }
     // what no run needs is told by the check
-    let assembled = engine.assemble().expect("a checked fixture").diagnostics;
+    let assembled = assembled.diagnostics;
     let mut needless = Diagnostics::new();
     for diagnostic in assembled.iter() {
         if diagnostic.code == codes::ACCEPT_UNHEARD {
@@ -55,7 +51,7 @@ fn messages(path: &Path) -> (SourceMap, Vec<(String, Diagnostics)>) {
     if !needless.is_empty() {
         found.push(("check".to_owned(), needless));
     }
-    (checked.sources, found)
+    (program.texts().as_ref().clone(), found)
 }
 
 fn fixtures() -> Vec<PathBuf> {

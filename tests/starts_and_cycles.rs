@@ -1,7 +1,7 @@
 //! The quasi-static start, periodic analyses and sweeps on whole models.
 
-use eng::cli::{Engine, Event};
-use eng::{Local, Outcome, Program, Sources, StartReport};
+use eng::run::{Event, run_many};
+use eng::{Analysis, Outcome, Program, Sources, StartReport};
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -229,9 +229,6 @@ fn the_slowest_decay_is_that_of_the_oscillator() {
 /// Points of a sweep: one compiled model, the same bits in one thread and in three.
 #[test]
 fn a_sweep_does_not_depend_on_threads() {
-    let folder = std::env::temp_dir().join(format!("eng-sweep-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a folder");
-    let file = folder.join("swing.eng");
     let text = "
         use std.joints.Revolute
         model Swing {
@@ -245,7 +242,9 @@ fn a_sweep_does_not_depend_on_threads() {
         }
         analysis by_length[l in 200 mm .. 600 mm by 200 mm] = transient(Swing(length: l), duration: 200 ms)
         analysis listed[l in [0.3, 0.7] m] = transient(Swing(length: l), duration: 100 ms)";
-    std::fs::write(&file, text).expect("written");
+    let program = eng::check(&Sources::from_text("swing.eng", text), "swing.eng")
+        .into_program()
+        .expect("a sound text");
     let names = [
         "by_length[1]",
         "by_length[2]",
@@ -254,16 +253,20 @@ fn a_sweep_does_not_depend_on_threads() {
         "listed[2]",
     ];
     let runs = |threads: usize| {
-        let mut local = Local::new();
-        let checked = local.check(&file).expect("readable");
-        assert_eq!(checked.analyses, names);
+        assert_eq!(program.analyses(), names);
+        let analyses: Result<Vec<Analysis>, _> = program.analyses_of(&names).into_iter().collect();
         let mut outcomes: Vec<_> = names.iter().map(|_| None).collect();
         let threads = NonZeroUsize::new(threads).expect("not zero");
-        local.run_many(&names, &[], threads, &mut |index, event| {
-            if let Event::Done(result) = event {
-                outcomes[index] = Some(result.expect("it runs"));
-            }
-        });
+        run_many(
+            &analyses.expect("they compile"),
+            false,
+            threads,
+            &mut |index, event| {
+                if let Event::Done(result) = event {
+                    outcomes[index] = Some(result.expect("it runs"));
+                }
+            },
+        );
         outcomes
             .into_iter()
             .map(|o| o.expect("told"))
@@ -293,7 +296,6 @@ fn a_sweep_does_not_depend_on_threads() {
         ]
     );
     assert_eq!(one[0].results.samples(), 1001);
-    std::fs::remove_dir_all(&folder).expect("removed");
 }
 
 /// A stated angle keeps its turns, in every angle between the same markers; what nothing states is within half a turn.

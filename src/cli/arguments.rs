@@ -1,6 +1,5 @@
 //! What the command line may say.
 
-use super::Setting;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -204,6 +203,15 @@ pub(super) enum Format {
     Human,
     /// One JSON document for tools
     Json,
+}
+
+/// A parameter set on the command line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Setting {
+    /// The parameter's path.
+    pub path: String,
+    /// Its value with unit, as written.
+    pub value: String,
 }
 
 fn setting(text: &str) -> Result<Setting, String> {

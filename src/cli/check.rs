@@ -1,67 +1,54 @@
 //! `eng check`.
 
 use super::arguments::{CheckArguments, Format};
-use super::run::explain_error;
-use super::table::Table;
+use super::open::open;
 use super::terminal::Terminal;
-use super::{
-    CheckOutcome, Engine, EngineError, MODEL_WRONG, Positions, Stop, USAGE_OR_SYSTEM, refused,
-};
+use super::{MODEL_WRONG, Refusal, Stop};
+use crate::assembled::{Positions, json_with_positions};
 use crate::render;
-use eng_grammar::SourceMap;
+use crate::tables::Table;
+use eng_grammar::{Diagnostics, SourceMap};
 
-pub(super) fn check(
-    arguments: &CheckArguments,
-    engine: &mut dyn Engine,
-    console: &mut Terminal<'_>,
-) -> Result<(), Stop> {
-    let mut outcome = match engine.check(&arguments.model) {
-        Ok(outcome) => outcome,
-        Err(error) => return Err(refuse(&error, &SourceMap::new(), arguments.format, console)),
-    };
+pub(super) fn check(arguments: &CheckArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
+    let format = arguments.format;
+    let checked = open(&arguments.model)
+        .map_err(|error| refuse(&error, &SourceMap::new(), format, console))?;
+    let report = checked.report();
+    let sources = report.texts();
+    let mut messages = report.diagnostics().clone();
     let mut facts = Vec::new();
     let mut positions = Vec::new();
-    if !outcome.diagnostics.has_errors() {
-        match engine.assemble() {
-            Ok(assembled) => {
-                facts = assembled.facts;
-                outcome.diagnostics.extend(assembled.diagnostics);
-                // what does not assemble is told, and has none
-                if arguments.positions && !outcome.diagnostics.has_errors() {
-                    positions = match engine.positions() {
-                        Ok(positions) => positions,
-                        Err(error) => {
-                            let format = arguments.format;
-                            return Err(refuse(&error, &outcome.sources, format, console));
-                        }
-                    };
-                }
-            }
-            Err(error) => {
-                return Err(refuse(&error, &outcome.sources, arguments.format, console));
-            }
+    if let Some(program) = checked.program() {
+        let assembled = program
+            .assemble()
+            .map_err(|error| refuse(&error.into(), sources, format, console))?;
+        facts = assembled.facts;
+        messages.extend(assembled.diagnostics);
+        // a model that does not assemble has no positions, and its messages say so
+        if arguments.positions && !messages.has_errors() {
+            positions = program
+                .positions()
+                .map_err(|error| refuse(&error.into(), sources, format, console))?;
         }
     }
-    match arguments.format {
+    match format {
         Format::Json => {
-            let (messages, sources) = (&outcome.diagnostics, &outcome.sources);
             let text = match arguments.positions {
-                true => render::json_with_positions(messages, sources, &positions),
-                false => render::json(messages, sources),
+                true => json_with_positions(&messages, sources, &positions),
+                false => render::json(&messages, sources),
             };
             write!(console.output, "{text}")?;
         }
         Format::Human => {
-            human(&outcome, &facts, console)?;
+            human(&messages, sources, &facts, console)?;
             for positions in &positions {
                 write!(console.output, "{}", listing(positions))?;
             }
         }
     }
-    if outcome.diagnostics.has_errors() {
-        Err(Stop::Code(MODEL_WRONG))
-    } else {
-        Ok(())
+    match messages.has_errors() {
+        true => Err(Stop::Code(MODEL_WRONG)),
+        false => Ok(()),
     }
 }
 
@@ -82,34 +69,34 @@ fn listing(positions: &Positions) -> String {
     )
 }
 
-/// Tells why nothing could be checked, in the form that is asked for, and gives the way to stop for it.
+/// Shows why nothing could be checked, in the form that is asked for, and gives the way to stop for it.
 fn refuse(
-    error: &EngineError,
+    refusal: &Refusal,
     sources: &SourceMap,
     format: Format,
     console: &mut Terminal<'_>,
 ) -> Stop {
     if format == Format::Human {
-        return explain_error(error, sources, console);
+        return refusal.show(sources, console);
     }
-    let code = match error {
-        EngineError::Model { .. } | EngineError::Stopped(_) => MODEL_WRONG,
-        EngineError::Usage(_) | EngineError::System(_) => USAGE_OR_SYSTEM,
-    };
-    match write!(console.output, "{}", render::json(&refused(error), sources)) {
-        Ok(()) => Stop::Code(code),
+    let text = render::json(&refusal.messages(), sources);
+    match write!(console.output, "{text}") {
+        Ok(()) => Stop::Code(refusal.code()),
         Err(error) => Stop::Output(error),
     }
 }
 
-fn human(outcome: &CheckOutcome, facts: &[String], console: &mut Terminal<'_>) -> Result<(), Stop> {
-    console
-        .output
-        .messages(&outcome.diagnostics, &outcome.sources)?;
+fn human(
+    messages: &Diagnostics,
+    sources: &SourceMap,
+    facts: &[String],
+    console: &mut Terminal<'_>,
+) -> Result<(), Stop> {
+    console.output.messages(messages, sources)?;
     for fact in facts {
         writeln!(console.output, "{fact}")?;
     }
-    if outcome.diagnostics.is_empty() {
+    if messages.is_empty() {
         writeln!(console.output, "no errors, no warnings")?;
     }
     Ok(())

@@ -1,32 +1,25 @@
-//! The `eng` command: arguments, progress, tables, exit codes.
+//! The `eng` command: arguments, progress, exit codes.
 //!
-//! May contain: what a person at a terminal sees. Must not contain: compiling and solving; these come through [`Engine`].
-//! Only this module and `main.rs` print.
+//! May contain: what a person at a terminal sees. Must not contain: compiling and solving, and the making of tables and figures; the
+//! library does these, and knows nothing of this module. Only this module and `main.rs` print.
 
 mod arguments;
 mod check;
-mod engine;
 mod explain;
 mod export;
-pub(crate) mod figures;
-mod modes;
+mod files;
+mod open;
 mod post;
+mod progress;
 mod reduce;
 mod report;
 mod results;
 mod run;
-pub(crate) mod summary;
-pub(crate) mod sweep;
-mod table;
 mod terminal;
-
-pub use engine::{
-    AssemblyOutcome, CheckOutcome, Engine, EngineError, Event, JournalGeometry, PlacedMarker,
-    Positions, Progress, ReductionOutcome, RunOptions, RunOutcome, Setting,
-};
-pub use summary::{JournalSummary, journal_table};
+mod told;
 
 use crate::codes;
+use crate::error::Error;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
@@ -43,7 +36,7 @@ pub const MODEL_WRONG: u8 = 1;
 pub const USAGE_OR_SYSTEM: u8 = 2;
 
 /// Runs the command on the process's own output, error and terminal.
-pub fn run(arguments: impl IntoIterator<Item = OsString>, engine: &mut dyn Engine) -> ExitCode {
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let color = std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
     let mut console = Console {
         colored_output: color && std::io::stdout().is_terminal(),
@@ -52,7 +45,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, engine: &mut dyn Engin
         output: &mut std::io::stdout().lock(),
         errors: &mut std::io::stderr(),
     };
-    ExitCode::from(run_on(arguments, engine, &mut console))
+    ExitCode::from(run_on(arguments, &mut console))
 }
 
 /// Where the command writes.
@@ -85,11 +78,7 @@ impl From<std::io::Error> for Stop {
 }
 
 /// Runs the command on any output and returns the exit code.
-pub fn run_on(
-    arguments: impl IntoIterator<Item = OsString>,
-    engine: &mut dyn Engine,
-    console: &mut Console<'_>,
-) -> u8 {
+pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<'_>) -> u8 {
     let console = &mut Terminal::new(console);
     let words: Vec<OsString> = arguments.into_iter().collect();
     let arguments = match Arguments::try_parse_from(&words) {
@@ -97,12 +86,12 @@ pub fn run_on(
         Err(refusal) => return show_refusal(&refusal, wants_json(&words), console),
     };
     let done = match &arguments.command {
-        Command::Run(run) => run::run(run, engine, console),
-        Command::Check(check) => check::check(check, engine, console),
-        Command::Reduce(reduce) => reduce::reduce(reduce, engine, console),
+        Command::Run(run) => run::run(run, console),
+        Command::Check(check) => check::check(check, console),
+        Command::Reduce(reduce) => reduce::reduce(reduce, console),
         Command::Results(listing) => results::results(listing, console),
         Command::Export(export) => export::export(export, console),
-        Command::Report(report) => report::report(report, engine, console),
+        Command::Report(report) => report::report(report, console),
         Command::Explain(code) => explain::explain(code, console),
     };
     match done {
@@ -132,7 +121,7 @@ fn show_refusal(refusal: &clap::Error, as_json: bool, console: &mut Terminal<'_>
         (write!(console.output, "{text}"), DONE)
     } else if as_json {
         let text = text.trim().trim_start_matches("error: ");
-        let messages = refused(&EngineError::Usage(text.to_owned()));
+        let messages = Refusal::Usage(text.to_owned()).messages();
         let json = crate::render::json(&messages, &SourceMap::new());
         (write!(console.output, "{json}"), USAGE_OR_SYSTEM)
     } else {
@@ -144,16 +133,68 @@ fn show_refusal(refusal: &clap::Error, as_json: bool, console: &mut Terminal<'_>
     }
 }
 
-/// The messages of an error.
-fn refused(error: &EngineError) -> Diagnostics {
-    let (code, text) = match error {
-        EngineError::Model { diagnostics, .. } | EngineError::Stopped(diagnostics) => {
-            return diagnostics.clone();
+/// Why a command can't do its work.
+#[derive(Debug)]
+enum Refusal {
+    /// The library's error.
+    Library(Error),
+    /// A wrong parameter path or value on the command line.
+    Usage(String),
+    /// The system refused.
+    System(String),
+}
+
+impl From<Error> for Refusal {
+    fn from(error: Error) -> Refusal {
+        Refusal::Library(error)
+    }
+}
+
+impl Refusal {
+    /// Messages with their places; for an error without any, the code and text of its message.
+    fn told(&self) -> Result<&Diagnostics, (&'static str, String)> {
+        match self {
+            Refusal::Library(error) => match (error.report(), error) {
+                (Some(report), _) => Ok(report.diagnostics()),
+                (None, Error::Results(_) | Error::Code(_)) => {
+                    Err((codes::SYSTEM, error.to_string()))
+                }
+                (None, _) => Err((codes::USAGE, error.to_string())),
+            },
+            Refusal::Usage(text) => Err((codes::USAGE, text.clone())),
+            Refusal::System(text) => Err((codes::SYSTEM, text.clone())),
         }
-        EngineError::Usage(text) => (codes::USAGE, text),
-        EngineError::System(text) => (codes::SYSTEM, text),
-    };
-    let mut messages = Diagnostics::new();
-    messages.push(Diagnostic::error(code, text));
-    messages
+    }
+
+    /// Its messages.
+    fn messages(&self) -> Diagnostics {
+        self.told().map_or_else(
+            |(code, text)| {
+                let mut messages = Diagnostics::new();
+                messages.push(Diagnostic::error(code, text));
+                messages
+            },
+            Diagnostics::clone,
+        )
+    }
+
+    /// The exit code.
+    fn code(&self) -> u8 {
+        match self.told() {
+            Ok(_) => MODEL_WRONG,
+            Err(_) => USAGE_OR_SYSTEM,
+        }
+    }
+
+    /// Shows it among the errors and gives the way to stop for it.
+    fn show(&self, sources: &SourceMap, console: &mut Terminal<'_>) -> Stop {
+        let shown = match self.told() {
+            Ok(messages) => console.errors.messages(messages, sources),
+            Err((_, text)) => writeln!(console.errors, "error: {text}"),
+        };
+        match shown {
+            Ok(()) => Stop::Code(self.code()),
+            Err(error) => Stop::Output(error),
+        }
+    }
 }

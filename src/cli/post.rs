@@ -1,12 +1,14 @@
 //! The reports of a text after its runs.
 
 use super::arguments::RunArguments;
-use super::run::{draw, explain_error, told_of};
+use super::files::{draw, told_of};
 use super::terminal::Terminal;
-use super::{CheckOutcome, Engine, RunOutcome, Stop};
-use crate::post::{self, EvaluatedReport, Outcome, Run, RunModel};
+use super::{Refusal, Stop};
+use crate::post::{self, EvaluatedReport, Outcome, Run};
+use crate::program::Program;
 use crate::report::mixed;
 use crate::results::{Results, file_stem};
+use crate::run::RunOutcome;
 use std::path::Path;
 
 /// Tells what the reports say of what was run, and of results that are in the folder from before; writes their figures. Whether
@@ -14,16 +16,15 @@ use std::path::Path;
 pub(super) fn reports(
     outcomes: &[RunOutcome],
     arguments: &RunArguments,
-    checked: &CheckOutcome,
+    program: &Program,
     folder: &Path,
-    engine: &mut dyn Engine,
     console: &mut Terminal<'_>,
 ) -> Result<bool, Stop> {
     let ran = |name: &str| outcomes.iter().any(|o| o.results.analysis() == name);
     // a report of which nothing was run has nothing new to say; one that names no analysis says what it says each time
-    let reports: Vec<_> = engine
+    let reports: Vec<_> = program
         .reports()
-        .into_iter()
+        .iter()
         .filter(|report| {
             let named: Vec<&str> = report.entries.iter().flat_map(|e| e.analyses()).collect();
             named.is_empty() || named.into_iter().any(ran)
@@ -49,10 +50,9 @@ pub(super) fn reports(
     if !earlier.is_empty() {
         let ran = outcomes.iter().map(|o| &o.results);
         let all: Vec<&Results> = earlier.iter().chain(ran).collect();
-        described = match engine.describe(&all) {
-            Ok(described) => described,
-            Err(error) => return Err(explain_error(&error, &checked.sources, console)),
-        };
+        described = program
+            .describe(&all)
+            .map_err(|error| Refusal::from(error).show(program.texts(), console))?;
         ran_described = described.split_off(earlier.len().min(described.len()));
     }
     for (results, described) in earlier.iter().zip(&described) {
@@ -79,17 +79,10 @@ pub(super) fn reports(
             }
         }
     }
-    let models: Vec<RunModel> = outcomes
-        .iter()
-        .map(RunModel::from)
-        .chain(described.iter().map(RunModel::from))
-        .collect();
-    let runs: Vec<Run<'_>> = outcomes
-        .iter()
-        .map(|outcome| &outcome.results)
-        .chain(&earlier)
-        .zip(&models)
-        .map(|(results, model)| Run::new(results, model))
+    let ran_now = outcomes.iter().map(|o| Run::new(&o.results, &o.machine));
+    let read = earlier.iter().zip(&described);
+    let runs: Vec<Run<'_>> = ran_now
+        .chain(read.map(|(results, described)| Run::new(results, &described.machine)))
         .collect();
     let mut holds = true;
     for report in &reports {

@@ -1,36 +1,35 @@
 //! `eng reduce`.
 
 use super::arguments::ReduceArguments;
-use super::run::{checked, explain_error};
+use super::open::checked;
 use super::terminal::Terminal;
-use super::{Engine, MODEL_WRONG, Stop};
+use super::{MODEL_WRONG, Refusal, Stop};
 
-pub(super) fn reduce(
-    arguments: &ReduceArguments,
-    engine: &mut dyn Engine,
-    console: &mut Terminal<'_>,
-) -> Result<(), Stop> {
-    let checked = checked(&arguments.model, engine, console)?;
-    match engine.reduce() {
-        Ok(reduced) if reduced.texts.is_empty() && reduced.diagnostics.is_empty() => {
-            writeln!(
-                console.output,
-                "{} has no flexible body",
-                arguments.model.display()
-            )?;
-        }
-        Ok(reduced) => {
-            console
-                .errors
-                .messages(&reduced.diagnostics, &checked.sources)?;
-            for text in reduced.texts {
-                write!(console.output, "{text}")?;
-            }
-            if reduced.diagnostics.has_errors() {
-                return Err(Stop::Code(MODEL_WRONG));
-            }
-        }
-        Err(error) => return Err(explain_error(&error, &checked.sources, console)),
+pub(super) fn reduce(arguments: &ReduceArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
+    let program = checked(&arguments.model, console)?;
+    let (reductions, messages) = program
+        .reduce()
+        .map_err(|error| Refusal::from(error).show(program.texts(), console))?;
+    if reductions.is_empty() && messages.is_empty() {
+        writeln!(
+            console.output,
+            "{} has no flexible body",
+            arguments.model.display()
+        )?;
+        return Ok(());
     }
-    Ok(())
+    console.errors.messages(&messages, program.texts())?;
+    let mut texts = Vec::new();
+    for reduction in &reductions {
+        let text = reduction.text();
+        // bodies of one component are reduced alike
+        if !texts.contains(&text) {
+            write!(console.output, "{text}")?;
+            texts.push(text);
+        }
+    }
+    match messages.has_errors() {
+        true => Err(Stop::Code(MODEL_WRONG)),
+        false => Ok(()),
+    }
 }

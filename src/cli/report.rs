@@ -1,11 +1,12 @@
 //! `eng report`.
 
 use super::arguments::ReportArguments;
-use super::run::{checked, chosen, explain_error, results_folder, told_of};
+use super::files::{results_folder, told_of};
+use super::open::checked;
+use super::run::chosen;
 use super::terminal::Terminal;
-use super::{Engine, Stop, USAGE_OR_SYSTEM};
+use super::{Refusal, Stop, USAGE_OR_SYSTEM};
 use crate::Quantity;
-use crate::modes::are_modes;
 use crate::motion::SUFFIX;
 use crate::plot::write_svg_and_png;
 use crate::report::{At, Entry, Request, make, write_series};
@@ -15,12 +16,8 @@ use eng_system::Dimension;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-pub(super) fn report(
-    arguments: &ReportArguments,
-    engine: &mut dyn Engine,
-    console: &mut Terminal<'_>,
-) -> Result<(), Stop> {
-    let checked = checked(&arguments.model, engine, console)?;
+pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
+    let program = checked(&arguments.model, console)?;
     let moments = match moments(&arguments.stress_at) {
         Ok(moments) => moments,
         Err(message) => {
@@ -28,7 +25,7 @@ pub(super) fn report(
             return Err(Stop::Code(USAGE_OR_SYSTEM));
         }
     };
-    let names = chosen(&arguments.model, &arguments.analysis, &checked, console)?;
+    let names = chosen(&arguments.model, &arguments.analysis, &program, console)?;
     let folder = arguments
         .results
         .clone()
@@ -43,7 +40,7 @@ pub(super) fn report(
             continue;
         }
         let results = told_of(Results::read_parquet(&path), console)?;
-        if are_modes(&results) {
+        if results.are_modes() {
             writeln!(
                 console.errors,
                 "note: {name} holds modes: the page shows what reports of the text make of them, and natural frequencies in Campbell diagrams; `eng results {}` lists them",
@@ -102,10 +99,9 @@ pub(super) fn report(
     let in_time = read.len();
     read.append(&mut of_modes);
     let results: Vec<&Results> = read.iter().map(|(results, ..)| results).collect();
-    let described = match engine.describe(&results) {
-        Ok(described) => described,
-        Err(error) => return Err(explain_error(&error, &checked.sources, console)),
-    };
+    let described = program
+        .describe(&results)
+        .map_err(|error| Refusal::from(error).show(program.texts(), console))?;
     let mut entries: Vec<Entry> = read
         .into_iter()
         .zip(described)
@@ -123,7 +119,7 @@ pub(super) fn report(
             entries: &entries,
             modes: &modes,
             missing: &missing,
-            reports: &engine.reports(),
+            reports: program.reports(),
             command: &command(arguments),
             stress_at: &moments,
             drawn: arguments.figures.is_some(),

@@ -1,12 +1,12 @@
 //! `eng results`.
 
 use super::arguments::ResultsArguments;
-use super::table::Table;
 use super::terminal::Terminal;
 use super::{Stop, USAGE_OR_SYSTEM};
 use crate::repetition::Repetition;
 use crate::results::{Kind, Listed, Selection, listed};
 use crate::significant::short;
+use crate::tables::Table;
 
 /// Lists what result files hold. Files that can't be read are told of, and the others listed all the same.
 pub(super) fn results(

@@ -1,7 +1,8 @@
 //! Messages about geometry: loops that do not close, locks, bodies that nothing holds.
 
-use super::{diagnostic, place, span};
+use super::diagnostic;
 use crate::codes;
+use crate::places::{place, span};
 use crate::significant::{fixed, short};
 use eng_grammar::Diagnostic;
 use eng_runtime::RuntimeError;

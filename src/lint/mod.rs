@@ -5,7 +5,7 @@ mod numbers;
 mod turned;
 
 use crate::codes;
-use crate::failure::{MOST_PLACES, decided, related, span};
+use crate::places::{MOST_PLACES, decided, related, span};
 use crate::significant::significant;
 use eng_grammar::Diagnostic;
 use eng_runtime::Warning;
@@ -14,7 +14,6 @@ use eng_runtime::state::State;
 use eng_system::code::{Advice, Bound, Compiled};
 use eng_system::lint::Accepted;
 use eng_system::system::{AnalysisKind, ConditionKind, Location, Origin, Role, System};
-use std::sync::Arc;
 
 /// What a lint says about one thing.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +62,7 @@ impl Finding {
     }
 
     /// Whether two say the same, but for numbers, of things at one place or of one law.
-    fn like(&self, other: &Finding) -> bool {
+    pub fn like(&self, other: &Finding) -> bool {
         self.code == other.code
             && self.name == other.name
             && self.origin.defined_at == other.origin.defined_at
@@ -284,7 +283,7 @@ pub(crate) fn accepted(system: &System, heard: &[Covered]) -> Vec<String> {
 }
 
 /// The places of a model's acceptances, and whether something needs them; what only a run can tell counts as needed.
-fn needed<'s>(system: &'s System, heard: &[Covered]) -> Vec<(&'s Accepted, bool)> {
+pub(crate) fn needed<'s>(system: &'s System, heard: &[Covered]) -> Vec<(&'s Accepted, bool)> {
     let needs = |(index, accepted): (usize, &'s Accepted)| {
         let needed = accepted.used
             || heard.iter().any(|(known, _)| *known == index)
@@ -294,7 +293,8 @@ fn needed<'s>(system: &'s System, heard: &[Covered]) -> Vec<(&'s Accepted, bool)
     system.accepted.iter().enumerate().map(needs).collect()
 }
 
-fn needless(accepted: &Accepted) -> Diagnostic {
+/// The warning of an acceptance that nothing needs.
+pub(crate) fn needless(accepted: &Accepted) -> Diagnostic {
     Diagnostic::warning(
         codes::ACCEPT_UNHEARD,
         format!("nothing says `{}` here", accepted.name),
@@ -317,67 +317,4 @@ fn told_by_a_run(system: &System, accepted: &Accepted) -> bool {
                     })
                 })
     })
-}
-
-/// What lints say of all analyses of a program.
-#[derive(Default)]
-pub(crate) struct Heard {
-    told: Vec<Finding>,
-    /// By model and its constants: the system, and the acceptances that something needed with what they accept.
-    models: Vec<(Arc<System>, Vec<Covered>)>,
-}
-
-impl Heard {
-    /// Listens to an analysis; one whose parameters cannot be used is told elsewhere.
-    pub fn take(&mut self, analysis: &crate::Analysis) {
-        let Ok(mut findings) = analysis.findings() else {
-            return;
-        };
-        findings.extend(analysis.findings_of_start());
-        let system = &analysis.model().compiled().system;
-        let sifted = sift(findings, system);
-        for finding in sifted.told {
-            let known =
-                |other: &Finding| other.like(&finding) && other.origin.path == finding.origin.path;
-            if !self.told.iter().any(known) {
-                self.told.push(finding);
-            }
-        }
-        match self.models.iter_mut().find(|(known, _)| known == system) {
-            Some((_, heard)) => {
-                for found in sifted.accepted {
-                    if !heard.contains(&found) {
-                        heard.push(found);
-                    }
-                }
-            }
-            None => self.models.push((Arc::clone(system), sifted.accepted)),
-        }
-    }
-
-    /// Tells each thing once, and what the text accepts.
-    pub fn tell(&self, outcome: &mut crate::cli::AssemblyOutcome) {
-        for diagnostic in diagnostics(&self.told) {
-            outcome.diagnostics.push(diagnostic);
-        }
-        let mut places: Vec<(&Accepted, bool)> = Vec::new();
-        for (system, heard) in &self.models {
-            for line in accepted(system, heard) {
-                let line = format!("accepted: {line}");
-                if !outcome.facts.contains(&line) {
-                    outcome.facts.push(line);
-                }
-            }
-            // a place that one instance or one model needs is needed
-            for (accepted, needed) in needed(system, heard) {
-                match places.iter_mut().find(|(known, _)| known.at == accepted.at) {
-                    Some((_, known)) => *known |= needed,
-                    None => places.push((accepted, needed)),
-                }
-            }
-        }
-        for (accepted, _) in places.iter().filter(|(_, needed)| !needed) {
-            outcome.diagnostics.push(needless(accepted));
-        }
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::{Finding, short};
 use crate::codes;
-use crate::local::at;
+use crate::machine::at;
 use eng_system::code::{Bound, Compiled};
 use eng_system::lint;
 use eng_system::system::{BodyInertia, BodyRef, Element, FiringInfo, Origin, Slot, System};

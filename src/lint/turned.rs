@@ -5,7 +5,7 @@
 
 use super::{Finding, short};
 use crate::codes;
-use crate::local::at;
+use crate::machine::at;
 use eng_runtime::assembly::rows;
 use eng_runtime::assembly::turn::{Place, turn};
 use eng_runtime::model::Model;

@@ -4,9 +4,8 @@ use super::reach::{extent_text, limit_text};
 use super::sampling::{FEWEST, Sampled, sampled};
 use super::track::{Samples, Track};
 use super::{PostError, Run};
-use crate::modes::are_modes;
-use crate::report::shifted;
 use crate::results::{CYCLE_ANGLE, CYCLE_SPEED, TIME};
+use crate::tables::shifted;
 use eng_report::signal::{
     Axis, Band, Ends, Filter, Interpolation, Sampling, Signal, Slope, Window, component,
     maximum_at, minimum, resample,
@@ -109,7 +108,7 @@ impl<'r> Evaluator<'r> {
     /// The samples of a run; of one cycle that repeats the angle counts from its begin.
     pub fn samples(&self, analysis: &str) -> Result<Samples, PostError> {
         let run = self.run(analysis)?;
-        let modes = are_modes(run.results);
+        let modes = run.results.are_modes();
         let kept = |path: &str| match modes {
             true => None,
             false => run.results.column(path).map(|c| c.values.clone()),
@@ -121,11 +120,11 @@ impl<'r> Evaluator<'r> {
                 .to_vec(),
             angle: kept(CYCLE_ANGLE),
             speed: kept(CYCLE_SPEED),
-            period: run.model.cycle_period,
+            period: run.machine.cycle_period,
             whole: false,
             shortened: false,
         };
-        if let Some(period) = run.model.cycle_period.filter(|_| run.model.periodic) {
+        if let Some(period) = run.machine.cycle_period.filter(|_| run.machine.periodic) {
             samples.angle = samples.angle.map(|angle| shifted(angle, Some(period)));
             samples.whole = samples.cover(period);
         }
@@ -275,7 +274,7 @@ impl<'r> Evaluator<'r> {
             part,
         };
         let samples = &track.samples;
-        let period = self.run(&samples.analysis)?.model.cycle_period;
+        let period = self.run(&samples.analysis)?.machine.cycle_period;
         // the sample after the last one that lies further from the end; a shaft turns either way
         let since = |values: &[f64], length: f64, slack: f64| {
             let (first, last) = (values.first()?, values.last()?);

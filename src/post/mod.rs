@@ -18,8 +18,8 @@
 //! let program = eng::check(&eng::Sources::from_text("pendulum.eng", text), "pendulum.eng").into_program()?;
 //! let analysis = program.analysis("swing")?;
 //! let outcome = analysis.run(&mut |_| {}).map_err(|failed| failed.error)?;
-//! let model = eng::post::RunModel::of(&analysis)?;
-//! let runs = [eng::post::Run::new(&outcome.results, &model)];
+//! let machine = analysis.machine()?;
+//! let runs = [eng::post::Run::new(&outcome.results, &machine)];
 //! let report = eng::post::evaluate(&program.reports()[0], &runs);
 //! let widest = report.values("widest")?[0].value;
 //! assert!((widest.to_degrees() - 10.0).abs() < 1e-6);
@@ -42,15 +42,12 @@ pub(crate) use sampling::{Sampled, on, sampled};
 pub(crate) use section::section;
 pub use table::text;
 
-use crate::cli::{JournalGeometry, RunOutcome};
-use crate::plot::Upright;
-use crate::report::Described;
-use crate::{Analysis, Error, Results};
+use crate::machine::Machine;
+use crate::results::Results;
 use eng_report::figure::Figure;
 use eng_report::signal::SignalError;
 use eng_system::DisplayUnit;
 use eng_system::report::{EntryKind, MessagePart, Report};
-use eng_system::system::AnalysisKind;
 use evaluate::Evaluator;
 
 /// An entry that the results do not give.
@@ -229,75 +226,17 @@ pub enum PostError {
     },
 }
 
-/// What the reports need of the model behind results.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RunModel {
-    /// Journals in the order of the text.
-    pub journals: Vec<JournalGeometry>,
-    /// The cycle's period (rad), if there is a cycle.
-    pub cycle_period: Option<f64>,
-    /// Whether the results are one cycle that repeats.
-    pub periodic: bool,
-    /// Which shell axis is drawn upwards.
-    pub upright: Upright,
-    /// Firing dead centres: number of the cylinder and angle (rad).
-    pub firing: Vec<(Option<usize>, f64)>,
-}
-
-impl RunModel {
-    /// Of an analysis with its parameters.
-    ///
-    /// # Errors
-    /// Parameters that the model refuses.
-    pub fn of(analysis: &Analysis) -> Result<RunModel, Error> {
-        let compiled = analysis.model().compiled();
-        let system = &compiled.system;
-        let bound = analysis.bound()?;
-        Ok(RunModel {
-            journals: crate::local::journals(system, &bound),
-            cycle_period: crate::analysis::cycle_period(compiled, &bound),
-            periodic: matches!(analysis.kind(), AnalysisKind::Periodic(_)),
-            upright: crate::local::upright(system, &bound),
-            firing: crate::report::firing(system, &bound),
-        })
-    }
-}
-
-impl From<&RunOutcome> for RunModel {
-    fn from(outcome: &RunOutcome) -> RunModel {
-        RunModel {
-            journals: outcome.journals.clone(),
-            cycle_period: outcome.cycle_period,
-            periodic: outcome.periodic.is_some(),
-            upright: outcome.upright,
-            firing: outcome.firing.clone(),
-        }
-    }
-}
-
-impl From<&Described> for RunModel {
-    fn from(described: &Described) -> RunModel {
-        RunModel {
-            journals: described.journals.clone(),
-            cycle_period: described.cycle_period,
-            periodic: described.periodic,
-            upright: described.upright,
-            firing: described.firing.clone(),
-        }
-    }
-}
-
-/// The results of an analysis with the model behind them.
+/// The results of an analysis with the machine behind them.
 #[derive(Clone, Copy, Debug)]
 pub struct Run<'r> {
     results: &'r Results,
-    model: &'r RunModel,
+    machine: &'r Machine,
 }
 
 impl<'r> Run<'r> {
     /// From what a run made, or from what was read.
-    pub fn new(results: &'r Results, model: &'r RunModel) -> Run<'r> {
-        Run { results, model }
+    pub fn new(results: &'r Results, machine: &'r Machine) -> Run<'r> {
+        Run { results, machine }
     }
 }
 

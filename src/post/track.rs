@@ -1,7 +1,7 @@
 //! Signals with their samples.
 
 use super::PostError;
-use crate::report::shifted;
+use crate::tables::shifted;
 use eng_report::signal::{Interpolation, SignalError, resample};
 use eng_system::report::Member;
 use std::rc::Rc;

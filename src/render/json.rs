@@ -2,7 +2,6 @@
 
 use super::visible::visible_json;
 use super::{count, inside};
-use crate::cli::Positions;
 use eng_grammar::{Diagnostic, Diagnostics, Severity, SourceMap, Span};
 use serde::Serialize;
 
@@ -16,13 +15,10 @@ use serde::Serialize;
 ///       PLACE of the first primary label (else of the first label),
 ///       "labels": [ { PLACE, "message": "…", "primary": true } ],
 ///       "notes": ["…"], "help": ["…"],
-///       "fixes": [ { PLACE, "title": "…", "replacement": "…" } ] } ],
-///   "positions": [
-///     { "analyses": ["fired"],
-///       "markers": [ { "body": "crank", "marker": "crank.pin[1]", "position": [x, y, z] } ] } ] }
+///       "fixes": [ { PLACE, "title": "…", "replacement": "…" } ] } ] }
 /// ```
 ///
-/// `"positions"` is there where it was asked for (`eng check --positions`): metres in the ground's axes.
+/// `eng check --positions` adds [`"positions"`](crate::assembled::json_with_positions).
 ///
 /// PLACE is `"file"`, `"line"`, `"column"`, `"end_line"`, `"end_column"`, `"start"`, `"end"`: lines and columns count from 1,
 /// columns in characters; start and end are bytes from 0 in UTF-8, the end is exclusive. All are `null` where there is
@@ -34,8 +30,6 @@ pub struct Document<'a> {
     warnings: usize,
     notes: usize,
     diagnostics: Vec<Message<'a>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    positions: Option<&'a [Positions]>,
 }
 
 #[derive(Debug, Serialize)]
@@ -86,7 +80,6 @@ pub fn document<'a>(diagnostics: &'a Diagnostics, sources: &'a SourceMap) -> Doc
         warnings: count(diagnostics, Severity::Warning),
         notes: count(diagnostics, Severity::Note),
         diagnostics: diagnostics.iter().map(|d| message(d, sources)).collect(),
-        positions: None,
     }
 }
 
@@ -95,19 +88,8 @@ pub fn json(diagnostics: &Diagnostics, sources: &SourceMap) -> String {
     text(&document(diagnostics, sources))
 }
 
-/// The same with the positions of markers.
-pub fn json_with_positions(
-    diagnostics: &Diagnostics,
-    sources: &SourceMap,
-    positions: &[Positions],
-) -> String {
-    text(&Document {
-        positions: Some(positions),
-        ..document(diagnostics, sources)
-    })
-}
-
-fn text(document: &Document<'_>) -> String {
+/// A document as JSON text with a line end; what would act on a terminal is escaped.
+pub(crate) fn text(document: &impl Serialize) -> String {
     // strings and numbers alone: serialising cannot fail
     let text = serde_json::to_string_pretty(document).unwrap_or_default();
     let mut text = visible_json(&text).into_owned();

@@ -8,7 +8,8 @@ mod json;
 mod visible;
 
 pub use human::{Colors, human};
-pub use json::{Document, document, json, json_with_positions};
+pub(crate) use json::text;
+pub use json::{Document, document, json};
 pub(crate) use visible::visible;
 
 use eng_grammar::{Severity, SourceMap, Span};

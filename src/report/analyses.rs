@@ -1,10 +1,9 @@
 //! The section of one analysis: journals, histories, orbits and loads, spectra, energy.
 
 use super::{Entry, ReportError, loads, spectra::spectra_of, tables};
-use crate::cli::RunOutcome;
-use crate::cli::figures::{Pictured, histories, orbits};
+use crate::figures::{Pictured, histories, orbits};
 use crate::results::Results;
-use eng_report::figure::Mark;
+use crate::run::RunOutcome;
 use eng_report::page::Section;
 use eng_system::Dimension;
 
@@ -16,15 +15,6 @@ pub(super) fn acceleration() -> Dimension {
     Dimension::LENGTH
         .over(Dimension::TIME)
         .over(Dimension::TIME)
-}
-
-/// Marks of firing dead centres in a cycle (rad).
-pub(crate) fn firing_marks(firing: &[(Option<usize>, f64)], period: f64) -> Vec<Mark> {
-    let period = period.to_degrees();
-    firing
-        .iter()
-        .map(|(cylinder, angle)| Mark::firing_tdc(*cylinder, angle.to_degrees(), period))
-        .collect()
 }
 
 /// Whether two figures show the same columns' values.
@@ -85,7 +75,7 @@ pub(super) fn section(
 ) -> Result<Section, ReportError> {
     let results = &cut.results;
     let whole = results.samples() == entry.outcome.results.samples();
-    let span = if whole && !entry.described.periodic {
+    let span = if whole && !entry.described.machine.periodic {
         "Whole run"
     } else {
         "Last cycle"
@@ -108,7 +98,11 @@ pub(super) fn section(
             // a sweep is compared point by point; its spectra would be most of the page
             let wanted = [force(), acceleration()].contains(&pictured.dimension);
             if wanted && entry.point.is_empty() {
-                spectra.extend(spectra_of(&history, results, entry.described.periodic));
+                spectra.extend(spectra_of(
+                    &history,
+                    results,
+                    entry.described.machine.periodic,
+                ));
             }
             let caption = format!("{}, {}. {span}.", history.title, entry.name());
             section = section.figure(history, caption);

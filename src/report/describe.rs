@@ -1,14 +1,13 @@
 //! The model behind results: its inputs, journals and bodies with the numbers that the results were computed with.
 
-use crate::cli::JournalGeometry;
-use crate::local::{at, journals, upright};
-use crate::plot::Upright;
-use crate::{Analysis, Error, Quantity, Reduction};
+use crate::machine::{Machine, at};
+use crate::program::Program;
+use crate::{Analysis, Error, Quantity, Reduction, Results};
 use eng_grammar::{SourceId, SourceMap};
 use eng_report::animation::Up;
 use eng_system::DisplayUnit;
 use eng_system::code::Bound;
-use eng_system::system::{AnalysisKind, BodyInertia, BodyRef, Location, PointValue, System};
+use eng_system::system::{BodyInertia, BodyRef, Location, PointValue, System};
 use std::collections::BTreeMap;
 
 /// A parameter with its value and its default (SI).
@@ -97,29 +96,35 @@ pub struct Described {
     pub inputs: Vec<InputValue>,
     /// What the text accepts of lints, a line each.
     pub accepted: Vec<String>,
-    /// Journals in the order of the text.
-    pub journals: Vec<JournalGeometry>,
-    /// Their pins and shells, in the same order.
+    /// Journals, cycle and firing order.
+    pub machine: Machine,
+    /// Pins and shells of the journals, in their order.
     pub axes: Vec<JournalAxes>,
     /// Where it stands in its sweep.
     pub point: Vec<PointValue>,
-    /// The cycle's period (rad), if there is a cycle.
-    pub cycle_period: Option<f64>,
-    /// Whether the results repeat each cycle by what was asked for.
-    pub periodic: bool,
-    /// Which shell axis is drawn upwards.
-    pub upright: Upright,
     /// Which ground axis points up.
     pub up: Up,
-    /// Firing dead centres: number of the cylinder, if it has one, and angle of the cycle (rad).
-    pub firing: Vec<(Option<usize>, f64)>,
     /// Bodies in a fixed order.
     pub bodies: Vec<BodyPicture>,
 }
 
+impl Program {
+    /// What a report needs to know of the models behind results; parameters are those that the results were computed with.
+    ///
+    /// # Errors
+    /// An analysis that the text has not, a model that cannot be compiled or bound.
+    pub fn describe(&self, results: &[&Results]) -> Result<Vec<Described>, Error> {
+        let names: Vec<&str> = results.iter().map(|r| r.analysis()).collect();
+        let analyses = self.analyses_of(&names).into_iter().zip(results);
+        analyses
+            .map(|(analysis, results)| Described::new(analysis?, results.metadata()))
+            .collect()
+    }
+}
+
 impl Described {
     /// Of an analysis, with the parameters that stand in the metadata of its results.
-    pub(crate) fn new(
+    pub(super) fn new(
         analysis: Analysis,
         metadata: &BTreeMap<String, String>,
     ) -> Result<Described, Error> {
@@ -160,7 +165,6 @@ impl Described {
             .filter(|(_, (value, stated))| differ(**value, *stated))
             .map(|(p, (value, _))| (p.origin.path.clone(), p.display.text(*value)))
             .collect();
-        let firing = firing(system, &bound);
         Ok(Described {
             source_hash,
             set,
@@ -169,14 +173,10 @@ impl Described {
                 let sifted = crate::lint::sift(analysis.findings()?, system);
                 crate::lint::accepted(system, &sifted.accepted)
             },
-            journals: journals(system, &bound),
+            machine: Machine::new(system, &bound, analysis.kind()),
             axes: axes(system, &bound),
             point: analysis.point().to_vec(),
-            cycle_period: crate::analysis::cycle_period(compiled, &bound),
-            periodic: matches!(analysis.kind(), AnalysisKind::Periodic(_)),
-            upright: upright(system, &bound),
             up: up(system, &bound),
-            firing,
             bodies: bodies(system, &bound, model.reductions()),
         })
     }
@@ -193,23 +193,6 @@ fn stated(texts: &SourceMap, place: Option<Location>) -> (String, bool) {
         Some((name, line)) => (format!("{name}:{line}"), name.starts_with("std/")),
         None => (String::new(), false),
     }
-}
-
-/// The firing angles of gas forces such as `gas[3]`, by the interface that their classes fill.
-pub(crate) fn firing(system: &System, bound: &Bound) -> Vec<(Option<usize>, f64)> {
-    system
-        .firings
-        .iter()
-        .filter(|_| system.cycle.is_some())
-        .filter_map(|firing| {
-            let element = system.elements.get(firing.element as usize)?;
-            let index = (element.origin.path)
-                .strip_suffix(']')
-                .and_then(|owner| owner.rsplit_once('['))
-                .and_then(|(_, index)| index.parse().ok());
-            Some((index, at(bound, firing.angle)))
-        })
-        .collect()
 }
 
 fn axes(system: &System, bound: &Bound) -> Vec<JournalAxes> {

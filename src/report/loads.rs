@@ -2,10 +2,10 @@
 
 use super::Entry;
 use super::describe::MarkerAxes;
-use crate::cli::RunOutcome;
-use crate::cli::figures::about;
+use crate::figures::about;
 use crate::motion::{BodyMotion, moments};
 use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
+use crate::run::RunOutcome;
 use eng_report::figure::{FixedTo, Polar, PolarCurve, journal_letter};
 use eng_runtime::rotation::{M3, matrix};
 
@@ -23,7 +23,7 @@ pub(super) fn polar(entry: &Entry, cut: &RunOutcome) -> Result<Vec<Polar>, Resul
         .column(CYCLE_ANGLE)
         .map_or_else(Vec::new, Column::shown);
     let (mut housing, mut journal) = (Vec::new(), Vec::new());
-    for (index, geometry) in cut.journals.iter().enumerate() {
+    for (index, geometry) in cut.machine.journals.iter().enumerate() {
         let column = |axis: &str| results.column(&format!("{}.force.{axis}", geometry.path));
         let (Some(x), Some(y)) = (column("x"), column("y")) else {
             continue;
@@ -50,8 +50,8 @@ pub(super) fn polar(entry: &Entry, cut: &RunOutcome) -> Result<Vec<Polar>, Resul
             quantity: "load".to_owned(),
             unit: "kN".to_owned(),
             fixed_to,
-            period: cut.cycle_period.map_or(360.0, f64::to_degrees),
-            upright: cut.upright,
+            period: cut.machine.cycle_period.map_or(360.0, f64::to_degrees),
+            upright: cut.machine.upright,
             limit: None,
             curves,
         })

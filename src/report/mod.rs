@@ -19,18 +19,15 @@ mod surface;
 mod sweeps;
 mod tables;
 
-pub(crate) use analyses::firing_marks;
-pub(crate) use describe::firing;
 pub use describe::{BodyPicture, Described, InputValue, JournalAxes, MarkerAxes, Matter, Spot};
 pub use page::{Drawn, Made, Request, make};
-pub(crate) use scene::shifted;
 pub use series::write_series;
 pub(crate) use settings::mixed;
 pub use stress::At;
 
-use crate::cli::RunOutcome;
 use crate::repetition::Repetition;
 use crate::results::ResultsError;
+use crate::run::RunOutcome;
 use eng_flexible::FlexibleError;
 use eng_report::animation::AnimationError;
 use std::path::PathBuf;
@@ -105,10 +102,7 @@ impl Entry {
             .collect();
         Entry {
             outcome: RunOutcome {
-                journals: described.journals.clone(),
-                cycle_period: described.cycle_period,
-                upright: described.upright,
-                firing: described.firing.clone(),
+                machine: described.machine.clone(),
                 diagnostics: Default::default(),
                 facts: Vec::new(),
                 point: described.point.clone(),

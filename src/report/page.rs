@@ -7,10 +7,10 @@ use super::spectra::of_last_cycle;
 use super::stress::At;
 use super::{Entry, ReportError, analyses, mixed, provenance, sweeps, tables};
 use crate::Reduction;
-use crate::cli::RunOutcome;
-use crate::cli::figures::compared;
-use crate::post::{self, Run, RunModel};
+use crate::figures::compared;
+use crate::post::{self, Run};
 use crate::repetition::Repetition;
+use crate::run::RunOutcome;
 use eng_report::figure::History;
 use eng_report::page::{Page, Section};
 use eng_system::report::Report;
@@ -214,14 +214,9 @@ fn summary(entries: &[Entry], missing: &[String], warnings: &[String]) -> Sectio
 
 /// What the text itself reports.
 fn reported(reports: &[Report], entries: &[Entry]) -> Vec<Section> {
-    let models: Vec<RunModel> = entries
-        .iter()
-        .map(|entry| RunModel::from(&entry.described))
-        .collect();
     let runs: Vec<Run<'_>> = entries
         .iter()
-        .zip(&models)
-        .map(|(entry, model)| Run::new(&entry.outcome.results, model))
+        .map(|entry| Run::new(&entry.outcome.results, &entry.described.machine))
         .collect();
     reports
         .iter()

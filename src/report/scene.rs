@@ -7,6 +7,7 @@ use super::surface::{Thinned, thin};
 use super::{Entry, ReportError};
 use crate::motion::{BodyMotion, moments};
 use crate::results::Results;
+use crate::tables::shifted;
 use eng_flexible::store::StoredBody;
 use eng_report::animation::{
     Animation, FlexibleBody, ModeShape, NodeField, Pose, RigidBody, Surface,
@@ -48,17 +49,20 @@ pub(super) fn scene(
     at: &[At],
 ) -> Result<Scene, ReportError> {
     let (times, angles) = moments(motion);
-    let angles: Vec<f64> = shifted(angles.unwrap_or_default(), entry.described.cycle_period)
-        .iter()
-        .map(|a| a.to_degrees())
-        .collect();
+    let angles: Vec<f64> = shifted(
+        angles.unwrap_or_default(),
+        entry.described.machine.cycle_period,
+    )
+    .iter()
+    .map(|a| a.to_degrees())
+    .collect();
     let (mut flexible, mut rigid) = (Vec::new(), Vec::new());
     let (mut notes, mut maxima, mut held) = (Vec::new(), Vec::new(), Vec::new());
     let all: usize = entry.described.bodies.iter().map(surface_nodes).sum();
     let mut chosen: Vec<usize> = Vec::new();
     let mut warnings = Vec::new();
     for at in at {
-        match at.nearest(&times, &angles, entry.described.cycle_period) {
+        match at.nearest(&times, &angles, entry.described.machine.cycle_period) {
             Some(index) => chosen.push(index),
             None => {
                 notes.push(format!("Stresses at {at}: the motion has no such moment."));
@@ -209,15 +213,6 @@ impl Scene {
             view(&self.held.join(", "), held, Vec::new()),
         ]
     }
-}
-
-/// Angles less whole cycles, so that the first lies in the first cycle.
-pub(crate) fn shifted(mut angles: Vec<f64>, period: Option<f64>) -> Vec<f64> {
-    if let (Some(period), Some(first)) = (period.filter(|p| *p > 0.0), angles.first().copied()) {
-        let whole = period * ((first + 1e-6) / period).floor();
-        angles.iter_mut().for_each(|angle| *angle -= whole);
-    }
-    angles
 }
 
 /// The nearest below of 1, 2 and 5 times a power of ten.

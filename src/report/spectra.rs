@@ -1,11 +1,10 @@
 //! The last cycle of results, and spectra of it.
 
 use super::Entry;
-use super::scene::shifted;
-use crate::cli::RunOutcome;
-use crate::cli::summary::last_cycle;
 use crate::post::{ORDERS, Sampled, on, sampled};
 use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
+use crate::run::RunOutcome;
+use crate::tables::{last_cycle, shifted};
 use eng_report::figure::{Abscissa, History, Ordinate, Scale, spectra};
 use eng_report::signal::{Axis, Signal, Spectrum, SpectrumOptions, Window, spectrum};
 
@@ -15,7 +14,7 @@ const STILL: f64 = 1e-9;
 /// The last whole cycle with its angles from 0 on; of results without a whole cycle all.
 pub(super) fn of_last_cycle(entry: &Entry) -> Result<RunOutcome, ResultsError> {
     let results = &entry.outcome.results;
-    let period = entry.described.cycle_period;
+    let period = entry.described.machine.cycle_period;
     let angle = results.column(CYCLE_ANGLE).map(|c| c.values.as_slice());
     let first = last_cycle(angle, period).unwrap_or(0);
     let mut cut = Results::new(results.analysis(), results.model());

@@ -3,10 +3,10 @@
 use super::Entry;
 use super::analyses::{acceleration, force};
 use super::spectra::{Hertz, in_hertz};
-use crate::cli::RunOutcome;
-use crate::cli::sweep::{families, table};
 use crate::post::{Natural, ORDERS, main_orders, with_floor};
 use crate::results::{Column, Results};
+use crate::run::RunOutcome;
+use crate::tables::sweep::{families, table};
 use eng_report::figure::{
     Abscissa, Campbell, Curve, History, Ordinate, Panel, Scale, SweepFigure, Waterfall,
     journal_letter,
@@ -132,7 +132,7 @@ fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<History> {
         (abscissa, x.shown())
     };
     let letters: Vec<&str> = family.first().map_or_else(Vec::new, |o| {
-        o.journals.iter().map(|j| j.path.as_str()).collect()
+        o.machine.journals.iter().map(|j| j.path.as_str()).collect()
     });
     let mut groups: Vec<(String, Vec<&Column>)> = Vec::new();
     for column in points.columns() {
@@ -219,7 +219,7 @@ fn maps(mut section: Section, entry: &Entry, modes: &[Entry], family: &[&RunOutc
             .iter()
             .filter_map(|point| {
                 let column = point.results.column(&column.path)?;
-                in_hertz(column, &point.results, entry.described.periodic)
+                in_hertz(column, &point.results, entry.described.machine.periodic)
             })
             .collect();
         let made = found.first().map(|f| f.made.clone()).unwrap_or_default();
@@ -271,7 +271,10 @@ fn maps(mut section: Section, entry: &Entry, modes: &[Entry], family: &[&RunOutc
         };
         let natural = natural(modes, first.results.model());
         let described = &entry.described;
-        let orders = main_orders(described.cycle_period, described.firing.len());
+        let orders = main_orders(
+            described.machine.cycle_period,
+            described.machine.firing.len(),
+        );
         let campbell = campbell(&figure, &spectra.column, &title, (orders, &natural));
         section = section.figure(
             Waterfall { figure },

@@ -3,8 +3,9 @@
 use super::Entry;
 use super::describe::InputValue;
 use crate::Reduction;
-use crate::cli::{JournalGeometry, JournalSummary};
+use crate::machine::JournalGeometry;
 use crate::results::{CYCLE_SPEED, Results, TIME};
+use crate::tables::JournalSummary;
 use eng_report::figure::journal_letter;
 use eng_report::page::{
     Cell, Column, EnergyAudit, Journal, Mode, Table, journals_table, modes_table,
@@ -218,10 +219,11 @@ pub(super) fn modes(reduction: &Reduction) -> Table {
 /// The journals of an analysis; none without journals.
 pub(super) fn journals(entry: &Entry) -> Option<Table> {
     let results = &entry.outcome.results;
-    let period = entry.described.cycle_period;
+    let period = entry.described.machine.cycle_period;
     let mut last = false;
     let rows: Vec<Journal> = entry
         .described
+        .machine
         .journals
         .iter()
         .enumerate()

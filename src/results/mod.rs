@@ -30,6 +30,7 @@ pub(crate) use table::{Begun, STATE, Table};
 pub(crate) use trail::Trail;
 
 pub use eng_system::recorded::{CYCLE_ANGLE, CYCLE_SPEED, TIME};
+use eng_system::recorded::{DAMPING_RATIO, FREQUENCY, MODE};
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -133,6 +134,19 @@ pub struct Results {
     metadata: BTreeMap<String, String>,
 }
 
+/// Key of the metadata that says that rows are modes, and its value.
+pub const ROWS: &str = "rows";
+/// See [`ROWS`].
+pub const MODES: &str = "modes";
+/// Columns of every mode.
+pub const COLUMNS_OF_MODES: [&str; 5] = [
+    MODE,
+    FREQUENCY,
+    "undamped_frequency",
+    DAMPING_RATIO,
+    "growth",
+];
+
 impl Results {
     /// Results without columns. Push [`Column::time`] first, then [`Column::cycle_angle`] and
     /// [`Column::cycle_speed`] if the model has a cycle, then the channels.
@@ -209,6 +223,11 @@ impl Results {
     /// The column with this path.
     pub fn column(&self, path: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.path == path)
+    }
+
+    /// Whether rows are modes, and not samples of a motion.
+    pub fn are_modes(&self) -> bool {
+        self.metadata.get(ROWS).map(String::as_str) == Some(MODES)
     }
 
     /// How many samples each column has.

@@ -74,7 +74,7 @@ impl Selection {
 
     /// Whether each column is kept. Time and cycle always are, of modes their frequencies. A pattern that no column has is an error.
     pub fn of(&self, results: &Results) -> Result<Vec<bool>, ResultsError> {
-        let modes = crate::modes::are_modes(results);
+        let modes = results.are_modes();
         let paths = || results.columns().iter().map(|c| c.path.as_str());
         for pattern in &self.patterns {
             if !paths().any(|path| matches(pattern, path)) {
@@ -94,7 +94,7 @@ impl Selection {
             .map(|path| {
                 self.patterns.is_empty()
                     || [TIME, CYCLE_ANGLE, CYCLE_SPEED].contains(&path)
-                    || (modes && crate::modes::COLUMNS.contains(&path))
+                    || (modes && super::COLUMNS_OF_MODES.contains(&path))
                     || self.patterns.iter().any(|pattern| matches(pattern, path))
             })
             .collect())

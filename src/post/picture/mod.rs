@@ -8,8 +8,7 @@ pub(crate) use orders::{ORDERS, main_orders, with_floor};
 use super::evaluate::{Evaluator, filter_of};
 use super::track::{Track, told_apart};
 use super::{PostError, Run};
-use crate::cli::figures::{common_frame, letters};
-use crate::report::firing_marks;
+use crate::figures::{common_frame, firing_marks, letters};
 use eng_report::figure::{
     Abscissa, Curve, Figure, History, Mark, Ordinate, Panel, Scale, Waterfall,
 };
@@ -176,7 +175,7 @@ impl Drawer<'_> {
         of.channels(&mut |analysis, path| {
             let letter = self.evaluator.run(analysis).ok().and_then(|run| {
                 let frame = &run.results.column(path)?.frame;
-                let letters = letters(run.results, &run.model.journals);
+                let letters = letters(run.results, &run.machine.journals);
                 let own = letters.into_iter().find(|(axes, _)| axes == frame)?;
                 Some(own.1)
             });
@@ -195,11 +194,11 @@ impl Drawer<'_> {
         for member in members {
             runs.push(self.evaluator.run(&member.analysis)?);
         }
-        let Some(first) = runs.first().map(|run| run.model) else {
+        let Some(first) = runs.first().map(|run| run.machine) else {
             return Ok(Vec::new());
         };
         let same = runs.iter().all(|run| {
-            run.model.firing == first.firing && run.model.cycle_period == first.cycle_period
+            run.machine.firing == first.firing && run.machine.cycle_period == first.cycle_period
         });
         let Some(period) = first.cycle_period.filter(|_| same) else {
             return Ok(Vec::new());

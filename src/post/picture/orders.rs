@@ -125,8 +125,8 @@ impl Drawer<'_> {
         let orders = match (orders, members.first()) {
             (Some(orders), _) => orders.to_vec(),
             (None, Some(first)) => {
-                let model = self.evaluator.run(&first.analysis)?.model;
-                main_orders(model.cycle_period, model.firing.len())
+                let machine = self.evaluator.run(&first.analysis)?.machine;
+                main_orders(machine.cycle_period, machine.firing.len())
             }
             (None, None) => Vec::new(),
         };

@@ -1,7 +1,7 @@
 //! Orbits and polar diagrams.
 
 use super::{Drawer, capital, degrees};
-use crate::cli::figures::common_frame;
+use crate::figures::common_frame;
 use crate::plot::Upright;
 use crate::post::PostError;
 use crate::post::track::{Track, told_apart};
@@ -20,7 +20,7 @@ impl Drawer<'_> {
         for ((analysis, path), name) in journals.iter().zip(names) {
             let run = self.evaluator.run(analysis)?;
             let geometry = run
-                .model
+                .machine
                 .journals
                 .iter()
                 .find(|journal| journal.path == *path)
@@ -37,9 +37,9 @@ impl Drawer<'_> {
                 .results
                 .column(&format!("{path}.eccentricity.x"))
                 .map_or("", |column| column.frame.as_str());
-            let place = run.model.journals.iter().position(|j| j.path == *path);
+            let place = run.machine.journals.iter().position(|j| j.path == *path);
             orbits.push(Orbit {
-                name: match place.filter(|_| run.model.journals.len() > 1) {
+                name: match place.filter(|_| run.machine.journals.len() > 1) {
                     Some(place) => format!("{} {name}", journal_letter(place)),
                     None => name,
                 },
@@ -154,8 +154,8 @@ impl Drawer<'_> {
     /// The period (°) and the upward axis of the first run; 360° without a cycle.
     fn view(&self, analyses: &[&str]) -> Result<(f64, Upright), PostError> {
         let first = analyses.first().copied().unwrap_or_default();
-        let model = self.evaluator.run(first)?.model;
-        let period = model.cycle_period.map_or(360.0, f64::to_degrees);
-        Ok((period, model.upright))
+        let machine = self.evaluator.run(first)?.machine;
+        let period = machine.cycle_period.map_or(360.0, f64::to_degrees);
+        Ok((period, machine.upright))
     }
 }

@@ -1,15 +1,15 @@
 //! Which pictures belong to an analysis.
 
-use super::{JournalGeometry, RunOutcome};
+use crate::machine::JournalGeometry;
 use crate::plot::{Abscissa, Curve, History, Orbit, Orbits, Ordinate, Panel, Scale};
-use crate::report::firing_marks;
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
-use eng_report::figure::journal_letter;
+use crate::run::RunOutcome;
+use eng_report::figure::{Mark, journal_letter};
 use eng_report::readable_unit;
 use eng_system::Dimension;
 
 /// File names (without extension) and SVG texts: the forces and orbits of the journals, and the model's own outputs.
-pub(super) fn of_analysis(outcome: &RunOutcome) -> Vec<(String, String)> {
+pub(crate) fn of_analysis(outcome: &RunOutcome) -> Vec<(String, String)> {
     let mut figures: Vec<(String, String)> = histories(outcome)
         .into_iter()
         .map(|pictured| (pictured.name, pictured.figure.to_svg()))
@@ -53,7 +53,7 @@ pub(crate) fn histories(outcome: &RunOutcome) -> Vec<Pictured> {
 }
 
 /// One figure a family of model outputs that several analyses have: an analysis a panel, up to four of one model.
-pub(super) fn comparisons(outcomes: &[&RunOutcome]) -> Vec<(String, String)> {
+pub(crate) fn comparisons(outcomes: &[&RunOutcome]) -> Vec<(String, String)> {
     compared(outcomes)
         .into_iter()
         .map(|pictured| (pictured.name, pictured.figure.to_svg()))
@@ -155,6 +155,7 @@ fn journal_forces(outcome: &RunOutcome, axis: &str) -> Family {
         name: format!("journal-force-{axis}"),
         quantity: format!("Journal force {axis} on the pin"),
         paths: outcome
+            .machine
             .journals
             .iter()
             .map(|journal| format!("{}.force.{axis}", journal.path))
@@ -189,6 +190,15 @@ pub(crate) fn letters(results: &Results, journals: &[JournalGeometry]) -> Vec<(S
         .collect()
 }
 
+/// Marks of firing dead centres in a cycle (rad).
+pub(crate) fn firing_marks(firing: &[(Option<usize>, f64)], period: f64) -> Vec<Mark> {
+    let period = period.to_degrees();
+    firing
+        .iter()
+        .map(|(cylinder, angle)| Mark::firing_tdc(*cylinder, angle.to_degrees(), period))
+        .collect()
+}
+
 /// A history of a family, a panel for each of the results; `None` where there is nothing to draw. Curves in the axes of a journal's
 /// shell have its letter. Journals and firing dead centres are those of one outcome: one model has one firing order.
 fn history(
@@ -197,7 +207,7 @@ fn history(
     panels: &[(String, &Results)],
     of: &RunOutcome,
 ) -> Option<History> {
-    let letters = letters(&of.results, &of.journals);
+    let letters = letters(&of.results, &of.machine.journals);
     let columns: Vec<&Column> = panels.iter().flat_map(|(_, r)| family.columns(r)).collect();
     let display = &columns.first()?.display;
     let with_angle = panels.iter().all(|(_, r)| r.column(CYCLE_ANGLE).is_some());
@@ -235,8 +245,8 @@ fn history(
             frame: common_frame(&frames),
         },
         scale: Scale::Linear,
-        marks: match of.cycle_period.filter(|_| with_angle) {
-            Some(period) => firing_marks(&of.firing, period),
+        marks: match of.machine.cycle_period.filter(|_| with_angle) {
+            Some(period) => firing_marks(&of.machine.firing, period),
             None => Vec::new(),
         },
         panels: drawn,
@@ -286,6 +296,7 @@ pub(crate) fn orbits(outcome: &RunOutcome) -> Option<Orbits> {
         .column(CYCLE_ANGLE)
         .map_or_else(Vec::new, Column::shown);
     let orbits: Vec<Orbit> = outcome
+        .machine
         .journals
         .iter()
         .enumerate()
@@ -309,8 +320,8 @@ pub(crate) fn orbits(outcome: &RunOutcome) -> Option<Orbits> {
         title: "Orbits of the pins in their shells".to_owned(),
         // the table of journals is of the last cycle
         subtitle: format!("{}; ε ≤: over the whole run", about(results)),
-        period: outcome.cycle_period.map_or(360.0, f64::to_degrees),
-        upright: outcome.upright,
+        period: outcome.machine.cycle_period.map_or(360.0, f64::to_degrees),
+        upright: outcome.machine.upright,
         orbits,
     })
 }

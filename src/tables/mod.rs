@@ -1,9 +1,16 @@
-//! Tables with aligned columns.
+//! Tables of results: journals, points of a sweep, modes; as text with aligned columns.
+
+mod journals;
+pub(crate) mod modes;
+pub(crate) mod sweep;
+
+pub use journals::JournalSummary;
+pub(crate) use journals::{journal_table, last_cycle, shifted};
 
 use crate::significant::without_sign_of_zero;
 
 /// A table: its first column is aligned left, the others right unless they are said to be left.
-pub(super) struct Table {
+pub(crate) struct Table {
     rows: Vec<Vec<String>>,
     heads: usize,
 }

@@ -1,9 +1,8 @@
 //! The points of a sweep side by side.
 
-use super::RunOutcome;
-use super::summary::JournalSummary;
-use super::table::Table;
+use super::{JournalSummary, Table, last_cycle};
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
+use crate::run::RunOutcome;
 use crate::significant::short;
 use eng_system::{Dimension, DisplayUnit};
 
@@ -31,7 +30,7 @@ fn base(outcome: &RunOutcome) -> &str {
 }
 
 /// The name of a family.
-pub(super) fn name<'o>(family: &[&'o RunOutcome]) -> &'o str {
+pub(crate) fn name<'o>(family: &[&'o RunOutcome]) -> &'o str {
     family.first().map_or("", |o| base(o))
 }
 
@@ -79,13 +78,14 @@ pub(crate) fn table(family: &[&RunOutcome]) -> Results {
             family.iter().map(repeats).collect(),
         );
     }
-    for (k, journal) in first.journals.iter().enumerate() {
+    for (k, journal) in first.machine.journals.iter().enumerate() {
         let summaries: Vec<Option<JournalSummary>> = family
             .iter()
             .map(|o| {
-                o.journals
+                o.machine
+                    .journals
                     .get(k)
-                    .map(|j| JournalSummary::new(&o.results, j, o.cycle_period))
+                    .map(|j| JournalSummary::new(&o.results, j, o.machine.cycle_period))
             })
             .collect();
         type Taken = fn(&JournalSummary) -> Option<f64>;
@@ -141,7 +141,7 @@ pub(crate) fn table(family: &[&RunOutcome]) -> Results {
 fn extremes(outcome: &RunOutcome, path: &str) -> Option<(f64, f64)> {
     let results = &outcome.results;
     let angle = results.column(CYCLE_ANGLE).map(|c| c.values.as_slice());
-    let first = super::summary::last_cycle(angle, outcome.cycle_period).unwrap_or(0);
+    let first = last_cycle(angle, outcome.machine.cycle_period).unwrap_or(0);
     let values = results.column(path)?.values.get(first..)?;
     values
         .iter()
@@ -166,7 +166,7 @@ fn power() -> Dimension {
 const MOST_COLUMNS: usize = 9;
 
 /// The table as text.
-pub(super) fn text(table: &Results) -> String {
+pub(crate) fn text(table: &Results) -> String {
     let columns = table.columns();
     let shown = &columns[..columns.len().min(MOST_COLUMNS)];
     let names: Vec<&str> = shown.iter().map(|c| c.path.as_str()).collect();

@@ -1,7 +1,7 @@
 //! What is to be known about each journal at a glance.
 
-use super::JournalGeometry;
-use super::table::Table;
+use super::Table;
+use crate::machine::JournalGeometry;
 use crate::results::{CYCLE_ANGLE, Results, TIME};
 
 /// The table's row of a journal. Taken over the last cycle where the run covers one, else over the whole run.
@@ -75,6 +75,15 @@ impl JournalSummary {
             last_cycle: whole.is_some(),
         }
     }
+}
+
+/// Angles less whole cycles, so that the first lies in the first cycle.
+pub(crate) fn shifted(mut angles: Vec<f64>, period: Option<f64>) -> Vec<f64> {
+    if let (Some(period), Some(first)) = (period.filter(|p| *p > 0.0), angles.first().copied()) {
+        let whole = period * ((first + 1e-6) / period).floor();
+        angles.iter_mut().for_each(|angle| *angle -= whole);
+    }
+    angles
 }
 
 /// Index of the first sample of the last whole cycle, if there is one. The angle may fall: a shaft turns either way.

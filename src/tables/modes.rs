@@ -1,9 +1,9 @@
 //! The table of modes, and of a sweep the modes of its points together.
 
-use super::RunOutcome;
-use super::table::Table;
+use super::Table;
 use crate::modes::{are_frozen, are_of_a_period, composition, values};
 use crate::results::{Column, Results};
+use crate::run::RunOutcome;
 use crate::significant::significant;
 
 /// Rows that are printed; all are in the file.
@@ -28,7 +28,7 @@ fn at(results: &Results, path: &str, row: usize) -> f64 {
 }
 
 /// Frequency, damping and what moves, a line a mode; of a period also the growth, which is definite whatever the frequency.
-pub(super) fn table(results: &Results) -> String {
+pub(crate) fn table(results: &Results) -> String {
     let growth = are_of_a_period(results);
     let mut head = [vec!["mode", "frequency", "damping"], vec!["", "Hz", "%"]];
     if growth {
@@ -71,7 +71,7 @@ fn mark(results: &Results) -> &'static str {
 }
 
 /// The modes of all points of a sweep, one below the other: the point's variables, then the columns of each.
-pub(super) fn campbell(name: &str, family: &[&RunOutcome]) -> Results {
+pub(crate) fn campbell(name: &str, family: &[&RunOutcome]) -> Results {
     let Some(first) = family.first() else {
         return Results::new("", "");
     };
@@ -115,7 +115,7 @@ pub(super) fn campbell(name: &str, family: &[&RunOutcome]) -> Results {
 }
 
 /// Frequencies and damping of the slowest oscillations, a line a point.
-pub(super) fn campbell_text(name: &str, family: &[&RunOutcome]) -> String {
+pub(crate) fn campbell_text(name: &str, family: &[&RunOutcome]) -> String {
     let Some(first) = family.first() else {
         return String::new();
     };

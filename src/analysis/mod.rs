@@ -1,13 +1,18 @@
 //! Running the analyses of a program.
 
+mod motion;
+
 use crate::lint::{self, Finding};
+use crate::machine::{Machine, at};
 use crate::model::{Model, Parameter};
-use crate::motion::Motion;
+use crate::places::{at_first, place, set_by};
+use crate::program::{Bodies, Program};
 use crate::repetition::Repetition;
 use crate::results::{Begun, Column, KeptWarning, Recording, Results, ResultsError, Table};
 use crate::significant::short;
 use crate::simulation::run_error_with;
-use crate::{Error, Program, Quantity, RuntimeError};
+use crate::{Error, Quantity, RuntimeError};
+use eng_compiler::elaborate::AnalysisPlan;
 use eng_runtime::{
     Advance, CycleReport, LinearModes, Moment, Observer, Pace, PeriodicSummary, RunSummary, Sample,
     Slow, StartReport, Verdict, Warning, run_linear, run_periodic, run_transient,
@@ -17,6 +22,7 @@ use eng_system::recorded::recorded;
 use eng_system::system::{
     AnalysisKind, BodyRef, Extent, Location, Origin, PointValue, Start, StepControl, Transient,
 };
+use motion::Motion;
 use std::ops::ControlFlow;
 
 /// An analysis, ready to run.
@@ -89,11 +95,53 @@ pub struct Outcome {
 
 /// A run that failed, with what was computed before.
 #[derive(Debug)]
-pub struct Failed {
+pub struct Failed<O = Outcome> {
     /// Why.
     pub error: Box<Error>,
     /// Samples up to the failure, if there are any.
-    pub partial: Option<Box<Outcome>>,
+    pub partial: Option<Box<O>>,
+}
+
+impl Program {
+    /// The plan of an analysis and its compiled model.
+    pub fn analysis(&self, name: &str) -> Result<Analysis, Error> {
+        let plan = self.plan(name)?;
+        let model = self.compile(plan.model, &plan.constants, Bodies::Reduced)?;
+        Analysis::new(model, plan.analysis.clone(), self.clone())
+    }
+
+    /// Several analyses. Those of one model with the same constants, such as the points of a sweep over a parameter, share one
+    /// compiled model.
+    pub fn analyses_of(&self, names: &[&str]) -> Vec<Result<Analysis, Error>> {
+        self.analyses_with(names, Bodies::Reduced)
+    }
+
+    /// [`Program::analyses_of`], with other bodies in place of the flexible ones.
+    pub(crate) fn analyses_with(
+        &self,
+        names: &[&str],
+        bodies: Bodies,
+    ) -> Vec<Result<Analysis, Error>> {
+        let mut models: Vec<(&AnalysisPlan, Model)> = Vec::new();
+        names
+            .iter()
+            .map(|name| {
+                let plan = self.plan(name)?;
+                let known = models
+                    .iter()
+                    .find(|(p, _)| p.model == plan.model && p.constants == plan.constants);
+                let model = match known {
+                    Some((_, model)) => model.clone(),
+                    None => {
+                        let model = self.compile(plan.model, &plan.constants, bodies)?;
+                        models.push((plan, model.clone()));
+                        model
+                    }
+                };
+                Analysis::new(model, plan.analysis.clone(), self.clone())
+            })
+            .collect()
+    }
 }
 
 impl Analysis {
@@ -245,6 +293,15 @@ impl Analysis {
             .map_err(|e| self.error(e.into()))
     }
 
+    /// What tables and figures need to know of the machine with its parameters.
+    ///
+    /// # Errors
+    /// Parameters that the model refuses.
+    pub fn machine(&self) -> Result<Machine, Error> {
+        let system = &self.model.compiled().system;
+        Ok(Machine::new(system, &self.bound()?, &self.plan.kind))
+    }
+
     /// What lints say of its numbers, and of the model as it is assembled, with the `advise`s that the start does not follow. What
     /// does not assemble is told elsewhere.
     pub(crate) fn findings(&self) -> Result<Vec<Finding>, Error> {
@@ -345,10 +402,10 @@ impl Analysis {
                 None => message,
             };
             if of_analysis {
-                return crate::failure::place(message, &self.plan.origin, "of this analysis");
+                return place(message, &self.plan.origin, "of this analysis");
             }
             if let Some((name, at)) = argument {
-                return crate::failure::at_first(message, *at, &format!("this {name}"));
+                return at_first(message, *at, &format!("this {name}"));
             }
             let Some(path) = path else {
                 return message;
@@ -356,7 +413,7 @@ impl Analysis {
             if self.set_here.contains(&path) {
                 message.with_note("it was set for this run: by --set, or by the program around")
             } else if self.plan.set.iter().any(|(p, _)| *p == path) {
-                crate::failure::set_by(message, &self.plan.origin)
+                set_by(message, &self.plan.origin)
             } else {
                 message
             }
@@ -402,9 +459,7 @@ impl Analysis {
         let slots = markers
             .iter()
             .flat_map(|m| m.position.iter().chain(&m.orientation));
-        Ok(slots
-            .map(|slot| crate::local::at(&bound, *slot).to_bits())
-            .collect())
+        Ok(slots.map(|slot| at(&bound, *slot).to_bits()).collect())
     }
 
     /// Bodies that nothing holds, as a warning.
@@ -674,15 +729,6 @@ impl Analysis {
         });
         Ok(())
     }
-}
-
-/// The period of the cycle (rad), if the model has one.
-pub(crate) fn cycle_period(
-    compiled: &eng_system::code::Compiled,
-    bound: &eng_system::code::Bound,
-) -> Option<f64> {
-    let cycle = compiled.system.cycle.as_ref()?;
-    bound.slots.get(cycle.period.0 as usize).copied()
 }
 
 /// What a run gives on its way to a table.

@@ -1,0 +1,316 @@
+//! The motion of a run on its way to results: see [`crate::motion`].
+
+use crate::machine::cycle_period;
+use crate::motion::{SAMPLES, SUFFIX};
+use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, Trail};
+use crate::{Analysis, Error};
+use eng_runtime::Sample;
+use eng_system::system::BodyInertia;
+use eng_system::{Dimension, DisplayUnit};
+use std::collections::{BTreeMap, VecDeque};
+
+/// Slack (rad) when the begin of the last cycle is looked for.
+const SLACK: f64 = 1e-6;
+
+/// Positions, orientation and amplitudes while a run goes on.
+#[derive(Debug)]
+pub(super) struct Motion {
+    period: Option<f64>,
+    kept: VecDeque<Moment>,
+    /// All samples, where the run can be gone on from.
+    trail: Option<Trail>,
+}
+
+#[derive(Debug)]
+struct Moment {
+    time: f64,
+    cycle_angle: Option<f64>,
+    pose: Vec<f64>,
+}
+
+impl Moment {
+    /// From the numbers of a trail.
+    fn of_row(row: &[f64], with_cycle: bool) -> Moment {
+        let (head, pose) = row.split_at(row.len().min(1 + usize::from(with_cycle)));
+        Moment {
+            time: head.first().copied().unwrap_or(f64::NAN),
+            cycle_angle: head.get(1).copied(),
+            pose: pose.to_vec(),
+        }
+    }
+}
+
+impl Motion {
+    /// The motion of a run that begins, or goes on after a number of samples.
+    pub fn begin(analysis: &Analysis, resumed: Option<u64>) -> Result<Motion, Error> {
+        let mut motion = Motion::of(analysis);
+        if let Some(folder) = analysis.recorded_to() {
+            let header = trail_columns_of(analysis)?;
+            let with_cycle = analysis.model().compiled().system.cycle.is_some();
+            let trail = match resumed {
+                None => Trail::create(folder, &header)?,
+                Some(samples) => Trail::resume(folder, &header, samples, |row| {
+                    motion.keep(Moment::of_row(row, with_cycle));
+                })?,
+            };
+            motion.trail = Some(trail);
+        }
+        Ok(motion)
+    }
+
+    /// The motion of a complete run that was killed before it was written; nothing where it was.
+    pub fn left(
+        analysis: &Analysis,
+        metadata: &BTreeMap<String, String>,
+    ) -> Result<Option<Results>, Error> {
+        let Some(folder) = analysis.recorded_to() else {
+            return Ok(None);
+        };
+        let mut motion = Motion::of(analysis);
+        let with_cycle = analysis.model().compiled().system.cycle.is_some();
+        let found = Trail::left(folder, &name_of(analysis), |row| {
+            motion.keep(Moment::of_row(row, with_cycle));
+        })?;
+        match found {
+            true => motion.results(analysis, metadata).map(Some),
+            false => Ok(None),
+        }
+    }
+
+    fn of(analysis: &Analysis) -> Motion {
+        // what cannot be bound is told by the run
+        let bound = analysis.bound().ok();
+        let period = bound.and_then(|b| cycle_period(&analysis.model().compiled().system, &b));
+        Motion {
+            period: period.filter(|p| *p > 0.0),
+            kept: VecDeque::new(),
+            trail: None,
+        }
+    }
+
+    /// Takes a sample.
+    pub fn push(&mut self, sample: &Sample<'_>) -> Result<(), ResultsError> {
+        if let Some(trail) = &mut self.trail {
+            let row = std::iter::once(sample.time)
+                .chain(sample.cycle_angle)
+                .chain(sample.pose.iter().copied());
+            trail.push(row)?;
+        }
+        self.keep(Moment {
+            time: sample.time,
+            cycle_angle: sample.cycle_angle,
+            pose: sample.pose.to_vec(),
+        });
+        Ok(())
+    }
+
+    /// Keeps a moment, forgets what lies more than a cycle back.
+    fn keep(&mut self, moment: Moment) {
+        if let (Some(period), Some(now)) = (self.period, moment.cycle_angle) {
+            let old = |moment: &Moment| {
+                moment
+                    .cycle_angle
+                    .is_some_and(|angle| (now - angle).abs() > period + SLACK)
+            };
+            while self.kept.front().is_some_and(old) {
+                self.kept.pop_front();
+            }
+        }
+        self.kept.push_back(moment);
+    }
+
+    /// Brings all samples to disk: before a checkpoint that counts them, and before the results are complete.
+    pub fn save(&mut self) -> Result<(), ResultsError> {
+        match &mut self.trail {
+            Some(trail) => trail.save(),
+            None => Ok(()),
+        }
+    }
+
+    /// As columns, with what is known about the run. Where the run goes to a folder, they are written there, and the trail ends.
+    pub fn results(
+        mut self,
+        analysis: &Analysis,
+        metadata: &BTreeMap<String, String>,
+    ) -> Result<Results, Error> {
+        let samples = self.kept.len();
+        let every = samples.saturating_sub(1).div_ceil(SAMPLES).max(1);
+        let last = samples.saturating_sub(1);
+        let kept: Vec<Moment> = self
+            .kept
+            .drain(..)
+            .enumerate()
+            .filter(|(index, _)| (last - index).is_multiple_of(every))
+            .map(|(_, moment)| moment)
+            .collect();
+        let header = columns_of(analysis)?;
+        let mut results = header.without_columns();
+        for (key, value) in metadata {
+            results.set_metadata(key, value);
+        }
+        let span = if self.period.is_some() {
+            "the last cycle"
+        } else {
+            "the whole run"
+        };
+        let kept_samples = match every {
+            1 => "every sample".to_owned(),
+            every => format!("one of {every} samples"),
+        };
+        results.set_metadata("motion", format!("{span}, {kept_samples}"));
+        let head = 1 + usize::from(header.column(CYCLE_ANGLE).is_some());
+        for (index, column) in header.columns().iter().enumerate() {
+            let value = |moment: &Moment| match index {
+                0 => Some(moment.time),
+                1 if head == 2 => moment.cycle_angle,
+                _ => moment.pose.get(index - head).copied(),
+            };
+            results.push(Column {
+                values: kept
+                    .iter()
+                    .map(|moment| value(moment).unwrap_or(f64::NAN))
+                    .collect(),
+                ..column.clone()
+            })?;
+        }
+        if let Some(folder) = analysis.recorded_to() {
+            if results.samples() > 0 {
+                results.write_parquet(folder)?;
+            }
+            drop(self.trail.take());
+            Trail::remove(folder, &name_of(analysis))?;
+        }
+        Ok(results)
+    }
+}
+
+fn name_of(analysis: &Analysis) -> String {
+    format!("{}{SUFFIX}", analysis.name())
+}
+
+/// The columns without values: time, the cycle's angle, and those of each body in the order of a pose.
+fn columns_of(analysis: &Analysis) -> Result<Results, Error> {
+    let compiled = analysis.model().compiled();
+    let mut header = Results::new(name_of(analysis), analysis.model().name());
+    header.push(Column::time(Vec::new()))?;
+    if compiled.system.cycle.is_some() {
+        header.push(Column::cycle_angle(Vec::new()))?;
+    }
+    for body in &compiled.system.bodies {
+        let modes = match body.inertia {
+            BodyInertia::Rigid { .. } => 0,
+            BodyInertia::Flexible(index) => compiled
+                .reduced
+                .get(index as usize)
+                .map_or(0, |reduced| reduced.invariants.modes),
+        };
+        let path = &body.origin.path;
+        let mut push = |name: String, dimension: Dimension, unit: &str, frame: &str| {
+            header.push(Column {
+                path: format!("{path}.{name}"),
+                dimension,
+                display: DisplayUnit {
+                    symbol: unit.to_owned(),
+                    scale: 1.0,
+                    offset: 0.0,
+                },
+                frame: frame.to_owned(),
+                values: Vec::new(),
+            })
+        };
+        for axis in ["x", "y", "z"] {
+            push(format!("position.{axis}"), Dimension::LENGTH, "m", "ground")?;
+        }
+        for part in ["w", "x", "y", "z"] {
+            push(format!("orientation.{part}"), Dimension::ONE, "1", "ground")?;
+        }
+        for mode in 1..=modes {
+            push(format!("amplitude[{mode}]"), Dimension::ONE, "1", "")?;
+        }
+    }
+    Ok(header)
+}
+
+/// [`columns_of`], all shown in SI.
+fn trail_columns_of(analysis: &Analysis) -> Result<Results, Error> {
+    let header = columns_of(analysis)?;
+    let mut plain = header.without_columns();
+    for column in header.columns() {
+        plain.push(Column {
+            display: DisplayUnit::si(column.dimension),
+            ..column.clone()
+        })?;
+    }
+    Ok(plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Sources;
+    use crate::motion::{BodyMotion, moments};
+
+    /// A bar that is held at its foot and pushed at its tip; the outputs are those of the element code.
+    const HELD: &str = "
+        force Push(a: Marker, b: Marker, x: Force) {
+            apply force x*b.x on a
+        }
+        model Held {
+            marker wall = [0, 0, 0] mm
+            flexible bar {
+                mesh = nastran(\"bar.bdf\", units: mm_tonne_s)
+                support = foot
+                modes = static(at: tip) + normal(2)
+                damping = 20 %
+                marker foot = patch(center: [0, 0, 0] mm, normal: z, radius: 15 mm, tie: rigid)
+                marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
+            }
+            force load = Push(bar.tip, wall, x: 1000 N)
+            output tip_x: Length = dot(bar.tip.origin - wall.origin, wall.x)
+        }
+        analysis push = transient(Held(), duration: 2 ms, sample: 4 us)";
+
+    #[test]
+    fn amplitudes_and_shapes_give_the_markers_motion() {
+        let sources = Sources::from_texts([
+            ("bar.eng".to_owned(), HELD.to_owned()),
+            (
+                "bar.bdf".to_owned(),
+                include_str!("../../tests/mesh/bar.bdf").to_owned(),
+            ),
+        ]);
+        let program = crate::check(&sources, "bar.eng").into_program().unwrap();
+        let analysis = program.analysis("push").unwrap();
+        let outcome = analysis.run(&mut |_| {}).unwrap();
+        let motion = &outcome.motion;
+        assert_eq!(motion.analysis(), "push.motion");
+        // 500 intervals: every second, the last among them
+        assert_eq!(motion.samples(), 251);
+        assert_eq!(
+            motion.metadata().get("motion").map(String::as_str),
+            Some("the whole run, one of 2 samples")
+        );
+        let (times, angles) = moments(motion);
+        assert!((times[250] - 2e-3).abs() < 1e-12 && angles.is_none());
+        let own = BodyMotion::of(motion, "bar").unwrap();
+        assert!(BodyMotion::of(motion, "rod").is_err());
+        let reduced = &analysis.model().reductions()[0].body;
+        let tip = reduced.markers.iter().find(|m| m.name == "tip").unwrap();
+        let shown = &outcome.results.column("tip_x").unwrap().values;
+        let largest = shown.iter().copied().fold(0.0, f64::max);
+        assert!(largest > 1e-4, "{largest}");
+        for (index, amplitudes) in own.amplitudes.iter().enumerate() {
+            let moved: f64 = tip
+                .translation
+                .iter()
+                .zip(amplitudes)
+                .map(|(t, a)| t * a)
+                .sum();
+            let expected = shown[2 * index] - tip.position[0];
+            assert!(
+                (moved - expected).abs() < 1e-9 * largest,
+                "{moved} {expected}"
+            );
+            assert_eq!(own.orientations[index], [1.0, 0.0, 0.0, 0.0]);
+        }
+    }
+}

@@ -1,0 +1,266 @@
+//! The assembled models of a program: what no text shows, and where their markers are.
+
+use crate::analysis::Analysis;
+use crate::counted::counted;
+use crate::lint::{Covered, Finding, accepted, diagnostics, needed, needless, sift};
+use crate::program::{Bodies, Program};
+use crate::{Error, TopologyReport, render};
+use eng_grammar::{Diagnostics, SourceMap};
+use eng_system::lint::Accepted;
+use eng_system::system::System;
+use serde::Serialize;
+use std::sync::Arc;
+
+/// The findings of an assembly of all models.
+#[derive(Clone, Debug, Default)]
+pub struct Assembled {
+    /// Loops that stay open, equations that repeat each other; their places are in the texts of the program.
+    pub diagnostics: Diagnostics,
+    /// A line a model (`Inline4: 11 bodies …, 5 journals …`) and a line an analysis: its freedoms.
+    pub facts: Vec<String>,
+}
+
+/// Where the markers of a model are, as assembled.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Positions {
+    /// The analyses that begin so.
+    pub analyses: Vec<String>,
+    /// All markers that the text states, and the origins of the bodies.
+    pub markers: Vec<PlacedMarker>,
+}
+
+/// Where a marker is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct PlacedMarker {
+    /// Path of its body; `ground`.
+    pub body: String,
+    /// Its path: `crank.pin[2]`.
+    pub marker: String,
+    /// Its place in the ground's axes (m).
+    pub position: [f64; 3],
+}
+
+/// Messages and positions as JSON text: the document of [`render::json`] with one more field `"positions"`,
+///
+/// ```text
+///   "positions": [
+///     { "analyses": ["fired"],
+///       "markers": [ { "body": "crank", "marker": "crank.pin[1]", "position": [x, y, z] } ] } ]
+/// ```
+///
+/// in metres along the ground's axes.
+pub fn json_with_positions(
+    diagnostics: &Diagnostics,
+    sources: &SourceMap,
+    positions: &[Positions],
+) -> String {
+    #[derive(Serialize)]
+    struct WithPositions<'a> {
+        #[serde(flatten)]
+        messages: render::Document<'a>,
+        positions: &'a [Positions],
+    }
+    render::text(&WithPositions {
+        messages: render::document(diagnostics, sources),
+        positions,
+    })
+}
+
+impl Program {
+    /// Assembles all models as their analyses begin, with rigid bodies in place of flexible ones, and counts their freedoms.
+    ///
+    /// # Errors
+    /// What no change of the text mends: no memory for code.
+    pub fn assemble(&self) -> Result<Assembled, Error> {
+        let mut found = Assembled::default();
+        for name in self.models() {
+            match self.outlined(name) {
+                Ok(model) => found.facts.push(model.summary()),
+                // a mesh that reads well may still make no structure
+                Err(Error::Report(report)) => {
+                    found.diagnostics.extend(report.diagnostics().clone());
+                }
+                Err(other) => return Err(other),
+            }
+        }
+        if found.diagnostics.has_errors() {
+            return Ok(found);
+        }
+        let mut geometries = Vec::new();
+        let mut heard = Heard::default();
+        let names = self.analyses();
+        for (name, analysis) in names.iter().zip(self.analyses_with(&names, Bodies::Rigid)) {
+            let analysis = match analysis {
+                Ok(analysis) => analysis,
+                Err(Error::Report(report)) => {
+                    found.diagnostics.extend(report.diagnostics().clone());
+                    continue;
+                }
+                Err(other) => return Err(other),
+            };
+            heard.take(&analysis);
+            match topology(self, name, &analysis) {
+                Ok((report, bends)) => {
+                    // of analyses that differ in loads and speeds alone one is turned; a body that must bend is no geometry
+                    let model = Arc::as_ptr(&analysis.model().compiled().system);
+                    let geometry = (model, analysis.geometry()?);
+                    if !bends && !geometries.contains(&geometry) {
+                        geometries.push(geometry);
+                        let turned = analysis.dry_turn()?;
+                        let hanging = analysis.hanging()?;
+                        found.tell(hanging.iter().chain(&turned));
+                    }
+                    found.facts.push(assembles(&analysis, &report, bends));
+                }
+                Err(Error::Run { report, .. } | Error::Report(report)) => {
+                    found.tell(report.diagnostics().iter());
+                }
+                Err(other) => return Err(other),
+            }
+        }
+        heard.tell(&mut found);
+        Ok(found)
+    }
+
+    /// Where the markers of the models are at the start of their analyses, as assembled; analyses that begin alike share an entry.
+    ///
+    /// # Errors
+    /// A model that does not assemble.
+    pub fn positions(&self) -> Result<Vec<Positions>, Error> {
+        let names = self.analyses();
+        let mut found: Vec<Positions> = Vec::new();
+        for (name, analysis) in names.iter().zip(self.analyses_with(&names, Bodies::Rigid)) {
+            let placed = analysis?.positions()?.into_iter();
+            let markers: Vec<PlacedMarker> = placed
+                .map(|(body, marker, position)| PlacedMarker {
+                    body,
+                    marker,
+                    position,
+                })
+                .collect();
+            match found.iter_mut().find(|known| known.markers == markers) {
+                Some(known) => known.analyses.push((*name).to_owned()),
+                None => found.push(Positions {
+                    analyses: vec![(*name).to_owned()],
+                    markers,
+                }),
+            }
+        }
+        Ok(found)
+    }
+}
+
+impl Assembled {
+    /// Adds messages, each mistake once: analyses of one model fail alike.
+    fn tell<'d>(&mut self, messages: impl Iterator<Item = &'d eng_grammar::Diagnostic>) {
+        for message in messages {
+            if !self.diagnostics.iter().any(|known| known == message) {
+                self.diagnostics.push(message.clone());
+            }
+        }
+    }
+}
+
+/// The line of an analysis that assembles.
+fn assembles(analysis: &Analysis, report: &TopologyReport, bends: bool) -> String {
+    let name = analysis.name();
+    let equations = counted(
+        report.equations,
+        "constraint equation",
+        "constraint equations",
+    );
+    match bends {
+        false => format!(
+            "{name}: assembles; {}, {equations}, {}{}",
+            counted(report.velocities, "velocity", "velocities"),
+            counted(report.freedom, "freedom", "freedoms"),
+            analysis.model().besides(),
+        ),
+        true => {
+            format!("{name}: assembles if its flexible bodies bend as the joints ask; {equations}")
+        }
+    }
+}
+
+/// Whether an analysis of a model with rigid bodies in place of flexible ones assembles; if it does not, whether it does where the markers
+/// of these may move: joints may hold a body that bends in more ways than a rigid one.
+fn topology(
+    program: &Program,
+    name: &str,
+    analysis: &Analysis,
+) -> Result<(TopologyReport, bool), Error> {
+    match analysis.topology() {
+        Ok(report) => Ok((report, false)),
+        Err(Error::Run { .. }) if analysis.model().is_outlined() => {
+            let mut loose = program.analyses_with(&[name], Bodies::Loose);
+            match loose.pop() {
+                Some(loose) => Ok((loose?.topology()?, true)),
+                None => Ok((analysis.topology()?, false)),
+            }
+        }
+        Err(other) => Err(other),
+    }
+}
+
+/// What lints say of all analyses of a program.
+#[derive(Default)]
+struct Heard {
+    told: Vec<Finding>,
+    /// By model and its constants: the system, and the acceptances that something needed with what they accept.
+    models: Vec<(Arc<System>, Vec<Covered>)>,
+}
+
+impl Heard {
+    /// Listens to an analysis; one whose parameters cannot be used is told elsewhere.
+    fn take(&mut self, analysis: &Analysis) {
+        let Ok(mut findings) = analysis.findings() else {
+            return;
+        };
+        findings.extend(analysis.findings_of_start());
+        let system = &analysis.model().compiled().system;
+        let sifted = sift(findings, system);
+        for finding in sifted.told {
+            let known =
+                |other: &Finding| other.like(&finding) && other.origin.path == finding.origin.path;
+            if !self.told.iter().any(known) {
+                self.told.push(finding);
+            }
+        }
+        match self.models.iter_mut().find(|(known, _)| known == system) {
+            Some((_, heard)) => {
+                for found in sifted.accepted {
+                    if !heard.contains(&found) {
+                        heard.push(found);
+                    }
+                }
+            }
+            None => self.models.push((Arc::clone(system), sifted.accepted)),
+        }
+    }
+
+    /// Tells each thing once, and what the text accepts.
+    fn tell(&self, assembled: &mut Assembled) {
+        for diagnostic in diagnostics(&self.told) {
+            assembled.diagnostics.push(diagnostic);
+        }
+        let mut places: Vec<(&Accepted, bool)> = Vec::new();
+        for (system, heard) in &self.models {
+            for line in accepted(system, heard) {
+                let line = format!("accepted: {line}");
+                if !assembled.facts.contains(&line) {
+                    assembled.facts.push(line);
+                }
+            }
+            // a place that one instance or one model needs is needed
+            for (accepted, needed) in needed(system, heard) {
+                match places.iter_mut().find(|(known, _)| known.at == accepted.at) {
+                    Some((_, known)) => *known |= needed,
+                    None => places.push((accepted, needed)),
+                }
+            }
+        }
+        for (accepted, _) in places.iter().filter(|(_, needed)| !needed) {
+            assembled.diagnostics.push(needless(accepted));
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! The files of a run.
+
+use super::arguments::RunArguments;
+use super::terminal::Terminal;
+use super::{Stop, USAGE_OR_SYSTEM};
+use crate::plot;
+use crate::results::{failed_twin, stem_of};
+use std::path::{Path, PathBuf};
+
+/// Where results are kept if nothing else is said.
+pub(super) fn results_folder(model: &Path) -> PathBuf {
+    Path::new("results").join(model.file_stem().unwrap_or_default())
+}
+
+/// Writes figures: names (without extension) and SVG texts.
+pub(super) fn draw(
+    figures: Vec<(String, String)>,
+    failed: bool,
+    folder: &Path,
+    arguments: &RunArguments,
+    console: &mut Terminal<'_>,
+) -> Result<(), Stop> {
+    for (name, svg) in figures {
+        let written = plot::write_svg_and_png(&svg, folder, &stem_of(&name, failed));
+        for path in told_of(written, console)? {
+            wrote(&path, arguments, console)?;
+        }
+    }
+    Ok(())
+}
+
+/// Says what was written.
+pub(super) fn wrote(
+    path: &Path,
+    arguments: &RunArguments,
+    console: &mut Terminal<'_>,
+) -> Result<(), Stop> {
+    // what a failed run left is out of date; where it can't be removed, it still says what it is
+    if let Some(twin) = failed_twin(path) {
+        let _ = std::fs::remove_file(twin);
+    }
+    if !arguments.quiet {
+        writeln!(console.output, "  wrote {}", path.display())?;
+    }
+    Ok(())
+}
+
+/// The value, or the error on the console.
+pub(super) fn told_of<T, E: std::fmt::Display>(
+    result: Result<T, E>,
+    console: &mut Terminal<'_>,
+) -> Result<T, Stop> {
+    match result {
+        Ok(value) => Ok(value),
+        Err(error) => {
+            writeln!(console.errors, "error: {error}")?;
+            Err(Stop::Code(USAGE_OR_SYSTEM))
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! The bars that show how far runs are.
+
+use crate::Progress;
+use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// A bar for each analysis that runs.
+pub(super) struct Bars {
+    all: MultiProgress,
+    shown: Vec<Option<ProgressBar>>,
+}
+
+impl Bars {
+    /// Bars for so many analyses on the process's standard error; hidden ones draw nothing.
+    pub fn new(analyses: usize, hidden: bool) -> Bars {
+        let target = match hidden {
+            true => ProgressDrawTarget::hidden(),
+            false => ProgressDrawTarget::stderr(),
+        };
+        Bars {
+            all: MultiProgress::with_draw_target(target),
+            shown: vec![None; analyses],
+        }
+    }
+
+    /// Moves the bar of an analysis, and draws it first where it is not there yet.
+    pub fn show(&mut self, index: usize, name: &str, progress: Progress) {
+        if let Some(bar) = self.shown.get_mut(index) {
+            let bar = bar.get_or_insert_with(|| self.all.add(progress_bar(name)));
+            show_progress(bar, progress);
+        }
+    }
+
+    /// Takes the bar of an analysis away.
+    pub fn end(&mut self, index: usize) {
+        if let Some(bar) = self.shown.get_mut(index).and_then(Option::take) {
+            bar.finish_and_clear();
+            self.all.remove(&bar);
+        }
+    }
+
+    /// Writes something while no bar is drawn.
+    pub fn suspend(&self, write: impl FnOnce()) {
+        self.all.suspend(write);
+    }
+}
+
+const BAR: u64 = 1000;
+
+fn progress_bar(analysis: &str) -> ProgressBar {
+    let target = ProgressDrawTarget::hidden();
+    let bar = ProgressBar::with_draw_target(Some(BAR), target).with_prefix(analysis.to_owned());
+    let template = "{prefix} {wide_bar} {percent:>3} %  {msg}  {eta} left";
+    match ProgressStyle::with_template(template) {
+        Ok(style) => bar.with_style(style.progress_chars("━╸─")),
+        Err(_) => bar,
+    }
+}
+
+fn show_progress(bar: &ProgressBar, progress: Progress) {
+    bar.set_message(place(progress));
+    bar.set_position((progress.fraction.clamp(0.0, 1.0) * BAR as f64) as u64);
+}
+
+/// `1260 °CA`, or the time of a model without cycle.
+fn place(progress: Progress) -> String {
+    if let Some((cycles, change)) = progress.cycles {
+        return match change {
+            Some(change) => format!("{cycles} cycles, {:.3} % change", 100.0 * change),
+            None => format!("{cycles} cycles"),
+        };
+    }
+    match progress.cycle_angle {
+        Some(angle) => format!("{:.0} °CA", angle.to_degrees()),
+        None => format!("{:.6} s", progress.time),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn progress_names_the_angle_or_the_time() {
+        let mut progress = Progress {
+            fraction: 0.5,
+            time: 0.03,
+            steps: 0,
+            cycle_angle: Some(4.0 * std::f64::consts::PI),
+            cycles: None,
+        };
+        assert_eq!(place(progress), "720 °CA");
+        progress.cycle_angle = None;
+        assert_eq!(place(progress), "0.030000 s");
+        progress.cycles = Some((3, Some(0.0125)));
+        assert_eq!(place(progress), "3 cycles, 1.250 % change");
+        progress.cycles = None;
+        let bar = progress_bar("unfired");
+        show_progress(&bar, progress);
+        assert_eq!((bar.position(), bar.length()), (500, Some(1000)));
+    }
+}

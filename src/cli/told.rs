@@ -1,0 +1,163 @@
+//! What a run prints and writes of its analyses as they end.
+
+use super::arguments::RunArguments;
+use super::files::{draw, told_of, wrote};
+use super::terminal::Terminal;
+use super::{Refusal, Stop};
+use crate::analysis::Failed;
+use crate::figures;
+use crate::program::Program;
+use crate::run::RunOutcome;
+use crate::tables::{JournalSummary, journal_table, modes};
+use eng_grammar::{Diagnostic, Diagnostics};
+use std::path::Path;
+
+/// The end of an analysis.
+pub(super) type Ended = Result<RunOutcome, Failed<RunOutcome>>;
+
+/// What was told of the analyses, in the order of the text whichever ends first.
+pub(super) struct Told<'a> {
+    pub arguments: &'a RunArguments,
+    pub program: &'a Program,
+    /// Where results are written.
+    pub folder: &'a Path,
+    pub outcomes: Vec<RunOutcome>,
+    /// Names of the analyses that failed.
+    pub failures: Vec<String>,
+    /// Each message once, though analyses of one model fail alike.
+    messages: Vec<Diagnostic>,
+}
+
+impl<'a> Told<'a> {
+    pub fn new(arguments: &'a RunArguments, program: &'a Program, folder: &'a Path) -> Told<'a> {
+        Told {
+            arguments,
+            program,
+            folder,
+            outcomes: Vec::new(),
+            failures: Vec::new(),
+            messages: Vec::new(),
+        }
+    }
+
+    /// Tells of an analysis that has ended.
+    pub fn tell(
+        &mut self,
+        analysis: &str,
+        ended: Ended,
+        console: &mut Terminal<'_>,
+    ) -> Result<(), Stop> {
+        let Failed { error, partial } = match ended {
+            Ok(outcome) => {
+                self.show(&outcome.diagnostics, console)?;
+                self.written(&outcome, console)?;
+                self.outcomes.push(outcome);
+                return Ok(());
+            }
+            Err(failed) => failed,
+        };
+        let Some(report) = error.report() else {
+            return Err(Refusal::from(*error).show(self.program.texts(), console));
+        };
+        self.show(report.diagnostics(), console)?;
+        self.failures.push(analysis.to_owned());
+        if error.is_stopped() {
+            writeln!(
+                console.errors,
+                "{analysis} was stopped: `--patient` runs it to its end however long that takes, `--patient --resume` from where it stands"
+            )?;
+            return Ok(());
+        }
+        let Some(mut partial) = partial else {
+            writeln!(
+                console.errors,
+                "{analysis} failed before its first sample; results of an earlier run stay as they are"
+            )?;
+            return Ok(());
+        };
+        if partial.results.failure().is_none() {
+            let reason = report.diagnostics().iter().next().map(|d| d.title.clone());
+            let reason = reason.unwrap_or_else(|| "the run failed".to_owned());
+            partial.results.set_failure(&reason);
+        }
+        self.show(&partial.diagnostics, console)?;
+        writeln!(
+            console.errors,
+            "{analysis} failed; the results up to the failure are kept as {}, those of an earlier run stay as they are",
+            partial.results.stem()
+        )?;
+        self.written(&partial, console)
+    }
+
+    fn show(&mut self, diagnostics: &Diagnostics, console: &mut Terminal<'_>) -> Result<(), Stop> {
+        let mut new = Diagnostics::new();
+        for diagnostic in diagnostics.iter() {
+            if !self.messages.contains(diagnostic) {
+                self.messages.push(diagnostic.clone());
+                new.push(diagnostic.clone());
+            }
+        }
+        Ok(console.errors.messages(&new, self.program.texts())?)
+    }
+
+    /// Prints the table of an analysis and names its files, which the run itself has written; writes those that were asked for besides.
+    fn written(&self, outcome: &RunOutcome, console: &mut Terminal<'_>) -> Result<(), Stop> {
+        let Told {
+            arguments, folder, ..
+        } = *self;
+        let results = &outcome.results;
+        if !arguments.quiet {
+            summary(outcome, console)?;
+        }
+        for written in std::iter::once(results).chain(&outcome.motion) {
+            let path = folder.join(format!("{}.parquet", written.stem()));
+            wrote(&path, arguments, console)?;
+        }
+        if arguments.csv {
+            let path = told_of(results.write_csv(folder), console)?;
+            wrote(&path, arguments, console)?;
+        }
+        // of a sweep the table over its points tells more
+        if !arguments.no_plots && outcome.point.is_empty() && !results.are_modes() {
+            let failed = results.failure().is_some();
+            let figures = figures::of_analysis(outcome);
+            draw(figures, failed, folder, arguments, console)?;
+        }
+        Ok(())
+    }
+}
+
+fn summary(outcome: &RunOutcome, console: &mut Terminal<'_>) -> Result<(), Stop> {
+    let results = &outcome.results;
+    writeln!(
+        console.output,
+        "{} ({})",
+        results.analysis(),
+        results.model()
+    )?;
+    let point: Vec<String> = outcome
+        .point
+        .iter()
+        .map(|p| format!("{} = {}", p.name, p.display.text(p.value)))
+        .collect();
+    if !point.is_empty() {
+        writeln!(console.output, "  {}", point.join(", "))?;
+    }
+    for fact in &outcome.facts {
+        writeln!(console.output, "  {fact}")?;
+    }
+    if !outcome.point.is_empty() {
+        return Ok(());
+    }
+    let machine = &outcome.machine;
+    let summaries: Vec<JournalSummary> = machine
+        .journals
+        .iter()
+        .map(|journal| JournalSummary::new(results, journal, machine.cycle_period))
+        .collect();
+    write!(console.output, "{}", journal_table(&summaries))?;
+    if results.are_modes() {
+        write!(console.output, "{}", modes::table(results))?;
+    }
+    Ok(())
+}

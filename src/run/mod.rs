@@ -1,0 +1,253 @@
+//! Runs of analyses with all that is said of them: one or many side by side, watched so that none goes on for days.
+
+mod patience;
+
+use crate::analysis::{Failed, Outcome};
+use crate::lint::{self, Finding};
+use crate::machine::Machine;
+use crate::repetition::Repetition;
+use crate::significant::significant;
+use crate::{Analysis, Error, Progress, Results, Slow, Verdict, Watch};
+use eng_grammar::{Diagnostic, Diagnostics};
+use eng_system::system::PointValue;
+use patience::{Look, Patience, in_words};
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+/// The results of a run with the machine behind them and what is said of them.
+#[derive(Clone, Debug)]
+pub struct RunOutcome {
+    /// All columns.
+    pub results: Results,
+    /// Where the bodies were in the last cycle: `ANALYSIS.motion`; absent where it is not known.
+    pub motion: Option<Results>,
+    /// Journals, cycle and firing order; of modes without journals.
+    pub machine: Machine,
+    /// Warnings of the run (an `advise` that did not hold); their places are in the texts of the program.
+    pub diagnostics: Diagnostics,
+    /// Facts worth a line each: steps, Newton iterations, energy.
+    pub facts: Vec<String>,
+    /// Where it is in its sweep; empty for an analysis without an index.
+    pub point: Vec<PointValue>,
+    /// Of a periodic analysis: cycles, and whether the last repeats; absent where it failed.
+    pub periodic: Option<(u32, bool)>,
+}
+
+/// What a run reports while it goes on, and its end.
+#[derive(Debug)]
+pub enum Event {
+    /// It goes on.
+    Progress(Progress),
+    /// It goes on slowly, and why.
+    Slow(Box<Diagnostic>),
+    /// It has ended.
+    Done(Box<Result<RunOutcome, Failed<RunOutcome>>>),
+}
+
+/// Runs several analyses, up to `threads` at a time; `tell` hears of the one with an index among `analyses`. The results are those
+/// of [`run`] to the last bit, whatever the number of threads. `patient`: see [`run`].
+pub fn run_many(
+    analyses: &[Analysis],
+    patient: bool,
+    threads: NonZeroUsize,
+    tell: &mut dyn FnMut(usize, Event),
+) {
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = mpsc::channel();
+    std::thread::scope(|scope| {
+        for _ in 0..threads.get().min(analyses.len()) {
+            let (sender, next) = (sender.clone(), &next);
+            scope.spawn(move || {
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(analysis) = analyses.get(index) else {
+                        return;
+                    };
+                    // nobody listens any more only when the caller has gone
+                    let result = run(analysis, patient, &mut |event| {
+                        let _ = sender.send((index, event));
+                    });
+                    let _ = sender.send((index, Event::Done(Box::new(result))));
+                }
+            });
+        }
+        drop(sender);
+        for (index, event) in receiver {
+            tell(index, event);
+        }
+    });
+}
+
+/// Runs an analysis. A run that at its pace would take more than a day is stopped ([`Error::is_stopped`]) unless `patient`; what it
+/// has on disk stays, to resume from.
+///
+/// # Errors
+/// What the model refuses, with the results up to the failure; what the disk refuses.
+pub fn run(
+    analysis: &Analysis,
+    patient: bool,
+    tell: &mut dyn FnMut(Event),
+) -> Result<RunOutcome, Failed<RunOutcome>> {
+    let mut watch = Watching {
+        analysis,
+        tell,
+        patient,
+        began: Instant::now(),
+        patience: Patience::default(),
+        told: false,
+        lost: None,
+    };
+    let ran = analysis.run_watched(&mut watch);
+    match (ran, watch.lost) {
+        (Ok(outcome), _) => run_outcome(analysis, outcome).map_err(|error| Failed {
+            error: Box::new(error),
+            partial: None,
+        }),
+        (Err(Failed { error, .. }), Some((passed, now, left))) if error.is_stopped() => {
+            let note = format!(
+                "{} steps in {} s of computing were {:.1e} % of the run; at this pace the rest takes {}",
+                now.steps,
+                passed.as_secs(),
+                100.0 * now.fraction,
+                in_words(left)
+            );
+            Err(Failed {
+                error: Box::new(error.with_note(&note)),
+                partial: None,
+            })
+        }
+        (Err(Failed { error, partial }), _) => Err(Failed {
+            error,
+            partial: partial
+                .and_then(|outcome| run_outcome(analysis, *outcome).ok())
+                .map(Box::new),
+        }),
+    }
+}
+
+/// Watches a run: tells of its progress and of what slows it down, and stops it where nobody waits for its end.
+struct Watching<'a> {
+    analysis: &'a Analysis,
+    tell: &'a mut dyn FnMut(Event),
+    patient: bool,
+    began: Instant,
+    patience: Patience,
+    /// Whether it was told what slows the run down.
+    told: bool,
+    /// Where it was stopped: time since it began, progress, seconds that the rest would take.
+    lost: Option<(Duration, Progress, f64)>,
+}
+
+impl Watch for Watching<'_> {
+    fn progress(&mut self, now: Progress) -> Verdict {
+        (self.tell)(Event::Progress(now));
+        let passed = self.began.elapsed();
+        match self.patience.look(passed, now.fraction) {
+            Look::Lost(left) if !self.patient => {
+                self.lost = Some((passed, now, left));
+                Verdict::Stop
+            }
+            Look::Now | Look::Lost(_) if !self.told => Verdict::Explain,
+            _ => Verdict::GoOn,
+        }
+    }
+
+    fn paced(&mut self, slow: &Slow) {
+        if let Some(message) = crate::failure::slow(slow, self.analysis.name()) {
+            self.told = true;
+            (self.tell)(Event::Slow(Box::new(message)));
+        }
+    }
+}
+
+fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Error> {
+    let system = &analysis.model().compiled().system;
+    let bound = analysis.bound()?;
+    let mut diagnostics = Diagnostics::new();
+    for reduction in analysis.model().reductions() {
+        reduction.doubts().for_each(|d| diagnostics.push(d));
+    }
+    analysis
+        .hanging()?
+        .into_iter()
+        .for_each(|d| diagnostics.push(d));
+    let mut findings = analysis.findings()?;
+    for warning in &outcome.warnings {
+        // a run repeats what its parameters are advised at its start
+        let repeated = |advice: &eng_system::code::Advice| {
+            advice.origin == warning.origin && advice.message == warning.message
+        };
+        if !bound.advice.iter().any(repeated) {
+            findings.push(Finding::of_run(warning));
+        }
+    }
+    lint::diagnostics(&lint::sift(findings, system).told)
+        .into_iter()
+        .for_each(|d| diagnostics.push(d));
+    let mut facts = analysis.replaced().to_vec();
+    if outcome.made_before {
+        facts.push("was complete, and is not run again".to_owned());
+        let gone = |folder: &Path| {
+            let name = format!("{}{}", analysis.name(), crate::motion::SUFFIX);
+            let file = crate::results::file_stem(&name) + ".parquet";
+            !folder.join(file).is_file()
+        };
+        let moves = !system.bodies.is_empty() && !outcome.results.are_modes();
+        if moves && analysis.recorded_to().is_some_and(gone) {
+            facts.push(
+                "its motion is not there: without --resume it is run again and makes it".to_owned(),
+            );
+        }
+    }
+    if let Some(start) = &outcome.start {
+        facts.push(start.to_string());
+        crate::failure::start_advice(start)
+            .into_iter()
+            .for_each(|d| diagnostics.push(d));
+    }
+    let repetition = Repetition::of(outcome.results.metadata());
+    if let Some(found) = &repetition {
+        facts.push(found.text());
+        if let Some(warning) = found.warning(analysis.origin()) {
+            diagnostics.push(warning);
+        }
+    }
+    if let Some(periodic) = &outcome.periodic {
+        let (told, warnings) = crate::failure::periodic(periodic, system, &bound);
+        facts.extend(told);
+        warnings.into_iter().for_each(|d| diagnostics.push(d));
+    }
+    if let Some(modes) = &outcome.modes {
+        facts.extend(crate::modes::facts(modes));
+    }
+    if let Some(summary) = &outcome.summary {
+        let s = &summary.statistics;
+        facts.push(format!(
+            "{} steps, {} rejected, {} Newton iterations, {} factorisations",
+            s.steps, s.rejected, s.iterations, s.factorizations
+        ));
+        let e = &summary.energy;
+        facts.push(format!(
+            "energy: {} J kinetic, {:.3e} J out of balance",
+            significant(e.kinetic, 6),
+            e.imbalance()
+        ));
+    }
+    let mut machine = Machine::new(system, &bound, analysis.kind());
+    if outcome.results.are_modes() {
+        // rows that are modes have no orbits and no peaks
+        machine.journals.clear();
+    }
+    Ok(RunOutcome {
+        machine,
+        diagnostics,
+        facts,
+        point: analysis.point().to_vec(),
+        periodic: repetition.map(|r| (r.cycles, r.repeats)),
+        motion: (outcome.motion.samples() > 0).then_some(outcome.motion),
+        results: outcome.results,
+    })
+}

@@ -1,0 +1,437 @@
+//! The house in order: top-level modules of a crate have no circles, the library does not know the command line, functions are short.
+//!
+//! Sources are read as `cargo fmt` leaves them. Tests inside of them count for nothing.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// The crates with the folders of their sources.
+const CRATES: [(&str, &str); 7] = [
+    ("eng", "src"),
+    ("eng-grammar", "grammar/src"),
+    ("eng-system", "system/src"),
+    ("eng-compiler", "compiler/src"),
+    ("eng-flexible", "flexible/src"),
+    ("eng-runtime", "runtime/src"),
+    ("eng-report", "report/src"),
+];
+
+/// Most lines of a function.
+const LONGEST: usize = 120;
+
+/// Circles that are left: a crate, and modules of which each reaches all others. Who mends one takes it away.
+const CIRCLES: [(&str, &[&str]); 7] = [
+    ("eng-compiler", &["generate", "jit"]),
+    ("eng-compiler", &["program", "resolve"]),
+    ("eng-grammar", &["build", "diagnose", "parse", "strings"]),
+    (
+        "eng-runtime",
+        &[
+            "acceleration",
+            "assembly",
+            "chain",
+            "checkpoint",
+            "dynamics",
+            "elements",
+            "error",
+            "integrator",
+            "model",
+            "outputs",
+            "simulation",
+            "start",
+            "state",
+            "topology",
+        ],
+    ),
+    ("eng-runtime", &["body", "flexible"]),
+    ("eng-runtime", &["linearised", "periodic", "transient"]),
+    ("eng-system", &["lint", "system", "table"]),
+];
+
+/// Functions that are left longer than [`LONGEST`]: file and name. Who splits one takes it away.
+const LONG: [(&str, &str); 24] = [
+    ("compiler/src/check/analysis.rs", "model_and_options"),
+    ("compiler/src/check/class.rs", "placing"),
+    ("compiler/src/check/field.rs", "field_of"),
+    ("compiler/src/check/function.rs", "function"),
+    ("compiler/src/check/report/function.rs", "call"),
+    ("compiler/src/check/report/picture.rs", "polar"),
+    ("compiler/src/elaborate/builtin.rs", "builtin"),
+    ("compiler/src/elaborate/csv.rs", "read_csv"),
+    ("compiler/src/elaborate/finish.rs", "flatten"),
+    ("compiler/src/elaborate/flexible/mod.rs", "flexible_body"),
+    ("compiler/src/elaborate/output.rs", "finish_element"),
+    ("compiler/src/elaborate/table.rs", "table_value"),
+    ("flexible/src/markers.rs", "select"),
+    ("flexible/src/reduce.rs", "reduce"),
+    ("flexible/src/solve/lanczos.rs", "append"),
+    ("report/src/figure/sweep/waterfall.rs", "draw"),
+    ("runtime/src/dynamics/matrix.rs", "fill"),
+    ("runtime/src/dynamics/matrix.rs", "new"),
+    ("runtime/src/flexible.rs", "add_inertia_matrix"),
+    ("runtime/src/transient.rs", "run"),
+    ("src/analysis/mod.rs", "run_watched"),
+    ("src/cli/report.rs", "report"),
+    ("src/failure.rs", "diagnostic"),
+    ("src/report/scene.rs", "scene"),
+];
+
+/// All `.rs` files below a folder with their texts, without comments, contents of strings, and tests.
+fn sources(folder: &Path) -> Vec<(PathBuf, String)> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let text = std::fs::read_to_string(&path).expect("a source");
+                found.push((path, without_tests(&bare(&text))));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// A text of Rust whose comments, strings and characters are blank, line by line as long as before.
+fn bare(text: &str) -> String {
+    let letters: Vec<char> = text.chars().collect();
+    let mut out = String::with_capacity(text.len());
+    let mut at = 0;
+    let blank = |from: usize, to: usize, out: &mut String| {
+        for letter in letters.get(from..to).unwrap_or_default() {
+            out.push(if *letter == '\n' { '\n' } else { ' ' });
+        }
+        to
+    };
+    let is = |at: usize, wanted: &str| {
+        let mut place = at;
+        wanted.chars().all(|letter| {
+            place += 1;
+            letters.get(place - 1) == Some(&letter)
+        })
+    };
+    let find = |from: usize, wanted: &str| (from..letters.len()).find(|at| is(*at, wanted));
+    while let Some(letter) = letters.get(at) {
+        let word_before = at > 0
+            && letters
+                .get(at - 1)
+                .is_some_and(|c| c.is_alphanumeric() || *c == '_');
+        at = if is(at, "//") {
+            let end = find(at, "\n").unwrap_or(letters.len());
+            blank(at, end, &mut out)
+        } else if is(at, "/*") {
+            let end = find(at + 2, "*/").map_or(letters.len(), |end| end + 2);
+            blank(at, end, &mut out)
+        } else if *letter == 'r' && !word_before && (is(at, "r\"") || is(at, "r#")) {
+            let hashes = letters[at + 1..].iter().take_while(|c| **c == '#').count();
+            if letters.get(at + 1 + hashes) == Some(&'"') {
+                let close = format!("\"{}", "#".repeat(hashes));
+                let end = find(at + 2 + hashes, &close).map_or(letters.len(), |e| e + close.len());
+                blank(at, end, &mut out)
+            } else {
+                out.push('r');
+                at + 1
+            }
+        } else if *letter == '"' {
+            let mut end = at + 1;
+            while letters.get(end).is_some_and(|c| *c != '"') {
+                end += if letters[end] == '\\' { 2 } else { 1 };
+            }
+            blank(at, (end + 1).min(letters.len()), &mut out)
+        } else if *letter == '\'' && letters.get(at + 1) == Some(&'\\') {
+            let end = find(at + 3, "'").map_or(letters.len(), |end| end + 1);
+            blank(at, end, &mut out)
+        } else if *letter == '\'' && letters.get(at + 2) == Some(&'\'') {
+            blank(at, at + 3, &mut out)
+        } else {
+            out.push(*letter);
+            at + 1
+        };
+    }
+    out
+}
+
+/// A text without the modules that are compiled for tests alone: from `#[cfg(test)]` to the brace in the same column.
+fn without_tests(text: &str) -> String {
+    let mut kept: Vec<&str> = Vec::new();
+    let mut lines = text.lines().peekable();
+    while let Some(line) = lines.next() {
+        let indent = line.len() - line.trim_start().len();
+        if line.trim() == "#[cfg(test)]" {
+            let end = format!("{}}}", " ".repeat(indent));
+            for skipped in lines.by_ref() {
+                let item = skipped.trim_end();
+                if item == end
+                    || (item.ends_with(';') && skipped.len() - skipped.trim_start().len() == indent)
+                {
+                    break;
+                }
+            }
+        } else {
+            kept.push(line);
+        }
+    }
+    kept.join("\n")
+}
+
+/// Words and signs: names, `::`, and single signs.
+fn tokens(text: &str) -> Vec<String> {
+    let mut found: Vec<String> = Vec::new();
+    let mut letters = text.chars().peekable();
+    while let Some(letter) = letters.next() {
+        if letter.is_alphanumeric() || letter == '_' {
+            let mut word = String::from(letter);
+            while let Some(next) = letters.next_if(|c| c.is_alphanumeric() || *c == '_') {
+                word.push(next);
+            }
+            found.push(word);
+        } else if letter == ':' && letters.next_if_eq(&':').is_some() {
+            found.push("::".to_owned());
+        } else if !letter.is_whitespace() {
+            found.push(letter.to_string());
+        }
+    }
+    found
+}
+
+/// The names after `head::` with the place behind them; of `head::{a::b, c}` both `a` and `c`.
+fn heads(tokens: &[String], at: usize) -> Vec<String> {
+    match tokens.get(at).map(String::as_str) {
+        Some("{") => {
+            let (mut depth, mut found, mut place) = (1, Vec::new(), at + 1);
+            let mut first = true;
+            while depth > 0 {
+                match tokens.get(place).map(String::as_str) {
+                    None => break,
+                    Some("{") => depth += 1,
+                    Some("}") => depth -= 1,
+                    Some(",") if depth == 1 => first = true,
+                    Some(name) if depth == 1 && first => {
+                        found.push(name.to_owned());
+                        first = false;
+                    }
+                    _ => {}
+                }
+                place += 1;
+            }
+            found
+        }
+        Some(name) => vec![name.to_owned()],
+        None => Vec::new(),
+    }
+}
+
+/// The items of the crate's root that a text names, by `crate::` or by as many `super::` as it lies deep.
+fn named(text: &str, depth: usize) -> Vec<String> {
+    let tokens = tokens(text);
+    let is = |at: usize, wanted: &str| tokens.get(at).is_some_and(|token| token == wanted);
+    let mut found = Vec::new();
+    let mut at = 0;
+    while at < tokens.len() {
+        if is(at, "crate") && is(at + 1, "::") {
+            found.extend(heads(&tokens, at + 2));
+        } else if is(at, "super") && (at == 0 || !is(at - 1, "::")) {
+            let mut climbed = 0;
+            while is(at + 2 * climbed, "super") && is(at + 2 * climbed + 1, "::") {
+                climbed += 1;
+            }
+            if climbed >= depth {
+                found.extend(heads(&tokens, at + 2 * climbed));
+            }
+        }
+        at += 1;
+    }
+    found
+}
+
+/// What the root hands on under a name of its own: `pub use run::RunOutcome` gives `RunOutcome` → `run`.
+fn handed_on(root: &str) -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    for part in root.split("use ").skip(1) {
+        let tokens = tokens(part.split(';').next().unwrap_or_default());
+        let Some(module) = tokens.first() else {
+            continue;
+        };
+        for pair in tokens.windows(2) {
+            if pair[1] != "::" && pair[0] != "::" {
+                found.insert(pair[0].clone(), module.clone());
+            }
+        }
+        if let Some(last) = tokens.last() {
+            found.insert(last.clone(), module.clone());
+        }
+    }
+    found
+}
+
+/// The modules of a crate's root, and for each the others that it names.
+fn modules(folder: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let sources = sources(&folder);
+    let mut texts: Vec<(String, usize, &String)> = Vec::new();
+    let mut root = String::new();
+    for (path, text) in &sources {
+        let inside = path.strip_prefix(&folder).expect("below the folder");
+        let mut parts: Vec<String> = inside
+            .with_extension("")
+            .iter()
+            .map(|part| part.to_string_lossy().into_owned())
+            .collect();
+        parts.retain(|part| part != "mod");
+        match parts.as_slice() {
+            [only] if only == "lib" => root = text.clone(),
+            [only] if only == "main" => {}
+            [first, ..] => texts.push((first.clone(), parts.len(), text)),
+            [] => {}
+        }
+    }
+    let names: BTreeSet<String> = texts.iter().map(|(name, ..)| name.clone()).collect();
+    let handed_on = handed_on(&root);
+    let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (name, depth, text) in texts {
+        let edges = graph.entry(name.clone()).or_default();
+        for item in named(text, depth) {
+            let module = match names.contains(&item) {
+                true => Some(&item),
+                false => handed_on
+                    .get(&item)
+                    .filter(|module| names.contains(*module)),
+            };
+            edges.extend(module.filter(|module| **module != name).cloned());
+        }
+    }
+    graph
+}
+
+/// All modules that a module reaches.
+fn reached(graph: &BTreeMap<String, BTreeSet<String>>, from: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let mut open = vec![from.to_owned()];
+    while let Some(module) = open.pop() {
+        for next in graph.get(&module).into_iter().flatten() {
+            if found.insert(next.clone()) {
+                open.push(next.clone());
+            }
+        }
+    }
+    found
+}
+
+/// Groups of modules of which each reaches all others of its group.
+fn circles(graph: &BTreeMap<String, BTreeSet<String>>) -> BTreeSet<Vec<String>> {
+    graph
+        .keys()
+        .map(|module| {
+            let own = reached(graph, module);
+            let round = own
+                .iter()
+                .filter(|other| reached(graph, other).contains(module));
+            round.cloned().collect::<Vec<String>>()
+        })
+        .filter(|group| group.len() > 1)
+        .collect()
+}
+
+#[test]
+fn modules_of_a_crate_have_no_circles() {
+    let mut found: BTreeSet<(String, Vec<String>)> = BTreeSet::new();
+    for (name, folder) in CRATES {
+        let graph = modules(folder);
+        assert!(graph.len() > 1, "{name}: no modules are seen in {folder}");
+        for circle in circles(&graph) {
+            for module in &circle {
+                let inside: Vec<&String> = graph[module]
+                    .iter()
+                    .filter(|other| circle.contains(other))
+                    .collect();
+                println!("{name}: {module} names {inside:?}");
+            }
+            found.insert((name.to_owned(), circle));
+        }
+    }
+    let known = CIRCLES.map(|(name, circle)| {
+        let circle = circle.iter().map(ToString::to_string).collect();
+        (name.to_owned(), circle)
+    });
+    assert_eq!(
+        found,
+        BTreeSet::from(known),
+        "left: found, right: known to be left"
+    );
+}
+
+#[test]
+fn the_library_does_not_know_the_command_line() {
+    for (module, names) in modules("src") {
+        assert!(!names.contains("cli"), "{module} names `cli`");
+    }
+}
+
+#[test]
+fn functions_are_short() {
+    let mut found: BTreeSet<(String, String)> = BTreeSet::new();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for (_, folder) in CRATES {
+        for (path, text) in sources(&root.join(folder)) {
+            let file = path
+                .strip_prefix(root)
+                .expect("below the root")
+                .to_string_lossy();
+            let lines: Vec<&str> = text.lines().collect();
+            for (begin, line) in lines.iter().enumerate() {
+                let Some((_, name)) = line.split_once("fn ").filter(|(before, _)| {
+                    before.split_whitespace().all(|word| {
+                        word.starts_with("pub")
+                            || ["const", "unsafe", "extern"].contains(&word)
+                            || word.ends_with(')')
+                    })
+                }) else {
+                    continue;
+                };
+                let indent = line.len() - line.trim_start().len();
+                let close = format!("{}}}", " ".repeat(indent));
+                let rest = &lines[begin..];
+                let length = rest
+                    .iter()
+                    .position(|line| line.trim_end() == close)
+                    .unwrap_or(0)
+                    + 1;
+                let name: String = name
+                    .chars()
+                    .take_while(|c| c.is_alphanumeric() || *c == '_')
+                    .collect();
+                if length > LONGEST {
+                    println!("{file}: {name} has {length} lines");
+                    found.insert((file.to_string(), name));
+                }
+            }
+        }
+    }
+    let known = LONG.map(|(file, name)| (file.to_owned(), name.to_owned()));
+    assert_eq!(
+        found,
+        BTreeSet::from(known),
+        "left: found, right: known to be left"
+    );
+}
+
+#[test]
+fn paths_are_read_as_written() {
+    let text =
+        "use crate::{a::{b, c}, d}; use super::super::e::f; fn g() { crate::h(); super::i() }
+        // crate::j
+        let k = \"crate::l\"; let m = '\\''; let n: &'static str = r#\"crate::o\"#;
+        #[cfg(test)]
+        mod tests {
+            use crate::p;
+        }";
+    let bare = without_tests(&bare(text));
+    assert_eq!(named(&bare, 2), ["a", "d", "e", "h"]);
+    assert_eq!(named(&bare, 1), ["a", "d", "e", "h", "i"]);
+    let handed_on = handed_on("pub use a::{B, c::D}; pub use e::F;");
+    assert_eq!(handed_on["D"], "a");
+    assert_eq!(handed_on["F"], "e");
+}

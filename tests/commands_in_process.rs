@@ -1,0 +1,223 @@
+//! The command on small models, run inside of this process: what it prints and writes, and its exit codes.
+
+use eng::cli::{Console, run_on};
+use eng::results::Results;
+use std::path::{Path, PathBuf};
+
+/// A shaft in one journal, turned at a speed, at two of them.
+const ROTOR: &str = "
+use std.joints.Spherical
+use std.journals.Short
+use std.drives.PrescribedRotation
+model Rotor {
+    param speed: AngularVelocity = 3000 rpm
+    gravity = [-9.81, 0, 0] m/s^2
+    marker axis = [0, 0, 0] mm
+    marker foot = [0, 0, -200] mm
+    body rotor {
+        mass = 20 kg
+        inertia = [300, 300, 40] g*m^2
+        marker neck = origin
+        marker end = [0, 0, -200] mm
+        start angular_velocity = [0, 0, 1]*speed
+    }
+    joint thrust = Spherical(rotor.end, foot)
+    drive turn = PrescribedRotation(rotor.neck, axis, speed: speed)
+    journal main[j in 1..1] = Short(pin: rotor.neck, shell: axis, diameter: 40 mm, width: 15 mm,
+        radial_clearance: 20 um, viscosity: 20 mPa*s)
+    cycle angle = rotation(rotor.neck, axis) { period = 360 deg }
+    output weight[j in 1..1] = main[j].force.x as N
+}
+analysis slow = transient(Rotor(), duration: 2 rev, sample: 10 deg, start: assembled)
+analysis fast = transient(Rotor(speed: 4000 rpm), duration: 2 rev, sample: 10 deg, start: assembled)
+";
+
+/// A pendulum, in an analysis and in a sweep.
+const SWING: &str = "
+use std.joints.Revolute
+model Swing {
+    param length: Length = 400 mm in (10 mm, 2 m)
+    param load: Mass = 1 kg
+    gravity = [0, -9.81, 0] m/s^2
+    marker pivot = [0, 0, 0] mm
+    body bob { mass = load; inertia = [2, 2, 2] g*m^2; marker top = [0, 1, 0]*length }
+    joint pin = Revolute(bob.top, pivot)
+    start pin.angle = 30 deg
+    output height = dot(bob.origin.origin, ground.y) as mm
+}
+analysis one = transient(Swing(), duration: 100 ms, sample: 10 ms)
+analysis two[l in [0.3, 0.4] m] = transient(Swing(length: l), duration: 100 ms, sample: 10 ms)
+";
+
+/// A folder of its own with a model, gone afterwards.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str, model: &str) -> Folder {
+        let folder =
+            std::env::temp_dir().join(format!("eng-command-{name}-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("model.eng"), model).unwrap();
+        Folder(folder)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).to_string_lossy().into_owned()
+    }
+
+    fn files(&self, name: &str) -> Vec<String> {
+        let mut names: Vec<String> = std::fs::read_dir(self.0.join(name))
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    /// Exit code, output and errors of a command on the model, with results in `out`.
+    fn eng(&self, command: &str, arguments: &[&str]) -> (u8, String, String) {
+        let (mut output, mut errors) = (Vec::new(), Vec::new());
+        let mut words = vec!["eng".to_owned(), command.to_owned(), self.path("model.eng")];
+        if command == "run" {
+            words.extend(["--out".to_owned(), self.path("out")]);
+        }
+        words.extend(arguments.iter().map(ToString::to_string));
+        let code = run_on(
+            words.into_iter().map(Into::into),
+            &mut Console {
+                output: &mut output,
+                errors: &mut errors,
+                colored_output: false,
+                colored_errors: false,
+                live: false,
+            },
+        );
+        let text = |bytes| {
+            String::from_utf8(bytes)
+                .unwrap()
+                .replace(&self.path("out"), "OUT")
+        };
+        (code, text(output), text(errors))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn a_run_writes_files_and_prints_a_table() {
+    let folder = Folder::new("run", ROTOR);
+    let (code, output, errors) = folder.eng("run", &["--csv", "--threads", "1"]);
+    assert_eq!((code, errors.as_str()), (0, ""));
+    // numbers are those of other tests: here it is the form that counts
+    let mut form = insta::Settings::clone_current();
+    form.add_filter(r"\d+ steps.*", "[steps]");
+    form.add_filter(r"energy: .*", "[energy]");
+    form.bind(|| insta::assert_snapshot!(output));
+    assert_eq!(folder.files("out"), files_of_two_analyses());
+    let read = Results::read_parquet(Path::new(&folder.path("out/fast.parquet"))).unwrap();
+    let speed = &read.metadata()["parameter.speed"];
+    assert!(speed.starts_with("4000"), "{speed}");
+    assert_eq!(read.samples(), 73);
+}
+
+fn files_of_two_analyses() -> Vec<String> {
+    let mut names = Vec::new();
+    for analysis in ["slow", "fast"] {
+        names.extend(["csv", "parquet", "motion.parquet"].map(|kind| format!("{analysis}.{kind}")));
+        for figure in ["journal-force-x", "journal-force-y", "orbits", "weight"] {
+            names.extend(["png", "svg"].map(|kind| format!("{analysis}-{figure}.{kind}")));
+        }
+    }
+    for figure in ["journal-force-x", "weight"] {
+        names.extend(["png", "svg"].map(|kind| format!("slow-fast-{figure}.{kind}")));
+    }
+    names.sort();
+    names
+}
+
+#[test]
+fn quiet_and_no_plots() {
+    let folder = Folder::new("quiet", SWING);
+    let arguments = ["--analysis", "one", "--quiet", "--no-plots"];
+    let (code, output, errors) = folder.eng("run", &arguments);
+    assert_eq!((code, output.as_str(), errors.as_str()), (0, "", ""));
+    assert_eq!(folder.files("out"), ["one.motion.parquet", "one.parquet"]);
+}
+
+#[test]
+fn a_wrong_model_exits_with_1_and_is_not_run() {
+    let folder = Folder::new(
+        "wrong",
+        "model Known { mass = 1 }\nanalysis a = assemble(Known())",
+    );
+    let (code, output, errors) = folder.eng("run", &[]);
+    assert_eq!((code, output.as_str()), (1, ""));
+    assert!(errors.contains("error[E"), "{errors}");
+    assert_eq!(folder.files("."), ["model.eng"]);
+    let (code, output, errors) = folder.eng("check", &[]);
+    assert_eq!((code, errors.as_str()), (1, ""));
+    assert!(output.contains("error[E"), "{output}");
+    let (code, output, errors) = folder.eng("check", &["--format", "json"]);
+    assert_eq!((code, errors.as_str()), (1, ""));
+    let document: serde_json::Value = serde_json::from_str(&output).unwrap();
+    assert_eq!(document["diagnostics"][0]["column"], 15);
+}
+
+#[test]
+fn a_failed_run_exits_with_1_and_the_others_run() {
+    // the limits of `length` refuse the first point alone
+    let folder = Folder::new("failed", &SWING.replace("[0.3, 0.4] m", "[3, 0.4] m"));
+    let (code, output, errors) = folder.eng("run", &["--no-plots"]);
+    assert_eq!(code, 1);
+    assert!(errors.contains("two[1] failed"), "{errors}");
+    for name in ["one.parquet", "two[2].parquet"] {
+        assert!(
+            folder.files("out").iter().any(|file| file == name),
+            "{output}"
+        );
+    }
+}
+
+#[test]
+fn unknown_names_and_refused_files_exit_with_2() {
+    let folder = Folder::new("names", SWING);
+    let (code, _, errors) = folder.eng("run", &["--analysis", "unfired"]);
+    assert_eq!(code, 2);
+    assert!(
+        errors.contains("no analysis unfired; it has one, two[1], two[2]"),
+        "{errors}"
+    );
+    let (code, _, errors) = folder.eng("run", &["--set", "loud=1 kg"]);
+    assert_eq!(code, 2);
+    let told = "error: --set loud: there is no parameter loud; did you mean load?";
+    assert_eq!(errors.trim(), told);
+    assert_eq!(folder.files("out"), [""; 0], "nothing was run");
+    std::fs::remove_dir_all(folder.path("out")).unwrap();
+    std::fs::write(folder.path("out"), "not a folder").unwrap();
+    let (code, _, errors) = folder.eng("run", &[]);
+    assert_eq!(code, 2);
+    assert!(errors.contains("OUT"), "{errors}");
+    std::fs::remove_file(folder.path("model.eng")).unwrap();
+    let (code, _, errors) = folder.eng("run", &[]);
+    assert_eq!(code, 2);
+    assert!(errors.starts_with("error: there is no file "), "{errors}");
+}
+
+#[test]
+fn a_clean_check_says_so() {
+    let folder = Folder::new("clean", SWING);
+    let (code, output, errors) = folder.eng("check", &[]);
+    assert_eq!((code, errors.as_str()), (0, ""));
+    let lines: Vec<&str> = output.lines().collect();
+    assert!(lines[0].starts_with("Swing: 1 body"), "{output}");
+    assert_eq!(
+        lines[1],
+        "one: assembles; 6 velocities, 5 constraint equations, 1 freedom"
+    );
+    assert_eq!(lines.last(), Some(&"no errors, no warnings"));
+}
