@@ -200,6 +200,8 @@ pub struct Integrator {
     residual: Vec<f64>,
     delta: Vec<f64>,
     correction: Vec<f64>,
+    /// The correction that led to the trial, as far as it was taken.
+    taken: Vec<f64>,
     scales: Vec<f64>,
     /// What rows and columns are multiplied by in the step last predicted.
     row_factors: Vec<f64>,
@@ -265,6 +267,7 @@ impl Integrator {
             residual: vec![0.0; size],
             delta: vec![0.0; size],
             correction: vec![0.0; size],
+            taken: vec![0.0; size],
             scales,
             row_factors: vec![0.0; size],
             column_factors: vec![0.0; size],

@@ -15,8 +15,10 @@ const RENEWAL: f64 = 0.12;
 const OLD_CONTRACTION: f64 = 0.1;
 /// Iterations in all, with fresh matrices among them.
 const ITERATION_LIMIT: usize = 14;
-/// Halvings of an increment that leads to values that are not finite.
-const BACKTRACK_LIMIT: usize = 12;
+/// Halvings, in a step, of corrections that lead to values that are not finite or to larger residuals.
+const BACKTRACK_LIMIT: usize = 40;
+/// Matrices of a step from which on residuals have to become smaller.
+const TROUBLED: usize = 2;
 /// Change of the scaled unknowns, as a share of the largest of them, that is rounding.
 const ROUNDING: f64 = 1e-15;
 /// Least motion in a step, in scaled unknowns, whose rounding is looked at.
@@ -34,9 +36,12 @@ struct Iteration {
     floor: f64,
     /// Largest change of the last correction, of the same matrix.
     last: Option<f64>,
-    /// Whether the matrix was filled in this step, and whether it has to be.
-    fresh: bool,
+    /// How often the matrix was filled in this step, and whether it has to be again.
+    fills: usize,
     renew: bool,
+    /// Largest change of the last correction, and largest scaled residual before it.
+    step: f64,
+    before: f64,
     /// Whether the prediction goes on with rates of change.
     smooth: bool,
     /// Whether a correction was taken, and how often it was halved.
@@ -93,8 +98,10 @@ impl Integrator {
             noise: self.noise(model, h),
             floor: self.floor(h),
             last: None,
-            fresh: false,
+            fills: 0,
             renew: self.factored_step.is_none(),
+            step: 0.0,
+            before: f64::INFINITY,
             smooth: true,
             moved: false,
             backtracks: 0,
@@ -131,7 +138,8 @@ impl Integrator {
         iteration: &mut Iteration,
     ) -> Result<Next, RuntimeError> {
         let mut count = 0;
-        while count < ITERATION_LIMIT {
+        // each halving leaves less to go in the direction of a kink: it allows one iteration more
+        while count < ITERATION_LIMIT + iteration.backtracks {
             match self.evaluate(model, dynamics, h) {
                 Ok(()) => {}
                 Err(error @ RuntimeError::NotFinite { .. }) => {
@@ -143,6 +151,12 @@ impl Integrator {
                 }
                 Err(error) => return Err(error),
             }
+            if self.led_away(iteration) {
+                self.halve(iteration);
+                // beyond a kink the old matrix would lead away again
+                iteration.renew = true;
+                continue;
+            }
             if iteration.renew {
                 match self.factor(model, dynamics, h) {
                     Ok(true) => {}
@@ -153,7 +167,7 @@ impl Integrator {
                     }
                     Err(error) => return Err(error),
                 }
-                iteration.fresh = true;
+                iteration.fills += 1;
                 iteration.renew = false;
                 iteration.last = None;
             }
@@ -161,7 +175,7 @@ impl Integrator {
             self.statistics.iterations += 1;
             let norm = self.correct();
             if !norm.is_finite() {
-                if iteration.fresh {
+                if iteration.fills > 0 {
                     return Ok(Next::Failed);
                 }
                 iteration.renew = true;
@@ -170,6 +184,8 @@ impl Integrator {
             for (x, d) in self.trial.iter_mut().zip(&self.correction) {
                 *x += d;
             }
+            self.taken.copy_from_slice(&self.correction);
+            iteration.step = norm;
             iteration.moved = true;
             iteration.cause = None;
             match self.judge(norm, iteration) {
@@ -183,11 +199,7 @@ impl Integrator {
     /// Halves the last correction, or predicts without rates of change, where there are no finite values; whether that could be done.
     fn retreat(&mut self, model: &Model, h: f64, iteration: &mut Iteration) -> bool {
         if iteration.moved && iteration.backtracks < BACKTRACK_LIMIT {
-            iteration.backtracks += 1;
-            for (x, step) in self.trial.iter_mut().zip(&mut self.correction) {
-                *step *= 0.5;
-                *x -= *step;
-            }
+            self.halve(iteration);
             iteration.last = None;
             return true;
         }
@@ -197,6 +209,31 @@ impl Integrator {
             return true;
         }
         false
+    }
+
+    /// Whether the last correction, of an iteration that needs several matrices, led to larger residuals; takes note of their size otherwise.
+    /// A law with a kink, such as the flow `√Δp` of a valve, sends whole corrections to and fro across it without end; halved ones
+    /// come to rest on the side of the solution. Corrections at rounding are left alone.
+    fn led_away(&self, iteration: &mut Iteration) -> bool {
+        let size = self.residual.iter().fold(0.0_f64, |w, r| w.max(r.abs()));
+        let larger = size > iteration.before
+            && iteration.fills >= TROUBLED
+            && iteration.step > iteration.goal.max(iteration.noise)
+            && iteration.backtracks < BACKTRACK_LIMIT;
+        if !larger {
+            iteration.before = size;
+        }
+        larger
+    }
+
+    /// Takes half of the last correction back.
+    fn halve(&mut self, iteration: &mut Iteration) {
+        iteration.backtracks += 1;
+        iteration.step *= 0.5;
+        for (x, step) in self.trial.iter_mut().zip(&mut self.taken) {
+            *step *= 0.5;
+            *x -= *step;
+        }
     }
 
     /// Solves for the correction; its largest change.
@@ -238,7 +275,7 @@ impl Integrator {
             return Next::Iterate;
         };
         // The first ratio flatters: what an old matrix does slowly shows only when the rest is gone.
-        let least = if iteration.fresh {
+        let least = if iteration.fills > 0 {
             0.0
         } else {
             OLD_CONTRACTION
@@ -247,11 +284,11 @@ impl Integrator {
         if expected < 0.9 && norm * expected / (1.0 - expected) <= goal {
             return Next::Foreseen;
         }
-        if rate >= 2.0 && iteration.fresh && norm > 1.0 {
+        if rate >= 2.0 && iteration.fills > 0 && norm > 1.0 {
             return Next::Failed;
         }
         if rate > CONTRACTION_LIMIT {
-            if norm <= iteration.noise || (iteration.fresh && norm <= STAGNATION) {
+            if norm <= iteration.noise || (iteration.fills > 0 && norm <= STAGNATION) {
                 return Next::Foreseen;
             }
             iteration.renew = true;
