@@ -6,6 +6,7 @@ use crate::reduction::{Outlines, Reducer, Reduction, inspect};
 use crate::sources::Sources;
 use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses, elaborate};
 use eng_compiler::program::{DefinitionId, Program as Resolved};
+use eng_compiler::typed::TypedProgram;
 use eng_grammar::ast::{BindingKind, Block, Declaration, Form, ItemKind, Kind};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::code::Compiled;
@@ -38,16 +39,20 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
         &mut texts,
         &mut diagnostics,
     );
-    if !diagnostics.has_errors() {
-        eng_compiler::check::check(&resolved, &texts, &mut diagnostics);
+    if diagnostics.has_errors() {
+        return Checked {
+            texts: Arc::new(texts),
+            diagnostics,
+            program: None,
+        };
     }
+    let typed = eng_compiler::check::check(resolved, &texts, &mut diagnostics);
     let mut plans = Vec::new();
     if !diagnostics.has_errors() {
-        plans = analyses(&resolved, &mut texts, sources, &mut diagnostics);
+        plans = analyses(&typed, &mut texts, sources, &mut diagnostics);
         // what only shows with instances: paths, indices, files, connections, meshes
-        for model in models_of(&resolved) {
-            let elaborated =
-                elaborate(&resolved, &mut texts, sources, model, &[], &mut diagnostics);
+        for model in models_of(&typed.program) {
+            let elaborated = elaborate(&typed, &mut texts, sources, model, &[], &mut diagnostics);
             for flexible in elaborated.iter().flat_map(|e| &e.flexible) {
                 for found in inspect(sources, flexible) {
                     diagnostics.push(found);
@@ -57,15 +62,14 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
     }
     let mut reports = Vec::new();
     if !diagnostics.has_errors() {
-        reports =
-            eng_compiler::check::reports(&resolved, &texts, sources, &plans, &mut diagnostics);
+        reports = eng_compiler::check::reports(&typed, &texts, sources, &plans, &mut diagnostics);
     }
     let failed = diagnostics.has_errors();
     let texts = Arc::new(texts);
     let program = (!failed).then(|| Program {
         inner: Arc::new(Inner {
             sources: sources.clone(),
-            resolved,
+            typed,
             plans,
             reports,
             texts: Arc::clone(&texts),
@@ -144,7 +148,7 @@ impl Checked {
 #[derive(Debug)]
 struct Inner {
     sources: Sources,
-    resolved: Resolved,
+    typed: TypedProgram,
     plans: Vec<AnalysisPlan>,
     reports: Vec<eng_system::report::Report>,
     texts: Arc<SourceMap>,
@@ -173,7 +177,7 @@ pub struct Program {
 impl Program {
     /// Names of the models of the file.
     pub fn models(&self) -> Vec<&str> {
-        models_of(&self.inner.resolved)
+        models_of(&self.inner.typed.program)
             .into_iter()
             .filter_map(|id| self.name_of(id))
             .collect()
@@ -211,7 +215,7 @@ impl Program {
         for (id, source) in self.inner.texts.iter() {
             hash.update(source.name.as_bytes());
             hash.update([0]);
-            let modules = self.inner.resolved.modules.iter();
+            let modules = self.inner.typed.program.modules.iter();
             let mut at = 0;
             for item in modules
                 .filter(|module| module.source == id)
@@ -231,7 +235,7 @@ impl Program {
     }
 
     fn name_of(&self, id: DefinitionId) -> Option<&str> {
-        match &self.inner.resolved.item(id)?.kind {
+        match &self.inner.typed.program.item(id)?.kind {
             ItemKind::Declaration(d) => Some(&d.name.text),
             _ => None,
         }
@@ -248,7 +252,7 @@ impl Program {
     }
 
     fn model_of(&self, name: &str) -> Result<DefinitionId, Error> {
-        models_of(&self.inner.resolved)
+        models_of(&self.inner.typed.program)
             .into_iter()
             .find(|id| self.name_of(*id) == Some(name))
             .ok_or_else(|| Error::NoModel {
@@ -307,7 +311,7 @@ impl Program {
             matches!(&item.kind, ItemKind::Binding(binding)
                 if binding.kind == BindingKind::Const && binding.name.text == name)
         };
-        let resolved = &self.inner.resolved;
+        let resolved = &self.inner.typed.program;
         let file = &resolved.modules.get(resolved.root() as usize)?.file;
         let of_model = file.items.iter().any(|item| match &item.kind {
             ItemKind::Declaration(declaration) if declaration.name.text == model => {
@@ -347,7 +351,7 @@ impl Program {
         let mut texts = SourceMap::clone(&self.inner.texts);
         let mut diagnostics = Diagnostics::new();
         let elaborated = elaborate(
-            &self.inner.resolved,
+            &self.inner.typed,
             &mut texts,
             &self.inner.sources,
             id,

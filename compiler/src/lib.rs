@@ -16,4 +16,5 @@ pub mod jit;
 pub mod library;
 pub mod program;
 pub mod resolve;
+pub mod typed;
 mod words;

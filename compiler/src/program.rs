@@ -8,7 +8,7 @@ pub(crate) use usual::USUAL_UNITS;
 
 use eng_grammar::ast;
 use eng_grammar::{SourceId, Span};
-use eng_system::Dimension;
+use eng_system::{Dimension, DisplayUnit};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// An item of a module at its top level.
@@ -46,6 +46,16 @@ pub struct Unit {
     pub dimension: Dimension,
     /// The named point dimension it is restricted to (`Temperature` for degC, `GaugePressure` for barg), if any.
     pub point: Option<String>,
+}
+
+impl From<Unit> for DisplayUnit {
+    fn from(unit: Unit) -> DisplayUnit {
+        DisplayUnit {
+            symbol: unit.symbol,
+            scale: unit.scale,
+            offset: unit.offset,
+        }
+    }
 }
 
 /// A named dimension.
@@ -239,19 +249,4 @@ pub enum ValueType {
     Array(Box<ValueType>),
     /// Functions, records, classes.
     Other,
-}
-
-/// What the checker hands on.
-#[derive(Clone, Debug, Default)]
-pub struct Checked {
-    /// Types of the named values of each definition: (class or model, name of its parameter, `param`, `const`, `let`, `state` or
-    /// `output`); a top-level `const` or `let` has the empty name.
-    pub types: BTreeMap<(DefinitionId, String), ValueType>,
-}
-
-impl Checked {
-    /// The type of a named value of a definition.
-    pub fn of(&self, definition: DefinitionId, name: &str) -> Option<&ValueType> {
-        self.types.get(&(definition, name.to_owned()))
-    }
 }

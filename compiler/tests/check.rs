@@ -147,15 +147,15 @@ fn a_model_with_everything_is_clean() {
 }
 
 fn definition(run: &Run, name: &str) -> DefinitionId {
-    let root = run.program.root();
-    run.program.lookup(root, name).expect("a definition")
+    let root = run.typed.program.root();
+    run.typed.program.lookup(root, name).expect("a definition")
 }
 
 #[test]
 fn types_are_handed_on() {
     let run = run(RIGHT);
     let engine = definition(&run, "Engine");
-    let of = |name: &str| run.checked.of(engine, name).cloned();
+    let of = |name: &str| run.typed.of(engine, name).cloned();
     let speed = Dimension::ANGLE.over(Dimension::TIME);
     assert_eq!(of("speed"), Some(ValueType::Scalar(speed)));
     assert_eq!(of("again"), Some(ValueType::Scalar(speed)));
@@ -173,19 +173,19 @@ fn types_are_handed_on() {
     );
     let cushion = definition(&run, "Cushion");
     let force = Dimension::MASS.times(velocity).over(Dimension::TIME);
-    assert_eq!(run.checked.of(cushion, "a"), Some(&ValueType::Marker));
+    assert_eq!(run.typed.of(cushion, "a"), Some(&ValueType::Marker));
     assert_eq!(
-        run.checked.of(cushion, "force"),
+        run.typed.of(cushion, "force"),
         Some(&ValueType::Vector(force))
     );
-    assert_eq!(run.checked.of(cushion, "s"), Some(&ValueType::Other));
-    assert_eq!(run.checked.of(cushion, "curve"), Some(&ValueType::Other));
+    assert_eq!(run.typed.of(cushion, "s"), Some(&ValueType::Other));
+    assert_eq!(run.typed.of(cushion, "curve"), Some(&ValueType::Other));
     let bearing = definition(&run, "Bearing");
     let markers = ValueType::Array(Box::new(ValueType::Marker));
-    assert_eq!(run.checked.of(bearing, "pin"), Some(&markers));
+    assert_eq!(run.typed.of(bearing, "pin"), Some(&markers));
     let half = definition(&run, "half");
     assert_eq!(
-        run.checked.of(half, ""),
+        run.typed.of(half, ""),
         Some(&ValueType::Scalar(Dimension::ONE))
     );
 }
@@ -196,7 +196,7 @@ fn units_have_their_sizes() {
         "unit furlong = 220*0.9144 m\nunit turn = 2*pi/1 rad\nunit slow: AngularVelocity = 2*pi/60 rad/s\n",
     );
     clean(&run);
-    let size = |name: &str| run.program.units.get(name).expect("a unit");
+    let size = |name: &str| run.typed.program.units.get(name).expect("a unit");
     let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-15, "{a} {b}");
     near(size("furlong").scale, 201.168);
     near(size("slow").scale, std::f64::consts::TAU / 60.0);

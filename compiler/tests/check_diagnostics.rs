@@ -122,7 +122,7 @@ fn every_fix_mends_its_mistake() {
     for path in fixtures() {
         let text = std::fs::read_to_string(&path).expect("a fixture");
         let run = run_text(&path, &text);
-        let root = run.program.modules.last().map(|module| module.source);
+        let root = run.typed.program.modules.last().map(|module| module.source);
         for diagnostic in run.diagnostics.iter() {
             let same = |run: &Run| {
                 run.diagnostics

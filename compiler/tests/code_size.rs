@@ -50,10 +50,11 @@ fn every_class() -> Elaborated {
         &mut sources,
         &mut diagnostics,
     );
-    let plans = analyses(&program, &mut sources, &Texts, &mut diagnostics);
+    let typed = eng_compiler::check::check(program, &sources, &mut diagnostics);
+    let plans = analyses(&typed, &mut sources, &Texts, &mut diagnostics);
     let plan = plans.first().expect("an analysis");
     elaborate(
-        &program,
+        &typed,
         &mut sources,
         &Texts,
         plan.model,

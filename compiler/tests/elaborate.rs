@@ -85,7 +85,8 @@ fn run(model: &str) -> (Option<Elaborated>, Diagnostics, usize) {
     let mut sources = SourceMap::new();
     let mut diagnostics = Diagnostics::new();
     let program = resolve("chain.eng", &host, &library, &mut sources, &mut diagnostics);
-    let plans = analyses(&program, &mut sources, &host, &mut diagnostics);
+    let typed = eng_compiler::check::check(program, &sources, &mut diagnostics);
+    let plans = analyses(&typed, &mut sources, &host, &mut diagnostics);
     let Some(plan) = plans.first() else {
         return (None, diagnostics, 0);
     };
@@ -99,7 +100,7 @@ fn run(model: &str) -> (Option<Elaborated>, Diagnostics, usize) {
         other => panic!("swing is a transient, not {other:?}"),
     }
     let made = elaborate(
-        &program,
+        &typed,
         &mut sources,
         &host,
         plan.model,

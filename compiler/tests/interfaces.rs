@@ -17,12 +17,12 @@ fn elaborated(text: &str) -> Result<Elaborated, Vec<String>> {
     };
     let (mut sources, mut diagnostics) = (SourceMap::new(), Diagnostics::new());
     let program = resolve("model.eng", &host, LIBRARY, &mut sources, &mut diagnostics);
-    eng_compiler::check::check(&program, &sources, &mut diagnostics);
-    let plans = analyses(&program, &mut sources, &host, &mut diagnostics);
+    let typed = eng_compiler::check::check(program, &sources, &mut diagnostics);
+    let plans = analyses(&typed, &mut sources, &host, &mut diagnostics);
     let made = plans.first().and_then(|plan| {
         let (model, constants) = (plan.model, &plan.constants);
         elaborate(
-            &program,
+            &typed,
             &mut sources,
             &host,
             model,

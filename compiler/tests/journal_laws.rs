@@ -71,10 +71,11 @@ analysis start = assemble(Pair())"
         let host = Text(text);
         let (mut sources, mut diagnostics) = (SourceMap::new(), Diagnostics::new());
         let program = resolve("pair.eng", &host, LIBRARY, &mut sources, &mut diagnostics);
-        let plans = analyses(&program, &mut sources, &host, &mut diagnostics);
+        let typed = eng_compiler::check::check(program, &sources, &mut diagnostics);
+        let plans = analyses(&typed, &mut sources, &host, &mut diagnostics);
         let plan = plans.first().expect("an analysis");
         let made = elaborate(
-            &program,
+            &typed,
             &mut sources,
             &host,
             plan.model,

@@ -27,12 +27,13 @@ impl Host for Texts {
 fn elaborated(file: &str) -> Vec<Elaborated> {
     let (mut sources, mut diagnostics) = (SourceMap::new(), Diagnostics::new());
     let program = resolve(file, &Texts, LIBRARY, &mut sources, &mut diagnostics);
-    let plans = analyses(&program, &mut sources, &Texts, &mut diagnostics);
+    let typed = eng_compiler::check::check(program, &sources, &mut diagnostics);
+    let plans = analyses(&typed, &mut sources, &Texts, &mut diagnostics);
     let made: Vec<_> = plans
         .iter()
         .filter_map(|p| {
             elaborate(
-                &program,
+                &typed,
                 &mut sources,
                 &Texts,
                 p.model,

@@ -175,7 +175,16 @@ impl<'p> Checker<'p> {
         if !ok && has_variables(&signature.result) {
             return Type::Error;
         }
-        signature.result.with(&solution)
+        let result = signature.result.with(&solution);
+        self.solved(span, solution);
+        result
+    }
+
+    /// Notes what the dimension variables of a function stand for at a use of it.
+    fn solved(&mut self, place: Span, solution: Solution) {
+        if !solution.is_empty() {
+            self.findings.solutions.insert(place, solution);
+        }
     }
 
     /// The parameters of a class, component, model, interface or record, in order.
@@ -418,6 +427,7 @@ impl<'p> Checker<'p> {
         }
         fits &= self.assignable(&result, &wanted.result);
         if fits {
+            self.solved(expr.span, solution);
             return Type::Function(wanted.clone().into());
         }
         let shape = |signature: &Signature, result: &Type| {

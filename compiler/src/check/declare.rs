@@ -12,7 +12,7 @@ use eng_grammar::ast::{
     TypeExprKind,
 };
 use eng_grammar::{Diagnostic, Span};
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// Types that the language itself gives.
 const BUILT_IN_TYPES: [&str; 9] = [
@@ -32,8 +32,14 @@ pub(super) fn written_unit(expr: &Expr) -> Option<String> {
 }
 
 impl<'p> Checker<'p> {
-    /// The type that is written.
+    /// The type that is written, which is handed on.
     pub(super) fn ty(&mut self, scope: &Scope<'p>, ty: &TypeExpr) -> Type {
+        let found = self.type_of_text(scope, ty);
+        self.findings.types.insert(ty.span, found.clone());
+        found
+    }
+
+    fn type_of_text(&mut self, scope: &Scope<'p>, ty: &TypeExpr) -> Type {
         match &ty.kind {
             TypeExprKind::Error => Type::Error,
             TypeExprKind::One => Type::one(),
@@ -105,7 +111,7 @@ impl<'p> Checker<'p> {
                         span: parameter.span,
                     })
                     .collect();
-                Type::Function(Rc::new(Signature {
+                Type::Function(Arc::new(Signature {
                     name: String::new(),
                     parameters,
                     result: self.ty(scope, result),

@@ -42,7 +42,14 @@ pub(super) fn counts_from_one(range: &Expr) -> bool {
 }
 
 impl<'p> Checker<'p> {
+    /// The type of an expression, which is handed on.
     pub(super) fn infer(&mut self, scope: &Scope<'p>, expr: &Expr) -> Type {
+        let ty = self.type_of(scope, expr);
+        self.findings.types.insert(expr.span, ty.clone());
+        ty
+    }
+
+    fn type_of(&mut self, scope: &Scope<'p>, expr: &Expr) -> Type {
         match &expr.kind {
             ExprKind::Error => Type::Error,
             ExprKind::Number {

@@ -7,11 +7,11 @@ use super::{Checker, Progress};
 use crate::codes;
 use eng_grammar::Diagnostic;
 use eng_grammar::ast::{Function, TypeExprKind};
-use std::rc::Rc;
+use std::sync::Arc;
 
 impl<'p> Checker<'p> {
     /// Checks a function once, and gives its signature.
-    pub(super) fn function(&mut self, outer: &Scope<'p>, function: &'p Function) -> Rc<Signature> {
+    pub(super) fn function(&mut self, outer: &Scope<'p>, function: &'p Function) -> Arc<Signature> {
         let key = function.name.span;
         match self.signatures.get(&key) {
             Some(Progress::Done(signature)) => return signature.clone(),
@@ -26,7 +26,7 @@ impl<'p> Checker<'p> {
                         "functions are put in where they are called, so none can call itself",
                     ),
                 );
-                return Rc::new(Signature {
+                return Arc::new(Signature {
                     name: String::new(),
                     parameters: Vec::new(),
                     result: Type::Error,
@@ -35,7 +35,7 @@ impl<'p> Checker<'p> {
             None => {}
         }
         if !self.deeper(key) {
-            return Rc::new(Signature {
+            return Arc::new(Signature {
                 name: String::new(),
                 parameters: Vec::new(),
                 result: Type::Error,
@@ -123,7 +123,7 @@ impl<'p> Checker<'p> {
             None => self.infer(&scope, &function.value),
         };
         self.depth -= 1;
-        let signature = Rc::new(Signature {
+        let signature = Arc::new(Signature {
             name: function.name.text.clone(),
             parameters,
             result,

@@ -26,20 +26,21 @@ mod scope;
 mod state;
 mod statement;
 mod table;
-mod types;
 mod unit;
 mod unused;
 
 pub use report::reports;
 
 use crate::codes;
-use crate::program::{Checked, DefinitionId, Program, ValueType};
+use crate::program::{DefinitionId, Program};
+use crate::typed::{Findings, TypedProgram, types};
 use eng_grammar::ast::{BindingKind, Form, Item, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
 use eng_system::Dimension;
 use scope::{ClassTable, Member, Scope};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
+use std::sync::Arc;
 use types::{Signature, Type};
 
 /// Most values and functions that build on each other: what elaboration and the stack can bear.
@@ -60,7 +61,7 @@ struct Checker<'p> {
     tables: BTreeMap<DefinitionId, Rc<ClassTable<'p>>>,
     /// Types of members by definition and name; a top-level binding has the empty name.
     values: BTreeMap<(DefinitionId, String), Progress<Type>>,
-    signatures: BTreeMap<Span, Progress<Rc<Signature>>>,
+    signatures: BTreeMap<Span, Progress<Arc<Signature>>>,
     /// Names of dimension variables, by number.
     variables: Vec<String>,
     /// Members that are read, by definition and name.
@@ -79,10 +80,17 @@ struct Checker<'p> {
     lints: BTreeSet<&'p str>,
     /// Places of angles that were looked at.
     turns_told: BTreeSet<Span>,
+    /// What is handed on.
+    findings: Findings,
 }
 
 /// Checks every definition of every module.
-pub fn check(program: &Program, sources: &SourceMap, diagnostics: &mut Diagnostics) -> Checked {
+pub fn check(program: Program, sources: &SourceMap, diagnostics: &mut Diagnostics) -> TypedProgram {
+    let findings = found(&program, sources, diagnostics);
+    TypedProgram { program, findings }
+}
+
+fn found(program: &Program, sources: &SourceMap, diagnostics: &mut Diagnostics) -> Findings {
     let earlier = diagnostics.has_errors();
     let mut checker = Checker::new(program, sources);
     checker.names_of_lints();
@@ -101,9 +109,9 @@ pub fn check(program: &Program, sources: &SourceMap, diagnostics: &mut Diagnosti
     if !earlier && !checker.diagnostics.has_errors() {
         unused::warn(&mut checker);
     }
-    let checked = checker.export();
+    checker.name_types();
     diagnostics.extend(in_order_of_place(&checker.diagnostics));
-    checked
+    checker.findings
 }
 
 /// Messages as a reader of the texts meets them.
@@ -141,6 +149,7 @@ impl<'p> Checker<'p> {
             depth: 0,
             lints: program.lints(),
             turns_told: BTreeSet::new(),
+            findings: Findings::default(),
         }
     }
 
@@ -230,23 +239,24 @@ impl<'p> Checker<'p> {
         }
     }
 
-    fn export(&self) -> Checked {
-        let mut types: BTreeMap<(DefinitionId, String), ValueType> = BTreeMap::new();
+    /// Hands on the types of the named values of all definitions.
+    fn name_types(&mut self) {
+        let named = &mut self.findings.named;
         for (id, table) in &self.tables {
             for (name, member) in &table.members {
                 if !matches!(member, Member::Parameter(_) | Member::Binding(_)) {
                     continue;
                 }
-                if let Some(Progress::Done(ty)) = self.values.get(&(*id, (*name).to_owned())) {
-                    types.insert((*id, (*name).to_owned()), ty.exported());
+                let key = (*id, (*name).to_owned());
+                if let Some(Progress::Done(ty)) = self.values.get(&key) {
+                    named.insert(key, ty.exported());
                 }
             }
         }
-        for ((id, name), progress) in &self.values {
-            if let (true, Progress::Done(ty)) = (name.is_empty(), progress) {
-                types.insert((*id, String::new()), ty.exported());
+        for (key, progress) in &self.values {
+            if let (true, Progress::Done(ty)) = (key.1.is_empty(), progress) {
+                named.insert(key.clone(), ty.exported());
             }
         }
-        Checked { types }
     }
 }

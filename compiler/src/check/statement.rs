@@ -101,15 +101,17 @@ impl<'p> Checker<'p> {
     pub(super) fn message(&mut self, scope: &Scope<'p>, message: &Name) {
         // The parser has said what cannot be read in it.
         let mut said = Diagnostics::new();
-        for part in parse_message(message, &mut said) {
+        let parts = parse_message(message, &mut said);
+        for part in &parts {
             let MessagePart::Value { value, unit, .. } = part else {
                 continue;
             };
-            let ty = self.infer(scope, &value);
+            let ty = self.infer(scope, value);
             if let Some(unit) = unit {
-                self.display(scope, &ty, &unit);
+                self.display(scope, &ty, unit);
             }
         }
+        self.findings.messages.insert(message.span, parts);
         self.diagnostics.extend(said);
     }
 

@@ -8,13 +8,13 @@ use crate::codes;
 use crate::resolve::suggest::nearest;
 use eng_grammar::ast::{Expr, ExprKind, Name, Table};
 use eng_grammar::{Diagnostic, Span};
-use std::rc::Rc;
+use std::sync::Arc;
 
 const OPTIONS: [&str; 4] = ["columns", "periodic", "interpolation", "extrapolation"];
 
 impl<'p> Checker<'p> {
     /// Checks a table once, and gives its signature.
-    pub(super) fn table(&mut self, scope: &Scope<'p>, table: &'p Table) -> Rc<Signature> {
+    pub(super) fn table(&mut self, scope: &Scope<'p>, table: &'p Table) -> Arc<Signature> {
         let key = table.name.span;
         if let Some(Progress::Done(signature)) = self.signatures.get(&key) {
             return signature.clone();
@@ -60,7 +60,7 @@ impl<'p> Checker<'p> {
             _ => Vec::new(),
         };
         let broken = parameters.is_empty();
-        let signature = Rc::new(Signature {
+        let signature = Arc::new(Signature {
             name: table.name.text.clone(),
             parameters,
             result: if broken { Type::Error } else { result },

@@ -54,10 +54,10 @@ eng_grammar::codes! {
         "The class or model asks for a condition that the constants of this model do not fulfil. The text is its author's.",
         "require cylinders > 4 else \"this crank is for more than four cylinders\"",
         "const cylinders = 6\nrequire cylinders > 4 else \"this crank is for more than four cylinders\"";
-    MESSAGE_FORM = "E0514", "a message shows something else than numbers and texts, or more than a sum or product of names",
-        "Between the braces of a message stand names, their fields, numbers, and `+ - * /` of these; their values are numbers or texts. Give anything else a name with `let`.",
-        "require gap > 1 mm else \"the gap is {abs(gap) as um}\"",
-        "let size = abs(gap)\nrequire gap > 1 mm else \"the gap is {size as um}\"";
+    MESSAGE_FORM = "E0514", "a message shows something else than numbers and texts",
+        "Between the braces stands an expression whose value is a number or a text. A message of a report takes names alone: name anything else with `let`.",
+        "require gap > 1 mm else \"the gap at {marker} is too small\"",
+        "require gap > 1 mm else \"the gap is {abs(gap) as um}\"";
     TWO_CYCLES = "E0515", "a model has several cycles",
         "The model and its components state one cycle angle between them.",
         "cycle angle = rotation(crank.main, ground) { period = 720 deg }\npart second = EngineWithCycle()",

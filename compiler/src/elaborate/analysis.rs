@@ -3,7 +3,8 @@
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval, body::index_text, finish::Structural, location};
 use crate::codes;
-use crate::program::{DefinitionId, Program};
+use crate::program::DefinitionId;
+use crate::typed::TypedProgram;
 use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
 use eng_system::host::Host;
@@ -38,17 +39,18 @@ pub struct AnalysisPlan {
 
 /// All analyses of the root module, in their order.
 pub fn analyses(
-    program: &Program,
+    typed: &TypedProgram,
     sources: &mut SourceMap,
     host: &dyn Host,
     diagnostics: &mut Diagnostics,
 ) -> Vec<AnalysisPlan> {
+    let program = &typed.program;
     let mut plans = Vec::new();
     let root = program.root();
     let Some(module) = program.modules.get(root as usize) else {
         return plans;
     };
-    let mut elaborator = Elaborator::new(program, sources, host, diagnostics);
+    let mut elaborator = Elaborator::new(typed, sources, host, diagnostics);
     let scope = elaborator.module_scopes[root as usize];
     for item in &module.file.items {
         if let ItemKind::Declaration(d) = &item.kind
@@ -110,22 +112,19 @@ impl<'a> Elaborator<'a, '_> {
     /// The value of a binder, shown in the first unit that its range states for this dimension.
     fn point(&mut self, binder: &'a ast::Binder, place: usize, scope: ScopeId) -> Eval<PointValue> {
         let value = self.lookup(&binder.name.text, scope, binder.name.span)?;
-        let (value, dimension) = match value {
-            Value::Scalar(s) => (self.structural(s, binder.range.span)?, s.dimension),
-            Value::Int(i) => (i as f64, Dimension::ONE),
-            _ => (place as f64, Dimension::ONE),
+        let value = match value {
+            Value::Scalar(s) => self.structural(s, binder.range.span)?,
+            Value::Int(i) => i as f64,
+            _ => place as f64,
         };
+        let dimension = self.dimension_at(binder.range.span, scope)?;
         let mut units = Vec::new();
         units_of(&binder.range, &mut units);
         let mut display = self.natural_unit(dimension);
         for unit in units {
             let unit = self.unit(unit)?;
             if unit.dimension == dimension {
-                display = DisplayUnit {
-                    symbol: unit.symbol,
-                    scale: unit.scale,
-                    offset: unit.offset,
-                };
+                display = DisplayUnit::from(unit);
                 break;
             }
         }
@@ -203,7 +202,8 @@ impl<'a> Elaborator<'a, '_> {
         let v = self.evaluate(&argument.value, scope)?;
         let s = self.as_scalar(v, argument.value.span)?;
         let x = self.structural(s, argument.value.span)?;
-        Ok(Some((x, s.dimension, argument.value.span)))
+        let dimension = self.dimension_at(argument.value.span, scope)?;
+        Ok(Some((x, dimension, argument.value.span)))
     }
 
     /// Whether an argument of an analysis is true; `false` without it.
@@ -527,7 +527,7 @@ impl<'a> Elaborator<'a, '_> {
             Value::Bool(b) => Structural::Bool(b),
             Value::Text(t) => Structural::Text(t),
             Value::ModeSet(parts) => Structural::ModeSet(parts.to_vec()),
-            Value::Scalar(s) => Structural::Number(self.structural(s, span)?, s.dimension),
+            Value::Scalar(s) => Structural::Number(self.structural(s, span)?),
             Value::List(items) => Structural::List(
                 items
                     .into_iter()

@@ -5,9 +5,9 @@ use super::value::{Axes, ScopeId, Shown, Value};
 use super::{Elaborator, Eval};
 use crate::codes;
 use crate::ir::Op;
-use eng_grammar::ast::{self, TypeExprKind};
+use crate::typed::types::{Kind, Type};
+use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
-use eng_system::Dimension;
 use eng_system::system::{BodyRef, Slot};
 
 /// What several numbers are together.
@@ -184,18 +184,23 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// A value where a type is declared: a list of three is a vector by its components in ground axes where a `Vector` is due.
-    pub fn declared(&mut self, value: Value<'a>, ty: Option<&ast::TypeExpr>) -> Value<'a> {
-        let Some(ty) = ty else { return value };
-        match (&ty.kind, value) {
-            (TypeExprKind::Generic(name, _), Value::List(items)) if name.text == "Vector" => {
+    /// A value where a type is declared: a list of three is a vector by its components in ground axes where a `Vector`
+    /// is due.
+    pub fn declared(&mut self, value: Value<'a>, ty: Option<&ast::TypeExpr>) -> Eval<Value<'a>> {
+        let Some(ty) = ty else { return Ok(value) };
+        let ty = self.type_at(ty.span)?;
+        Ok(self.read_as(value, &ty))
+    }
+
+    /// [`Elaborator::declared`] for a type that is known.
+    pub fn read_as(&mut self, value: Value<'a>, ty: &Type) -> Value<'a> {
+        match (ty, value) {
+            (Type::Vector { .. }, Value::List(items)) => {
                 let mut numbers = Vec::with_capacity(3);
                 for item in &items {
                     match item {
                         Value::Scalar(s) => numbers.push(*s),
-                        Value::Int(i) => {
-                            numbers.push(self.bench.constant(*i as f64, Dimension::ONE));
-                        }
+                        Value::Int(i) => numbers.push(self.bench.constant(*i as f64)),
                         _ => return Value::List(items),
                     }
                 }
@@ -204,14 +209,16 @@ impl<'a> Elaborator<'a, '_> {
                     Err(_) => Value::List(items),
                 }
             }
-            (TypeExprKind::Name(name), Value::Scalar(s)) => {
-                self.counted_from_a_zero(&name.text, s);
+            (Type::Scalar(quantity), Value::Scalar(s)) => {
+                if let Kind::Point(_) = quantity.kind {
+                    self.counted_from_a_zero(s);
+                }
                 Value::Scalar(s)
             }
-            (TypeExprKind::Array(inner, _), Value::List(items)) => Value::List(
+            (Type::List { element, .. }, Value::List(items)) => Value::List(
                 items
                     .into_iter()
-                    .map(|item| self.declared(item, Some(inner)))
+                    .map(|item| self.read_as(item, element))
                     .collect(),
             ),
             (_, value) => value,
@@ -219,10 +226,8 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Notes that a parameter which is declared as a point may be given in units with a zero of their own.
-    fn counted_from_a_zero(&mut self, dimension: &str, value: Scalar) {
-        let named = self.program.dimensions.get(dimension);
-        if named.is_some_and(|named| named.point_of.is_some())
-            && value.stage == Stage::Bind
+    fn counted_from_a_zero(&mut self, value: Scalar) {
+        if value.stage == Stage::Bind
             && let Op::Input(index) = self.bench.bind.graph.op(value.node)
             && let Some(parameter) = self.parameters.get_mut(index as usize)
         {

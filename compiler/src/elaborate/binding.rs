@@ -298,6 +298,19 @@ pub(crate) struct Asked<'a> {
     pub message: &'a ast::Name,
 }
 
+/// What the text states of a value that becomes a parameter.
+#[derive(Clone, Copy)]
+pub(crate) struct Stated<'a> {
+    pub expr: &'a ast::Expr,
+    /// Of each number in it.
+    pub dimension: Dimension,
+    pub limits: Option<&'a (ast::Expr, ast::Expr)>,
+    /// The place of the parameter.
+    pub span: Span,
+    /// Where `expr` and `limits` are evaluated.
+    pub scope: ScopeId,
+}
+
 /// What the author of a `require` or `advise` says, evaluated where the condition is.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Message {
@@ -334,14 +347,6 @@ pub(crate) fn span_of(place: Location) -> Span {
     }
 }
 
-fn shown_in(unit: Unit) -> DisplayUnit {
-    DisplayUnit {
-        symbol: unit.symbol,
-        scale: unit.scale,
-        offset: unit.offset,
-    }
-}
-
 /// The part of an expression that an element of its list is written as; the whole of what is no list.
 fn element(list: &ast::Expr, index: usize) -> &ast::Expr {
     match &list.kind {
@@ -358,22 +363,31 @@ impl<'a> Elaborator<'a, '_> {
         &mut self,
         value: Value<'a>,
         path: &str,
-        expr: Option<&'a ast::Expr>,
-        limits: Option<&'a (ast::Expr, ast::Expr)>,
-        span: Span,
-        scope: ScopeId,
+        stated: Stated<'a>,
     ) -> Eval<Value<'a>> {
+        let Stated {
+            expr,
+            dimension,
+            limits,
+            span,
+            scope,
+        } = stated;
+        let member = |index| Stated {
+            expr: element(expr, index),
+            limits: None,
+            ..stated
+        };
         match value {
             Value::Int(i) => {
-                let s = self.bench.constant(i as f64, Dimension::ONE);
-                self.parameterise(Value::Scalar(s), path, expr, limits, span, scope)
+                let s = self.bench.constant(i as f64);
+                self.parameterise(Value::Scalar(s), path, stated)
             }
             Value::Scalar(s) if s.stage == Stage::Bind => {
-                let display = expr
-                    .and_then(|e| self.literal_unit(e))
-                    .or_else(|| self.unit_of_parameter(s))
-                    .or_else(|| self.unit_within(expr?, s.dimension))
-                    .unwrap_or_else(|| self.usual_unit(s.dimension));
+                let display = self
+                    .literal_unit(expr)
+                    .or_else(|| self.unit_of_parameter(s, dimension))
+                    .or_else(|| self.unit_within(expr, dimension))
+                    .unwrap_or_else(|| self.usual_unit(dimension));
                 let limits = match limits {
                     Some((low, high)) => {
                         let bound = |e: &mut Self, expr: &'a ast::Expr| -> Eval<f64> {
@@ -385,7 +399,7 @@ impl<'a> Elaborator<'a, '_> {
                     }
                     None => (f64::NEG_INFINITY, f64::INFINITY),
                 };
-                if let Some(at) = expr.and_then(|e| self.named_by(e, scope)) {
+                if let Some(at) = self.named_by(expr, scope) {
                     self.stated.insert(path.to_owned(), at);
                 }
                 let index = self.parameters.len() as u32;
@@ -395,7 +409,7 @@ impl<'a> Elaborator<'a, '_> {
                         used_at: Some(location(span)),
                         defined_at: None,
                     },
-                    dimension: s.dimension,
+                    dimension,
                     point: display.offset != 0.0,
                     display,
                     limits,
@@ -406,19 +420,17 @@ impl<'a> Elaborator<'a, '_> {
             }
             value @ Value::Shown(_) => {
                 let vector = self.in_space(value, span)?;
-                self.parameterise(vector, path, expr, limits, span, scope)
+                self.parameterise(vector, path, stated)
             }
             value @ Value::Components(..) => {
-                let list = Self::without_axes(value);
-                self.parameterise(list, path, expr, limits, span, scope)
+                self.parameterise(Self::without_axes(value), path, stated)
             }
             Value::Vector(v) => {
                 let mut out = v;
                 for (i, s) in v.into_iter().enumerate() {
                     let name = format!("{path}.{}", ["x", "y", "z"][i]);
-                    let own = expr.map(|e| element(e, i));
                     if let Value::Scalar(p) =
-                        self.parameterise(Value::Scalar(s), &name, own, None, span, scope)?
+                        self.parameterise(Value::Scalar(s), &name, member(i))?
                     {
                         out[i] = p;
                     }
@@ -429,8 +441,7 @@ impl<'a> Elaborator<'a, '_> {
                 let mut out = Vec::with_capacity(items.len());
                 for (i, item) in items.into_iter().enumerate() {
                     let name = format!("{path}[{}]", i + 1);
-                    let own = expr.map(|e| element(e, i));
-                    out.push(self.parameterise(item, &name, own, None, span, scope)?);
+                    out.push(self.parameterise(item, &name, member(i))?);
                 }
                 Ok(Value::List(out))
             }
@@ -440,7 +451,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// The unit that a literal is written in.
     pub fn literal_unit(&self, expr: &ast::Expr) -> Option<DisplayUnit> {
-        self.unit_of_literal(expr).map(shown_in)
+        self.unit_of_literal(expr).map(DisplayUnit::from)
     }
 
     fn unit_of_literal(&self, expr: &ast::Expr) -> Option<Unit> {
@@ -479,7 +490,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// The unit of the parameter that a value is made of: `bore` or `bore/2` is shown as `bore` is.
-    fn unit_of_parameter(&self, value: Scalar) -> Option<DisplayUnit> {
+    fn unit_of_parameter(&self, value: Scalar, dimension: Dimension) -> Option<DisplayUnit> {
         let graph = &self.bench.bind.graph;
         let mut waiting = vec![value.node];
         // near the value, or not the quantity it stands for
@@ -487,7 +498,7 @@ impl<'a> Elaborator<'a, '_> {
             let op = graph.op(waiting.pop()?);
             if let Op::Input(index) = op
                 && let Some(parameter) = self.parameters.get(index as usize)
-                && parameter.dimension.without_angle() == value.dimension.without_angle()
+                && parameter.dimension.without_angle() == dimension.without_angle()
             {
                 return Some(parameter.display.clone());
             }
@@ -499,7 +510,7 @@ impl<'a> Elaborator<'a, '_> {
     /// The unit of a literal of a dimension in an expression: of `2*27 mm` the millimetre.
     fn unit_within(&self, expr: &ast::Expr, dimension: Dimension) -> Option<DisplayUnit> {
         if let Some(unit) = self.unit_of_literal(expr) {
-            return (unit.dimension == dimension).then(|| shown_in(unit));
+            return (unit.dimension == dimension).then(|| DisplayUnit::from(unit));
         }
         match &expr.kind {
             ast::ExprKind::Binary { left, right, .. } => self
@@ -522,7 +533,7 @@ impl<'a> Elaborator<'a, '_> {
             return DisplayUnit::si(dimension);
         }
         match self.program.usual_unit(dimension) {
-            Some(unit) => shown_in(unit),
+            Some(unit) => DisplayUnit::from(unit),
             None => self.natural_unit(dimension),
         }
     }
@@ -683,90 +694,40 @@ impl<'a> Elaborator<'a, '_> {
 
     fn message(&mut self, message: &'a ast::Name, scope: ScopeId) -> Eval<Message> {
         let mut found = Message::default();
-        for part in eng_grammar::parse_message(message, self.diagnostics) {
-            match part {
+        for part in self.message_at(message.span)? {
+            let (value, unit) = match part {
                 eng_grammar::MessagePart::Text(text) => {
-                    found.text.push_str(&text);
+                    found.text.push_str(text);
+                    found.parts.push(Part::Text(text.clone()));
+                    continue;
+                }
+                eng_grammar::MessagePart::Value { value, unit, .. } => (value, unit),
+            };
+            let span = value.span;
+            found.text.push_str(self.sources.text(span));
+            let number = match self.evaluate(value, scope)? {
+                Value::Scalar(number) => number,
+                Value::Int(i) => self.bench.constant(i as f64),
+                Value::Text(text) => {
                     found.parts.push(Part::Text(text));
+                    continue;
                 }
-                eng_grammar::MessagePart::Value { value, unit, .. } => {
-                    let span = value.span;
-                    found.text.push_str(self.sources.text(span));
-                    let value = match self.evaluate_owned(&value, scope)? {
-                        Value::Scalar(value) => value,
-                        Value::Int(i) => self.bench.constant(i as f64, Dimension::ONE),
-                        Value::Text(text) => {
-                            found.parts.push(Part::Text(text));
-                            continue;
-                        }
-                        other => return Err(self.not_shown(span, &other)),
-                    };
-                    let display = match &unit {
-                        Some(u) => {
-                            let u = self.unit(u)?;
-                            DisplayUnit {
-                                symbol: u.symbol,
-                                scale: u.scale,
-                                offset: u.offset,
-                            }
-                        }
-                        None => self.natural_unit(value.dimension),
-                    };
-                    found.parts.push(Part::Value {
-                        value,
-                        display,
-                        span,
-                    });
+                other => return Err(self.not_shown(span, &other)),
+            };
+            let display = match unit {
+                Some(unit) => DisplayUnit::from(self.unit(unit)?),
+                None => {
+                    let dimension = self.dimension_at(span, scope)?;
+                    self.natural_unit(dimension)
                 }
-            }
+            };
+            found.parts.push(Part::Value {
+                value: number,
+                display,
+                span,
+            });
         }
         Ok(found)
-    }
-
-    /// The value of an expression that does not live as long as the program: only names, fields and arithmetic with numbers.
-    pub fn evaluate_owned(&mut self, expr: &ast::Expr, scope: ScopeId) -> Eval<Value<'a>> {
-        use ast::ExprKind as K;
-        match &expr.kind {
-            K::Name(name) => self.lookup(name, scope, expr.span),
-            K::Field { base, name } => match &base.kind {
-                K::Name(n) => {
-                    let base_value = self.lookup(n, scope, base.span)?;
-                    self.field(base_value, name, base.span)
-                }
-                _ => Err(self.too_long(expr.span)),
-            },
-            K::Paren { inner, unit: None } => self.evaluate_owned(inner, scope),
-            K::Number { value, unit, .. } => self.number(*value, unit.as_ref()).map(Value::Scalar),
-            K::Unary {
-                op: ast::UnaryOp::Negate,
-                operand,
-            } => {
-                let number = self.owned_scalar(operand, scope)?;
-                Ok(Value::Scalar(self.bench.negate(number)))
-            }
-            K::Binary {
-                op, left, right, ..
-            } => {
-                let a = self.owned_scalar(left, scope)?;
-                let b = self.owned_scalar(right, scope)?;
-                match op {
-                    ast::BinaryOp::Add => Ok(Value::Scalar(self.bench.add(a, b))),
-                    ast::BinaryOp::Subtract => Ok(Value::Scalar(self.bench.subtract(a, b))),
-                    ast::BinaryOp::Multiply => Ok(Value::Scalar(self.bench.multiply(a, b))),
-                    ast::BinaryOp::Divide => Ok(Value::Scalar(self.bench.divide(a, b))),
-                    _ => Err(self.too_long(expr.span)),
-                }
-            }
-            _ => Err(self.too_long(expr.span)),
-        }
-    }
-
-    fn owned_scalar(&mut self, expr: &ast::Expr, scope: ScopeId) -> Eval<Scalar> {
-        match self.evaluate_owned(expr, scope)? {
-            Value::Scalar(value) => Ok(value),
-            Value::Int(i) => Ok(self.bench.constant(i as f64, Dimension::ONE)),
-            other => Err(self.not_shown(expr.span, &other)),
-        }
     }
 
     fn not_shown(&mut self, span: Span, found: &Value<'_>) -> super::Reported {
@@ -774,36 +735,5 @@ impl<'a> Elaborator<'a, '_> {
             Diagnostic::error(codes::MESSAGE_FORM, "a message shows numbers and texts")
                 .at(span, format!("this is {}", found.kind())),
         )
-    }
-
-    fn too_long(&mut self, span: Span) -> super::Reported {
-        self.report(
-            Diagnostic::error(
-                codes::MESSAGE_FORM,
-                "a message shows names, and sums and products of names, only",
-            )
-            .at(span, "give this a name with `let`"),
-        )
-    }
-
-    /// The dimension that a type expression names; dimensionless for other types.
-    pub fn dimension(&self, ty: &ast::TypeExpr) -> Dimension {
-        use ast::TypeExprKind as K;
-        match &ty.kind {
-            K::Name(name) => self
-                .program
-                .dimensions
-                .get(&name.text)
-                .map_or(Dimension::ONE, |d| d.dimension),
-            K::Generic(_, arguments) => arguments
-                .first()
-                .map_or(Dimension::ONE, |t| self.dimension(t)),
-            K::Array(inner, _) => self.dimension(inner),
-            K::Product(a, b) => self.dimension(a).times(self.dimension(b)),
-            K::Quotient(a, b) => self.dimension(a).over(self.dimension(b)),
-            K::Power(a, n, d) => self.dimension(a).power(*n, *d).unwrap_or(Dimension::ONE),
-            K::Function(_, result) => self.dimension(result),
-            K::One | K::Error => Dimension::ONE,
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! Bodies and markers.
 
+use super::binding::Stated;
 use super::scalar::{Scalar, Stage};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Entry, Eval, location};
@@ -243,10 +244,8 @@ impl<'a> Elaborator<'a, '_> {
             (None, Some(z)) => {
                 // y nearest to the body's z axis, so that a bore in the plane across the crank has y along the crank at any angle; x
                 // nearest to the body's x axis where z itself is close to the body's z
-                let limit = self.bench.constant(0.9, Dimension::ONE);
-                let along = self
-                    .bench
-                    .unary(z[2], Dimension::ONE, crate::ir::Graph::abs);
+                let limit = self.bench.constant(0.9);
+                let along = self.bench.unary(z[2], crate::ir::Graph::abs);
                 let free = self.bench.compare(along, limit, crate::ir::Graph::less);
                 let across = self.bench.cross(&ez, &z);
                 let chosen = match self.bench.known_flag(free) {
@@ -258,10 +257,8 @@ impl<'a> Elaborator<'a, '_> {
             }
             (Some(x), None) => {
                 // the body's z axis made perpendicular, or its y axis where x is close to z
-                let limit = self.bench.constant(0.9, Dimension::ONE);
-                let along = self
-                    .bench
-                    .unary(x[2], Dimension::ONE, crate::ir::Graph::abs);
+                let limit = self.bench.constant(0.9);
+                let along = self.bench.unary(x[2], crate::ir::Graph::abs);
                 let free = self.bench.compare(along, limit, crate::ir::Graph::less);
                 let about = match self.bench.known_flag(free) {
                     Some(true) => ez,
@@ -358,18 +355,18 @@ impl<'a> Elaborator<'a, '_> {
                     "mass" => {
                         let value = self.evaluate(&a.value, own)?;
                         let parameter = format!("{path}.mass");
-                        let value = self.parameterise(
-                            value,
-                            &parameter,
-                            Some(&a.value),
-                            None,
-                            a.name.span,
-                            own,
-                        )?;
+                        let stated = Stated {
+                            expr: &a.value,
+                            dimension: Dimension::MASS,
+                            limits: None,
+                            span: a.name.span,
+                            scope: own,
+                        };
+                        let value = self.parameterise(value, &parameter, stated)?;
                         let s = self.as_scalar(value, a.value.span)?;
                         self.define(own, "mass", Entry::Value(Value::Scalar(s)));
                         let node = self.bind_node(s, a.value.span)?;
-                        let display = self.natural_unit(s.dimension);
+                        let display = self.natural_unit(Dimension::MASS);
                         self.positive_mass(node, display, &path, a.value.span);
                         mass = Some(node);
                     }

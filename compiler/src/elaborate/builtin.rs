@@ -21,20 +21,27 @@ type UnaryOp = fn(Node) -> Op;
 
 impl<'a> Elaborator<'a, '_> {
     /// Tells of `cos(16)`: a number of the text that is more than a turn in rad, and no angle.
-    fn angle_without_unit(&mut self, name: &str, x: Scalar, span: Span, scope: ScopeId) {
+    fn angle_without_unit(
+        &mut self,
+        name: &str,
+        x: Scalar,
+        argument: Span,
+        span: Span,
+        scope: ScopeId,
+    ) -> Eval<()> {
         let known = match x.stage {
             Stage::Bind => self.bench.bind.graph.as_constant(x.node),
             Stage::Motion => None,
         };
         let Some(value) = known.filter(|value| value.abs() > std::f64::consts::TAU) else {
-            return;
+            return Ok(());
         };
         let path = self.scope(scope).path.clone();
-        if x.dimension == Dimension::ANGLE
+        if self.dimension_at(argument, scope)? == Dimension::ANGLE
             || self.accepts(eng_system::lint::TURNS, &path)
             || !self.turns_told.insert(span)
         {
-            return;
+            return Ok(());
         }
         let turns = value.abs() / std::f64::consts::TAU;
         let shown = format!("{value:.6}");
@@ -50,6 +57,7 @@ impl<'a> Elaborator<'a, '_> {
             .with_help("give the angle its unit where it is stated: `deg` or `rad`")
             .acceptable(eng_system::lint::TURNS),
         );
+        Ok(())
     }
 
     pub fn builtin(
@@ -73,33 +81,32 @@ impl<'a> Elaborator<'a, '_> {
                 _ => values.push((value, argument.value.span)),
             }
         }
-        let unary: Option<(UnaryOp, Dimension)> = match name {
-            "exp" => Some((Op::Exp, Dimension::ONE)),
-            "log" => Some((Op::Log, Dimension::ONE)),
-            "sin" => Some((Op::Sin, Dimension::ONE)),
-            "cos" => Some((Op::Cos, Dimension::ONE)),
-            "tan" => Some((Op::Tan, Dimension::ONE)),
-            "tanh" => Some((Op::Tanh, Dimension::ONE)),
-            "asin" => Some((Op::Asin, Dimension::ANGLE)),
-            "acos" => Some((Op::Acos, Dimension::ANGLE)),
-            "atan" => Some((Op::Atan, Dimension::ANGLE)),
+        let unary: Option<UnaryOp> = match name {
+            "exp" => Some(Op::Exp),
+            "log" => Some(Op::Log),
+            "sin" => Some(Op::Sin),
+            "cos" => Some(Op::Cos),
+            "tan" => Some(Op::Tan),
+            "tanh" => Some(Op::Tanh),
+            "asin" => Some(Op::Asin),
+            "acos" => Some(Op::Acos),
+            "atan" => Some(Op::Atan),
             _ => None,
         };
-        if let Some((op, dimension)) = unary {
+        if let Some(op) = unary {
+            let argument = values.first().map_or(span, |(_, place)| *place);
             let x = self.only_scalar(values, span)?;
             if matches!(name, "sin" | "cos" | "tan") {
-                self.angle_without_unit(name, x, span, scope);
+                self.angle_without_unit(name, x, argument, span, scope)?;
             }
-            return Ok(Value::Scalar(
-                self.bench.unary(x, dimension, |g, n| g.unary(op, n)),
-            ));
+            return Ok(Value::Scalar(self.bench.unary(x, |g, n| g.unary(op, n))));
         }
         match name {
             "abs" => match values.pop() {
                 Some((Value::Int(i), _)) if i != i64::MIN => Ok(Value::Int(i.abs())),
                 Some((v, s)) => {
                     let x = self.as_scalar(v, s)?;
-                    Ok(Value::Scalar(self.bench.unary(x, x.dimension, Graph::abs)))
+                    Ok(Value::Scalar(self.bench.unary(x, Graph::abs)))
                 }
                 None => Err(self.arguments(span)),
             },
@@ -109,12 +116,7 @@ impl<'a> Elaborator<'a, '_> {
             }
             "atan2" => {
                 let [y, x] = self.scalars::<2>(values, span)?;
-                Ok(Value::Scalar(self.bench.binary(
-                    y,
-                    x,
-                    Dimension::ANGLE,
-                    Graph::atan2,
-                )))
+                Ok(Value::Scalar(self.bench.binary(y, x, Graph::atan2)))
             }
             "dot" => {
                 let [a, b] = self.take::<2>(values, span)?;
@@ -194,7 +196,7 @@ impl<'a> Elaborator<'a, '_> {
                     return Err(self.nothing(name, span));
                 };
                 for x in rest {
-                    best = self.bench.binary(best, x, best.dimension, op);
+                    best = self.bench.binary(best, x, op);
                 }
                 Ok(Value::Scalar(best))
             }
@@ -318,7 +320,6 @@ impl<'a> Elaborator<'a, '_> {
         let scalar = |node| Scalar {
             stage: Stage::Motion,
             node,
-            dimension: Dimension::ANGLE,
         };
         if let Some(node) = known {
             return Ok(scalar(node));
@@ -378,7 +379,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn rate_of(&mut self, value: Value<'a>, span: Span) -> Eval<Value<'a>> {
         let (components, sort) = match value {
             Value::Scalar(s) => (vec![s], None),
-            Value::Int(_) => return Ok(Value::Scalar(self.bench.constant(0.0, Dimension::ONE))),
+            Value::Int(_) => return Ok(Value::Scalar(self.bench.constant(0.0))),
             value if value.is_several() => {
                 let (components, sort) = self.sorted(value, span)?;
                 (components, Some(sort))
@@ -394,7 +395,7 @@ impl<'a> Elaborator<'a, '_> {
             // of parameters alone
             let zero: Vec<Scalar> = components
                 .iter()
-                .map(|s| self.bench.constant(0.0, s.dimension.over(Dimension::TIME)))
+                .map(|_| self.bench.constant(0.0))
                 .collect();
             return Ok(match sort {
                 None => Value::Scalar(zero[0]),
@@ -434,11 +435,9 @@ impl<'a> Elaborator<'a, '_> {
         }
         let scalars: Vec<Scalar> = derivative
             .into_iter()
-            .zip(&components)
-            .map(|(node, s)| Scalar {
+            .map(|node| Scalar {
                 stage: Stage::Motion,
                 node,
-                dimension: s.dimension.over(Dimension::TIME),
             })
             .collect();
         Ok(match sort {

@@ -2,7 +2,7 @@
 
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval};
-use crate::program::Program;
+use crate::typed::{Findings, TypedProgram};
 use eng_grammar::ast::Expr;
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::host::Host;
@@ -16,18 +16,22 @@ pub(crate) struct Constants<'a, 'd> {
 impl<'a, 'd> Constants<'a, 'd> {
     /// Of the root module; `None` for a program without modules.
     pub fn new(
-        program: &'a Program,
+        typed: &'a TypedProgram,
         sources: &'a mut SourceMap,
         host: &'a dyn Host,
         diagnostics: &'d mut Diagnostics,
     ) -> Option<Self> {
-        let elaborator = Elaborator::new(program, sources, host, diagnostics);
-        let scope = *elaborator.module_scopes.get(program.root() as usize)?;
+        let elaborator = Elaborator::new(typed, sources, host, diagnostics);
+        let scope = *elaborator
+            .module_scopes
+            .get(typed.program.root() as usize)?;
         Some(Constants { elaborator, scope })
     }
 
-    /// The number (SI) of an expression, or those of a list. Where there is none, a message was given.
-    pub fn numbers(&mut self, expr: &'a Expr) -> Option<Vec<f64>> {
+    /// The number (SI) of an expression, or those of a list, with what checking it found. Where there is none, a
+    /// message was given.
+    pub fn numbers(&mut self, expr: &'a Expr, findings: Findings) -> Option<Vec<f64>> {
+        self.elaborator.later.extend(findings);
         let found = self.known(expr).ok();
         self.elaborator.tell_advised();
         found

@@ -235,11 +235,7 @@ impl<'a> Elaborator<'a, '_> {
                 )),
             ));
         }
-        Ok(DisplayUnit {
-            symbol: unit.symbol,
-            scale: unit.scale,
-            offset: unit.offset,
-        })
+        Ok(DisplayUnit::from(unit))
     }
 }
 

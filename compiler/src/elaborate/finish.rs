@@ -5,10 +5,10 @@ use super::value::{ScopeId, Value};
 use super::{BindProgram, Elaborator, Entry, Eval, Reported};
 use crate::codes;
 use crate::ir::{ClassBody, ClassFunctions, Function};
-use crate::program::{DefinitionId, Program};
+use crate::program::DefinitionId;
+use crate::typed::{Findings, TypedProgram};
 use eng_grammar::ast::{Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
-use eng_system::Dimension;
 use eng_system::flexible::FlexibleSource;
 use eng_system::host::Host;
 use eng_system::system::{Element, ElementClass, Role, Rotation, System};
@@ -38,8 +38,8 @@ pub enum Structural {
     Bool(bool),
     /// A text.
     Text(String),
-    /// A number (SI) with its dimension.
-    Number(f64, Dimension),
+    /// A number (SI).
+    Number(f64),
     /// A list.
     List(Vec<Structural>),
     /// Modes of a flexible body.
@@ -52,7 +52,7 @@ pub enum Structural {
 
 /// Elaborates a model. `None` where an error was reported.
 pub fn elaborate(
-    program: &Program,
+    typed: &TypedProgram,
     sources: &mut SourceMap,
     host: &dyn Host,
     model: DefinitionId,
@@ -60,7 +60,7 @@ pub fn elaborate(
     diagnostics: &mut Diagnostics,
 ) -> Option<Elaborated> {
     let mut found = Diagnostics::new();
-    let mut elaborator = Elaborator::new(program, sources, host, &mut found);
+    let mut elaborator = Elaborator::new(typed, sources, host, &mut found);
     let result = elaborator.model(model, constants);
     elaborator.tell_advised();
     let failed = found.has_errors();
@@ -73,13 +73,16 @@ pub fn elaborate(
 
 impl<'a, 'd> Elaborator<'a, 'd> {
     pub fn new(
-        program: &'a Program,
+        typed: &'a TypedProgram,
         sources: &'a mut SourceMap,
         host: &'a dyn Host,
         diagnostics: &'d mut Diagnostics,
     ) -> Self {
+        let program = &typed.program;
         let mut elaborator = Elaborator {
             program,
+            typed,
+            later: Findings::default(),
             sources,
             host,
             diagnostics,
@@ -131,7 +134,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             Structural::Int(i) => Value::Int(*i),
             Structural::Bool(b) => Value::Bool(*b),
             Structural::Text(t) => Value::Text(t.clone()),
-            Structural::Number(v, d) => Value::Scalar(self.bench.constant(*v, *d)),
+            Structural::Number(v) => Value::Scalar(self.bench.constant(*v)),
             Structural::ModeSet(parts) => Value::ModeSet(std::rc::Rc::new(parts.clone())),
             Structural::List(items) => {
                 Value::List(items.iter().map(|v| self.structural_value(v)).collect())

@@ -22,6 +22,7 @@ mod scalar;
 mod table;
 mod topology;
 mod transmit;
+mod typed;
 mod value;
 
 pub use analysis::{AnalysisPlan, analyses};
@@ -32,11 +33,14 @@ pub use flexible::{MarkerName, ModePart};
 
 use crate::codes;
 use crate::program::{DefinitionId, Program};
+use crate::typed::types::Solution;
+use crate::typed::{Findings, TypedProgram};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span, ast};
 use eng_system::host::Host;
 use eng_system::system::{Location, Origin};
 use scalar::Workbench;
 use std::collections::HashMap;
+use std::rc::Rc;
 use value::{ScopeId, Value};
 
 /// A message was given; the value does not exist.
@@ -96,6 +100,8 @@ pub(crate) struct Scope<'a> {
     pub path: String,
     /// Outlives the element being lowered: values of the motion are not kept in it.
     pub lasting: bool,
+    /// In the body of a generic function: what its dimension variables stand for.
+    pub solution: Option<Rc<Solution>>,
     pub entries: HashMap<String, Entry<'a>>,
 }
 
@@ -163,6 +169,9 @@ pub(crate) struct OutputShape {
 /// The state of elaboration of one model.
 pub(crate) struct Elaborator<'a, 'd> {
     pub program: &'a Program,
+    pub typed: &'a TypedProgram,
+    /// What was found of expressions that were checked after the program: of reports.
+    pub later: Findings,
     pub sources: &'a mut SourceMap,
     pub host: &'a dyn Host,
     pub diagnostics: &'d mut Diagnostics,
@@ -285,6 +294,7 @@ impl<'a> Elaborator<'a, '_> {
             module,
             path,
             lasting: false,
+            solution: None,
             entries: HashMap::new(),
         });
         ScopeId(self.scopes.len() as u32 - 1)

@@ -1,5 +1,6 @@
 //! Blocks of models and components: parameters, bodies, parts, elements, starts, outputs.
 
+use super::output::Columns;
 use super::scalar::{ElementBuilder, Scalar, Stage};
 use super::value::{ScopeId, Value};
 use super::{CycleDraft, Elaborator, ElementSource, Entry, Eval, Lazy, Reported, body::index_text};
@@ -8,8 +9,8 @@ use crate::ir::{Node, Op};
 use crate::program::DefinitionId;
 use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
 use eng_system::system::Role;
-use eng_system::{Dimension, DisplayUnit};
 
 /// What is set at the start.
 #[derive(Clone, Debug)]
@@ -357,7 +358,7 @@ impl<'a> Elaborator<'a, '_> {
             };
             let value = self.evaluate(&argument.value, scope)?;
             let field = fields.iter().find(|f| f.name.text == name);
-            let value = self.declared(value, field.and_then(|f| f.ty.as_ref()));
+            let value = self.declared(value, field.and_then(|f| f.ty.as_ref()))?;
             self.define(own, &name, Entry::Value(value));
             given.push(name);
         }
@@ -412,27 +413,23 @@ impl<'a> Elaborator<'a, '_> {
             .replace(".origin", "");
         let path = format!("start of {path}.{name}");
         let local = self.local_marker(marker, Some(value.span))?;
-        let velocity = Dimension::LENGTH.over(Dimension::TIME);
-        let angular = Dimension::ANGLE.over(Dimension::TIME);
-        let actual = match target {
-            StartTarget::Position(_) => self.marker_origin(local),
-            StartTarget::Velocity(_) => {
-                [0, 1, 2].map(|i| self.marker_input(local, 12 + i, velocity))
-            }
+        let (actual, dimension) = match target {
+            StartTarget::Position(_) => (self.marker_origin(local), Dimension::LENGTH),
+            StartTarget::Velocity(_) => (
+                [0, 1, 2].map(|i| self.marker_input(local, 12 + i)),
+                Dimension::LENGTH.over(Dimension::TIME),
+            ),
             StartTarget::AngularVelocity(_) => {
-                let w = [0, 1, 2].map(|i| self.marker_input(local, 15 + i, angular));
-                self.rotate(local, &w)
+                let w = [0, 1, 2].map(|i| self.marker_input(local, 15 + i));
+                let per_time = Dimension::ANGLE.over(Dimension::TIME);
+                (self.rotate(local, &w), per_time)
             }
-            _ => {
-                let StartTarget::Rotation(_, matrix) = target else {
-                    return Err(Reported);
-                };
+            StartTarget::Rotation(_, matrix) => {
                 // x·Y, y·Z, z·X of the actual and the stated axes vanish together at alignment
                 let column = |j: usize| {
                     [0, 1, 2].map(|i| Scalar {
                         stage: Stage::Bind,
                         node: matrix[3 * i + j],
-                        dimension: Dimension::ONE,
                     })
                 };
                 let rows = [(0, 1), (1, 2), (2, 0)].map(|(a, b)| {
@@ -443,7 +440,7 @@ impl<'a> Elaborator<'a, '_> {
                     .into_iter()
                     .map(|s| (s, "rotation".to_owned()))
                     .collect();
-                return self.start_element(role, path, value.span, rows);
+                return self.start_element(role, path, value.span, Dimension::ONE, rows);
             }
         };
         let v = self.evaluate(value, scope)?;
@@ -457,7 +454,7 @@ impl<'a> Elaborator<'a, '_> {
                 )
             })
             .to_vec();
-        self.start_element(role, path, value.span, rows)
+        self.start_element(role, path, value.span, dimension, rows)
     }
 
     fn lower_start_expression(
@@ -507,15 +504,9 @@ impl<'a> Elaborator<'a, '_> {
                     }
                 }
                 // an angle is reached at any turn: the stated one is counted afterwards
-                let sine = self
-                    .bench
-                    .unary(difference, Dimension::ONE, |g, n| g.unary(Op::Sin, n));
-                let cosine = self
-                    .bench
-                    .unary(difference, Dimension::ONE, |g, n| g.unary(Op::Cos, n));
-                difference =
-                    self.bench
-                        .binary(sine, cosine, Dimension::ANGLE, crate::ir::Graph::atan2);
+                let sine = self.bench.unary(difference, |g, n| g.unary(Op::Sin, n));
+                let cosine = self.bench.unary(difference, |g, n| g.unary(Op::Cos, n));
+                difference = self.bench.binary(sine, cosine, crate::ir::Graph::atan2);
             }
             velocity |= self.uses_twist(difference.node);
             rows.push((difference, text.clone()));
@@ -526,7 +517,8 @@ impl<'a> Elaborator<'a, '_> {
             Role::StartPosition { exact }
         };
         let path = format!("start of {}", self.sources.text(target.span));
-        self.start_element(role, path, target.span, rows)
+        let dimension = self.dimension_at(target.span, scope)?;
+        self.start_element(role, path, target.span, dimension, rows)
     }
 
     /// Whether a value of the element being lowered depends on a marker's twist.
@@ -559,31 +551,21 @@ impl<'a> Elaborator<'a, '_> {
         let Some(expr) = &binding.value else {
             return Ok(());
         };
-        let display = match &binding.display {
-            Some(u) => {
-                let unit = self.unit(u)?;
-                Some(DisplayUnit {
-                    symbol: unit.symbol,
-                    scale: unit.scale,
-                    offset: unit.offset,
-                })
-            }
-            None => None,
-        };
+        let display = self.display_of(binding)?;
         self.for_each(&binding.index, scope, &mut |e, inner, position| {
             e.bench.element = Some(ElementBuilder::default());
             e.in_output = true;
             let path = format!("{base}{}", index_text(position));
             e.bench.bind.owner.clone_from(&path);
-            let declared = binding.ty.as_ref().map(|t| e.dimension(t));
+            let place = binding.ty.as_ref().map_or(expr.span, |ty| ty.span);
+            let shown = Columns {
+                dimension: e.dimension_at(place, inner)?,
+                display: display.clone(),
+                declared: binding.ty.is_some(),
+                frame: None,
+            };
             let value = e.bound_value(binding, expr, inner)?;
-            e.output_element(
-                path,
-                declared,
-                vec![(name.clone(), value)],
-                display.clone(),
-                binding.name.span,
-            )?;
+            e.output_element(path, vec![(name.clone(), value, shown)], binding.name.span)?;
             e.bench.element = None;
             e.in_output = false;
             Ok(())
@@ -603,14 +585,16 @@ impl<'a> Elaborator<'a, '_> {
         let angle = self.evaluate(value, cycle.scope)?;
         let rate = self.rate_of(angle.clone(), value.span)?;
         let before = self.channels.len();
-        let binding_values = vec![("angle".to_owned(), angle), ("speed".to_owned(), rate)];
-        let element = self.output_element(
-            "cycle".into(),
-            None,
-            binding_values,
-            None,
-            cycle.declaration.name.span,
-        )?;
+        let values = vec![
+            ("angle".to_owned(), angle, Columns::of(Dimension::ANGLE)),
+            (
+                "speed".to_owned(),
+                rate,
+                Columns::of(Dimension::ANGLE.over(Dimension::TIME)),
+            ),
+        ];
+        let span = cycle.declaration.name.span;
+        let element = self.output_element("cycle".into(), values, span)?;
         // time, angle and speed are columns of their own
         self.channels.truncate(before);
         self.in_output = false;

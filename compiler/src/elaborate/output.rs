@@ -17,6 +17,29 @@ use eng_system::{Dimension, DisplayUnit};
 /// Most operations of one element before its derivatives: compiling takes seconds then.
 const MOST_OPERATIONS: usize = 100_000;
 
+/// How the numbers of an output are shown.
+pub(crate) struct Columns {
+    pub dimension: Dimension,
+    /// As stated; else the natural unit of the dimension.
+    pub display: Option<DisplayUnit>,
+    /// Whether the text declares the dimension.
+    pub declared: bool,
+    /// How its class calls the marker along whose axes its components are.
+    pub frame: Option<String>,
+}
+
+impl Columns {
+    /// In the natural unit of a dimension.
+    pub fn of(dimension: Dimension) -> Columns {
+        Columns {
+            dimension,
+            display: None,
+            declared: false,
+            frame: None,
+        }
+    }
+}
+
 impl<'a> Elaborator<'a, '_> {
     pub fn class_outputs(
         &mut self,
@@ -41,41 +64,31 @@ impl<'a> Elaborator<'a, '_> {
                 .frame
                 .as_ref()
                 .map(|f| self.sources.text(f.span).to_owned());
-            let display = match &b.display {
-                Some(u) => {
-                    let unit = self.unit(u)?;
-                    Some(DisplayUnit {
-                        symbol: unit.symbol,
-                        scale: unit.scale,
-                        offset: unit.offset,
-                    })
-                }
-                None => None,
-            };
-            let declared = b.ty.as_ref().map(|t| self.dimension(t));
-            self.add_output(
-                &b.name.text,
-                value,
-                expr.span,
+            let place = b.ty.as_ref().map_or(expr.span, |ty| ty.span);
+            let shown = Columns {
+                dimension: self.dimension_at(place, scope)?,
+                display: self.display_of(b)?,
+                declared: b.ty.is_some(),
                 frame,
-                display,
-                declared,
-                draft,
-            )?;
+            };
+            self.add_output(&b.name.text, value, expr.span, shown, draft)?;
         }
         Ok(())
     }
 
-    /// Adds an output: of a vector the components along the axes that it states. `frame` is how its class calls these.
-    #[allow(clippy::too_many_arguments)]
+    /// The unit that an output states.
+    pub fn display_of(&mut self, output: &ast::Binding) -> Eval<Option<DisplayUnit>> {
+        let unit = output.display.as_ref().map(|unit| self.unit(unit));
+        Ok(unit.transpose()?.map(DisplayUnit::from))
+    }
+
+    /// Adds an output: of a vector the components along the axes that it states.
     fn add_output(
         &mut self,
         name: &str,
         value: Value<'a>,
         span: Span,
-        frame: Option<String>,
-        display: Option<DisplayUnit>,
-        declared: Option<Dimension>,
+        shown: Columns,
         draft: &mut Draft,
     ) -> Eval<()> {
         let vector = matches!(value, Value::Vector(_) | Value::Shown(_));
@@ -86,18 +99,18 @@ impl<'a> Elaborator<'a, '_> {
             Value::Components(c, axes) => (c, Some(axes)),
             Value::List(_) => (self.as_components(value, span)?, None),
             Value::Flag(flag) => {
-                let one = self.bench.constant(1.0, Dimension::ONE);
-                let zero = self.bench.constant(0.0, Dimension::ONE);
+                let one = self.bench.constant(1.0);
+                let zero = self.bench.constant(0.0);
                 (vec![self.bench.select(flag, one, zero)], None)
             }
             Value::Bool(known) => {
                 let number = if known { 1.0 } else { 0.0 };
-                (vec![self.bench.constant(number, Dimension::ONE)], None)
+                (vec![self.bench.constant(number)], None)
             }
             other => (vec![self.as_scalar(other, span)?], None),
         };
         let first = draft.outputs.len() as u32;
-        let frame_name = match (frame, axes) {
+        let frame_name = match (shown.frame, axes) {
             (Some(text), _) => text,
             (None, Some(axes)) => self.axes_path(axes),
             (None, None) => String::new(),
@@ -105,7 +118,6 @@ impl<'a> Elaborator<'a, '_> {
         let count = components.len() as u32;
         for (i, s) in components.into_iter().enumerate() {
             let node = self.bench.lift(s.stage, s.node);
-            let dimension = declared.unwrap_or(s.dimension);
             draft.outputs.push(node);
             draft.frames.push(axes);
             let suffix = match (single, ["x", "y", "z"].get(i)) {
@@ -115,10 +127,11 @@ impl<'a> Elaborator<'a, '_> {
             };
             draft.infos.push(OutputInfo {
                 name: format!("{name}{suffix}"),
-                dimension,
-                display: display
+                dimension: shown.dimension,
+                display: shown
+                    .display
                     .clone()
-                    .unwrap_or_else(|| self.natural_unit(dimension)),
+                    .unwrap_or_else(|| self.natural_unit(shown.dimension)),
                 frame: frame_name.clone(),
             });
         }
@@ -153,10 +166,9 @@ impl<'a> Elaborator<'a, '_> {
         let first = PROVISIONAL.marker(0);
         let inputs: Vec<u32> = (first..first + 12).collect();
         let gradient = crate::ir::differentiate::gradient(g, power, &inputs);
-        let scalar = |node, dimension| Scalar {
+        let scalar = |node| Scalar {
             stage: Stage::Motion,
             node,
-            dimension,
         };
         let newton = Dimension::MASS
             .times(Dimension::LENGTH)
@@ -165,7 +177,7 @@ impl<'a> Elaborator<'a, '_> {
         let newton_metre = newton.times(Dimension::LENGTH);
         let force = [0, 1, 2].map(|i| {
             let n = g.negate(gradient[i]);
-            scalar(n, newton)
+            scalar(n)
         });
         // δR = R δπ~ : torque k in marker axes is Σ ∂/∂R_ij (R e_k~)_ij with (R e_k~) = columns of R crossed
         let r: Vec<Node> = (0..9).map(|i| g.input(first + 3 + i)).collect();
@@ -180,29 +192,28 @@ impl<'a> Elaborator<'a, '_> {
                 sum = g.subtract(sum, q);
             }
             let n = g.negate(sum);
-            scalar(n, newton_metre)
+            scalar(n)
         });
         let second = element.markers[1];
         let torque = self.rotate(0, &torque);
-        let frame_name = class
-            .parameters
-            .iter()
-            .filter(|p| is_marker(&p.ty))
-            .nth(1)
-            .map_or_else(|| "reference".to_owned(), |p| p.name.text.clone());
+        let mut markers = Vec::new();
+        for parameter in class.parameters {
+            if is_marker(&self.type_at(parameter.ty.span)?) {
+                markers.push(&parameter.name.text);
+            }
+        }
+        let frame_name = markers.get(1).map_or("reference", |name| name);
         let span = class.declaration.name.span;
-        for (name, vector) in [("force", force), ("torque", torque)] {
+        for (name, vector, dimension) in
+            [("force", force, newton), ("torque", torque, newton_metre)]
+        {
             if draft.shapes.iter().all(|s| s.name != name) {
                 let value = self.shown(Value::Vector(vector), Axes::Marker(second), span)?;
-                self.add_output(
-                    name,
-                    value,
-                    span,
-                    Some(frame_name.clone()),
-                    None,
-                    None,
-                    draft,
-                )?;
+                let shown = Columns {
+                    frame: Some(frame_name.to_owned()),
+                    ..Columns::of(dimension)
+                };
+                self.add_output(name, value, span, shown, draft)?;
             }
         }
         Ok(())
@@ -351,14 +362,12 @@ impl<'a> Elaborator<'a, '_> {
             let mut scalars = Vec::new();
             for k in 0..shape.count {
                 let channel = first_channel + shape.first + k;
-                let dimension = self.channels[channel as usize].dimension;
                 let Some(element) = self.bench.element.as_mut() else {
                     return Err(Reported);
                 };
                 scalars.push(Scalar {
                     stage: Stage::Motion,
                     node: element.signal(channel),
-                    dimension,
                 });
             }
             return Ok(match (scalars.as_slice(), shape.axes) {
@@ -403,10 +412,11 @@ impl<'a> Elaborator<'a, '_> {
         role: Role,
         path: String,
         span: Span,
+        dimension: Dimension,
         rows: Vec<(Scalar, String)>,
     ) -> Eval<()> {
         for (value, text) in rows {
-            self.add_row(value, text, span)?;
+            self.add_row(value, dimension, text, span)?;
         }
         let origin = Origin {
             path,
@@ -435,9 +445,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn output_element(
         &mut self,
         path: String,
-        declared: Option<Dimension>,
-        values: Vec<(String, Value<'a>)>,
-        display: Option<DisplayUnit>,
+        values: Vec<(String, Value<'a>, Columns)>,
         span: Span,
     ) -> Eval<u32> {
         let mut draft = Draft {
@@ -448,16 +456,12 @@ impl<'a> Elaborator<'a, '_> {
             frames: Vec::new(),
             copied: Vec::new(),
         };
-        for (name, value) in values {
-            self.add_output(
-                &name,
-                value,
-                span,
-                None,
-                display.clone(),
-                declared,
-                &mut draft,
-            )?;
+        let plain = |(_, _, shown): &(String, Value<'a>, Columns)| {
+            shown.display.is_none() && !shown.declared
+        };
+        let as_copied = values.iter().all(plain);
+        for (name, value, shown) in values {
+            self.add_output(&name, value, span, shown, &mut draft)?;
         }
         for (i, node) in draft.outputs.iter().enumerate() {
             if let Some(element) = self.bench.element.as_ref()
@@ -467,7 +471,7 @@ impl<'a> Elaborator<'a, '_> {
                 let channel = element.signals[(input - PROVISIONAL.signal(0)) as usize];
                 let copied = &self.channels[channel as usize];
                 draft.copied.push((i, copied.frame.clone()));
-                if display.is_none() && declared.is_none() {
+                if as_copied {
                     draft.infos[i].display = copied.display.clone();
                 }
             }

@@ -1,5 +1,6 @@
 //! What names and fields mean.
 
+use super::binding::Stated;
 use super::scalar::{Scalar, Stage};
 use super::value::{Axes, Closure, ScopeId, TableValue, Value};
 use super::{Elaborator, Entry, Eval, Lazy, Reported};
@@ -7,7 +8,6 @@ use crate::codes;
 use crate::program::DefinitionId;
 use eng_grammar::ast::{self, BindingKind, ItemKind};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::Dimension;
 use eng_system::layout::InputLayout;
 use eng_system::system::BodyRef;
 
@@ -48,7 +48,7 @@ impl<'a> Elaborator<'a, '_> {
         }
         match name {
             "pi" => Ok(Some(Value::Scalar(
-                self.bench.constant(std::f64::consts::PI, Dimension::ONE),
+                self.bench.constant(std::f64::consts::PI),
             ))),
             "ground" => Ok(Some(Value::Ground)),
             "cycle" if self.cycle.is_some() => Ok(Some(Value::Cycle)),
@@ -66,7 +66,6 @@ impl<'a> Elaborator<'a, '_> {
                 Ok(Some(Value::Scalar(Scalar {
                     stage: Stage::Motion,
                     node,
-                    dimension: Dimension::TIME,
                 })))
             }
             _ => Ok(super::builtin::find(name).map(Value::Builtin)),
@@ -141,20 +140,21 @@ impl<'a> Elaborator<'a, '_> {
                 };
                 let value = self.evaluate(expr, scope)?;
                 let path = self.path(scope, &binding.name.text);
-                let value = self.parameterise(
-                    value,
-                    &path,
-                    Some(expr),
-                    binding.limits.as_ref(),
-                    binding.name.span,
+                let place = binding.ty.as_ref().map_or(expr.span, |ty| ty.span);
+                let stated = Stated {
+                    expr,
+                    dimension: self.dimension_at(place, scope)?,
+                    limits: binding.limits.as_ref(),
+                    span: binding.name.span,
                     scope,
-                )?;
-                Ok(self.declared(value, binding.ty.as_ref()))
+                };
+                let value = self.parameterise(value, &path, stated)?;
+                self.declared(value, binding.ty.as_ref())
             }
             Lazy::Default(parameter) => match &parameter.default {
                 Some(expr) => {
                     let value = self.evaluate(expr, scope)?;
-                    Ok(self.declared(value, Some(&parameter.ty)))
+                    self.declared(value, Some(&parameter.ty))
                 }
                 None => Err(Reported),
             },
@@ -209,7 +209,7 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
         let value = self.evaluate(expr, scope)?;
-        let value = self.declared(value, binding.ty.as_ref());
+        let value = self.declared(value, binding.ty.as_ref())?;
         match &binding.frame {
             Some(frame) => {
                 let axes = self.axes(frame, scope)?;
@@ -230,7 +230,11 @@ impl<'a> Elaborator<'a, '_> {
             ItemKind::Binding(b) => Lazy::Binding(b),
             ItemKind::Table(t) => Lazy::Table(t),
             ItemKind::Function(function) => {
-                return Ok(Value::Closure(Closure { function, scope }));
+                return Ok(Value::Closure(Closure {
+                    function,
+                    scope,
+                    solution: None,
+                }));
             }
             ItemKind::Declaration(_) => return Ok(Value::Definition(id)),
             _ => return Err(self.internal(span, "this is no value")),
@@ -255,7 +259,7 @@ impl<'a> Elaborator<'a, '_> {
                     return Ok(Value::Vector(self.unit_vector(i)));
                 }
                 if name.text == "origin" {
-                    let zero = self.bench.constant(0.0, Dimension::LENGTH);
+                    let zero = self.bench.constant(0.0);
                     return Ok(Value::Vector([zero; 3]));
                 }
                 let marker = self.ground_frame();
@@ -315,7 +319,6 @@ impl<'a> Elaborator<'a, '_> {
                 ("period", Some(cycle)) => Ok(Value::Scalar(Scalar {
                     stage: Stage::Bind,
                     node: cycle.period,
-                    dimension: Dimension::ANGLE,
                 })),
                 _ => Err(self.internal(name.span, "no field of the cycle")),
             },
@@ -327,10 +330,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     pub fn unit_vector(&mut self, axis: usize) -> [Scalar; 3] {
-        [0, 1, 2].map(|i| {
-            self.bench
-                .constant(if i == axis { 1.0 } else { 0.0 }, Dimension::ONE)
-        })
+        [0, 1, 2].map(|i| self.bench.constant(if i == axis { 1.0 } else { 0.0 }))
     }
 
     /// The local index of a marker in the element being lowered.
@@ -370,7 +370,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    pub fn marker_input(&mut self, local: u32, component: u32, dimension: Dimension) -> Scalar {
+    pub fn marker_input(&mut self, local: u32, component: u32) -> Scalar {
         let node = match self.bench.element.as_mut() {
             Some(element) => element.marker_input(local, component),
             None => self.bench.bind.graph.constant(f64::NAN),
@@ -378,23 +378,22 @@ impl<'a> Elaborator<'a, '_> {
         Scalar {
             stage: Stage::Motion,
             node,
-            dimension,
         }
     }
 
     /// Column of a marker's rotation matrix, in ground axes.
     pub fn marker_axis(&mut self, local: u32, axis: u32) -> [Scalar; 3] {
-        [0, 1, 2].map(|i| self.marker_input(local, 3 + 3 * i + axis, Dimension::ONE))
+        [0, 1, 2].map(|i| self.marker_input(local, 3 + 3 * i + axis))
     }
 
     pub fn marker_origin(&mut self, local: u32) -> [Scalar; 3] {
-        [0, 1, 2].map(|i| self.marker_input(local, i, Dimension::LENGTH))
+        [0, 1, 2].map(|i| self.marker_input(local, i))
     }
 
     /// Ground-axes components of a vector given along a marker's axes.
     pub fn rotate(&mut self, local: u32, v: &[Scalar; 3]) -> [Scalar; 3] {
         [0, 1, 2].map(|i| {
-            let row = [0, 1, 2].map(|j| self.marker_input(local, 3 + 3 * i + j, Dimension::ONE));
+            let row = [0, 1, 2].map(|j| self.marker_input(local, 3 + 3 * i + j));
             self.bench.dot(&row, v)
         })
     }
@@ -408,17 +407,15 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     fn marker_field(&mut self, marker: u32, name: &ast::Name) -> Eval<Value<'a>> {
-        let velocity = Dimension::LENGTH.over(Dimension::TIME);
-        let angular = Dimension::ANGLE.over(Dimension::TIME);
         let local = self.local_marker(marker, Some(name.span))?;
         let vector = match name.text.as_str() {
             "origin" => self.marker_origin(local),
             "x" => self.marker_axis(local, 0),
             "y" => self.marker_axis(local, 1),
             "z" => self.marker_axis(local, 2),
-            "velocity" => [0, 1, 2].map(|i| self.marker_input(local, 12 + i, velocity)),
+            "velocity" => [0, 1, 2].map(|i| self.marker_input(local, 12 + i)),
             "angular_velocity" => {
-                let w = [0, 1, 2].map(|i| self.marker_input(local, 15 + i, angular));
+                let w = [0, 1, 2].map(|i| self.marker_input(local, 15 + i));
                 self.rotate(local, &w)
             }
             "acceleration" | "angular_acceleration" => {
@@ -450,8 +447,8 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// A table's handle as a value.
-    pub fn table_handle(&mut self, index: usize, result: Dimension) -> Value<'a> {
+    pub fn table_handle(&mut self, index: usize) -> Value<'a> {
         let handle = self.bench.bind.fixed(index as f64);
-        Value::Table(TableValue { handle, result })
+        Value::Table(TableValue { handle })
     }
 }

@@ -17,12 +17,11 @@ pub(crate) enum Stage {
     Motion,
 }
 
-/// A number with its dimension.
+/// A number (SI). Its dimension is known to the typed tree alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scalar {
     pub stage: Stage,
     pub node: Node,
-    pub dimension: Dimension,
 }
 
 /// A truth value that is not known while compiling.
@@ -219,11 +218,10 @@ pub(crate) struct Workbench {
 }
 
 impl Workbench {
-    pub fn constant(&mut self, value: f64, dimension: Dimension) -> Scalar {
+    pub fn constant(&mut self, value: f64) -> Scalar {
         Scalar {
             stage: Stage::Bind,
             node: self.bind.graph.constant(value),
-            dimension,
         }
     }
 
@@ -266,56 +264,44 @@ impl Workbench {
         &mut self,
         a: Scalar,
         b: Scalar,
-        dimension: Dimension,
         op: impl FnOnce(&mut Graph, Node, Node) -> Node,
     ) -> Scalar {
         let (stage, x, y) = self.join((a.stage, a.node), (b.stage, b.node));
         let node = op(self.graph(stage), x, y);
-        Scalar {
-            stage,
-            node,
-            dimension,
-        }
+        Scalar { stage, node }
     }
 
     /// An operation on one number.
-    pub fn unary(
-        &mut self,
-        a: Scalar,
-        dimension: Dimension,
-        op: impl FnOnce(&mut Graph, Node) -> Node,
-    ) -> Scalar {
+    pub fn unary(&mut self, a: Scalar, op: impl FnOnce(&mut Graph, Node) -> Node) -> Scalar {
         let node = op(self.graph(a.stage), a.node);
         Scalar {
             stage: a.stage,
             node,
-            dimension,
         }
     }
 
     pub fn add(&mut self, a: Scalar, b: Scalar) -> Scalar {
-        self.binary(a, b, a.dimension, Graph::add)
+        self.binary(a, b, Graph::add)
     }
 
     pub fn subtract(&mut self, a: Scalar, b: Scalar) -> Scalar {
-        self.binary(a, b, a.dimension, Graph::subtract)
+        self.binary(a, b, Graph::subtract)
     }
 
     pub fn multiply(&mut self, a: Scalar, b: Scalar) -> Scalar {
-        self.binary(a, b, a.dimension.times(b.dimension), Graph::multiply)
+        self.binary(a, b, Graph::multiply)
     }
 
     pub fn divide(&mut self, a: Scalar, b: Scalar) -> Scalar {
-        self.binary(a, b, a.dimension.over(b.dimension), Graph::divide)
+        self.binary(a, b, Graph::divide)
     }
 
     pub fn negate(&mut self, a: Scalar) -> Scalar {
-        self.unary(a, a.dimension, Graph::negate)
+        self.unary(a, Graph::negate)
     }
 
     pub fn sqrt(&mut self, a: Scalar) -> Scalar {
-        let dimension = a.dimension.power(1, 2).unwrap_or(Dimension::ONE);
-        self.unary(a, dimension, Graph::sqrt)
+        self.unary(a, Graph::sqrt)
     }
 
     pub fn dot(&mut self, a: &[Scalar], b: &[Scalar]) -> Scalar {
@@ -329,7 +315,7 @@ impl Workbench {
         }
         match sum {
             Some(s) => s,
-            None => self.constant(0.0, Dimension::ONE),
+            None => self.constant(0.0),
         }
     }
 
@@ -430,12 +416,11 @@ impl Workbench {
         Scalar {
             stage: Stage::Motion,
             node,
-            dimension: a.dimension,
         }
     }
 
     /// A table look-up.
-    pub fn table(&mut self, handle: Node, x: Scalar, dimension: Dimension) -> Scalar {
+    pub fn table(&mut self, handle: Node, x: Scalar) -> Scalar {
         let handle = match x.stage {
             Stage::Bind => handle,
             Stage::Motion => self.lift(Stage::Bind, handle),
@@ -444,7 +429,6 @@ impl Workbench {
         Scalar {
             stage: x.stage,
             node,
-            dimension,
         }
     }
 }

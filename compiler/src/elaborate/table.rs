@@ -28,13 +28,13 @@ impl<'a> Elaborator<'a, '_> {
         module: u32,
     ) -> Eval<Value<'a>> {
         let argument = match table.parameters.first() {
-            Some(p) => self.dimension(&p.ty),
+            Some(p) => self.dimension_at(p.ty.span, scope)?,
             None => Dimension::ONE,
         };
-        let result = table
-            .result
-            .as_ref()
-            .map_or(Dimension::ONE, |t| self.dimension(t));
+        let result = match &table.result {
+            Some(ty) => self.dimension_at(ty.span, scope)?,
+            None => Dimension::ONE,
+        };
         let source = &table.source;
         let ExprKind::Call { callee, arguments } = &source.kind else {
             return Err(self.not_a_source(source.span));
@@ -168,7 +168,7 @@ impl<'a> Elaborator<'a, '_> {
                 let place = super::location(table.name.span);
                 self.tables.push(t.written(place, units.0));
                 let index = self.tables.len() - 1;
-                Ok(self.table_handle(index, result))
+                Ok(self.table_handle(index))
             }
             Err(error) => Err(self.report(
                 Diagnostic::error(

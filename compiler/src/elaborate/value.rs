@@ -3,8 +3,9 @@
 use super::scalar::{Flag, Scalar};
 use crate::ir::Node;
 use crate::program::DefinitionId;
+use crate::typed::types::Solution;
 use eng_grammar::ast;
-use eng_system::Dimension;
+use std::rc::Rc;
 
 /// Index of a scope.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -16,6 +17,8 @@ pub(crate) struct Closure<'a> {
     pub function: &'a ast::Function,
     /// Where its free names are looked up.
     pub scope: ScopeId,
+    /// Handed on as a value: what its dimension variables stand for.
+    pub solution: Option<Rc<Solution>>,
 }
 
 /// A value.
@@ -50,7 +53,7 @@ pub(crate) enum Value<'a> {
     /// A class, record, model, component: something that is called with arguments.
     Definition(DefinitionId),
     Cycle,
-    ModeSet(std::rc::Rc<Vec<super::ModePart>>),
+    ModeSet(Rc<Vec<super::ModePart>>),
 }
 
 /// The axes along which components are.
@@ -76,7 +79,6 @@ pub(crate) struct Shown {
 pub(crate) struct TableValue {
     /// Its handle in the bind graph.
     pub handle: Node,
-    pub result: Dimension,
 }
 
 impl Value<'_> {

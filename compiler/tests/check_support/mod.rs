@@ -3,8 +3,9 @@
 use eng_compiler::check::{check, reports};
 use eng_compiler::elaborate::{analyses, elaborate};
 use eng_compiler::library::LIBRARY;
-use eng_compiler::program::{Checked, DefinitionId, Program};
+use eng_compiler::program::{DefinitionId, Program};
 use eng_compiler::resolve::resolve;
+use eng_compiler::typed::TypedProgram;
 use eng_grammar::ast::{ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, Severity, SourceMap, Span};
 use eng_system::host::{Host, HostError};
@@ -31,8 +32,7 @@ impl Host for Folder {
 #[allow(dead_code)]
 pub struct Run {
     pub sources: SourceMap,
-    pub program: Program,
-    pub checked: Checked,
+    pub typed: TypedProgram,
     pub diagnostics: Diagnostics,
 }
 
@@ -55,20 +55,19 @@ fn run_stages(folder: &str, root: &str, text: &str, elaborated: bool) -> Run {
     let mut sources = SourceMap::new();
     let mut diagnostics = Diagnostics::new();
     let program = resolve(root, &host, LIBRARY, &mut sources, &mut diagnostics);
-    let checked = check(&program, &sources, &mut diagnostics);
+    let typed = check(program, &sources, &mut diagnostics);
     if elaborated && !diagnostics.has_errors() {
-        let plans = analyses(&program, &mut sources, &host, &mut diagnostics);
-        for model in models(&program) {
-            elaborate(&program, &mut sources, &host, model, &[], &mut diagnostics);
+        let plans = analyses(&typed, &mut sources, &host, &mut diagnostics);
+        for model in models(&typed.program) {
+            elaborate(&typed, &mut sources, &host, model, &[], &mut diagnostics);
         }
         if !diagnostics.has_errors() {
-            reports(&program, &sources, &host, &plans, &mut diagnostics);
+            reports(&typed, &sources, &host, &plans, &mut diagnostics);
         }
     }
     Run {
         sources,
-        program,
-        checked,
+        typed,
         diagnostics,
     }
 }

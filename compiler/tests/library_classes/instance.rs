@@ -53,10 +53,11 @@ fn elaborated(text: String) -> Elaborated {
     let host = Text(text);
     let (mut sources, mut diagnostics) = (SourceMap::new(), Diagnostics::new());
     let program = resolve("pair.eng", &host, LIBRARY, &mut sources, &mut diagnostics);
-    let plans = analyses(&program, &mut sources, &host, &mut diagnostics);
+    let typed = eng_compiler::check::check(program, &sources, &mut diagnostics);
+    let plans = analyses(&typed, &mut sources, &host, &mut diagnostics);
     let made = plans.first().and_then(|plan| {
         elaborate(
-            &program,
+            &typed,
             &mut sources,
             &host,
             plan.model,

@@ -6,8 +6,9 @@ use super::value::{Label, Member, Typed};
 use crate::check::types::{Kind, Quantity};
 use crate::codes;
 use crate::elaborate::{AnalysisPlan, Structural, elaborate};
-use crate::program::{DefinitionId, Program};
+use crate::program::DefinitionId;
 use crate::resolve::suggest::{listing, nearest};
+use crate::typed::TypedProgram;
 use eng_grammar::ast::{Expr, ExprKind, IndexArgument, Name};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
 use eng_system::host::Host;
@@ -40,7 +41,7 @@ impl Channels {
 
 /// What each analysis records; models are elaborated when first asked for.
 pub(super) struct Models<'a> {
-    program: &'a Program,
+    typed: &'a TypedProgram,
     sources: &'a SourceMap,
     host: &'a dyn Host,
     pub plans: &'a [AnalysisPlan],
@@ -55,13 +56,13 @@ pub(super) struct Models<'a> {
 
 impl<'a> Models<'a> {
     pub fn new(
-        program: &'a Program,
+        typed: &'a TypedProgram,
         sources: &'a SourceMap,
         host: &'a dyn Host,
         plans: &'a [AnalysisPlan],
     ) -> Models<'a> {
         Models {
-            program,
+            typed,
             sources,
             host,
             plans,
@@ -87,7 +88,7 @@ impl<'a> Models<'a> {
         let mut texts = self.sources.clone();
         let mut found = Diagnostics::new();
         let elaborated = elaborate(
-            self.program,
+            self.typed,
             &mut texts,
             self.host,
             plan.model,

@@ -18,7 +18,7 @@ use super::scope::Scope;
 use super::types::Quantity;
 use crate::codes;
 use crate::elaborate::{AnalysisPlan, Constants};
-use crate::program::Program;
+use crate::typed::TypedProgram;
 use channel::Models;
 use eng_grammar::ast::{self, BindingKind, Expr, ItemKind, Statement};
 use eng_grammar::{Diagnostic, Diagnostics, MessagePart, SourceMap, Span, parse_message};
@@ -31,12 +31,13 @@ use value::{Shape, Typed};
 
 /// The reports of the root module. Those with a mistake are left out, and messages given.
 pub fn reports(
-    program: &Program,
+    typed: &TypedProgram,
     sources: &SourceMap,
     host: &dyn Host,
     plans: &[AnalysisPlan],
     diagnostics: &mut Diagnostics,
 ) -> Vec<plan::Report> {
+    let program = &typed.program;
     let root = program.modules.get(program.root() as usize);
     let items = root.map_or(&[][..], |module| &module.file.items);
     let written: Vec<(&[String], &ast::Report)> = items
@@ -53,11 +54,11 @@ pub fn reports(
     let mut of_constants = Diagnostics::new();
     let mut made = Vec::new();
     let mut messages = Diagnostics::new();
-    if let Some(constants) = Constants::new(program, &mut texts, host, &mut of_constants) {
+    if let Some(constants) = Constants::new(typed, &mut texts, host, &mut of_constants) {
         let mut reporter = Reporter {
             checker: Checker::new(program, sources),
             constants,
-            models: Models::new(program, sources, host, plans),
+            models: Models::new(typed, sources, host, plans),
             scope: Scope::top(program.root()),
             names: BTreeMap::new(),
         };
@@ -279,11 +280,7 @@ impl<'a> Reporter<'a, '_> {
                 return None;
             }
             let unit = self.checker.program.unit(stated).ok()?;
-            return Some(DisplayUnit {
-                symbol: unit.symbol,
-                scale: unit.scale,
-                offset: unit.offset,
-            });
+            return Some(DisplayUnit::from(unit));
         }
         // the zero of a unit is one of points alone
         let point = matches!(typed.quantity.kind, super::types::Kind::Point(_));

@@ -192,7 +192,9 @@ impl<'a> Reporter<'a, '_> {
                 return None;
             }
         };
-        let numbers = self.constants.numbers(expr)?;
+        let numbers = self
+            .constants
+            .numbers(expr, std::mem::take(&mut self.checker.findings))?;
         Some(Typed {
             members: numbers
                 .into_iter()

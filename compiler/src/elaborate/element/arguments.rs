@@ -1,11 +1,13 @@
 //! Arguments of a class, and the scope that they make.
 
+use super::super::binding::Stated;
 use super::super::scalar::{Scalar, Stage};
 use super::super::value::{Closure, ScopeId, Value};
 use super::super::{Argument, Elaborator, ElementSource, Entry, Eval, Lazy};
 use super::Class;
 use crate::codes;
-use eng_grammar::ast::{BindingKind, ItemKind, TypeExprKind};
+use crate::typed::types::Type;
+use eng_grammar::ast::{BindingKind, ItemKind};
 use eng_grammar::{Diagnostic, Span, ast};
 
 impl<'a> Elaborator<'a, '_> {
@@ -34,9 +36,10 @@ impl<'a> Elaborator<'a, '_> {
                 return Err(self.internal(argument.value.span, "no parameter of the class"));
             };
             let name = parameter.name.text.clone();
+            let ty = self.type_at(parameter.ty.span)?;
             let value = self.evaluate(&argument.value, scope)?;
             let value = match value {
-                Value::Ground if is_marker(&parameter.ty) => {
+                Value::Ground if is_marker(&ty) => {
                     grounds.push((bound.len(), argument.value.span));
                     Value::Ground
                 }
@@ -52,17 +55,19 @@ impl<'a> Elaborator<'a, '_> {
                     }
                     Value::Table(t)
                 }
-                value if is_structural(&parameter.ty) => value,
-                value => self.parameterise(
-                    value,
-                    &format!("{path}.{name}"),
-                    Some(&argument.value),
-                    parameter.limits.as_ref(),
-                    argument.value.span,
-                    scope,
-                )?,
+                value if is_structural(&ty) => value,
+                value => {
+                    let stated = Stated {
+                        expr: &argument.value,
+                        dimension: self.dimension_at(parameter.ty.span, scope)?,
+                        limits: parameter.limits.as_ref(),
+                        span: argument.value.span,
+                        scope,
+                    };
+                    self.parameterise(value, &format!("{path}.{name}"), stated)?
+                }
             };
-            let value = self.declared(value, Some(&parameter.ty));
+            let value = self.read_as(value, &ty);
             let moves = self.moves(&value);
             bound.push((
                 name,
@@ -110,7 +115,7 @@ impl<'a> Elaborator<'a, '_> {
                 Argument::Again(expr) => self.evaluate(expr, source.caller)?,
             };
             let parameter = class.parameters.iter().find(|p| p.name.text == *name);
-            let value = self.declared(value, parameter.map(|p| &p.ty));
+            let value = self.declared(value, parameter.map(|p| &p.ty))?;
             self.define(own, name, Entry::Value(value));
         }
         for parameter in class.parameters {
@@ -124,28 +129,27 @@ impl<'a> Elaborator<'a, '_> {
                     .position(|p| p.origin.path == parameter_path);
                 if let Some(index) = known {
                     let node = self.bench.bind.graph.input(index as u32);
-                    let dimension = self.parameters[index].dimension;
                     let value = Value::Scalar(Scalar {
                         stage: Stage::Bind,
                         node,
-                        dimension,
                     });
                     self.define(own, name, Entry::Value(value));
                 } else if let Some(default) = &parameter.default {
                     let value = self.evaluate(default, own)?;
-                    let value = if is_structural(&parameter.ty) {
+                    let ty = self.type_at(parameter.ty.span)?;
+                    let value = if is_structural(&ty) {
                         value
                     } else {
-                        self.parameterise(
-                            value,
-                            &parameter_path,
-                            Some(default),
-                            parameter.limits.as_ref(),
-                            parameter.span,
-                            own,
-                        )?
+                        let stated = Stated {
+                            expr: default,
+                            dimension: self.dimension_at(parameter.ty.span, own)?,
+                            limits: parameter.limits.as_ref(),
+                            span: parameter.span,
+                            scope: own,
+                        };
+                        self.parameterise(value, &parameter_path, stated)?
                     };
-                    let value = self.declared(value, Some(&parameter.ty));
+                    let value = self.read_as(value, &ty);
                     self.define(own, name, Entry::Value(value));
                 }
             }
@@ -169,7 +173,11 @@ impl<'a> Elaborator<'a, '_> {
                 ItemKind::Function(function) => self.define(
                     scope,
                     &function.name.text,
-                    Entry::Value(Value::Closure(Closure { function, scope })),
+                    Entry::Value(Value::Closure(Closure {
+                        function,
+                        scope,
+                        solution: None,
+                    })),
                 ),
                 ItemKind::Table(t) => {
                     self.define(scope, &t.name.text, Entry::Lazy(Lazy::Table(t)));
@@ -200,24 +208,26 @@ impl<'a> Elaborator<'a, '_> {
     }
 }
 
-pub(crate) fn is_marker(ty: &ast::TypeExpr) -> bool {
-    match &ty.kind {
-        TypeExprKind::Name(n) => n.text == "Marker",
-        TypeExprKind::Array(inner, _) => is_marker(inner),
+/// A marker, or several.
+pub(crate) fn is_marker(ty: &Type) -> bool {
+    match ty {
+        Type::Marker => true,
+        Type::List { element, .. } => is_marker(element),
         _ => false,
     }
 }
 
-fn is_structural(ty: &ast::TypeExpr) -> bool {
-    match &ty.kind {
-        TypeExprKind::Name(n) => {
-            matches!(
-                n.text.as_str(),
-                "Int" | "Bool" | "Text" | "Marker" | "Body" | "ModeSet"
-            )
-        }
-        TypeExprKind::Array(inner, _) => is_structural(inner),
-        TypeExprKind::Function(..) => true,
+/// Whether a class's code or layout depends on values of a type: they are no parameters of its instances.
+fn is_structural(ty: &Type) -> bool {
+    match ty {
+        Type::Int
+        | Type::Bool
+        | Type::Text
+        | Type::Marker
+        | Type::Body(_)
+        | Type::ModeSet
+        | Type::Function(_) => true,
+        Type::List { element, .. } => is_structural(element),
         _ => false,
     }
 }

@@ -9,6 +9,7 @@ use crate::codes;
 use crate::ir::Node;
 use eng_grammar::ast::{BindingKind, ExprKind, ItemKind, Statement};
 use eng_grammar::{Diagnostic, Span, ast};
+use eng_system::Dimension;
 use eng_system::system::{Condition, ConditionKind, Location, MessagePart, Row};
 
 impl<'a> Elaborator<'a, '_> {
@@ -32,7 +33,8 @@ impl<'a> Elaborator<'a, '_> {
             let value = self.evaluate(start, own)?;
             let s = self.as_scalar(value, start.span)?;
             let node = self.bind_node(s, start.span)?;
-            let dimension = b.ty.as_ref().map_or(s.dimension, |t| self.dimension(t));
+            let place = b.ty.as_ref().map_or(start.span, |ty| ty.span);
+            let dimension = self.dimension_at(place, own)?;
             let scale = self.state_scale(b, node, own, path, used_at)?;
             let Some(element) = self.bench.element.as_mut() else {
                 return Err(Reported);
@@ -62,7 +64,6 @@ impl<'a> Elaborator<'a, '_> {
                 Entry::Value(Value::Scalar(Scalar {
                     stage: Stage::Motion,
                     node: input,
-                    dimension,
                 })),
             );
         }
@@ -280,22 +281,29 @@ impl<'a> Elaborator<'a, '_> {
         if x.len() != y.len() {
             return Err(self.lengths(x.len(), left.span, y.len(), right.span));
         }
+        let mut dimension = self.dimension_at(left.span, scope)?;
+        if dimension.is_one() {
+            dimension = self.dimension_at(right.span, scope)?;
+        }
         for (i, (p, q)) in x.into_iter().zip(y).enumerate() {
-            let mut difference = self.bench.subtract(p, q);
-            if p.dimension.is_one() && !q.dimension.is_one() {
-                difference.dimension = q.dimension;
-            }
+            let difference = self.bench.subtract(p, q);
             let text = if several {
                 format!("{text} ({})", ["x", "y", "z"].get(i).unwrap_or(&"…"))
             } else {
                 text.clone()
             };
-            self.add_row(difference, text, expr.span)?;
+            self.add_row(difference, dimension, text, expr.span)?;
         }
         Ok(())
     }
 
-    pub fn add_row(&mut self, value: Scalar, text: String, span: Span) -> Eval<()> {
+    pub fn add_row(
+        &mut self,
+        value: Scalar,
+        dimension: Dimension,
+        text: String,
+        span: Span,
+    ) -> Eval<()> {
         if value.stage == Stage::Bind {
             return Err(self.report(
                 Diagnostic::error(
@@ -323,7 +331,7 @@ impl<'a> Elaborator<'a, '_> {
             node: value.node,
             row: Row {
                 text,
-                dimension: value.dimension,
+                dimension,
                 defined_at: Some(location(span)),
             },
         });

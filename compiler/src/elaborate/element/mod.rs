@@ -129,7 +129,7 @@ impl<'a> Elaborator<'a, '_> {
         let own = self.class_scope(&source, class, &path)?;
         // marker parameters come first, in their order
         for parameter in class.parameters {
-            if is_marker(&parameter.ty) {
+            if is_marker(&self.type_at(parameter.ty.span)?) {
                 let value = self.entry(own, &parameter.name.text, parameter.span)?;
                 self.touch(value)?;
             }

@@ -8,6 +8,7 @@ use crate::codes;
 use crate::ir::Node;
 use eng_grammar::ast::{Expr, ExprKind};
 use eng_grammar::{Diagnostic, Span, ast};
+use std::rc::Rc;
 
 impl<'a> Elaborator<'a, '_> {
     pub(super) fn call(
@@ -38,7 +39,7 @@ impl<'a> Elaborator<'a, '_> {
                     let value = self.evaluate(&argument.value, scope)?;
                     values.push((argument.name.as_ref(), value));
                 }
-                self.apply(&closure, values, expr.span)
+                self.apply(&closure, values, expr.span, scope)
             }
             Value::Table(table) => {
                 let Some(first) = arguments.first() else {
@@ -54,7 +55,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     pub fn look_up_table(&mut self, table: TableValue, x: Scalar) -> Scalar {
-        self.bench.table(table.handle, x, table.result)
+        self.bench.table(table.handle, x)
     }
 
     /// Calls a function of the text.
@@ -63,10 +64,16 @@ impl<'a> Elaborator<'a, '_> {
         closure: &super::super::value::Closure<'a>,
         values: Vec<(Option<&'a ast::Name>, Value<'a>)>,
         span: Span,
+        caller: ScopeId,
     ) -> Eval<Value<'a>> {
+        let solution = match &closure.solution {
+            Some(handed_on) => Some(Rc::clone(handed_on)),
+            None => self.solution_at(span, caller),
+        };
         let function = closure.function;
         let module = self.scope(closure.scope).module;
         let inner = self.new_scope(Some(closure.scope), module, String::new());
+        self.scopes[inner.0 as usize].solution = solution;
         let mut position = 0;
         for (name, value) in values {
             let parameter = match name {
@@ -85,7 +92,7 @@ impl<'a> Elaborator<'a, '_> {
                 .parameters
                 .iter()
                 .find(|p| p.name.text == parameter);
-            let value = self.declared(value, ty.map(|p| &p.ty));
+            let value = self.declared(value, ty.map(|p| &p.ty))?;
             self.define(inner, &parameter, Entry::Value(value));
         }
         for parameter in &function.parameters {
@@ -115,7 +122,7 @@ impl<'a> Elaborator<'a, '_> {
                 e.require_in_function(requirement, inner, span)?;
             }
             let value = e.evaluate(&function.value, inner)?;
-            Ok(e.declared(value, function.result.as_ref()))
+            e.declared(value, function.result.as_ref())
         })
     }
 

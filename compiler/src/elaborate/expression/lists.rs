@@ -48,10 +48,8 @@ impl<'a> Elaborator<'a, '_> {
         let step = match step {
             Some(v) => self.as_scalar(v, by_span)?,
             None => {
-                if a.dimension.is_one() && b.dimension.is_one() {
-                    return Err(self.not_countable(from.span.to(to.span)));
-                }
-                return Err(self.internal(to.span, "a range of quantities without a step"));
+                // a range without a step counts in whole numbers
+                return Err(self.not_countable(from.span.to(to.span)));
             }
         };
         let known = (
@@ -73,12 +71,7 @@ impl<'a> Elaborator<'a, '_> {
         }
         Ok(Value::List(
             (0..=count as usize)
-                .map(|i| {
-                    Value::Scalar(
-                        self.bench
-                            .constant(a_value + i as f64 * by_value, a.dimension),
-                    )
-                })
+                .map(|i| Value::Scalar(self.bench.constant(a_value + i as f64 * by_value)))
                 .collect(),
         ))
     }

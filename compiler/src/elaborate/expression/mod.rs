@@ -8,17 +8,22 @@ mod operators;
 pub(crate) use conditions::Truth;
 
 use super::scalar::Scalar;
-use super::value::{ScopeId, Value};
+use super::value::{Closure, ScopeId, Value};
 use super::{Elaborator, Eval};
 use crate::codes;
 use eng_grammar::ast::{self, Expr, ExprKind, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::Dimension;
 
 impl<'a> Elaborator<'a, '_> {
     /// The value of an expression; a family as the list of its members.
     pub fn evaluate(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Value<'a>> {
         Ok(match self.evaluate_family(expr, scope)? {
+            Value::Closure(closure) => Value::Closure(Closure {
+                solution: closure
+                    .solution
+                    .or_else(|| self.solution_at(expr.span, scope)),
+                ..closure
+            }),
             Value::Family(members) => Value::List(members.into_iter().map(|(_, v)| v).collect()),
             other => other,
         })
@@ -144,12 +149,10 @@ impl<'a> Elaborator<'a, '_> {
     /// The SI value of a literal.
     pub fn number(&mut self, value: f64, unit: Option<&ast::UnitExpr>) -> Eval<Scalar> {
         match unit {
-            None => Ok(self.bench.constant(value, Dimension::ONE)),
+            None => Ok(self.bench.constant(value)),
             Some(unit) => {
                 let unit = self.unit(unit)?;
-                Ok(self
-                    .bench
-                    .constant(value * unit.scale + unit.offset, unit.dimension))
+                Ok(self.bench.constant(value * unit.scale + unit.offset))
             }
         }
     }
@@ -180,10 +183,10 @@ impl<'a> Elaborator<'a, '_> {
         }
         let unit = self.unit(unit_expr)?;
         let number = self.as_scalar(value, span)?;
-        let scale = self.bench.constant(unit.scale, unit.dimension);
+        let scale = self.bench.constant(unit.scale);
         let mut scaled = self.bench.multiply(number, scale);
         if unit.offset != 0.0 {
-            let offset = self.bench.constant(unit.offset, unit.dimension);
+            let offset = self.bench.constant(unit.offset);
             scaled = self.bench.add(scaled, offset);
         }
         Ok(Value::Scalar(scaled))
@@ -192,7 +195,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn as_scalar(&mut self, value: Value<'a>, span: Span) -> Eval<Scalar> {
         match value {
             Value::Scalar(s) => Ok(s),
-            Value::Int(i) => Ok(self.bench.constant(i as f64, Dimension::ONE)),
+            Value::Int(i) => Ok(self.bench.constant(i as f64)),
             other => Err(self.unfit(span, "a number", &other)),
         }
     }

@@ -7,7 +7,6 @@ use crate::codes;
 use crate::ir::Graph;
 use eng_grammar::ast::BinaryOp;
 use eng_grammar::{Diagnostic, Span};
-use eng_system::Dimension;
 
 impl<'a> Elaborator<'a, '_> {
     pub(super) fn negate(&mut self, value: Value<'a>, span: Span) -> Eval<Value<'a>> {
@@ -15,7 +14,7 @@ impl<'a> Elaborator<'a, '_> {
             Value::Int(i) => match i.checked_neg() {
                 Some(negative) => Ok(Value::Int(negative)),
                 None => {
-                    let number = self.bench.constant(i as f64, Dimension::ONE);
+                    let number = self.bench.constant(i as f64);
                     self.negate(Value::Scalar(number), span)
                 }
             },
@@ -131,19 +130,7 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<Value<'a>> {
         let x = self.as_scalar(a, a_span)?;
         let y = self.as_scalar(b, b_span)?;
-        let dimension = if x.dimension.is_one() {
-            Dimension::ONE
-        } else {
-            let exponent = self.structural(y, b_span)?;
-            let (n, d) = ratio(exponent).unwrap_or((1, 1));
-            x.dimension.power(n, d).unwrap_or(Dimension::ONE)
-        };
-        Ok(Value::Scalar(self.bench.binary(
-            x,
-            y,
-            dimension,
-            Graph::power,
-        )))
+        Ok(Value::Scalar(self.bench.binary(x, y, Graph::power)))
     }
 
     pub(super) fn scale(
@@ -156,12 +143,4 @@ impl<'a> Elaborator<'a, '_> {
         let scaled = numbers.into_iter().map(|x| f(self, x)).collect();
         Ok(Self::of_sort(scaled, sort))
     }
-}
-
-/// A small ratio equal to a number.
-pub(crate) fn ratio(x: f64) -> Option<(i32, i32)> {
-    (1..=12).find_map(|d| {
-        let n = x * f64::from(d);
-        ((n - n.round()).abs() < 1e-12 && n.abs() < 1e6).then(|| (n.round() as i32, d))
-    })
 }

@@ -306,24 +306,26 @@ impl<'a> Elaborator<'a, '_> {
         }
         let written = crate::words::inside_quotes(self.sources, expr.span);
         let mut text = String::new();
-        for part in eng_grammar::parse_message(&written, self.diagnostics) {
-            match part {
-                eng_grammar::MessagePart::Text(t) => text.push_str(&t),
-                eng_grammar::MessagePart::Value { value, .. } => {
-                    match self.evaluate_owned(&value, scope)? {
-                        Value::Int(i) => text.push_str(&i.to_string()),
-                        Value::Text(t) => text.push_str(&t),
-                        other => {
-                            let found = other.kind();
-                            return Err(self.report(
-                                Diagnostic::error(
-                                    codes::MESSAGE_FORM,
-                                    "a name is made of texts and whole numbers",
-                                )
-                                .at(value.span, format!("this is {found}")),
-                            ));
-                        }
-                    }
+        for part in self.message_at(written.span)? {
+            let value = match part {
+                eng_grammar::MessagePart::Text(plain) => {
+                    text.push_str(plain);
+                    continue;
+                }
+                eng_grammar::MessagePart::Value { value, .. } => value,
+            };
+            match self.evaluate(value, scope)? {
+                Value::Int(i) => text.push_str(&i.to_string()),
+                Value::Text(shown) => text.push_str(&shown),
+                other => {
+                    let found = other.kind();
+                    return Err(self.report(
+                        Diagnostic::error(
+                            codes::MESSAGE_FORM,
+                            "a name is made of texts and whole numbers",
+                        )
+                        .at(value.span, format!("this is {found}")),
+                    ));
                 }
             }
         }

@@ -3,7 +3,7 @@
 use crate::program::{DefinitionId, ValueType};
 use eng_grammar::Span;
 use eng_system::Dimension;
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// Exponents of dimension variables are stored as multiples of 1/60, like those of the bases.
 const DENOMINATOR: i32 = 60;
@@ -116,6 +116,18 @@ impl Solution {
             .map(|(_, quantity)| quantity)
     }
 
+    pub fn is_empty(&self) -> bool {
+        self.solved.is_empty()
+    }
+
+    /// As [`Solution`] of another place, where the variables of that place stand for what `outer` says.
+    pub fn within(&self, outer: &Solution) -> Solution {
+        let solved = self.solved.iter();
+        Solution {
+            solved: solved.map(|(n, q)| (*n, q.with(outer))).collect(),
+        }
+    }
+
     pub fn set(&mut self, number: u32, quantity: Quantity) {
         match self.solved.iter_mut().find(|(n, _)| *n == number) {
             Some((_, old)) => *old = quantity,
@@ -133,7 +145,7 @@ pub enum Kind {
     /// Declared by a dimension that has points, or computed as a difference.
     Difference,
     /// Declared as a point of this dimension.
-    Point(Rc<str>),
+    Point(Arc<str>),
 }
 
 impl Kind {
@@ -382,7 +394,7 @@ pub enum Type {
     Marker,
     /// A body; `None` for the parameter type `Body`.
     Body(Option<BodyRef>),
-    Function(Rc<Signature>),
+    Function(Arc<Signature>),
     /// A class, record, component or model itself.
     Class(DefinitionId),
     /// A class that belongs to an interface, known only as such.
@@ -433,6 +445,16 @@ impl Type {
         }
     }
 
+    /// The quantity of each number in a number, a truth value (1 or 0), a vector, a list or a range.
+    pub fn each(&self) -> Option<Quantity> {
+        match self {
+            Type::Bool => Some(Quantity::one()),
+            Type::Vector { quantity, .. } => Some(quantity.clone()),
+            Type::List { element, .. } | Type::Range(element) => element.each(),
+            other => other.quantity(),
+        }
+    }
+
     /// The quantity of a list of numbers, and its length.
     pub fn components(&self) -> Option<(Quantity, Option<u32>)> {
         match self {
@@ -467,7 +489,7 @@ impl Type {
                 for parameter in &mut signature.parameters {
                     parameter.ty = parameter.ty.with(solved);
                 }
-                Type::Function(Rc::new(signature))
+                Type::Function(Arc::new(signature))
             }
             other => other.clone(),
         }

@@ -1,0 +1,61 @@
+//! The typed tree: the syntax trees of a program with the findings of the checker beside them. The checker writes
+//! it, elaboration reads it.
+//!
+//! May contain: types, dimensions, instantiations and messages, by the place of what they belong to. Must not
+//! contain: values of expressions, instances of classes.
+//!
+//! The place of an expression is its identity: no two expressions of a text have the same place, and a declared type
+//! has a place of its own. A generic function is checked once; the types in its body keep its dimension variables, and
+//! each use of it has a [`types::Solution`] that says what they stand for there.
+
+pub(crate) mod types;
+
+use crate::program::{DefinitionId, Program, ValueType};
+use eng_grammar::{MessagePart, Span};
+use std::collections::BTreeMap;
+use types::{Solution, Type};
+
+/// What the checker found, by place.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Findings {
+    /// Types of expressions, and types as they are declared.
+    pub types: BTreeMap<Span, Type>,
+    /// What the dimension variables of a generic function stand for: by the call, or by the expression that hands
+    /// the function on as a value.
+    pub solutions: BTreeMap<Span, Solution>,
+    /// Messages of `require` and `advise` and texts with values in them, by the place inside their quotes.
+    pub messages: BTreeMap<Span, Vec<MessagePart>>,
+    /// Types of the named values of each definition; a top-level `const` or `let` has the empty name.
+    pub named: BTreeMap<(DefinitionId, String), ValueType>,
+}
+
+impl Findings {
+    /// Takes in what was found elsewhere; it holds before what is known of the same place.
+    pub fn extend(&mut self, other: Findings) {
+        self.types.extend(other.types);
+        self.solutions.extend(other.solutions);
+        self.messages.extend(other.messages);
+        self.named.extend(other.named);
+    }
+}
+
+/// A checked program. Complete where the checker reported no error.
+#[derive(Clone, Debug)]
+pub struct TypedProgram {
+    /// The syntax trees, names and units.
+    pub program: Program,
+    pub(crate) findings: Findings,
+}
+
+impl TypedProgram {
+    /// The type of a named value of a definition: of a class or model, by the name of its parameter, `param`, `const`,
+    /// `let`, `state` or `output`; of a top-level `const` or `let`, by the empty name.
+    pub fn of(&self, definition: DefinitionId, name: &str) -> Option<&ValueType> {
+        self.findings.named.get(&(definition, name.to_owned()))
+    }
+
+    /// The type of the expression, or of the declared type, at a place.
+    pub(crate) fn type_at(&self, place: Span) -> Option<&Type> {
+        self.findings.types.get(&place)
+    }
+}
