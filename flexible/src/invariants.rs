@@ -35,7 +35,7 @@ pub fn turned(freedoms: &FreedomMap, axis: usize, x: &[f64]) -> Vec<f64> {
         .chunks_exact(size.max(1))
         .zip(out.chunks_exact_mut(size.max(1)))
     {
-        for node in 0..freedoms.node_count() {
+        for node in 0..freedoms.all_nodes() {
             for first in freedoms.of(node as u32).step_by(3) {
                 out[first + next] = -x[first + last];
                 out[first + last] = x[first + next];
@@ -141,7 +141,7 @@ fn component_products(
     y: &[f64],
 ) -> [Vec<f64>; 9] {
     let mut out: [Vec<f64>; 9] = std::array::from_fn(|_| vec![0.0; n * n]);
-    let firsts: Vec<usize> = (0..freedoms.node_count())
+    let firsts: Vec<usize> = (0..freedoms.all_nodes())
         .map(|node| freedoms.of(node as u32))
         .filter(|range| range.len() >= 3)
         .map(|range| range.start)
@@ -201,7 +201,7 @@ impl<'a> Directed<'a> {
         }
         let mut place = vec![u32::MAX; freedoms.size()];
         let mut triples = Vec::new();
-        for node in 0..freedoms.node_count() {
+        for node in 0..freedoms.all_nodes() {
             for first in freedoms.of(node as u32).step_by(3) {
                 if touched[first..first + 3].contains(&true) {
                     for (component, place) in place[first..first + 3].iter_mut().enumerate() {

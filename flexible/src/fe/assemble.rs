@@ -54,7 +54,7 @@ pub fn assemble(mesh: &Mesh, rules: &Rules) -> Result<Structure, FlexibleError> 
 pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structure, FlexibleError> {
     check::check(mesh)?;
     form::check(mesh, rules.stiffness)?;
-    let freedoms = FreedomMap::new(mesh)?;
+    let freedoms = FreedomMap::new(mesh, rules.stiffness)?;
     connection::check(mesh, &freedoms)?;
     let parts = Parts::new(mesh);
     let pattern = parts.pattern(mesh, &freedoms);
@@ -67,7 +67,7 @@ pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structu
         mesh,
     };
     system.stiffness = vec![0.0; system.layout.row.len()];
-    system.mass = vec![0.0; system.pattern.diagonal(mesh.nodes.len() as u32)];
+    system.mass = vec![0.0; system.pattern.diagonal(freedoms.all_nodes() as u32)];
     system.add_areas(&parts.areas, rules, threads.clamp(1, 64))?;
     let mut general = Vec::new();
     system.add_beams(&parts.beams, &mut general)?;
@@ -141,7 +141,7 @@ impl Parts {
         let (mut start, mut nodes) = (vec![0], Vec::new());
         for &index in self.areas.iter().chain(&self.beams) {
             let element = &mesh.elements[index as usize];
-            nodes.extend_from_slice(Present::new(element.kind, mesh.nodes_of(element)).nodes());
+            nodes.extend_from_slice(present(mesh, freedoms, element).nodes());
             start.push(nodes.len());
         }
         for spring in &mesh.springs {
@@ -189,7 +189,7 @@ impl System<'_> {
             let mut total = 0;
             for &index in block {
                 let element = &self.mesh.elements[index as usize];
-                let present = Present::new(element.kind, self.mesh.nodes_of(element));
+                let present = present(self.mesh, self.freedoms, element);
                 let pairs = pair(0, present.count);
                 computed.push(Computed {
                     present,
@@ -255,7 +255,7 @@ impl System<'_> {
 
     /// Bounds of nodes between which the matrix has about the same number of entries, for so many threads.
     fn split(&self, threads: usize) -> Vec<u32> {
-        let nodes = self.mesh.nodes.len();
+        let nodes = self.freedoms.all_nodes();
         let entries = self.layout.row.len();
         let mut bounds = vec![0];
         for thread in 1..threads {
@@ -283,7 +283,7 @@ impl System<'_> {
             for range in bounds.windows(2) {
                 let first = |node: u32| layout.column_start[freedoms.of(node).start];
                 let end = |node: u32| {
-                    if node as usize == freedoms.node_count() {
+                    if node as usize == freedoms.all_nodes() {
                         layout.row.len()
                     } else {
                         first(node)
@@ -427,6 +427,12 @@ pub(crate) fn of_beam<T>(
     }
     let positions = [first, second].map(|node| mesh.nodes[node as usize].position);
     what(positions, axes, &property.section, material).map_err(fault)
+}
+
+/// The nodes of an element, with the inner ones of its form.
+pub(super) fn present(mesh: &Mesh, freedoms: &FreedomMap, element: &Element) -> Present {
+    let inner = freedoms.inner_of(element.first);
+    Present::new(element.kind, mesh.nodes_of(element)).with_inner(inner)
 }
 
 /// Shape functions at the integration points of the elements a mesh has.

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use super::check::{Role, role};
 use super::hexahedron::{self, EnhancedPoint};
 use super::rules::{MassRule, Rules, StiffnessRule, Table};
-use crate::element::{ElementKind, MOST_NODES};
+use crate::element::{ElementKind, MOST_NODES, Shape};
 use crate::error::FlexibleError;
 use crate::mesh::{Code, Element, Material, Mesh, VARIANT_LETTERS, Variant};
 
@@ -40,7 +40,37 @@ pub enum Form {
 pub(super) type Correction =
     fn(&Table, &[[f64; 3]; MOST_NODES], &Material, &mut [EnhancedPoint]) -> Result<(), f64>;
 
+/// Functions that a form has inside an element beside those of its nodes.
+pub(super) struct Inner {
+    /// How many; each has three amplitudes.
+    pub(super) count: u32,
+    /// Puts them behind the functions of so many nodes, at a point of the reference domain. They are zero where the element's own
+    /// functions are one: at its nodes.
+    pub(super) put: fn(&mut Shape, usize, [f64; 3]),
+}
+
 impl Form {
+    /// Its inner functions, if any.
+    fn inner(self) -> Option<Inner> {
+        match self {
+            Form::Full | Form::Reduced | Form::MeanDilatation | Form::Incompatible => None,
+        }
+    }
+
+    /// The number of its inner nodes.
+    pub(super) fn inner_count(self) -> u32 {
+        self.inner().map_or(0, |inner| inner.count)
+    }
+
+    /// The functions of an element at a point of its reference domain, inner ones behind those of its nodes.
+    pub(super) fn shape(self, kind: ElementKind, at: [f64; 3]) -> Shape {
+        let mut shape = Shape::at(kind, at);
+        if let Some(inner) = self.inner() {
+            (inner.put)(&mut shape, kind.node_count(), at);
+        }
+        shape
+    }
+
     /// What it adds to the strains of the shape functions; `None`: nothing.
     pub(super) fn correction(self) -> Option<Correction> {
         match self {

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::check::{Role, role};
+use super::check::{Role, role, wrong};
+use super::form;
+use super::rules::StiffnessRule;
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, ElementKind, Mesh, PointMass, Tie};
 
@@ -11,16 +13,25 @@ use crate::mesh::{ABSENT, ElementKind, Mesh, PointMass, Tie};
 /// Nodes turn (have rotations) at beams, at the independent node of a rigid tie, at the reference of an averaging one, at point
 /// masses with rotary inertia or an offset, and where a spring or an equation names a rotation. A node that nothing uses
 /// (a point that only gives a direction) has no freedoms.
+///
+/// Behind the mesh's nodes come inner ones, of solids whose form has functions of its own inside ([`super::form::Form`]): three
+/// amplitudes (m) each. They move in no rigid motion, and no tie, support or marker names them.
 #[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(try_from = "Vec<u32>", into = "Vec<u32>")]
+#[serde(
+    try_from = "(Vec<u32>, Vec<(u32, u32)>)",
+    into = "(Vec<u32>, Vec<(u32, u32)>)"
+)]
 pub struct FreedomMap {
-    /// First freedom of each node, and the number of all freedoms.
+    /// First freedom of each node, inner ones too, and the number of all freedoms.
     first: Vec<u32>,
+    /// Of each element with inner nodes, where its nodes start in the mesh's connectivity (ascending), and the end of its inner
+    /// nodes among all of them.
+    inner: Vec<(u32, u32)>,
 }
 
 impl FreedomMap {
-    /// The freedoms of a checked mesh.
-    pub(super) fn new(mesh: &Mesh) -> Result<Self, FlexibleError> {
+    /// The freedoms of a checked mesh whose solids have these forms.
+    pub(super) fn new(mesh: &Mesh, rule: StiffnessRule) -> Result<Self, FlexibleError> {
         let mut count = vec![0u32; mesh.nodes.len()];
         let mut need = |node: u32, freedoms: u32| {
             if let Some(n) = count.get_mut(node as usize) {
@@ -50,7 +61,38 @@ impl FreedomMap {
                 need(node, needs(component));
             }
         }
-        Self::with_ties(mesh, count)
+        Self::with_ties(mesh, count)?.with_inner(mesh, rule)
+    }
+
+    /// Adds the inner nodes of solids.
+    fn with_inner(mut self, mesh: &Mesh, rule: StiffnessRule) -> Result<Self, FlexibleError> {
+        let mut inner = Vec::new();
+        for element in &mesh.elements {
+            if let Some(Role::Solid(_)) = role(mesh, element) {
+                let count = form::form(mesh, element, rule)?.inner_count();
+                if count > 0 {
+                    inner.push((element.first, count));
+                }
+            }
+        }
+        inner.sort_unstable();
+        if inner.windows(2).any(|pair| pair[0].0 == pair[1].0) {
+            return Err(wrong(
+                "two solids share the list of their nodes, and have modes of their own inside"
+                    .into(),
+                "give each element a list of its own",
+            ));
+        }
+        let mut end = 0;
+        for (start, count) in inner {
+            for _ in 0..count {
+                let next = self.first.last().and_then(|total| total.checked_add(3));
+                self.first.push(next.ok_or_else(too_many)?);
+            }
+            end += count;
+            self.inner.push((start, end));
+        }
+        Ok(self)
     }
 
     /// At least `count` freedoms a node (0, 3 or 6), and what the ties need.
@@ -93,15 +135,13 @@ impl FreedomMap {
         let mut total = 0u32;
         first.push(0);
         for n in count {
-            total = total
-                .checked_add(n)
-                .ok_or_else(|| FlexibleError::Structure {
-                    problem: "the mesh has more than 4 billion freedoms".into(),
-                    advice: String::new(),
-                })?;
+            total = total.checked_add(n).ok_or_else(too_many)?;
             first.push(total);
         }
-        Ok(FreedomMap { first })
+        Ok(FreedomMap {
+            first,
+            inner: Vec::new(),
+        })
     }
 
     /// Number of freedoms.
@@ -109,9 +149,35 @@ impl FreedomMap {
         self.first.last().map_or(0, |&total| total as usize)
     }
 
-    /// Number of nodes.
+    /// Number of nodes of the mesh.
     pub fn node_count(&self) -> usize {
+        let inner = self.inner.last().map_or(0, |(_, end)| *end as usize);
+        self.all_nodes().saturating_sub(inner)
+    }
+
+    /// Number of nodes, inner ones too.
+    pub(crate) fn all_nodes(&self) -> usize {
         self.first.len().saturating_sub(1)
+    }
+
+    /// The inner nodes of the element whose nodes start here in the mesh's connectivity.
+    pub(super) fn inner_of(&self, start: u32) -> std::ops::Range<u32> {
+        let Ok(place) = self.inner.binary_search_by_key(&start, |(start, _)| *start) else {
+            return 0..0;
+        };
+        let before = match place.checked_sub(1).and_then(|place| self.inner.get(place)) {
+            Some((_, end)) => *end,
+            None => 0,
+        };
+        let base = self.node_count() as u32;
+        let end = self.inner.get(place).map_or(before, |(_, end)| *end);
+        base + before..base + end
+    }
+
+    /// The freedoms of all inner nodes.
+    pub(super) fn inner_freedoms(&self) -> std::ops::Range<usize> {
+        let first = self.first.get(self.node_count());
+        first.map_or(0, |first| *first as usize)..self.size()
     }
 
     /// The freedoms of a node: 0, 3 or 6 consecutive ones; empty for an unknown node.
@@ -148,26 +214,44 @@ impl FreedomMap {
     }
 }
 
-impl From<FreedomMap> for Vec<u32> {
+/// A numbering as it is stored: first freedoms, and the elements with inner nodes.
+type Stored = (Vec<u32>, Vec<(u32, u32)>);
+
+impl From<FreedomMap> for Stored {
     fn from(map: FreedomMap) -> Self {
-        map.first
+        (map.first, map.inner)
     }
 }
 
-impl TryFrom<Vec<u32>> for FreedomMap {
+impl TryFrom<Stored> for FreedomMap {
     type Error = &'static str;
 
-    /// From the first freedom of each node and the number of all; every node has 0, 3 or 6.
-    fn try_from(first: Vec<u32>) -> Result<Self, Self::Error> {
+    /// Every node has 0, 3 or 6 freedoms, an inner one 3; elements and their inner nodes ascend.
+    fn try_from((first, inner): Stored) -> Result<Self, Self::Error> {
+        let counts = |pair: &[u32]| pair[1].checked_sub(pair[0]);
+        let ends = inner.last().map_or(0, |(_, end)| *end as usize);
+        let ascending = |pair: &[(u32, u32)]| pair[0].0 < pair[1].0 && pair[0].1 < pair[1].1;
         let sound = first.first() == Some(&0)
             && first
                 .windows(2)
-                .all(|pair| matches!(pair[1].checked_sub(pair[0]), Some(0 | 3 | 6)));
+                .all(|pair| matches!(counts(pair), Some(0 | 3 | 6)))
+            && ends < first.len()
+            && first
+                .windows(2)
+                .rev()
+                .take(ends)
+                .all(|pair| counts(pair) == Some(3))
+            && inner.first().is_none_or(|(_, end)| *end > 0)
+            && inner.windows(2).all(ascending);
         match sound {
-            true => Ok(FreedomMap { first }),
+            true => Ok(FreedomMap { first, inner }),
             false => Err("a numbering of freedoms that is none"),
         }
     }
+}
+
+fn too_many() -> FlexibleError {
+    wrong("the mesh has more than 4 billion freedoms".into(), "")
 }
 
 /// Freedoms of a node that has this component.

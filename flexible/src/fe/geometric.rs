@@ -11,14 +11,13 @@
 //! `K_σ (θ × x) = θ × f` with the nodes' loads f, to rounding. Of beams the mean tension of each element counts, not shear forces
 //! and moments. Ties are linear: their arms add nothing. Springs and shells have none.
 
-use super::assemble::of_beam;
+use super::assemble::{of_beam, present};
 use super::beam;
 use super::check::{self, Role, role, wrong};
 use super::freedoms::FreedomMap;
 use super::mass::Mass;
 use super::pattern::Pattern;
 use super::rules::Rules;
-use super::solid::Present;
 use super::stress::ElementRecovery;
 use super::vector::dot;
 use crate::error::FlexibleError;
@@ -65,7 +64,7 @@ impl GeometricStiffness {
             return Err(another_mesh());
         }
         let pattern = pattern(mesh, freedoms);
-        let entries = pattern.diagonal(mesh.nodes.len() as u32);
+        let entries = pattern.diagonal(freedoms.all_nodes() as u32);
         let mut solids = vec![vec![0.0; entries]; cases];
         let mut beams = vec![Vec::new(); cases];
         let mut stressed = false;
@@ -136,7 +135,7 @@ fn pattern(mesh: &Mesh, freedoms: &FreedomMap) -> Pattern {
     let (mut start, mut nodes) = (vec![0], Vec::new());
     for element in &mesh.elements {
         if let Some(Role::Solid(_)) = role(mesh, element) {
-            nodes.extend_from_slice(Present::new(element.kind, mesh.nodes_of(element)).nodes());
+            nodes.extend_from_slice(present(mesh, freedoms, element).nodes());
             start.push(nodes.len());
         }
     }
@@ -150,7 +149,7 @@ fn add_solid<'a>(
     pattern: &Pattern,
     solids: &mut [Vec<f64>],
 ) {
-    let nodes = &recovery.nodes;
+    let nodes = recovery.all_nodes(freedoms);
     // where each pair of nodes stands; two corners at one node are both halves of their pair on its diagonal
     let mut places = Vec::with_capacity(nodes.len() * (nodes.len() + 1) / 2);
     for (b, &second) in nodes.iter().enumerate() {

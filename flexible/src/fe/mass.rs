@@ -73,7 +73,7 @@ impl Mass {
         solid: SymmetricMatrix,
         general: Option<SymmetricMatrix>,
     ) -> Result<Self, FlexibleError> {
-        let fits = solid.size() == freedoms.node_count()
+        let fits = solid.size() == freedoms.all_nodes()
             && general
                 .as_ref()
                 .is_none_or(|general| general.size() == freedoms.size());

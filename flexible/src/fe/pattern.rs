@@ -15,7 +15,7 @@ pub(super) struct Pattern {
 impl Pattern {
     /// From groups of nodes that meet: the groups' nodes one after the other, and where each group starts (and the end).
     pub(super) fn new(freedoms: &FreedomMap, group_start: &[usize], nodes: &[u32]) -> Self {
-        let count = freedoms.node_count();
+        let count = freedoms.all_nodes();
         // groups of each node
         let mut first = vec![0usize; count + 1];
         for &node in nodes {
@@ -83,7 +83,7 @@ impl Pattern {
         let mut column_start = Vec::with_capacity(freedoms.size() + 1);
         column_start.push(0usize);
         let mut total = 0;
-        for node in 0..freedoms.node_count() {
+        for node in 0..freedoms.all_nodes() {
             let own = freedoms.of(node as u32).len();
             let range = self.start[node]..self.start[node + 1];
             let others: usize = self.neighbour[range]
@@ -96,7 +96,7 @@ impl Pattern {
             }
         }
         let mut row = Vec::with_capacity(total);
-        for node in 0..freedoms.node_count() {
+        for node in 0..freedoms.all_nodes() {
             let own = freedoms.of(node as u32);
             let range = self.start[node]..self.start[node + 1];
             for component in own.clone() {

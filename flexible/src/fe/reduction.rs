@@ -17,7 +17,7 @@ use crate::sparse::SymmetricMatrix;
 pub struct Reduction {
     /// Index of the full freedom of each free one.
     free: Vec<u32>,
-    /// Id of the node and component of each free freedom, for messages.
+    /// Id of the node and component of each free freedom but inner ones, which are the last, for messages.
     names: Vec<(u64, u8)>,
     /// Free freedoms in the axes of an analysis frame: the first of the three full ones of their kind there, and the axis.
     turned: std::collections::BTreeMap<u32, (u32, [f64; 3])>,
@@ -72,6 +72,11 @@ impl Reduction {
                 }
             }
         }
+        // inner freedoms are free, and have no names
+        for freedom in freedoms.inner_freedoms() {
+            index[freedom] = Some(free.len() as u32);
+            free.push(freedom as u32);
+        }
         let local = |freedom: usize| -> Sum {
             match (index[freedom], constraints.dependent.get(&(freedom as u32))) {
                 (Some(free), _) => vec![(free, 1.0)],
@@ -111,6 +116,13 @@ impl Reduction {
                 start.push(column.len());
             }
         }
+        for freedom in freedoms.inner_freedoms() {
+            for (free, x) in local(freedom) {
+                column.push(free);
+                coefficient.push(x);
+            }
+            start.push(column.len());
+        }
         Ok(Reduction {
             free,
             names,
@@ -136,7 +148,7 @@ impl Reduction {
         &self.free
     }
 
-    /// Number of the node and component 0…5 of a free freedom, for messages.
+    /// Number of the node and component 0…5 of a free freedom, for messages; `None` for an inner one.
     pub fn name(&self, free: usize) -> Option<(u64, u8)> {
         self.names.get(free).copied()
     }

@@ -136,13 +136,13 @@ pub(super) struct Sample {
     pub(super) shape: Shape,
 }
 
-pub(super) fn samples(kind: ElementKind, points: &[Point]) -> Vec<Sample> {
+fn samples(kind: ElementKind, form: Form, points: &[Point]) -> Vec<Sample> {
     points
         .iter()
         .map(|point| Sample {
             at: point.at,
             weight: point.weight,
-            shape: Shape::at(kind, point.at),
+            shape: form.shape(kind, point.at),
         })
         .collect()
 }
@@ -165,8 +165,8 @@ impl Table {
         Table {
             corners: kind.is_solid().then(middle),
             form,
-            stiffness: samples(kind, &stiffness_points(kind, form)),
-            mass: samples(kind, &mass_points(kind, form, mass)),
+            stiffness: samples(kind, form, &stiffness_points(kind, form)),
+            mass: samples(kind, form, &mass_points(kind, form, mass)),
             spread: spread(kind, mass),
         }
     }

@@ -35,6 +35,8 @@ pub(super) struct Present {
     local: [u8; MOST_NODES],
     pub(super) nodes: [u32; MOST_NODES],
     pub(super) count: usize,
+    /// How many of them, the last ones, are inner nodes.
+    pub(super) inner: usize,
 }
 
 impl Present {
@@ -45,6 +47,7 @@ impl Present {
             local: [0; MOST_NODES],
             nodes: [ABSENT; MOST_NODES],
             count: 0,
+            inner: 0,
         };
         for (local, &node) in connectivity.iter().take(MOST_NODES).enumerate() {
             if node == ABSENT {
@@ -58,8 +61,23 @@ impl Present {
         present
     }
 
+    /// With inner nodes behind its own.
+    pub(super) fn with_inner(mut self, inner: std::ops::Range<u32>) -> Self {
+        for node in inner.take(MOST_NODES - self.count) {
+            self.nodes[self.count] = node;
+            self.count += 1;
+            self.inner += 1;
+        }
+        self
+    }
+
     pub(super) fn nodes(&self) -> &[u32] {
         &self.nodes[..self.count]
+    }
+
+    /// The element's own nodes.
+    pub(super) fn own(&self) -> &[u32] {
+        &self.nodes[..self.count - self.inner]
     }
 
     /// The functions of the nodes that are there, in their order.
@@ -86,7 +104,8 @@ impl Present {
     pub(super) fn places(&self, mesh: &Mesh) -> [[f64; 3]; MOST_NODES] {
         let origin = mesh.nodes[self.nodes[0] as usize].position;
         let mut places = [[0.0; 3]; MOST_NODES];
-        for (place, &node) in places.iter_mut().zip(self.nodes()) {
+        // an inner node has no place
+        for (place, &node) in places.iter_mut().zip(self.own()) {
             *place = subtract(mesh.nodes[node as usize].position, origin);
         }
         places
@@ -148,6 +167,37 @@ pub(super) fn gradients(
     Ok(Gradients { slope, jacobian })
 }
 
+/// As [`gradients`] at a point of an element's stiffness. The slopes of inner functions are turned into space by the Jacobian at the
+/// middle of the element, as `table` has it.
+///
+/// # Errors
+/// As [`gradients`].
+pub(super) fn gradients_with_inner(
+    table: &Table,
+    shape: &Shape,
+    places: &[[f64; 3]; MOST_NODES],
+    (count, inner): (usize, usize),
+) -> Result<Gradients, f64> {
+    let own = count - inner;
+    let mut found = gradients(shape, places, own)?;
+    if let (1.., Some(middle)) = (inner, &table.corners) {
+        let rows = tangents(middle, places, own);
+        let dual = dual(&rows, determinant(&rows));
+        for (slope, local) in found
+            .slope
+            .iter_mut()
+            .zip(shape.slopes)
+            .take(count)
+            .skip(own)
+        {
+            for (axis, x) in slope.iter_mut().enumerate() {
+                *x = local.iter().zip(&dual).map(|(s, row)| s * row[axis]).sum();
+            }
+        }
+    }
+    Ok(found)
+}
+
 /// Rows ∂ξ_i/∂x (1/m) for the rows ∂x/∂ξ_i and their determinant.
 pub(super) fn dual(rows: &[[f64; 3]; 3], jacobian: f64) -> [[f64; 3]; 3] {
     [
@@ -188,7 +238,7 @@ pub(super) fn add_matrices(
         let jacobian = determinant(&tangents(&shape, places, count));
         (shape.values, material.density * sample.weight * jacobian)
     };
-    add_mass(table, count, mass, blocks);
+    add_mass(table, (count, present.inner), mass, blocks);
     Ok(())
 }
 
@@ -203,7 +253,7 @@ fn add_stiffness(
     let count = present.count;
     for sample in &table.stiffness {
         let shape = present.shape(&sample.shape);
-        let gradients = gradients(&shape, places, count)?;
+        let gradients = gradients_with_inner(table, &shape, places, (count, present.inner))?;
         let volume = sample.weight * gradients.jacobian;
         for b in 0..count {
             let second = gradients.slope[b].map(|x| volume * x);
@@ -234,10 +284,11 @@ fn add_stiffness(
     Ok(())
 }
 
-/// Adds the mass ∫ N_a N_b dm, given the values and the mass dm (kg) of each sample, in the table's form.
+/// Adds the mass ∫ N_a N_b dm, given the values and the mass dm (kg) of each sample, in the table's form. Inner nodes have none where
+/// the mass is diagonal: they move in no rigid motion, so that their share would be missing at the others.
 pub(super) fn add_mass(
     table: &Table,
-    count: usize,
+    (count, inner): (usize, usize),
     mut sampled: impl FnMut(&Sample) -> ([f64; MOST_NODES], f64),
     blocks: &mut [f64],
 ) {
@@ -255,6 +306,7 @@ pub(super) fn add_mass(
     if table.spread == Spread::Consistent {
         return;
     }
+    let count = count - inner;
     let mut diagonal = [0.0; MOST_NODES];
     let entry = |a: usize, b: usize| PAIR * pair(a.min(b), a.max(b)) + 9;
     for (a, sum) in diagonal.iter_mut().enumerate().take(count) {

@@ -7,7 +7,7 @@ use super::form;
 use super::freedoms::FreedomMap;
 use super::hexahedron;
 use super::rules::{self, Rules, Table};
-use super::solid::{Present, gradients, inverted, lame};
+use super::solid::{Present, gradients, gradients_with_inner, inverted, lame};
 use super::vector::add;
 use crate::element::{MOST_NODES, Shape, shape};
 use crate::error::FlexibleError;
@@ -76,6 +76,8 @@ pub fn von_mises(stress: &Components) -> f64 {
 pub struct ElementRecovery {
     /// Indices of its nodes.
     pub nodes: Vec<u32>,
+    /// Where its nodes start in the mesh's connectivity, by which its inner nodes are found.
+    first: u32,
     /// Its material.
     pub material: Material,
     /// Integration points of its stiffness.
@@ -139,8 +141,19 @@ impl ElementRecovery {
             .map(|point| (point.at, point.weight))
             .collect();
         let mut points = strain_points(mesh, element, &present, &samples)?;
+        let table = || Table::new(element.kind, form, rules.mass);
+        let inner = form.inner_count() as usize;
+        if inner > 0 {
+            let (table, places) = (table(), present.places(mesh));
+            let count = (present.count + inner, inner);
+            for (point, sample) in points.iter_mut().zip(&table.stiffness) {
+                let gradients = gradients_with_inner(&table, &sample.shape, &places, count)
+                    .map_err(|jacobian| inverted(&[(element.id, jacobian)]))?;
+                point.gradients = gradients.slope[..count.0].to_vec();
+            }
+        }
         if form.correction().is_some() {
-            let table = Table::new(element.kind, form, rules.mass);
+            let table = table();
             let enhanced = hexahedron::enhanced(&table, &present.places(mesh), material)
                 .map_err(|jacobian| inverted(&[(element.id, jacobian)]))?;
             for (point, enhanced) in points.iter_mut().zip(enhanced) {
@@ -149,6 +162,7 @@ impl ElementRecovery {
         }
         Ok(Some(ElementRecovery {
             nodes: present.nodes().to_vec(),
+            first: element.first,
             material: material.clone(),
             points,
             extrapolation: Vec::new(),
@@ -156,11 +170,21 @@ impl ElementRecovery {
         }))
     }
 
-    /// The nodes' displacements out of a full vector.
+    /// Its nodes with the inner ones of its form, in the order of the gradients at its points.
+    pub(super) fn all_nodes(&self, freedoms: &FreedomMap) -> Vec<u32> {
+        let own = self.nodes.iter().copied();
+        // as many as the points know: freedoms of other rules may have others
+        let count = self.points.first().map_or(0, |point| point.gradients.len());
+        own.chain(freedoms.inner_of(self.first))
+            .take(count)
+            .collect()
+    }
+
+    /// The displacements of its nodes out of a full vector, and the amplitudes of its inner ones.
     pub fn displacements(&self, freedoms: &FreedomMap, full: &[f64]) -> Vec<[f64; 3]> {
-        self.nodes
-            .iter()
-            .map(|&node| {
+        self.all_nodes(freedoms)
+            .into_iter()
+            .map(|node| {
                 let first = freedoms.of(node).start;
                 [0, 1, 2].map(|axis| full.get(first + axis).copied().unwrap_or(0.0))
             })

@@ -19,7 +19,7 @@ pub(super) fn add_matrices(
     let mut fault = None;
     add_mass(
         table,
-        present.count,
+        (present.count, 0),
         |sample| {
             let shape = present.shape(&sample.shape);
             let [r, s, _] = tangents(&shape, places, present.count);
