@@ -4,7 +4,7 @@
 //! variant of [`Form`], its mechanics in a file of its own, and a line.
 //!
 //! CalculiX' C3D8R has one point, also for its mass, which then lacks the element's own inertia, and stiffness against hourglasses that
-//! resists rigid rotation in elements that are no parallelepipeds. The incompatible modes of its C3D8I are freedoms with mass. Nastran
+//! resists rigid rotation in elements that are no parallelepipeds. Nastran
 //! takes shear at fewer points by default, and does not publish which: its quadratic elements and wedges are computed in full and told.
 //! A mesh of no code (gmsh) names no rule. Full integration of its 8-node hexahedra would lock in bending, so they have incompatible modes.
 //!
@@ -13,6 +13,7 @@
 
 use std::collections::BTreeMap;
 
+use super::bubbles;
 use super::check::{Role, role};
 use super::hexahedron::{self, EnhancedPoint};
 use super::rules::{MassRule, Rules, StiffnessRule, Table};
@@ -31,6 +32,8 @@ pub enum Form {
     MeanDilatation,
     /// 8-node hexahedron with nine incompatible modes, condensed.
     Incompatible,
+    /// 8-node hexahedron with nine incompatible modes that are freedoms with mass.
+    Bubbles,
 }
 
 /// What a form adds to the strains of an element's points.
@@ -54,6 +57,10 @@ impl Form {
     fn inner(self) -> Option<Inner> {
         match self {
             Form::Full | Form::Reduced | Form::MeanDilatation | Form::Incompatible => None,
+            Form::Bubbles => Some(Inner {
+                count: 3,
+                put: bubbles::put,
+            }),
         }
     }
 
@@ -74,7 +81,7 @@ impl Form {
     /// What it adds to the strains of the shape functions; `None`: nothing.
     pub(super) fn correction(self) -> Option<Correction> {
         match self {
-            Form::Full | Form::Reduced => None,
+            Form::Full | Form::Reduced | Form::Bubbles => None,
             Form::MeanDilatation => Some(hexahedron::mean_dilatation),
             Form::Incompatible => Some(hexahedron::incompatible),
         }
@@ -229,7 +236,7 @@ const RULES: &[Rule] = {
             &[CalculiX],
             &[Hexahedron8],
             Letters("I"),
-            Refused("its incompatible modes are freedoms with mass", ADVICE),
+            Made(Form::Bubbles),
         ),
         rule(&[Abaqus, CalculiX], &[], AnyLetters, UNKNOWN),
         rule(&[Abaqus], &[Hexahedron8], Any, Made(Form::MeanDilatation)),

@@ -9,6 +9,7 @@
 pub mod assemble;
 mod averaging;
 pub mod beam;
+mod bubbles;
 pub(crate) mod check;
 mod connection;
 pub mod foreign;
