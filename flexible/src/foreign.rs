@@ -3,11 +3,11 @@
 use crate::error::{FlexibleError, Part};
 use crate::fe::NodalMatrix;
 use crate::mesh::{Mesh, Node};
+use crate::read::Files;
 use crate::read::matrix::{
     ForeignFreedoms, ForeignMatrix, ForeignModes, MatrixFormat, MatrixKind, read_calculix_freedoms,
     read_matrix,
 };
-use crate::read::{Files, matrix::read_op2_basic_nodes};
 use crate::solve::factor::diagonal;
 use crate::sparse::SymmetricMatrix;
 use crate::units::MeshUnits;
@@ -303,12 +303,4 @@ pub fn mesh_of_nodes(nodes: &[(u64, [f64; 3])]) -> Mesh {
             .collect(),
         ..Mesh::default()
     }
-}
-
-/// Reads the nodes of an OP2 as a mesh without elements, in the file's units, for matrices whose rows are along the basic axes.
-///
-/// # Errors
-/// As the reader gives them; nodes with analysis frames.
-pub fn read_op2_mesh(files: &dyn Files, file: &str) -> Result<Mesh, FlexibleError> {
-    Ok(mesh_of_nodes(&read_op2_basic_nodes(files, file)?))
 }

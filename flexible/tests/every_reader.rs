@@ -6,7 +6,6 @@ use std::path::PathBuf;
 
 use eng_flexible::read::matrix::{
     MatrixFormat, MatrixKind, ShapeFormat, read_calculix_freedoms, read_matrix, read_modes,
-    read_op2_nodes,
 };
 use eng_flexible::{Files, FlexibleError, MeshFormat, read_mesh};
 
@@ -126,9 +125,6 @@ fn through_every_reader(bytes: Vec<u8>) {
         if let Err(error) = read_modes(&files, "file", *format) {
             refused(&error);
         }
-    }
-    if let Err(problem) = read_op2_nodes(&files, "file") {
-        refused(&problem.into());
     }
     if let Err(problem) = read_calculix_freedoms(&files, "file") {
         refused(&problem.into());

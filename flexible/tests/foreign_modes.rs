@@ -122,57 +122,6 @@ fn op2_modes_are_read_in_every_variant() {
 }
 
 #[test]
-fn op2_places_of_points() {
-    let points = [(40, 1), (7, 2), (12, 1)];
-    for (big_endian, wide, release) in VARIANTS {
-        // places alone, numbers by EQEXIN
-        let mut op2 = Op2::new(big_endian, wide, release);
-        op2.points(&points);
-        let mut data = Vec::new();
-        for (frame, x) in [(0, 1.5), (-1, 0.0), (3, 2.5)] {
-            data.extend(op2.0.integer(frame));
-            data.extend(
-                [x, x + 1.0, x + 2.0]
-                    .iter()
-                    .flat_map(|x| op2.0.real(*x, true)),
-            );
-        }
-        op2.table("BGPDT", [105, 3, 0, 0, 0, 0, 0], &[data]);
-        let file = OneFile(op2.finish());
-        let nodes = good(read_op2_nodes(&file, "a.op2"));
-        assert_eq!(nodes, [(40, [1.5, 2.5, 3.5]), (12, [2.5, 3.5, 4.5])]);
-        let turned = bad(read_op2_basic_nodes(&file, "a.op2"));
-        assert!(
-            turned
-                .problem
-                .contains("1 grid points with analysis frames"),
-            "{turned}"
-        );
-        // in double precision, with numbers
-        let mut op2 = Op2::new(big_endian, wide, release);
-        let mut data = op2.0.integers(&[0, 1, 77, 61, 0, 0]);
-        data.extend([0.1, 0.2, 0.3].iter().flat_map(|x| op2.0.real(*x, false)));
-        op2.table("BGPDTS", [105, 1, 0, 0, 0, 0, 0], &[data]);
-        let nodes = good(read_op2_basic_nodes(&OneFile(op2.finish()), "a.op2"));
-        assert_eq!(nodes, [(77, [0.1, 0.2, 0.3])]);
-        // cards
-        for frame in [0, 5] {
-            let mut op2 = Op2::new(big_endian, wide, release);
-            let mut data = op2.0.integers(&[4501, 45, 1, 8, frame]);
-            data.extend([0.5, 0.25, 4.0].iter().flat_map(|x| op2.0.real(*x, true)));
-            data.extend(op2.0.integers(&[0, 0, 0]));
-            op2.table("GEOM1", [101; 7], &[data]);
-            let nodes = read_op2_nodes(&OneFile(op2.finish()), "a.op2");
-            if frame == 0 {
-                assert_eq!(good(nodes), [(8, [0.5, 0.25, 4.0])]);
-            } else {
-                assert!(bad(nodes).problem.contains("grid point 8 in frame 5"));
-            }
-        }
-    }
-}
-
-#[test]
 fn problems_of_op2_say_what_and_where() {
     let file = op2((false, false, false), 2);
     let missing = bad(read_op2_matrix(&OneFile(file.clone()), "a.op2", "MGG"));

@@ -4,7 +4,7 @@
 use eng_flexible::fe::stress::{nodal_stress, von_mises};
 use eng_flexible::fe::{Reduction, Rules, assemble};
 use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
-use eng_flexible::mesh::{BeamAxes, ElementKind, Mesh, Section, Set};
+use eng_flexible::mesh::{ElementKind, Mesh, Set};
 use eng_flexible::recover::{
     Amplitudes, Envelope, FrameMotion, Location, Recovery, Surface, principal,
 };
@@ -202,89 +202,6 @@ fn with_static_modes_stresses_are_those_of_the_whole_model() {
         assert!(agrees(sum, energy, 1e-9), "{sum} {energy}");
     }
 }
-
-/// A cantilever of beams: at each cut the wrench at the tip, moved there.
-#[test]
-fn section_forces_of_beams_are_those_of_equilibrium() {
-    let (length, pieces) = (0.7, 3);
-    let mut mesh = empty();
-    let section = Section::Beam {
-        area: 3e-4,
-        moment_z: 4e-9,
-        moment_y: 9e-9,
-        product: 2.5e-9,
-        torsion: 7e-9,
-        shear: [0.8, 0.6],
-        mass_per_length: 0.0,
-    };
-    for i in 0..=pieces {
-        add_node(
-            &mut mesh,
-            [length * f64::from(i) / f64::from(pieces), 0.0, 0.0],
-        );
-    }
-    for i in 0..pieces {
-        let axes = BeamAxes {
-            orientation: [0.0, 1.0, 0.0],
-            offsets: [[0.0; 3]; 2],
-            released: [0; 2],
-        };
-        add_beam(&mut mesh, section, axes, [i, i + 1]);
-    }
-    let marker = |name: &str, id| MarkerRequest {
-        axes: eng_flexible::markers::MESH_AXES,
-        name: name.into(),
-        place: Place::Node(id),
-    };
-    let every = |marker| Interface {
-        marker,
-        components: ALL,
-    };
-    let request = Request {
-        markers: vec![marker("root", 1), marker("tip", u64::from(pieces) + 1)],
-        support: vec![every(0)],
-        terms: vec![Term::Static(vec![every(1)])],
-        ..Request::default()
-    };
-    let reduced = reduce(mesh, &request).unwrap();
-    let wrench = [2e3, -50.0, 30.0, 1.2, -0.8, 2.0];
-    let recovery = Recovery::of_reduced(&reduced, Rules::default()).unwrap();
-    let modal = recovery.beam_forces(&[0, 1, 2]).unwrap();
-    for axes in &modal.axes {
-        let misses = axes.as_flattened().iter().zip(IDENTITY.as_flattened());
-        assert!(misses.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max) < 1e-15);
-    }
-    let mut found = Vec::new();
-    modal
-        .forces(&at_rest(&reduced, wrench), &mut found)
-        .unwrap();
-    assert_eq!(found.len(), 3);
-    for (index, forces) in found.iter().enumerate() {
-        for end in 0..2 {
-            let arm = length * (1.0 - (index + end) as f64 / f64::from(pieces));
-            let moment = [
-                wrench[3],
-                wrench[4] - arm * wrench[2],
-                wrench[5] + arm * wrench[1],
-            ];
-            let sign = if end == 0 { -1.0 } else { 1.0 };
-            for k in 0..3 {
-                let (force, torque) = (forces[6 * end + k], forces[6 * end + 3 + k]);
-                assert!(
-                    (force - sign * wrench[k]).abs() < 1e-7,
-                    "{index} {end} {k}: {force}"
-                );
-                assert!(
-                    (torque - sign * moment[k]).abs() < 1e-8,
-                    "{index} {end} {k}: {torque}"
-                );
-            }
-        }
-    }
-    assert!(recovery.beam_forces(&[3]).is_err());
-}
-
-const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Rotation by an angle about a unit axis.
 fn turn(axis: [f64; 3], angle: f64) -> [[f64; 3]; 3] {

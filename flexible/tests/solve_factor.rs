@@ -189,11 +189,6 @@ fn poor_but_regular_matrices_are_factored() {
     // the free end moves by n unit springs
     let relative = right[masses - 1] / masses as f64 - 1.0;
     assert!(relative.abs() < 1e-8, "{relative}");
-    let near = matrix(2, &[(0, 0, 4.0), (1, 1, 4.0), (1, 0, 4.0 - 4e-9)]);
-    let (_, ratio) = self::factor(&near, Definiteness::Positive)
-        .unwrap()
-        .weakest_pivot();
-    assert!((ratio / 2e-9 - 1.0).abs() < 1e-6, "{ratio}");
     // freedoms in units a million times apart
     let mut values = vec![1e-6; 40];
     values[3] = 1e12;

@@ -11,7 +11,6 @@ pub(super) const BEAM2: Description = Description {
     edges: &[[0, 1]],
     faces: &[],
     simplices: &[&[0, 1]],
-    corner_places: &[],
     centre: [0.0; 3],
     shape: |_, _| {},
     stiffness: no_points,

@@ -12,7 +12,7 @@ mod hexahedron;
 mod line;
 mod pyramid;
 pub mod quadrature;
-pub mod shape;
+mod shape;
 mod simplex;
 mod wedge;
 
@@ -71,8 +71,6 @@ pub(crate) struct Description {
     pub(crate) faces: &'static [&'static [usize]],
     /// Tetrahedra, triangles or a line that fill the element between its corners.
     pub(crate) simplices: &'static [&'static [usize]],
-    /// Places of the corners in the reference domain (a pyramid's in collapsed coordinates, its apex on the axis).
-    corner_places: &'static [[f64; 3]],
     /// The middle of the reference domain.
     pub(crate) centre: [f64; 3],
     /// Puts its functions at a point of the reference domain into zeroed ones.

@@ -31,7 +31,6 @@ pub(super) const PYRAMID5: Description = Description {
         &[3, 4, 0],
     ],
     simplices: &[&[0, 1, 2, 4], &[0, 2, 3, 4]],
-    corner_places: &CORNERS,
     centre: [0.0, 0.0, 0.25],
     shape: linear,
     stiffness: || quadrature::pyramid(2),

@@ -54,21 +54,3 @@ impl Shape {
         self.slopes[local] = [0.0; 3];
     }
 }
-
-/// Places of an element's nodes in its reference domain (a pyramid's in collapsed coordinates).
-pub fn node_places(kind: ElementKind) -> Vec<[f64; 3]> {
-    let corners = kind.description().corner_places;
-    let mut places = corners.to_vec();
-    for &[a, b] in kind.midside_edges() {
-        let mut middle = [0.0; 3];
-        for (i, x) in middle.iter_mut().enumerate() {
-            *x = 0.5 * (corners[a][i] + corners[b][i]);
-        }
-        if kind.linear() == ElementKind::Pyramid5 && b == 4 {
-            // half-way to the apex the collapsed coordinates still are the corner's
-            middle = [corners[a][0], corners[a][1], 0.5];
-        }
-        places.push(middle);
-    }
-    places
-}

@@ -11,7 +11,6 @@ pub(super) const TETRAHEDRON4: Description = Description {
     edges: &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
     faces: &[&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]],
     simplices: &[&[0, 1, 2, 3]],
-    corner_places: &CORNERS,
     centre: [0.25; 3],
     shape: |shape, at| linear(shape, at, 3),
     stiffness: quadrature::tetrahedron_1,
@@ -55,7 +54,6 @@ pub(super) const TRIANGLE3: Description = Description {
     edges: &[[0, 1], [1, 2], [2, 0]],
     faces: &[&[0, 1, 2]],
     simplices: &[&[0, 1, 2]],
-    corner_places: &[CORNERS[0], CORNERS[1], CORNERS[2]],
     centre: [1.0 / 3.0, 1.0 / 3.0, 0.0],
     shape: |shape, at| linear(shape, at, 2),
     stiffness: no_points,
@@ -86,14 +84,6 @@ pub(super) const TRIANGLE6: Description = Description {
     },
     ..TRIANGLE3
 };
-
-/// Corners of the tetrahedron; the first three are the triangle's.
-const CORNERS: [[f64; 3]; 4] = [
-    [0.0, 0.0, 0.0],
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [0.0, 0.0, 1.0],
-];
 
 /// Barycentric coordinates and their slopes.
 fn barycentric(point: [f64; 3], dimension: usize) -> ([f64; 4], [[f64; 3]; 4]) {

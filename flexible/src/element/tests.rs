@@ -1,12 +1,46 @@
 //! Shape functions of all elements, and the table's own consistency.
 
-use super::shape::node_places;
 use super::*;
 
 /// All with shape functions.
 fn kinds() -> impl Iterator<Item = ElementKind> {
     let beam = |kind: &ElementKind| *kind != ElementKind::Beam2;
     ElementKind::ALL.into_iter().filter(beam)
+}
+
+/// Places of the corners in the reference domain (a pyramid's in collapsed coordinates, its apex on the axis).
+fn corner_places(kind: ElementKind) -> Vec<[f64; 3]> {
+    let triangle = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let layer = |corners: &[[f64; 2]], z: f64| -> Vec<[f64; 3]> {
+        corners.iter().map(|[x, y]| [*x, *y, z]).collect()
+    };
+    match kind.linear() {
+        ElementKind::Tetrahedron4 => [layer(&triangle, 0.0), vec![[0.0, 0.0, 1.0]]].concat(),
+        ElementKind::Triangle3 => layer(&triangle, 0.0),
+        ElementKind::Wedge6 => [layer(&triangle, -1.0), layer(&triangle, 1.0)].concat(),
+        ElementKind::Hexahedron8 => [layer(&square, -1.0), layer(&square, 1.0)].concat(),
+        ElementKind::Pyramid5 => [layer(&square, 0.0), vec![[0.0, 0.0, 1.0]]].concat(),
+        _ => layer(&square, 0.0),
+    }
+}
+
+/// Places of an element's nodes in its reference domain (a pyramid's in collapsed coordinates).
+fn node_places(kind: ElementKind) -> Vec<[f64; 3]> {
+    let corners = corner_places(kind);
+    let mut places = corners.clone();
+    for &[a, b] in kind.midside_edges() {
+        let mut middle = [0.0; 3];
+        for (i, x) in middle.iter_mut().enumerate() {
+            *x = 0.5 * (corners[a][i] + corners[b][i]);
+        }
+        if kind.linear() == ElementKind::Pyramid5 && b == 4 {
+            // half-way to the apex the collapsed coordinates still are the corner's
+            middle = [corners[a][0], corners[a][1], 0.5];
+        }
+        places.push(middle);
+    }
+    places
 }
 
 fn is_pyramid(kind: ElementKind) -> bool {

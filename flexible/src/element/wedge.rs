@@ -27,7 +27,6 @@ pub(super) const WEDGE6: Description = Description {
         &[2, 5, 3, 0],
     ],
     simplices: &[&[0, 1, 2, 3], &[1, 2, 3, 4], &[2, 3, 4, 5]],
-    corner_places: &CORNERS,
     centre: [1.0 / 3.0, 1.0 / 3.0, 0.0],
     shape: linear,
     stiffness: || quadrature::wedge(&quadrature::triangle_3(), 2),
@@ -63,15 +62,6 @@ pub(super) const WEDGE15: Description = Description {
     },
     ..WEDGE6
 };
-
-const CORNERS: [[f64; 3]; 6] = [
-    [0.0, 0.0, -1.0],
-    [1.0, 0.0, -1.0],
-    [0.0, 1.0, -1.0],
-    [0.0, 0.0, 1.0],
-    [1.0, 0.0, 1.0],
-    [0.0, 1.0, 1.0],
-];
 
 const SLOPES: [[f64; 2]; 3] = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]];
 

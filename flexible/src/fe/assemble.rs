@@ -400,7 +400,7 @@ impl System<'_> {
     }
 }
 
-/// Something of a beam of a checked mesh: [`beam::matrices`], [`beam::tension`], [`beam::end_forces`].
+/// Something of a beam of a checked mesh: [`beam::matrices`], [`beam::tension`].
 pub(crate) fn of_beam<T>(
     mesh: &Mesh,
     element: &Element,

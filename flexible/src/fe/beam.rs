@@ -434,38 +434,6 @@ pub fn matrices(
     })
 }
 
-/// Forces that nodes put on a beam's ends (N, N m; force and moment at the first, then at the second end, in element axes) a unit
-/// of the nodes' twelve freedoms in basic axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BeamForces {
-    /// Forces by freedoms.
-    pub forces: EndMatrix,
-    /// The element's axes x, y, z in basic ones.
-    pub axes: [[f64; 3]; 3],
-}
-
-/// End forces of a beam between two nodes.
-///
-/// # Errors
-/// As [`matrices`].
-pub fn end_forces(
-    positions: [[f64; 3]; 2],
-    axes: &BeamAxes,
-    section: &Section,
-    material: &Material,
-) -> Result<BeamForces, String> {
-    let (local, transformation) = placed(positions, axes, section, material, |_| [[0.0; 12]; 12])?;
-    let forces = std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            (0..12)
-                .map(|k| local.stiffness[i][k] * transformation[k][j])
-                .sum()
-        })
-    });
-    let axes = std::array::from_fn(|i| std::array::from_fn(|k| transformation[i][k]));
-    Ok(BeamForces { forces, axes })
-}
-
 /// What a beam's tension does, over the nodes' twelve freedoms in basic axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamTension {

@@ -9,7 +9,7 @@ use super::hexahedron;
 use super::rules::{self, Rules, Table};
 use super::solid::{Present, gradients, gradients_with_inner, inverted, lame};
 use super::vector::add;
-use crate::element::{MOST_NODES, Shape, shape};
+use crate::element::{MOST_NODES, Shape};
 use crate::error::FlexibleError;
 use crate::mesh::{Element, ElementKind, Material, Mesh};
 
@@ -84,7 +84,6 @@ pub struct ElementRecovery {
     pub points: Vec<StrainPoint>,
     /// A line for each node: values at the integration points, times these, are the node's.
     pub extrapolation: Vec<Vec<f64>>,
-    kind: ElementKind,
 }
 
 impl ElementRecovery {
@@ -166,7 +165,6 @@ impl ElementRecovery {
             material: material.clone(),
             points,
             extrapolation: Vec::new(),
-            kind: element.kind,
         }))
     }
 
@@ -235,27 +233,6 @@ impl ElementRecovery {
                 0.5 * point.volume * work
             })
             .sum()
-    }
-
-    /// Strains as the shape functions have them at the nodes themselves (less exact than [`ElementRecovery::at_nodes`] of the
-    /// integration points, but without a fit). At a pyramid's apex the limit along its axis.
-    ///
-    /// # Errors
-    /// Where the element is folded at a node, so that there is no strain.
-    pub fn evaluated_at_nodes(
-        &self,
-        mesh: &Mesh,
-        element: &Element,
-    ) -> Result<Vec<StrainPoint>, FlexibleError> {
-        check::check_element(mesh, element)?;
-        let present = Present::new(self.kind, mesh.nodes_of(element));
-        let samples: Vec<([f64; 3], f64)> = shape::node_places(self.kind)
-            .into_iter()
-            .zip(mesh.nodes_of(element))
-            .filter(|(_, node)| **node != crate::mesh::ABSENT)
-            .map(|(place, _)| (place, 0.0))
-            .collect();
-        strain_points(mesh, element, &present, &samples)
     }
 }
 

@@ -7,11 +7,9 @@
 //! σ_k is the stress of shape k, computed once. With static modes the stress under the loads that they serve is that of the whole
 //! finite-element model; what inertia adds is as good as the modes span it.
 
-mod beams;
 pub mod motion;
 pub mod stress;
 
-pub use beams::BeamForces;
 pub use motion::{Amplitudes, Both, FrameMotion, NodeMotion, NodeShapes};
 pub use stress::{Envelope, Location, ModalStress, principal};
 

@@ -146,7 +146,6 @@ pub struct Factorization {
     /// Of an indefinite matrix: below the diagonal of B, and the exchanges of rows inside blocks, both ways.
     indefinite: Option<(Vec<f64>, Vec<u32>, Vec<u32>)>,
     negative: usize,
-    weakest: (usize, f64),
 }
 
 impl Factorization {
@@ -196,7 +195,6 @@ impl Factorization {
             values,
             indefinite: None,
             negative: 0,
-            weakest: (0, 1.0),
         };
         match kind {
             Definiteness::Positive => factor.factor_positive(matrix)?,
@@ -296,13 +294,12 @@ impl Factorization {
         self.settle(weakest, LOST_INDEFINITE)
     }
 
-    /// Keeps the weakest pivot, or refuses it.
-    fn settle(&mut self, weakest: (usize, f64), lost: f64) -> Result<(), FlexibleError> {
+    /// Refuses a weakest pivot that has lost too many digits.
+    fn settle(&self, weakest: (usize, f64), lost: f64) -> Result<(), FlexibleError> {
         if self.analysis.size() == 0 {
             return Ok(());
         }
         if weakest.1 > lost && weakest.1.is_finite() {
-            self.weakest = weakest;
             Ok(())
         } else {
             Err(singular(weakest.0, Some(weakest.1)))
@@ -326,12 +323,6 @@ impl Factorization {
     /// `M`, how many eigenvalues of the pencil lie below σ.
     pub fn negative_pivots(&self) -> usize {
         self.negative
-    }
-
-    /// The row whose pivot is smallest compared with its diagonal entry before elimination, and that ratio: about the digits
-    /// that a solution has lost there. 1e-7 and less points at a mechanism.
-    pub fn weakest_pivot(&self) -> (usize, f64) {
-        self.weakest
     }
 
     /// Solves `A x = b` for right-hand sides stored one after the other, in their place.

@@ -25,7 +25,7 @@ pub use super::nastran::read_dmig;
 pub use coordinate::{read_abaqus_matrix, read_calculix_freedoms, read_calculix_matrix};
 pub use frd::read_frd_modes;
 pub use modes::{ForeignMode, ForeignModes, ShapeFrame};
-pub use op2::{read_op2_basic_nodes, read_op2_matrix, read_op2_modes, read_op2_nodes};
+pub use op2::{read_op2_matrix, read_op2_modes};
 pub use op4::read_op4;
 pub use punch::read_punch_modes;
 

@@ -1,6 +1,6 @@
-//! Nastran's OP2 (`PARAM,POST,-1`, `OUTPUT2`), of 32-bit and 64-bit codes: matrices, mode shapes, places of grid points.
+//! Nastran's OP2 (`PARAM,POST,-1`, `OUTPUT2`), of 32-bit and 64-bit codes: matrices and mode shapes.
 //!
-//! Tables read: `EQEXIN` (numbers of points and their rows), `BGPDT` or `GEOM1` (places), `LAMA` (eigenvalues), `OUGV1` and its kin (mode
+//! Tables read: `EQEXIN` (numbers of points and their rows), `LAMA` (eigenvalues), `OUGV1` and its kin (mode
 //! shapes, single precision in 32-bit files: 7 digits). Any matrix is read by its name. Other tables are passed over. Sources: MSC
 //! Nastran DMAP guide (data blocks), NX Nastran DMAP guide, files of MYSTRAN.
 
@@ -8,7 +8,7 @@ mod blocks;
 mod points;
 mod shapes;
 
-use super::{COMPLEX, ForeignFreedoms, ForeignMatrix, ForeignModes, Held, chosen, whole};
+use super::{COMPLEX, ForeignFreedoms, ForeignMatrix, ForeignModes, Held, chosen};
 use crate::error::FileProblem;
 use crate::read::Files;
 use blocks::{Block, Blocks, Step};
@@ -35,7 +35,7 @@ pub fn read_op2_matrix(
     let mut points = Points::default();
     while let Some(block) = blocks.next_block()? {
         if points.wants(&block) {
-            points.read(&mut blocks, &block)?;
+            points.read(&mut blocks)?;
             continue;
         }
         if block.trailer.get(1..) == Some(&POOLED) {
@@ -213,44 +213,4 @@ pub fn read_op2_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, Fil
         shapes.read(&mut blocks, &block)?;
     }
     shapes.finish(file, blocks.key_bytes())
-}
-
-/// Reads numbers and places of the grid points, in the basic frame, in the order of the file.
-///
-/// # Errors
-/// With file and record: a file that is none, is cut or damaged, holds no places, or holds them in frames other than the basic one only.
-pub fn read_op2_nodes(files: &dyn Files, file: &str) -> Result<Vec<(u64, [f64; 3])>, FileProblem> {
-    points(files, file)?.places(file)
-}
-
-/// As [`read_op2_nodes`], for matrices and shapes whose rows are along the basic axes.
-///
-/// # Errors
-/// As [`read_op2_nodes`], and points with analysis frames of their own: the file does not say their axes.
-pub fn read_op2_basic_nodes(
-    files: &dyn Files,
-    file: &str,
-) -> Result<Vec<(u64, [f64; 3])>, FileProblem> {
-    let points = points(files, file)?;
-    match points.turned() {
-        0 => points.places(file),
-        count => Err(whole(
-            file,
-            format!("has {count} grid points with analysis frames of their own"),
-            "give the bulk data as the mesh: rows of matrices are along these frames",
-        )),
-    }
-}
-
-fn points(files: &dyn Files, file: &str) -> Result<Points, FileProblem> {
-    let mut blocks = Blocks::open(files, file)?;
-    let mut points = Points::default();
-    while let Some(block) = blocks.next_block()? {
-        if points.wants(&block) {
-            points.read(&mut blocks, &block)?;
-        } else {
-            while blocks.next_step()?.is_some() {}
-        }
-    }
-    Ok(points)
 }
