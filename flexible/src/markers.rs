@@ -86,7 +86,8 @@ fn refuse(problem: String, advice: &str) -> FlexibleError {
 /// Indices of the nodes of a selection, ascending.
 ///
 /// # Errors
-/// A set that the mesh does not have (its sets are named); a ring without an axis, or with fewer than three nodes.
+/// A set or property that the mesh does not have (its own are named); a ring without an axis, a plane without a normal; fewer than three
+/// nodes.
 pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>, FlexibleError> {
     match selection {
         Selection::Set(set) => match mesh.sets.get(set) {
@@ -106,36 +107,22 @@ pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>
             width,
             tolerance,
         } => {
-            let length = libm::sqrt(dot(axis, axis));
-            if length.is_nan() || length <= 0.0 {
-                return Err(refuse(
-                    format!("{name}: the ring has no axis"),
-                    "give a direction",
-                ));
-            }
-            let along = axis.map(|x| x / length);
-            let nodes: Vec<u32> = (0..mesh.nodes.len())
-                .filter(|i| {
-                    let p = mesh.nodes[*i].position;
-                    let from = [p[0] - center[0], p[1] - center[1], p[2] - center[2]];
-                    let height = dot(&from, &along);
-                    let square = dot(&from, &from) - height * height;
-                    let distance = libm::sqrt(square.max(0.0));
-                    (distance - radius).abs() <= *tolerance
-                        && height.abs() <= 0.5 * width + tolerance
-                })
-                .map(|i| i as u32)
-                .collect();
-            if nodes.len() < 3 {
-                return Err(refuse(
+            let on_ring = |height: f64, distance: f64| {
+                (distance - radius).abs() <= *tolerance && height.abs() <= 0.5 * width + tolerance
+            };
+            let Some(nodes) = around(mesh, center, axis, on_ring) else {
+                let problem = format!("{name}: the ring has no axis");
+                return Err(refuse(problem, "give a direction"));
+            };
+            at_least_three(
+                nodes,
+                |count| {
                     format!(
-                        "{name}: {} nodes lie on the ring of radius {radius} m and width {width} m around {center:?} m",
-                        nodes.len()
-                    ),
-                    "check place, axis and the units of the mesh, or widen the tolerance",
-                ));
-            }
-            Ok(nodes)
+                        "{name}: {count} nodes lie on the ring of radius {radius} m and width {width} m around {center:?} m"
+                    )
+                },
+                "check place, axis and the units of the mesh, or widen the tolerance",
+            )
         }
         Selection::Patch {
             center,
@@ -143,72 +130,74 @@ pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>
             radius,
             tolerance,
         } => {
-            let length = libm::sqrt(dot(normal, normal));
-            if length.is_nan() || length <= 0.0 {
-                return Err(refuse(
-                    format!("{name}: the plane has no normal"),
-                    "give a direction",
-                ));
-            }
-            let along = normal.map(|x| x / length);
-            let nodes: Vec<u32> = (0..mesh.nodes.len())
-                .filter(|i| {
-                    let p = mesh.nodes[*i].position;
-                    let from = [p[0] - center[0], p[1] - center[1], p[2] - center[2]];
-                    let height = dot(&from, &along);
-                    let square = (dot(&from, &from) - height * height).max(0.0);
-                    height.abs() <= *tolerance && libm::sqrt(square) <= radius + tolerance
-                })
-                .map(|i| i as u32)
-                .collect();
-            if nodes.len() < 3 {
-                return Err(refuse(
-                    format!(
-                        "{name}: {} nodes lie in the plane at {center:?} m",
-                        nodes.len()
-                    ),
-                    "check place, normal and the units of the mesh, or widen the tolerance",
-                ));
-            }
-            Ok(nodes)
+            let in_plane = |height: f64, distance: f64| {
+                height.abs() <= *tolerance && distance <= radius + tolerance
+            };
+            let Some(nodes) = around(mesh, center, normal, in_plane) else {
+                let problem = format!("{name}: the plane has no normal");
+                return Err(refuse(problem, "give a direction"));
+            };
+            at_least_three(
+                nodes,
+                |count| format!("{name}: {count} nodes lie in the plane at {center:?} m"),
+                "check place, normal and the units of the mesh, or widen the tolerance",
+            )
         }
         Selection::Property(property) => {
             let wanted = mesh.properties.iter().position(|p| p.name == *property);
             let Some(wanted) = wanted else {
-                let known: Vec<&str> = mesh
-                    .properties
-                    .iter()
-                    .map(|p| p.name.as_str())
-                    .take(20)
-                    .collect();
+                let known = mesh.properties.iter().map(|p| p.name.as_str());
+                let known: Vec<&str> = known.take(20).collect();
                 return Err(refuse(
                     format!("{name}: the mesh has no property {property}"),
                     &format!("its properties are {}", known.join(", ")),
                 ));
             };
-            let mut taken = vec![false; mesh.nodes.len()];
-            for element in &mesh.elements {
-                if element.property as usize == wanted {
-                    for node in mesh.nodes_of(element) {
-                        if let Some(flag) = taken.get_mut(*node as usize) {
-                            *flag = true;
-                        }
-                    }
-                }
-            }
-            let nodes: Vec<u32> = (0..)
-                .zip(&taken)
-                .filter(|(_, taken)| **taken)
-                .map(|(node, _)| node)
+            let members: Vec<u32> = (0..)
+                .zip(&mesh.elements)
+                .filter(|(_, element)| element.property as usize == wanted)
+                .map(|(index, _)| index)
                 .collect();
-            if nodes.len() < 3 {
-                return Err(refuse(
-                    format!("{name}: no elements have the property {property}"),
-                    "check its number",
-                ));
-            }
-            Ok(nodes)
+            at_least_three(
+                mesh.nodes_of_all(&members),
+                |_| format!("{name}: no elements have the property {property}"),
+                "check its number",
+            )
         }
+    }
+}
+
+/// Nodes by their height along an axis through a point and their distance from it (m); `None` where the axis has no direction.
+fn around(
+    mesh: &Mesh,
+    point: &[f64; 3],
+    axis: &[f64; 3],
+    fits: impl Fn(f64, f64) -> bool,
+) -> Option<Vec<u32>> {
+    let length = libm::sqrt(dot(axis, axis));
+    if length.is_nan() || length <= 0.0 {
+        return None;
+    }
+    let along = axis.map(|x| x / length);
+    let nodes = (0..).zip(&mesh.nodes).filter(|(_, node)| {
+        let p = node.position;
+        let from = [p[0] - point[0], p[1] - point[1], p[2] - point[2]];
+        let height = dot(&from, &along);
+        let square = dot(&from, &from) - height * height;
+        fits(height, libm::sqrt(square.max(0.0)))
+    });
+    Some(nodes.map(|(index, _)| index).collect())
+}
+
+/// Nodes that can hold a marker: three or more.
+fn at_least_three(
+    nodes: Vec<u32>,
+    problem: impl Fn(usize) -> String,
+    advice: &str,
+) -> Result<Vec<u32>, FlexibleError> {
+    match nodes.len() {
+        0..3 => Err(refuse(problem(nodes.len()), advice)),
+        _ => Ok(nodes),
     }
 }
 

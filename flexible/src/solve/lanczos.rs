@@ -309,29 +309,9 @@ impl<'a> Lanczos<'a> {
             let (factor, inverse, rank, least) = pivoted_cholesky(&gram, width, &floors);
             // columns that keep their length, and are not nearly dependent, are orthonormal at once
             let clean = pass == 0 && rank == width && kept(&gram) > KEPT && least > INDEPENDENT;
-            let apply = |old: &[f64]| {
-                let mut new = vec![0.0; size * rank];
-                matmul(
-                    MatMut::from_column_major_slice_mut(&mut new, size, rank),
-                    Accum::Replace,
-                    MatRef::from_column_major_slice(old, size, width),
-                    MatRef::from_column_major_slice(&inverse, width, rank),
-                    1.0,
-                    Par::Seq,
-                );
-                new
-            };
+            let apply = |old: &[f64]| product(old, [size, width, rank], &inverse);
             block = apply(&block);
-            let mut product = vec![0.0; rank * columns];
-            matmul(
-                MatMut::from_column_major_slice_mut(&mut product, rank, columns),
-                Accum::Replace,
-                MatRef::from_column_major_slice(&factor, rank, width),
-                MatRef::from_column_major_slice(&upper, width, columns),
-                1.0,
-                Par::Seq,
-            );
-            upper = product;
+            upper = product(&factor, [rank, width, columns], &upper);
             if pass > 0 && moved <= ORTHOGONAL && unit <= ORTHOGONAL && rank == width {
                 mass_block = apply(&mass_block);
                 done = true;
@@ -506,6 +486,20 @@ impl<'a> Lanczos<'a> {
 
 pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
+}
+
+/// `A B` of matrices stored by columns; A has `rows` rows and `inner` columns, B `columns` columns.
+fn product(a: &[f64], [rows, inner, columns]: [usize; 3], b: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; rows * columns];
+    matmul(
+        MatMut::from_column_major_slice_mut(&mut out, rows, columns),
+        Accum::Replace,
+        MatRef::from_column_major_slice(a, rows, inner),
+        MatRef::from_column_major_slice(b, inner, columns),
+        1.0,
+        Par::Seq,
+    );
+    out
 }
 
 /// A square matrix of zeros.
