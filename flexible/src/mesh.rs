@@ -115,23 +115,27 @@ pub enum Section {
         /// Mass an area beside the material's.
         mass_per_area: f64,
     },
-    /// A beam: x along the beam, y in the plane of the orientation vector.
-    Beam {
-        /// Area.
-        area: f64,
-        /// Second moment for bending in the x–y plane (about z).
-        moment_z: f64,
-        /// Second moment for bending in the x–z plane (about y).
-        moment_y: f64,
-        /// Product of second moments.
-        product: f64,
-        /// Torsion constant.
-        torsion: f64,
-        /// Shear area factors for y and z; zero: no shear flexibility.
-        shear: [f64; 2],
-        /// Mass a length beside the material's.
-        mass_per_length: f64,
-    },
+    /// A beam.
+    Beam(BeamSection),
+}
+
+/// Section of a beam: x along the beam, y in the plane of the orientation vector.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BeamSection {
+    /// Area.
+    pub area: f64,
+    /// Second moment for bending in the x–y plane (about z).
+    pub moment_z: f64,
+    /// Second moment for bending in the x–z plane (about y).
+    pub moment_y: f64,
+    /// Product of second moments.
+    pub product: f64,
+    /// Torsion constant.
+    pub torsion: f64,
+    /// Shear area factors for y and z; zero: no shear flexibility.
+    pub shear: [f64; 2],
+    /// Mass a length beside the material's.
+    pub mass_per_length: f64,
 }
 
 /// An isotropic linear elastic material.
@@ -234,6 +238,16 @@ pub struct Set {
     pub elements: Vec<u32>,
 }
 
+impl Set {
+    /// Sorts both lists, each member once.
+    pub(crate) fn sort(&mut self) {
+        for list in [&mut self.nodes, &mut self.elements] {
+            list.sort_unstable();
+            list.dedup();
+        }
+    }
+}
+
 /// What an unread card or keyword could have carried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Carries {
@@ -304,6 +318,18 @@ impl Mesh {
         self.connectivity
             .get(first..first + element.kind.node_count())
             .unwrap_or(&[])
+    }
+
+    /// The nodes that elements of these indices have, sorted.
+    pub(crate) fn nodes_of_all(&self, elements: &[u32]) -> Vec<u32> {
+        let known = elements
+            .iter()
+            .filter_map(|index| self.elements.get(*index as usize));
+        let nodes = known.flat_map(|element| self.nodes_of(element)).copied();
+        let mut nodes: Vec<u32> = nodes.filter(|node| *node != ABSENT).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
     }
 
     /// Gives a material to a mesh whose file has none: to all its solids. Materials of the file that lack only the density take it from

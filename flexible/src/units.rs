@@ -1,6 +1,6 @@
 //! Units of finite-element files, which never say theirs.
 
-use crate::mesh::{Mesh, Section, Tie};
+use crate::mesh::{BeamSection, Mesh, Section, Tie};
 
 /// A consistent set of units of a file: what one of its units is in SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,7 +113,7 @@ impl Mesh {
                     *thickness *= length;
                     *mass_per_area *= mass / (length * length);
                 }
-                Section::Beam {
+                Section::Beam(BeamSection {
                     area,
                     moment_z,
                     moment_y,
@@ -121,7 +121,7 @@ impl Mesh {
                     torsion,
                     shear: _,
                     mass_per_length,
-                } => {
+                }) => {
                     let second = length * length * length * length;
                     *area *= length * length;
                     *moment_z *= second;

@@ -2,7 +2,7 @@
 
 mod nastran_deck;
 
-use eng_flexible::mesh::{Carries, Code, ElementKind, Mesh, Section, Support, Tie};
+use eng_flexible::mesh::{BeamSection, Carries, Code, ElementKind, Mesh, Section, Support, Tie};
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::{FileProblem, FlexibleError, Place};
 use nastran_deck::{
@@ -386,13 +386,13 @@ fn sections_and_materials() {
     let steel = material(0).expect("steel");
     assert_eq!((steel.young, steel.density), (2.1e11, 7850.0));
     assert_eq!(property(0).material, property(1).material);
-    let Section::Beam {
+    let Section::Beam(BeamSection {
         area,
         moment_z,
         moment_y,
         shear,
         ..
-    } = property(2).section
+    }) = property(2).section
     else {
         panic!("no beam");
     };
@@ -406,13 +406,13 @@ fn sections_and_materials() {
     assert_eq!(axes(3).orientation, [0.0, 0.0, -1.0]);
     // the third node points
     assert_eq!(axes(5).orientation, [1.0, 1.0, 5.0]);
-    let Section::Beam {
+    let Section::Beam(BeamSection {
         moment_z,
         moment_y,
         product,
         torsion,
         ..
-    } = property(5).section
+    }) = property(5).section
     else {
         panic!("no beam");
     };
@@ -421,7 +421,7 @@ fn sections_and_materials() {
     assert_eq!(material(5).expect("a material").density, 1000.0);
     assert!(matches!(property(6).section, Section::Shell { thickness, .. } if thickness == 0.01));
     assert_eq!(property(7).material, None);
-    assert!(matches!(property(8).section, Section::Beam { area, .. } if area == 0.5));
+    assert!(matches!(property(8).section, Section::Beam(BeamSection { area, .. }) if area == 0.5));
     assert_eq!(
         unread(&mesh),
         [

@@ -4,7 +4,9 @@ mod fe_meshes;
 
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, Structure, assemble};
-use eng_flexible::mesh::{BeamAxes, ElementKind, Frame, Mesh, PointMass, Section, Spring, Support};
+use eng_flexible::mesh::{
+    BeamAxes, BeamSection, ElementKind, Frame, Mesh, PointMass, Section, Spring, Support,
+};
 use eng_flexible::solve::{EigenOptions, Modes, lowest_modes};
 use fe_meshes::*;
 
@@ -17,7 +19,7 @@ const SHEAR: [f64; 2] = [0.8, 0.6];
 const MODULUS: f64 = YOUNG / (2.0 * (1.0 + POISSON));
 
 fn section(product: f64) -> Section {
-    Section::Beam {
+    Section::Beam(BeamSection {
         area: AREA,
         moment_z: MOMENT_Z,
         moment_y: MOMENT_Y,
@@ -25,7 +27,7 @@ fn section(product: f64) -> Section {
         torsion: TORSION,
         shear: SHEAR,
         mass_per_length: 0.0,
-    }
+    })
 }
 
 fn axes(orientation: [f64; 3]) -> BeamAxes {
@@ -125,7 +127,7 @@ fn a_section_with_a_product_of_moments_bends_as_in_its_principal_axes() {
     let (major, minor) = (9e-9, 4e-9);
     let (sine, cosine) = angle.sin_cos();
     // in axes y', z' that stand turned by the angle about x, y' = c y + s z: I_z' = ∫ y'² and so on
-    let turned = Section::Beam {
+    let turned = Section::Beam(BeamSection {
         area: AREA,
         moment_z: major * cosine * cosine + minor * sine * sine,
         moment_y: major * sine * sine + minor * cosine * cosine,
@@ -133,8 +135,8 @@ fn a_section_with_a_product_of_moments_bends_as_in_its_principal_axes() {
         torsion: TORSION,
         shear: [0.7, 0.7],
         mass_per_length: 0.3,
-    };
-    let principal = Section::Beam {
+    });
+    let principal = Section::Beam(BeamSection {
         area: AREA,
         moment_z: major,
         moment_y: minor,
@@ -142,7 +144,7 @@ fn a_section_with_a_product_of_moments_bends_as_in_its_principal_axes() {
         torsion: TORSION,
         shear: [0.7, 0.7],
         mass_per_length: 0.3,
-    };
+    });
     let one = line([length, 0.0, 0.0], 2, principal, [0.0, 1.0, 0.0]);
     let two = line([length, 0.0, 0.0], 2, turned, [0.0, cosine, sine]);
     let first = assemble(&one, &Rules::default()).unwrap();
@@ -219,7 +221,7 @@ fn rigid_motions_of_beams_with_offsets_cost_nothing_and_have_their_mass() {
 #[test]
 fn a_free_beam_has_timoshenko_frequencies() {
     let side: f64 = 0.02;
-    let square = Section::Beam {
+    let square = Section::Beam(BeamSection {
         area: side * side,
         moment_z: side.powi(4) / 12.0,
         moment_y: side.powi(4) / 12.0,
@@ -227,7 +229,7 @@ fn a_free_beam_has_timoshenko_frequencies() {
         torsion: 0.1406 * side.powi(4),
         shear: [0.8496732026143791; 2],
         mass_per_length: 0.0,
-    };
+    });
     let lowest = |pieces: u32| {
         let mesh = line([0.3, 0.0, 0.4], pieces, square, [0.0, 1.0, 0.0]);
         let structure = assemble(&mesh, &Rules::default()).unwrap();
@@ -288,7 +290,7 @@ fn releases_make_hinges() {
 
 #[test]
 fn a_rod_carries_only_its_axis() {
-    let rod = Section::Beam {
+    let rod = Section::Beam(BeamSection {
         area: AREA,
         moment_z: 0.0,
         moment_y: 0.0,
@@ -296,7 +298,7 @@ fn a_rod_carries_only_its_axis() {
         torsion: 0.0,
         shear: [0.0; 2],
         mass_per_length: 1.5,
-    };
+    });
     let mesh = line([0.0, 0.5, 0.0], 1, rod, [0.0, 0.0, 1.0]);
     let structure = assemble(&mesh, &Rules::default()).unwrap();
     let mass = (DENSITY * AREA + 1.5) * 0.5;

@@ -4,7 +4,9 @@ mod fe_meshes;
 
 use eng_flexible::FlexibleError;
 use eng_flexible::fe::{Rules, assemble};
-use eng_flexible::mesh::{BeamAxes, ElementKind, Material, Mesh, PointMass, Section, Spring, Tie};
+use eng_flexible::mesh::{
+    BeamAxes, BeamSection, ElementKind, Material, Mesh, PointMass, Section, Spring, Tie,
+};
 use fe_meshes::*;
 use proptest::prelude::*;
 
@@ -88,7 +90,7 @@ fn sections_must_make_sense() {
     );
     let beam = |area: f64, product: f64, orientation: [f64; 3]| {
         refused(|mesh| {
-            let section = Section::Beam {
+            let section = Section::Beam(BeamSection {
                 area,
                 moment_z: 1e-8,
                 moment_y: 1e-8,
@@ -96,7 +98,7 @@ fn sections_must_make_sense() {
                 torsion: 1e-8,
                 shear: [0.0; 2],
                 mass_per_length: 0.0,
-            };
+            });
             let axes = BeamAxes {
                 orientation,
                 offsets: [[0.0; 3]; 2],

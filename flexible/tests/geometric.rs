@@ -5,7 +5,7 @@ use eng_flexible::fe::geometric::GeometricStiffness;
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, assemble};
 use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
-use eng_flexible::mesh::{BeamAxes, ElementKind, Mesh, Section, Set, Tie};
+use eng_flexible::mesh::{BeamAxes, BeamSection, ElementKind, Mesh, Section, Set, Tie};
 use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
 use eng_flexible::solve::Modes;
 use eng_system::reduced::{Geometric, Invariants};
@@ -65,7 +65,7 @@ const RECTANGLE: [f64; 2] = [0.009, 0.012];
 
 /// A solid rectangle of sides along y and z.
 fn rectangle([y, z]: [f64; 2], torsion: f64) -> Section {
-    Section::Beam {
+    Section::Beam(BeamSection {
         area: y * z,
         moment_z: z * y * y * y / 12.0,
         moment_y: y * z * z * z / 12.0,
@@ -73,7 +73,7 @@ fn rectangle([y, z]: [f64; 2], torsion: f64) -> Section {
         torsion,
         shear: [5.0 / 6.0; 2],
         mass_per_length: 0.0,
-    }
+    })
 }
 
 fn axes(orientation: [f64; 3]) -> BeamAxes {
@@ -209,7 +209,7 @@ fn a_pressed_column_buckles_under_eulers_load() {
 
     let mut mesh = empty();
     add_node(&mut mesh, [0.0; 3]);
-    let section = Section::Beam {
+    let section = Section::Beam(BeamSection {
         area: y * z,
         moment_z: z * y * y * y / 12.0,
         moment_y: y * z * z * z / 12.0,
@@ -217,7 +217,7 @@ fn a_pressed_column_buckles_under_eulers_load() {
         torsion: 1e-9,
         shear: [0.0; 2],
         mass_per_length: 0.0,
-    };
+    });
     let tip = add_line(&mut mesh, 0, [length, 0.0, 0.0], 8, section);
     let markers = vec![at_node("root", &mesh, 0), at_node("tip", &mesh, tip)];
     let beam = reduce(mesh, &request(markers, vec![all(0)], terms.clone())).unwrap();
@@ -466,7 +466,7 @@ fn jeffcott(
 #[test]
 fn a_spinning_disc_of_solids_keeps_its_gyroscopic_moment() {
     let (radius, thickness, length, side) = (0.08, 0.012, 0.2, 0.008);
-    let section = Section::Beam {
+    let section = Section::Beam(BeamSection {
         area: side * side,
         moment_z: side.powi(4) / 12.0,
         moment_y: side.powi(4) / 12.0,
@@ -474,7 +474,7 @@ fn a_spinning_disc_of_solids_keeps_its_gyroscopic_moment() {
         torsion: 0.1406 * side.powi(4),
         shear: [0.0; 2],
         mass_per_length: 0.0,
-    };
+    });
     let mesh = overhung(radius, thickness, length, section);
     let root = mesh
         .nodes
@@ -526,7 +526,7 @@ fn a_spinning_point_mass_keeps_its_gyroscopic_moment() {
     let mut mesh = empty();
     mesh.materials[0].density = 1e-6;
     add_node(&mut mesh, [0.0; 3]);
-    let section = Section::Beam {
+    let section = Section::Beam(BeamSection {
         area: side * side,
         moment_z: side.powi(4) / 12.0,
         moment_y: side.powi(4) / 12.0,
@@ -534,7 +534,7 @@ fn a_spinning_point_mass_keeps_its_gyroscopic_moment() {
         torsion: 0.1406 * side.powi(4),
         shear: [0.0; 2],
         mass_per_length: 0.0,
-    };
+    });
     let hub = add_line(&mut mesh, 0, [length, 0.0, 0.0], 1, section);
     let (mass, polar, diametral) = (1.8, 6.0e-3, 3.1e-3);
     let diagonal = [mass, mass, mass, polar, diametral, diametral];

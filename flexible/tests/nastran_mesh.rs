@@ -5,7 +5,7 @@ mod nastran_deck;
 use std::f64::consts::PI;
 
 use eng_flexible::Place;
-use eng_flexible::mesh::{Carries, ElementKind, Section, Support};
+use eng_flexible::mesh::{BeamSection, Carries, ElementKind, Section, Support};
 use nastran_deck::*;
 
 /// Grid points 1 to `count` on a line that is nowhere straight, a solid property and its material.
@@ -358,7 +358,7 @@ CBEAM,6,5,1,2,1.,0.,0.
     close3(beam(5).orientation, [0.0, 1.0, 0.0], 1.0);
     assert_eq!(
         mesh.properties[0].section,
-        Section::Beam {
+        Section::Beam(BeamSection {
             area: 1.0,
             moment_z: 2.0,
             moment_y: 3.0,
@@ -366,7 +366,7 @@ CBEAM,6,5,1,2,1.,0.,0.
             torsion: 4.0,
             shear: [0.8, 0.9],
             mass_per_length: 5.0
-        }
+        })
     );
 }
 
@@ -398,7 +398,7 @@ CONROD,8,1,2,8,2.5,.25,,1.
     let section = |id: u64| {
         let element = mesh.elements.iter().find(|e| e.id == id).expect("element");
         match mesh.properties[element.property as usize].section {
-            Section::Beam {
+            Section::Beam(BeamSection {
                 area,
                 moment_z,
                 moment_y,
@@ -406,7 +406,7 @@ CONROD,8,1,2,8,2.5,.25,,1.
                 torsion,
                 shear,
                 mass_per_length,
-            } => (
+            }) => (
                 [area, moment_z, moment_y, product, torsion],
                 shear,
                 mass_per_length,

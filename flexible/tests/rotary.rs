@@ -3,7 +3,7 @@
 
 use eng_flexible::fe::Rules;
 use eng_flexible::markers::{MarkerRequest, Place};
-use eng_flexible::mesh::{BeamAxes, Mesh, PointMass, Section};
+use eng_flexible::mesh::{BeamAxes, BeamSection, Mesh, PointMass, Section};
 use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
 use eng_flexible::rotary::split_offsets;
 use eng_flexible::solve::Modes;
@@ -25,7 +25,7 @@ fn beam(offset: [f64; 3]) -> Mesh {
     mesh.materials[0].density = 1e-9;
     add_node(&mut mesh, [0.0; 3]);
     let tip = add_node(&mut mesh, PLACE);
-    let section = Section::Beam {
+    let section = Section::Beam(BeamSection {
         area: 1e-4,
         moment_z: 1e-9,
         moment_y: 2e-9,
@@ -33,7 +33,7 @@ fn beam(offset: [f64; 3]) -> Mesh {
         torsion: 1.5e-9,
         shear: [0.0; 2],
         mass_per_length: 0.0,
-    };
+    });
     let axes = BeamAxes {
         orientation: [0.1, 1.0, 0.2],
         offsets: [[0.0; 3]; 2],

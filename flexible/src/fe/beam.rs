@@ -16,7 +16,7 @@
 
 use super::vector::{add, cross, norm, scale, subtract};
 use crate::element::quadrature::unit_interval;
-use crate::mesh::{BeamAxes, Material, Section};
+use crate::mesh::{BeamAxes, BeamSection, Material, Section};
 
 /// A matrix over the twelve freedoms of two ends.
 pub type EndMatrix = [[f64; 12]; 12];
@@ -55,7 +55,7 @@ struct Beam {
 
 impl Beam {
     fn new(length: f64, section: &Section, material: &Material) -> Option<Self> {
-        let Section::Beam {
+        let Section::Beam(BeamSection {
             area,
             moment_z,
             moment_y,
@@ -63,7 +63,7 @@ impl Beam {
             torsion,
             shear,
             mass_per_length,
-        } = *section
+        }) = *section
         else {
             return None;
         };

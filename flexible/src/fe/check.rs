@@ -2,7 +2,7 @@
 //! is finite, and every element has the section and the constants it needs: the kernel indexes without asking again.
 
 use crate::error::FlexibleError;
-use crate::mesh::{ABSENT, Element, ElementKind, Material, Mesh, Section, Tie};
+use crate::mesh::{ABSENT, BeamSection, Element, ElementKind, Material, Mesh, Section, Tie};
 
 /// How many ids a message names.
 const NAMED: usize = 10;
@@ -50,7 +50,7 @@ pub(super) fn role<'a>(mesh: &'a Mesh, element: &Element) -> Option<Role<'a>> {
     };
     match (element.kind, property.section, material) {
         (kind, Section::Solid, Some(material)) if kind.is_solid() => Some(Role::Solid(material)),
-        (ElementKind::Beam2, Section::Beam { .. }, Some(material)) => Some(Role::Beam(material)),
+        (ElementKind::Beam2, Section::Beam(_), Some(material)) => Some(Role::Beam(material)),
         (kind, section, material) if !kind.is_solid() && kind != ElementKind::Beam2 => {
             match (section, material) {
                 (
@@ -109,7 +109,7 @@ fn section_fault(section: &Section, role: Role) -> Option<String> {
                 None
             }
         }
-        Section::Beam {
+        Section::Beam(BeamSection {
             area,
             moment_z,
             moment_y,
@@ -117,7 +117,7 @@ fn section_fault(section: &Section, role: Role) -> Option<String> {
             torsion,
             shear,
             mass_per_length,
-        } => {
+        }) => {
             let moments = [
                 moment_z,
                 moment_y,

@@ -3,7 +3,7 @@
 use super::check::{Role, role};
 use super::mass::RigidMass;
 use super::vector::{cross, dot, norm, subtract};
-use crate::mesh::{ABSENT, Mesh, Section};
+use crate::mesh::{ABSENT, BeamSection, Mesh, Section};
 
 /// Volume (m³), area (m²) or length (m).
 fn measure(corners: &[[f64; 3]]) -> f64 {
@@ -59,11 +59,11 @@ pub fn estimate(mesh: &Mesh) -> Option<RigidMass> {
             Some(Role::Beam(material)) => {
                 let property = mesh.properties.get(element.property as usize);
                 match property.map(|property| property.section) {
-                    Some(Section::Beam {
+                    Some(Section::Beam(BeamSection {
                         area,
                         mass_per_length,
                         ..
-                    }) => material.density * area + mass_per_length,
+                    })) => material.density * area + mass_per_length,
                     _ => 0.0,
                 }
             }

@@ -22,8 +22,14 @@ impl Labels {
         self.sorted.get(place).map(|(_, index)| *index)
     }
 
-    /// Indices of those numbers from `first` to `last` in steps that are there.
-    pub fn range(&self, first: u64, last: u64, step: u64) -> impl Iterator<Item = u32> {
+    /// Indices of those numbers from `first` to `last` in steps that are there, but those in `except`.
+    pub fn range(
+        &self,
+        first: u64,
+        last: u64,
+        step: u64,
+        except: &[u64],
+    ) -> impl Iterator<Item = u32> {
         let start = self.sorted.partition_point(|(label, _)| *label < first);
         self.sorted
             .get(start..)
@@ -31,6 +37,7 @@ impl Labels {
             .iter()
             .take_while(move |(label, _)| *label <= last)
             .filter(move |(label, _)| (label - first).is_multiple_of(step.max(1)))
+            .filter(|(label, _)| !except.contains(label))
             .map(|(_, index)| *index)
     }
 

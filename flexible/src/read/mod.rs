@@ -1,6 +1,7 @@
 //! Readers of finite-element files. One module a family of formats; what they give is a [`crate::Mesh`] or matrices.
 
 pub mod abaqus;
+mod builder;
 mod content;
 pub mod gmsh;
 mod held;

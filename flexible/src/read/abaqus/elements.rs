@@ -5,7 +5,8 @@ use super::model::Model;
 use super::sections::{Family, Sections, direction};
 use super::shapes::Shape;
 use crate::error::FileProblem;
-use crate::mesh::{BeamAxes, Carries, Element, ElementKind, Mesh, Variant};
+use crate::mesh::{BeamAxes, Carries, ElementKind, Mesh, Variant};
+use crate::read::builder::{NewElement, add_element};
 use crate::read::unread::UnreadCards;
 use crate::read::vector::{beam_axes, minus, rotate};
 
@@ -31,15 +32,20 @@ pub(super) fn make(
             continue;
         };
         let nodes = model.row_nodes(row);
+        let new = |kind, variant| NewElement {
+            id: row.id,
+            kind,
+            variant,
+            property,
+        };
+        let beam = new(ElementKind::Beam2, Variant::Plain);
         match (row.shape, nodes) {
             (Shape::Solid(kind, variant), nodes) => {
-                push(mesh, row.id, (kind, variant), property, nodes, None)
-                    .ok_or_else(|| row.at.problem("too many elements", "divide the model"))?;
+                add_element(mesh, new(kind, variant), nodes, None).map_err(|e| e.at(&row.at))?;
             }
             (Shape::Shell(kind) | Shape::Facet(kind), nodes) => {
-                let kind = (kind, Variant::Plain);
-                push(mesh, row.id, kind, property, nodes, None)
-                    .ok_or_else(|| row.at.problem("too many elements", "divide the model"))?;
+                let new = new(kind, Variant::Plain);
+                add_element(mesh, new, nodes, None).map_err(|e| e.at(&row.at))?;
             }
             (Shape::Truss, &[a, b]) => {
                 let along = minus(model.position(b), model.position(a)).map(f64::abs);
@@ -51,7 +57,7 @@ pub(super) fn make(
                         [0.0, 1.0, 0.0]
                     };
                 }
-                line(model, mesh, row, property, [a, b], orientation)?;
+                line(model, mesh, row, beam, [a, b], orientation)?;
             }
             (Shape::Beam { nodes: count, .. }, nodes) => {
                 let (ends, beyond) = nodes.split_at_checked(count).unwrap_or((nodes, &[]));
@@ -68,7 +74,7 @@ pub(super) fn make(
                 };
                 for pair in ends.windows(2) {
                     if let [a, b] = *pair {
-                        line(model, mesh, row, property, [a, b], orientation)?;
+                        line(model, mesh, row, beam, [a, b], orientation)?;
                     }
                 }
             }
@@ -76,8 +82,8 @@ pub(super) fn make(
         }
         made.push((start, mesh.elements.len() as u32 - start));
     }
-    mesh.properties = std::mem::take(&mut sections.properties);
-    mesh.materials = std::mem::take(&mut sections.materials);
+    mesh.properties = std::mem::take(&mut sections.properties.all);
+    mesh.materials = std::mem::take(&mut sections.materials.all);
     for (row, elements) in model.rows.iter_mut().zip(made) {
         row.elements = elements;
     }
@@ -88,7 +94,7 @@ fn line(
     model: &Model,
     mesh: &mut Mesh,
     row: &super::model::Row,
-    property: u32,
+    beam: NewElement,
     ends: [u32; 2],
     orientation: [f64; 3],
 ) -> Result<(), FileProblem> {
@@ -103,40 +109,11 @@ fn line(
             "give the direction n1 in the second line of its beam section, across the beam",
         ));
     }
-    let beam = mesh.beam_axes.len() as u32; // never more than elements
-    mesh.beam_axes.push(BeamAxes {
+    let axes = BeamAxes {
         orientation,
         offsets: [[0.0; 3]; 2],
         released: [0; 2],
-    });
-    push(
-        mesh,
-        row.id,
-        (ElementKind::Beam2, Variant::Plain),
-        property,
-        &ends,
-        Some(beam),
-    )
-    .ok_or_else(|| row.at.problem("too many elements", "divide the model"))
-}
-
-fn push(
-    mesh: &mut Mesh,
-    id: u64,
-    (kind, variant): (ElementKind, Variant),
-    property: u32,
-    nodes: &[u32],
-    beam: Option<u32>,
-) -> Option<()> {
-    let first = u32::try_from(mesh.connectivity.len()).ok()?;
-    mesh.connectivity.extend_from_slice(nodes);
-    mesh.elements.push(Element {
-        id,
-        kind,
-        variant,
-        property,
-        first,
-        beam,
-    });
-    Some(())
+    };
+    add_element(mesh, beam, &ends, Some(axes)).map_err(|e| e.at(&row.at))?;
+    Ok(())
 }

@@ -1,14 +1,13 @@
 //! `*SOLID SECTION`, `*SHELL SECTION`, `*BEAM SECTION`, `*BEAM GENERAL SECTION`: properties and materials of the mesh.
 
-use std::collections::BTreeMap;
-
 use super::lines::{Row, key};
 use super::materials::Materials;
 use super::model::Model;
 use super::scope::Block;
 use super::shapes::Shape;
 use crate::error::FileProblem;
-use crate::mesh::{Carries, Code, Material, Property, Section};
+use crate::mesh::{BeamSection, Carries, Code, Material, Property, Section};
+use crate::read::builder::Once;
 use crate::read::nastran::shapes;
 use crate::read::unread::UnreadCards;
 
@@ -42,7 +41,7 @@ impl Family {
 }
 
 /// Sections of the elements, and the properties made of them.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Sections<'m> {
     /// Section blocks with their places.
     blocks: Vec<(usize, &'m Block)>,
@@ -50,12 +49,10 @@ pub(super) struct Sections<'m> {
     code: Code,
     /// Section of each row.
     of_row: Vec<Option<u32>>,
-    made: BTreeMap<(Option<u32>, Family), u32>,
-    materials_made: BTreeMap<String, u32>,
-    /// Properties of the mesh.
-    pub properties: Vec<Property>,
-    /// Materials of the mesh.
-    pub materials: Vec<Material>,
+    /// Properties of the mesh, by section and family.
+    pub properties: Once<(Option<u32>, Family), Property>,
+    /// Materials of the mesh, by name in capitals.
+    pub materials: Once<String, Material>,
 }
 
 const KEYWORDS: &[&str] = &[
@@ -74,8 +71,10 @@ impl<'m> Sections<'m> {
     ) -> Result<Self, FileProblem> {
         let mut sections = Sections {
             code,
+            blocks: Vec::new(),
             of_row: vec![None; model.rows.len()],
-            ..Sections::default()
+            properties: Once::default(),
+            materials: Once::default(),
         };
         for (place, block) in model.blocks() {
             let keyword = &block.keyword;
@@ -129,8 +128,9 @@ impl<'m> Sections<'m> {
         unread: &mut UnreadCards,
     ) -> Result<Option<u32>, FileProblem> {
         let section = self.of_row.get(row as usize).copied().flatten();
-        if let Some(made) = self.made.get(&(section, family)) {
-            return Ok(Some(*made));
+        let by = (section, family);
+        if let Some(made) = self.properties.find(&by) {
+            return Ok(Some(made));
         }
         let block = section.and_then(|section| self.blocks.get(section as usize).copied());
         let facets = |name: &str| Property {
@@ -157,7 +157,7 @@ impl<'m> Sections<'m> {
                 }
                 Family::Beam(_) | Family::Truss => return Ok(None),
             };
-            return Ok(Some(self.push(section, family, property)));
+            return Ok(Some(self.properties.add(by, property)));
         };
         let keyword = &block.keyword;
         let name = match model.places.get(place).map(|placed| placed.name.as_str()) {
@@ -179,17 +179,13 @@ impl<'m> Sections<'m> {
             (Family::Beam(shear), "BEAMSECTION") => shaped(block, shear, self.code)?,
             (Family::Beam(_), "BEAMGENERALSECTION") => {
                 let (section, material) = general(block, &name)?;
-                let material = self.push_material(material);
+                let material = self.materials.push(material);
                 let property = Property {
                     name,
                     material: Some(material),
                     section,
                 };
-                return Ok(Some(self.push(
-                    Some(section_index(row, &self.of_row)),
-                    family,
-                    property,
-                )));
+                return Ok(Some(self.properties.add(by, property)));
             }
             (Family::Facet, _) => {
                 unread.note(
@@ -198,12 +194,12 @@ impl<'m> Sections<'m> {
                     Carries::Structure,
                 );
                 let property = facets(&name);
-                return Ok(Some(self.push(section, family, property)));
+                return Ok(Some(self.properties.add(by, property)));
             }
             (Family::Shell, "SHELLSECTION") => {
                 unread.note("*SHELL SECTION, COMPOSITE", &keyword.at, Carries::Structure);
                 let property = facets(&name);
-                return Ok(Some(self.push(section, family, property)));
+                return Ok(Some(self.properties.add(by, property)));
             }
             _ => {
                 let label = model.rows.get(row as usize).map_or(0, |row| row.label);
@@ -214,12 +210,11 @@ impl<'m> Sections<'m> {
             }
         };
         let written = keyword.require("MATERIAL", "MATERIAL")?;
-        let material = match self.materials_made.get(&key(written)) {
-            Some(made) => *made,
+        let material = match self.materials.find(&key(written)) {
+            Some(made) => made,
             None => {
-                let index = self.push_material(materials.find(written, block)?);
-                self.materials_made.insert(key(written), index);
-                index
+                let material = materials.find(written, block)?;
+                self.materials.add(key(written), material)
             }
         };
         let property = Property {
@@ -227,20 +222,7 @@ impl<'m> Sections<'m> {
             material: Some(material),
             section: section_of,
         };
-        Ok(Some(self.push(section, family, property)))
-    }
-
-    fn push(&mut self, section: Option<u32>, family: Family, property: Property) -> u32 {
-        let index = self.properties.len() as u32; // never more than sections times families
-        self.properties.push(property);
-        self.made.insert((section, family), index);
-        index
-    }
-
-    fn push_material(&mut self, material: Material) -> u32 {
-        let index = self.materials.len() as u32; // never more than properties
-        self.materials.push(material);
-        index
+        Ok(Some(self.properties.add(by, property)))
     }
 }
 
@@ -252,10 +234,6 @@ pub(super) fn direction(block: &Block) -> Result<[f64; 3], FileProblem> {
     }
 }
 
-fn section_index(row: u32, of_row: &[Option<u32>]) -> u32 {
-    of_row.get(row as usize).copied().flatten().unwrap_or(0)
-}
-
 fn first_row(block: &Block) -> Result<&Row, FileProblem> {
     block.rows.first().ok_or_else(|| {
         block
@@ -265,15 +243,10 @@ fn first_row(block: &Block) -> Result<&Row, FileProblem> {
 }
 
 fn rod(area: f64) -> Section {
-    Section::Beam {
+    Section::Beam(BeamSection {
         area,
-        moment_z: 0.0,
-        moment_y: 0.0,
-        product: 0.0,
-        torsion: 0.0,
-        shear: [0.0; 2],
-        mass_per_length: 0.0,
-    }
+        ..BeamSection::default()
+    })
 }
 
 /// The name of a section's shape. CalculiX looks at its first four letters, of `BOX` at three.
@@ -363,15 +336,13 @@ fn shaped(block: &Block, shear: bool, code: Code) -> Result<Section, FileProblem
             "look at walls thicker than the section",
         ));
     };
-    Ok(Section::Beam {
-        area: found.area,
+    // up is the element's z here
+    Ok(Section::Beam(BeamSection {
         moment_z: found.moment_y,
         moment_y: found.moment_z,
-        product: found.product,
-        torsion: found.torsion,
         shear: if shear { [factor; 2] } else { [0.0; 2] },
-        mass_per_length: 0.0,
-    })
+        ..found
+    }))
 }
 
 /// `*BEAM GENERAL SECTION, SECTION=GENERAL, DENSITY=ρ`: `A, I11, I12, I22, J`, n1, `E, G`. I11 is for bending about n1, I22 about n2.
@@ -404,7 +375,7 @@ fn general(block: &Block, name: &str) -> Result<(Section, Material), FileProblem
             keyword.problem(&format!("DENSITY={text} is no number"), "give the density")
         })?,
     };
-    let section = Section::Beam {
+    let section = Section::Beam(BeamSection {
         area: row.real(0, "A")?,
         moment_z: row.real_or_zero(3, "I22")?,
         moment_y: row.real_or_zero(1, "I11")?,
@@ -412,7 +383,7 @@ fn general(block: &Block, name: &str) -> Result<(Section, Material), FileProblem
         torsion: row.real_or_zero(4, "J")?,
         shear: [0.0; 2],
         mass_per_length: 0.0,
-    };
+    });
     let material = Material {
         name: name.into(),
         young,

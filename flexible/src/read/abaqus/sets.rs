@@ -65,7 +65,7 @@ fn gather(
                     &placed.elements
                 };
                 let before = members.len();
-                members.extend(labels.range(*first, *last, *step));
+                members.extend(labels.range(*first, *last, *step, &[]));
                 if members.len() == before
                     || (*step == 1 && lacks(members.len() - before, *first, *last))
                 {

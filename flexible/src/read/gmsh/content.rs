@@ -5,9 +5,8 @@ use std::collections::{BTreeMap, HashMap};
 use super::shapes::Type;
 use super::stream::Stream;
 use crate::error::FileProblem;
-use crate::mesh::{
-    Carries, Element, ElementKind, Mesh, Node, Property, Section, Set, Unread, Variant,
-};
+use crate::mesh::{Carries, ElementKind, Mesh, Node, Property, Section, Set, Unread, Variant};
+use crate::read::builder::{NewElement, Once, TooMany, add_element};
 use crate::read::labels::Labels;
 
 /// Dimension and number of a physical group.
@@ -24,8 +23,8 @@ pub(super) struct Content {
     pub mesh: Mesh,
     labels: Option<Labels>,
     sets: BTreeMap<Group, Set>,
-    /// Property by the first group.
-    properties: BTreeMap<Option<i64>, u32>,
+    /// Properties by the first group.
+    properties: Once<Option<i64>, Property>,
     /// Volumes by their nodes, for files that repeat an element for each of its groups.
     by_nodes: HashMap<Vec<u32>, u32>,
     lower: Option<Unread>,
@@ -142,36 +141,32 @@ impl Content {
         nodes: Vec<u32>,
         repeated: bool,
     ) -> Result<u32, FileProblem> {
-        let first = u32::try_from(self.mesh.connectivity.len())
-            .map_err(|_| stream.problem("too many elements", "divide the model"))?;
-        let index = self.mesh.elements.len() as u32; // fewer than nodes of elements
         let group = groups.first().copied();
-        let names = &self.names;
-        let properties = &mut self.mesh.properties;
-        let property = *self.properties.entry(group).or_insert_with(|| {
-            let name = match group {
-                Some(group) => names
-                    .get(&(3, group))
-                    .cloned()
-                    .unwrap_or_else(|| format!("physical:{group}")),
-                None => "volumes".into(),
-            };
-            properties.push(Property {
-                name,
-                material: None,
-                section: Section::Solid,
-            });
-            (properties.len() - 1) as u32 // fewer than elements
-        });
-        self.mesh.connectivity.extend(&nodes);
-        self.mesh.elements.push(Element {
+        let property = match self.properties.find(&group) {
+            Some(made) => made,
+            None => {
+                let name = match group {
+                    Some(group) => self.names.get(&(3, group)).cloned(),
+                    None => Some("volumes".into()),
+                };
+                let property = Property {
+                    name: name.unwrap_or_else(|| format!("physical:{}", group.unwrap_or(0))),
+                    material: None,
+                    section: Section::Solid,
+                };
+                self.properties.add(group, property)
+            }
+        };
+        let new = NewElement {
             id: tag,
             kind,
             variant: Variant::Plain,
             property,
-            first,
-            beam: None,
-        });
+        };
+        let index = add_element(&mut self.mesh, new, &nodes, None).map_err(|_| {
+            let (problem, advice) = TooMany::WORDS;
+            stream.problem(problem, advice)
+        })?;
         if repeated {
             self.by_nodes.insert(nodes, index);
         }
@@ -199,11 +194,7 @@ impl Content {
         let mut used = self.sets.keys().copied().collect::<Vec<_>>();
         used.extend(self.names.keys());
         for ((dimension, tag), mut set) in std::mem::take(&mut self.sets) {
-            for element in &set.elements {
-                if let Some(element) = self.mesh.elements.get(*element as usize) {
-                    set.nodes.extend(self.mesh.nodes_of(element));
-                }
-            }
+            set.nodes.extend(self.mesh.nodes_of_all(&set.elements));
             let shared = used
                 .iter()
                 .any(|(other, same)| *same == tag && *other != dimension);
@@ -220,12 +211,10 @@ impl Content {
             }
         }
         for set in sets.values_mut() {
-            for list in [&mut set.nodes, &mut set.elements] {
-                list.sort_unstable();
-                list.dedup();
-            }
+            set.sort();
         }
         self.mesh.sets = sets;
+        self.mesh.properties = self.properties.all;
         self.mesh.unread.extend(self.lower);
         self.mesh.unread.sort_by(|a, b| a.name.cmp(&b.name));
         self.mesh

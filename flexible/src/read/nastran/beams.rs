@@ -6,7 +6,7 @@ use super::frames::Systems;
 use super::grids::{GridCard, Lookup};
 use super::lines::At;
 use super::number;
-use super::properties::{LineSection, PropertyCard};
+use super::properties::{PropertyCard, rod};
 use super::unread::UnreadCards;
 use super::vector::{beam_axes, cross, minus, norm, plus, rotate, unit};
 use crate::error::FileProblem;
@@ -137,7 +137,7 @@ impl Beams {
     pub fn conrod(&mut self, card: &Card, elements: &mut Elements) -> Result<(), FileProblem> {
         let id = card.id(0, "EID")?;
         let grids = [card.id(1, "G1")?, card.id(2, "G2")?];
-        let section = LineSection::rod(
+        let section = rod(
             card.real_or_zero(4, "A")?,
             card.real_or_zero(5, "J")?,
             card.real_or_zero(7, "NSM")?,

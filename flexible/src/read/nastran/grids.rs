@@ -5,6 +5,7 @@ use super::frames::Systems;
 use super::lines::At;
 use crate::error::FileProblem;
 use crate::mesh::{Frame, Node};
+use crate::read::labels::Labels;
 use std::collections::BTreeMap;
 
 /// A `GRID` card.
@@ -88,7 +89,7 @@ impl GridDefaults {
 #[derive(Debug, Default)]
 pub(super) struct Lookup {
     /// Number and index, sorted.
-    ids: Vec<(u64, u32)>,
+    ids: Labels,
     /// First and last of runs of scalar points, sorted.
     scalar: Vec<(u64, u64)>,
 }
@@ -138,17 +139,15 @@ impl Lookup {
                 .map_err(|_| grid.at.problem("too many grid points", "divide the model"))?;
             ids.push((grid.id, index));
         }
-        ids.sort_unstable();
         Ok(Lookup {
-            ids,
+            ids: Labels::new(ids),
             scalar: runs(&scalar),
         })
     }
 
     /// Index of a grid point.
     pub fn find(&self, id: u64) -> Option<u32> {
-        let place = self.ids.binary_search_by_key(&id, |(id, _)| *id).ok()?;
-        self.ids.get(place).map(|(_, index)| *index)
+        self.ids.find(id)
     }
 
     /// Whether a number is a scalar point's.
@@ -194,7 +193,10 @@ impl Lookup {
                     None => return Err(self.missing(range.from, &user(), at)),
                 }
             } else {
-                found.extend(within(&self.ids, range, &ids.except));
+                found.extend(
+                    self.ids
+                        .range(range.from, range.to, range.step, &ids.except),
+                );
             }
         }
         Ok(found)
@@ -224,30 +226,14 @@ fn runs(ranges: &[IdRange]) -> Vec<(u64, u64)> {
 }
 
 /// Indices of those of a list that a sorted table of numbers holds, and how many named ones it doesn't.
-pub(super) fn existing(table: &[(u64, u32)], ids: &Ids) -> (Vec<u32>, usize) {
+pub(super) fn existing(table: &Labels, ids: &Ids) -> (Vec<u32>, usize) {
     let (mut found, mut lacking) = (Vec::new(), 0);
     for range in &ids.ranges {
         let before = found.len();
-        found.extend(within(table, range, &ids.except));
+        found.extend(table.range(range.from, range.to, range.step, &ids.except));
         lacking += usize::from(range.listed && found.len() == before);
     }
     (found, lacking)
-}
-
-fn within<'t>(
-    table: &'t [(u64, u32)],
-    range: &IdRange,
-    except: &'t [u64],
-) -> impl Iterator<Item = u32> + 't {
-    let IdRange { from, to, step, .. } = *range;
-    let start = table.partition_point(|(id, _)| *id < from);
-    table
-        .get(start..)
-        .unwrap_or(&[])
-        .iter()
-        .take_while(move |(id, _)| *id <= to)
-        .filter(move |(id, _)| (id - from) % step.max(1) == 0 && !except.contains(id))
-        .map(|(_, index)| *index)
 }
 
 /// The nodes and analysis frames of a mesh. A rectangular system makes one frame, another one a frame for each of its nodes.

@@ -31,7 +31,8 @@ mod ties;
 mod unread;
 
 use crate::error::{FileProblem, FlexibleError};
-use crate::mesh::{Carries, Code, Element, ElementKind, Mesh};
+use crate::mesh::{Carries, Code, ElementKind, Mesh};
+use crate::read::builder::{NewElement, add_element};
 use crate::read::held::HoldingCards;
 use crate::read::{Files, number, vector};
 use beams::{Around, BeamDefaults, Beams};
@@ -218,11 +219,10 @@ impl Deck {
             ..Mesh::default()
         };
         self.elements.cards.sort_by_key(|element| element.order);
-        let elements = self.elements(&mut mesh, &grids, &systems, &lookup)?;
+        let properties = self.elements(&mut mesh, &grids, &systems, &lookup)?;
         mesh.sets = self
             .sets
-            .sets(&lookup, &elements, &mesh.connectivity, &mut self.unread);
-        mesh.elements = elements.into_iter().map(|(_, element)| element).collect();
+            .sets(&lookup, &mesh, &properties, &mut self.unread);
         mesh.point_masses = self.masses.point_masses(
             &mesh.nodes,
             &mesh.frames,
@@ -254,22 +254,22 @@ impl Deck {
         Ok(mesh)
     }
 
-    /// Elements with the number of their property.
+    /// Makes the elements; the number of each one's property card.
     fn elements(
         &mut self,
         mesh: &mut Mesh,
         grids: &[GridCard],
         systems: &Systems,
         lookup: &Lookup,
-    ) -> Result<Vec<(u64, Element)>, FileProblem> {
+    ) -> Result<Vec<u64>, FileProblem> {
         let cards = &self.elements.cards;
         distinct("element", cards.iter().map(|card| (card.id, &card.at)))?;
         let mut made = Made::new(&self.properties, self.mass_scale);
-        let mut elements = Vec::with_capacity(cards.len());
+        let (mut nodes, mut numbers) = (Vec::new(), Vec::with_capacity(cards.len()));
         mesh.connectivity.reserve(self.elements.grids.len());
         for card in cards {
-            let first = mesh.connectivity.len();
-            self.elements.nodes(card, lookup, &mut mesh.connectivity)?;
+            nodes.clear();
+            self.elements.nodes(card, lookup, &mut nodes)?;
             let (thickness, beam) = match card.extra {
                 Extra::None => (None, None),
                 Extra::Thickness(thickness) => (Some(thickness), None),
@@ -277,19 +277,16 @@ impl Deck {
             };
             let property = match card.extra {
                 Extra::Rod(_, section) => match self.beams.sections.get(section as usize) {
-                    Some(section) => made.own(
-                        section,
-                        format!("conrod:{}", card.id),
-                        None,
-                        card.id,
-                        &card.at,
-                    )?,
+                    Some(section) => {
+                        made.own(section, format!("conrod:{}", card.id), card.id, &card.at)?
+                    }
                     None => continue,
                 },
                 _ => made.property(card.family, card.property, thickness, card.id, &card.at)?,
             };
             let stiff = made
                 .properties
+                .all
                 .get(property as usize)
                 .is_some_and(|property| property.material.is_some());
             if card.family == Family::Shell && stiff {
@@ -297,35 +294,30 @@ impl Deck {
                     self.unread.note(name, &card.at, Carries::Structure);
                 }
             }
-            let ends = mesh.connectivity.get(first..first + 2);
-            let beam = match (beam.and_then(|i| self.beams.cards.get(i as usize)), ends) {
-                (Some(beam), Some(&[a, b])) => {
+            let beam = beam.and_then(|i| self.beams.cards.get(i as usize));
+            let axes = match (beam, nodes.as_slice()) {
+                (Some(beam), &[a, b]) => {
                     let around = Around {
                         nodes: &mesh.nodes,
                         grids,
                         systems,
                         lookup,
                     };
-                    mesh.beam_axes
-                        .push(beams::axes(beam, card.id, [a, b], &around, &card.at)?);
-                    Some((mesh.beam_axes.len() - 1) as u32) // never more than elements
+                    Some(beams::axes(beam, card.id, [a, b], &around, &card.at)?)
                 }
                 _ => None,
             };
-            let first = u32::try_from(first)
-                .map_err(|_| card.at.problem("too many elements", "divide the model"))?;
-            let element = Element {
+            let new = NewElement {
                 id: card.id,
                 kind: card.kind,
                 variant: self.properties.variant(card.family, card.property),
                 property,
-                first,
-                beam,
             };
-            elements.push((card.property, element));
+            add_element(mesh, new, &nodes, axes).map_err(|e| e.at(&card.at))?;
+            numbers.push(card.property);
         }
-        mesh.properties = made.properties;
-        mesh.materials = made.materials;
-        Ok(elements)
+        mesh.properties = made.properties.all;
+        mesh.materials = made.materials.all;
+        Ok(numbers)
     }
 }

@@ -9,55 +9,30 @@ use super::lines::At;
 use super::shapes;
 use super::unread::UnreadCards;
 use crate::error::FileProblem;
-use crate::mesh::{Carries, Material, Property, Section, Variant};
+use crate::mesh::{BeamSection, Carries, Material, Property, Section, Variant};
+use crate::read::builder::Once;
 
-/// Section of a beam or rod as its card gives it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct LineSection {
-    area: f64,
-    moment_z: f64,
-    moment_y: f64,
-    product: f64,
-    torsion: f64,
-    shear: [f64; 2],
-    mass_per_length: f64,
+/// A rod: nothing but area, torsion constant and added mass a length.
+pub(super) fn rod(area: f64, torsion: f64, mass_per_length: f64) -> BeamSection {
+    BeamSection {
+        area,
+        torsion,
+        mass_per_length,
+        ..BeamSection::default()
+    }
 }
 
-impl LineSection {
-    /// A rod: nothing but area, torsion constant and added mass a length.
-    pub fn rod(area: f64, torsion: f64, mass_per_length: f64) -> Self {
-        LineSection {
-            area,
-            torsion,
-            mass_per_length,
-            ..LineSection::default()
-        }
-    }
-
-    fn shaped(shape: shapes::ShapeSection, mass_per_length: f64) -> Self {
-        LineSection {
-            area: shape.area,
-            moment_z: shape.moment_z,
-            moment_y: shape.moment_y,
-            product: shape.product,
-            torsion: shape.torsion,
-            shear: shape.shear,
-            mass_per_length,
-        }
-    }
-
-    /// The mean of two sections.
-    fn mean(self, other: Self) -> Self {
-        let mean = |a: f64, b: f64| 0.5 * (a + b);
-        LineSection {
-            area: mean(self.area, other.area),
-            moment_z: mean(self.moment_z, other.moment_z),
-            moment_y: mean(self.moment_y, other.moment_y),
-            product: mean(self.product, other.product),
-            torsion: mean(self.torsion, other.torsion),
-            shear: self.shear,
-            mass_per_length: mean(self.mass_per_length, other.mass_per_length),
-        }
+/// The mean of two sections, with the shear factors of the first.
+fn mean(a: BeamSection, b: BeamSection) -> BeamSection {
+    let mean = |a: f64, b: f64| 0.5 * (a + b);
+    BeamSection {
+        area: mean(a.area, b.area),
+        moment_z: mean(a.moment_z, b.moment_z),
+        moment_y: mean(a.moment_y, b.moment_y),
+        product: mean(a.product, b.product),
+        torsion: mean(a.torsion, b.torsion),
+        shear: a.shear,
+        mass_per_length: mean(a.mass_per_length, b.mass_per_length),
     }
 }
 
@@ -68,7 +43,7 @@ enum Kind {
         thickness: Option<f64>,
         mass: f64,
     },
-    Line(LineSection),
+    Line(BeamSection),
     /// A property that can't be expressed.
     Unreadable,
 }
@@ -85,7 +60,7 @@ pub(super) struct PropertyCard {
 
 impl PropertyCard {
     /// A property of a rod with its own section.
-    pub fn line(name: String, material: u64, section: LineSection, at: &At) -> Self {
+    pub fn line(name: String, material: u64, section: BeamSection, at: &At) -> Self {
         PropertyCard {
             name,
             material: Some(material),
@@ -156,7 +131,7 @@ impl Properties {
             "PBEAM" => self.beam(card, unread)?,
             "PBEAML" => self.beam_shape(card, unread)?,
             "PROD" => {
-                let section = LineSection::rod(
+                let section = rod(
                     card.real_or_zero(2, "A")?,
                     card.real_or_zero(3, "J")?,
                     card.real_or_zero(5, "NSM")?,
@@ -234,7 +209,7 @@ impl Properties {
 
     /// `PBAR PID MID A I1 I2 J NSM / C1…F2 / K1 K2 I12`. Blank shear factors: no shear flexibility.
     fn bar(&mut self, card: &Card) -> Result<(), FileProblem> {
-        let section = LineSection {
+        let section = BeamSection {
             area: card.real_or_zero(2, "A")?,
             moment_z: card.real_or_zero(3, "I1")?,
             moment_y: card.real_or_zero(4, "I2")?,
@@ -278,7 +253,7 @@ impl Properties {
                 {
                     unread.note("PBEAML taper", &card.at, Carries::Structure);
                     if place == 1.0 {
-                        section = section.mean(other);
+                        section = mean(section, other);
                     }
                 }
                 Kind::Line(section)
@@ -292,7 +267,7 @@ impl Properties {
     /// Blank shear factors are 1. The mean of a tapered section is taken, and listed.
     fn beam(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
         let material = card.id(1, "MID")?;
-        let mut section = LineSection {
+        let mut section = BeamSection {
             area: card.real(2, "A")?,
             moment_z: card.real_or_zero(3, "I1")?,
             moment_y: card.real_or_zero(4, "I2")?,
@@ -311,7 +286,7 @@ impl Properties {
             let or = |i: usize, name: &str, blank: f64| {
                 Ok::<f64, FileProblem>(card.optional_real(line + i, name)?.unwrap_or(blank))
             };
-            let here = LineSection {
+            let here = BeamSection {
                 area: or(2, "A", section.area)?,
                 moment_z: or(3, "I1", section.moment_z)?,
                 moment_y: or(4, "I2", section.moment_y)?,
@@ -329,7 +304,7 @@ impl Properties {
         if let Some((place, here)) = other {
             unread.note("PBEAM taper", &card.at, Carries::Structure);
             if place == 1.0 {
-                section = section.mean(here);
+                section = mean(section, here);
             }
         }
         section.shear = [
@@ -358,7 +333,7 @@ impl Properties {
             ));
         }
         let (o, i) = (outer * outer, inner * inner);
-        let section = LineSection::rod(
+        let section = rod(
             PI * (o - i),
             0.5 * PI * (o * o - i * i),
             card.real_or_zero(4, "NSM")?,
@@ -449,7 +424,7 @@ fn network(card: &Card) -> Result<Variant, FileProblem> {
 }
 
 /// Dimensions and added mass from field `from`.
-fn shaped(card: &Card, from: usize, count: usize) -> Result<LineSection, FileProblem> {
+fn shaped(card: &Card, from: usize, count: usize) -> Result<BeamSection, FileProblem> {
     let mut dimensions = Vec::with_capacity(count);
     for i in 0..count {
         dimensions.push(card.real(from + i, &format!("DIM{}", i + 1))?);
@@ -457,7 +432,10 @@ fn shaped(card: &Card, from: usize, count: usize) -> Result<LineSection, FilePro
     let mass = card.real_or_zero(from + count, "NSM")?;
     let shape = card.text(3);
     match shapes::section(shape, &dimensions) {
-        Some(section) => Ok(LineSection::shaped(section, mass)),
+        Some(section) => Ok(BeamSection {
+            mass_per_length: mass,
+            ..section
+        }),
         None => Err(card.problem(
             &format!("the dimensions {dimensions:?} make no {shape}"),
             "look at the drawing of this shape: a wall is thicker than the section, or a dimension is negative",
@@ -469,12 +447,10 @@ fn shaped(card: &Card, from: usize, count: usize) -> Result<LineSection, FilePro
 pub(super) struct Made<'d> {
     cards: &'d Properties,
     mass_scale: f64,
-    indices: BTreeMap<(Family, u64, Option<u64>), u32>,
-    material_indices: BTreeMap<u64, u32>,
-    /// Properties in the order of their first use.
-    pub properties: Vec<Property>,
-    /// Materials in the order of their first use.
-    pub materials: Vec<Material>,
+    /// Properties in the order of their first use, by family, number and a shell's own thickness.
+    pub properties: Once<(Family, u64, Option<u64>), Property>,
+    /// Materials in the order of their first use, by number.
+    pub materials: Once<u64, Material>,
 }
 
 impl<'d> Made<'d> {
@@ -483,10 +459,8 @@ impl<'d> Made<'d> {
         Made {
             cards,
             mass_scale,
-            indices: BTreeMap::new(),
-            material_indices: BTreeMap::new(),
-            properties: Vec::new(),
-            materials: Vec::new(),
+            properties: Once::default(),
+            materials: Once::default(),
         }
     }
 
@@ -500,7 +474,7 @@ impl<'d> Made<'d> {
         at: &At,
     ) -> Result<u32, FileProblem> {
         let key = (family, id, thickness.map(f64::to_bits));
-        if let Some(&index) = self.indices.get(&key) {
+        if let Some(index) = self.properties.find(&key) {
             return Ok(index);
         }
         let Some(card) = self.cards.properties.get(&(family, id)) else {
@@ -515,20 +489,30 @@ impl<'d> Made<'d> {
                 format!("add a {kind} card, or INCLUDE the file that holds it"),
             ));
         };
-        let index = self.own(card, id.to_string(), thickness, element, at)?;
-        self.indices.insert(key, index);
-        Ok(index)
+        let property = self.made(card, id.to_string(), thickness, element, at)?;
+        Ok(self.properties.add(key, property))
     }
 
-    /// Index of a new property.
+    /// Index of a property that no other element shares.
     pub fn own(
+        &mut self,
+        card: &PropertyCard,
+        name: String,
+        element: u64,
+        at: &At,
+    ) -> Result<u32, FileProblem> {
+        let property = self.made(card, name, None, element, at)?;
+        Ok(self.properties.push(property))
+    }
+
+    fn made(
         &mut self,
         card: &PropertyCard,
         name: String,
         own_thickness: Option<f64>,
         element: u64,
         at: &At,
-    ) -> Result<u32, FileProblem> {
+    ) -> Result<Property, FileProblem> {
         let scale = self.mass_scale;
         let section = match card.kind {
             Kind::Solid(_) => Section::Solid,
@@ -545,15 +529,10 @@ impl<'d> Made<'d> {
                 },
                 mass_per_area: mass * scale,
             },
-            Kind::Line(line) => Section::Beam {
-                area: line.area,
-                moment_z: line.moment_z,
-                moment_y: line.moment_y,
-                product: line.product,
-                torsion: line.torsion,
-                shear: line.shear,
+            Kind::Line(line) => Section::Beam(BeamSection {
                 mass_per_length: line.mass_per_length * scale,
-            },
+                ..line
+            }),
             Kind::Unreadable => {
                 return Err(card.at.problem(
                     format!(
@@ -568,12 +547,11 @@ impl<'d> Made<'d> {
             Some(id) => Some(self.material(id, card, section)?),
             None => None,
         };
-        self.properties.push(Property {
+        Ok(Property {
             name,
             material,
             section,
-        });
-        Ok((self.properties.len() - 1) as u32) // never more than elements
+        })
     }
 
     /// Index of the material of a property. A beam knows E and G apart, so that any NU serves it.
@@ -595,7 +573,7 @@ impl<'d> Made<'d> {
                 "only MAT1 can be read; read the matrices of the other code instead",
             ));
         };
-        let beam = matches!(section, Section::Beam { .. });
+        let beam = matches!(section, Section::Beam(_));
         let elastic = young >= 0.0 && poisson > -1.0 && (poisson < 0.5 || beam);
         if !(elastic && density >= 0.0) {
             return Err(card.at.problem(
@@ -606,17 +584,15 @@ impl<'d> Made<'d> {
                 "E and RHO can't be negative, NU lies between -1 and 0.5; without NU it is E/(2 G) - 1",
             ));
         }
-        if let Some(&index) = self.material_indices.get(&id) {
+        if let Some(index) = self.materials.find(&id) {
             return Ok(index);
         }
-        let index = self.materials.len() as u32; // never more than properties
-        self.materials.push(Material {
+        let material = Material {
             name: id.to_string(),
             young,
             poisson,
             density: density * self.mass_scale,
-        });
-        self.material_indices.insert(id, index);
-        Ok(index)
+        };
+        Ok(self.materials.add(id, material))
     }
 }

@@ -7,7 +7,8 @@ use super::grids::{Lookup, existing};
 use super::lines::At;
 use super::unread::UnreadCards;
 use crate::error::FileProblem;
-use crate::mesh::{ABSENT, Carries, Element, ElementKind, Set};
+use crate::mesh::{Carries, Mesh, Set};
+use crate::read::labels::Labels;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -41,29 +42,29 @@ impl Sets {
         Ok(true)
     }
 
-    /// The sets of a mesh. `elements` comes with the number of each element's property.
+    /// The sets of a mesh, with the number of each element's property card.
     pub fn sets(
         &self,
         lookup: &Lookup,
-        elements: &[(u64, Element)],
-        connectivity: &[u32],
+        mesh: &Mesh,
+        properties: &[u64],
         unread: &mut UnreadCards,
     ) -> BTreeMap<String, Set> {
         let mut sets: BTreeMap<String, Set> = BTreeMap::new();
         let mut of_property: BTreeMap<u64, Vec<u32>> = BTreeMap::new();
-        let mut numbers = Vec::with_capacity(elements.len());
-        for (index, (property, element)) in elements.iter().enumerate() {
+        let mut numbers = Vec::with_capacity(mesh.elements.len());
+        for (index, (property, element)) in properties.iter().zip(&mesh.elements).enumerate() {
             let index = index as u32; // counted when the elements were made
             numbers.push((element.id, index));
             if *property > 0 {
                 of_property.entry(*property).or_default().push(index);
             }
         }
-        numbers.sort_unstable();
+        let numbers = Labels::new(numbers);
         for (property, members) in &of_property {
             let mut set = Set::default();
             set.elements.clone_from(members);
-            set.nodes = nodes_of(members, elements, connectivity);
+            set.nodes = mesh.nodes_of_all(members);
             sets.insert(format!("pid:{property}"), set);
         }
         for (id, kind, ids, at) in &self.cards {
@@ -89,7 +90,7 @@ impl Sets {
                         .enumerate()
                         .map(|(i, property)| (*property, i as u32)) // fewer than elements
                         .collect::<Vec<_>>();
-                    let (found, lacking) = existing(&table, ids);
+                    let (found, lacking) = existing(&Labels::new(table), ids);
                     let found = found.into_iter().collect::<BTreeSet<u32>>();
                     for (i, members) in of_property.values().enumerate() {
                         if found.contains(&(i as u32)) {
@@ -103,31 +104,13 @@ impl Sets {
                 unread.note("SET members that are missing", at, Carries::Nothing);
             }
             if !set.elements.is_empty() {
-                set.nodes = nodes_of(&set.elements, elements, connectivity);
+                set.nodes = mesh.nodes_of_all(&set.elements);
             }
             let into = sets.entry(format!("set:{id}")).or_default();
             into.nodes.extend(set.nodes);
             into.elements.extend(set.elements);
-            for list in [&mut into.nodes, &mut into.elements] {
-                list.sort_unstable();
-                list.dedup();
-            }
+            into.sort();
         }
         sets
     }
-}
-
-fn nodes_of(members: &[u32], elements: &[(u64, Element)], connectivity: &[u32]) -> Vec<u32> {
-    let mut nodes = Vec::new();
-    for member in members {
-        if let Some((_, element)) = elements.get(*member as usize) {
-            let first = element.first as usize;
-            let count = ElementKind::node_count(element.kind);
-            let own = connectivity.get(first..first + count).unwrap_or(&[]);
-            nodes.extend(own.iter().filter(|node| **node != ABSENT));
-        }
-    }
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes
 }

@@ -7,22 +7,7 @@
 
 use std::f64::consts::PI;
 
-/// Area, second moments about the centroid (y: up), torsion constant, shear factors along y and z.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::read) struct ShapeSection {
-    /// Area.
-    pub area: f64,
-    /// ∫ y² dA.
-    pub moment_z: f64,
-    /// ∫ z² dA.
-    pub moment_y: f64,
-    /// ∫ y z dA.
-    pub product: f64,
-    /// Torsion constant.
-    pub torsion: f64,
-    /// Shear factors for y and z.
-    pub shear: [f64; 2],
-}
+use crate::mesh::BeamSection;
 
 /// Number of dimensions of a shape; `None` for a shape that isn't known.
 pub(super) fn dimension_count(shape: &str) -> Option<usize> {
@@ -74,8 +59,8 @@ fn lying(y: f64, z: f64, width: f64, thickness: f64, line: f64) -> Wall {
     }
 }
 
-/// The section of a shape; `None` where the dimensions don't make it.
-pub(in crate::read) fn section(shape: &str, dimensions: &[f64]) -> Option<ShapeSection> {
+/// The section of a shape: y up, shear factors along y and z; `None` where the dimensions don't make it.
+pub(in crate::read) fn section(shape: &str, dimensions: &[f64]) -> Option<BeamSection> {
     if dimensions.iter().any(|d| *d < 0.0 || !d.is_finite()) {
         return None;
     }
@@ -179,44 +164,44 @@ pub(in crate::read) fn section(shape: &str, dimensions: &[f64]) -> Option<ShapeS
 }
 
 /// A round bar or tube: A = π (R² − r²), I = π (R⁴ − r⁴)/4, J = 2 I. The shear factor is that of a solid bar or of a thin tube.
-fn tube(outer: f64, inner: f64) -> Option<ShapeSection> {
+fn tube(outer: f64, inner: f64) -> Option<BeamSection> {
     if !(0.0..outer).contains(&inner) {
         return None;
     }
     let square = |x: f64| x * x;
     let moment = 0.25 * PI * (square(square(outer)) - square(square(inner)));
     let shear = if inner > 0.0 { 0.5 } else { 0.9 };
-    Some(ShapeSection {
+    Some(BeamSection {
         area: PI * (square(outer) - square(inner)),
         moment_z: moment,
         moment_y: moment,
-        product: 0.0,
         torsion: 2.0 * moment,
         shear: [shear, shear],
+        ..BeamSection::default()
     })
 }
 
 /// A rectangle. J = a b³ (1/3 − 0.21 b/a (1 − b⁴/12 a⁴)) with a ≥ b, 0.5 % or better (W. Young, Roark's Formulas, table 10.1).
-fn bar(width: f64, height: f64) -> Option<ShapeSection> {
+fn bar(width: f64, height: f64) -> Option<BeamSection> {
     let (a, b) = (width.max(height), width.min(height));
     if b <= 0.0 {
         return None;
     }
     let ratio = b / a;
     let fourth = ratio * ratio * ratio * ratio;
-    Some(ShapeSection {
+    Some(BeamSection {
         area: width * height,
         moment_z: width * height * height * height / 12.0,
         moment_y: height * width * width * width / 12.0,
-        product: 0.0,
         torsion: a * b * b * b * (1.0 / 3.0 - 0.21 * ratio * (1.0 - fourth / 12.0)),
         shear: [5.0 / 6.0, 5.0 / 6.0],
+        ..BeamSection::default()
     })
 }
 
 /// A hexagon with tips left and right of the given width each. The torsion constant is de Saint-Venant's A⁴/(40 Iₚ), good to a few per
 /// cent for compact solids.
-fn hexagon(tip: f64, width: f64, height: f64) -> Option<ShapeSection> {
+fn hexagon(tip: f64, width: f64, height: f64) -> Option<BeamSection> {
     let core = width - 2.0 * tip;
     if core < 0.0 {
         return None;
@@ -229,13 +214,13 @@ fn hexagon(tip: f64, width: f64, height: f64) -> Option<ShapeSection> {
     let moment_y = height * core * core * core / 12.0
         + 2.0 * (height * tip * tip * tip / 36.0 + 0.5 * height * tip * arm * arm);
     let fourth = area * area * area * area;
-    Some(ShapeSection {
+    Some(BeamSection {
         area,
         moment_z,
         moment_y,
-        product: 0.0,
         torsion: fourth / (40.0 * (moment_y + moment_z)),
         shear: [5.0 / 6.0, 5.0 / 6.0],
+        ..BeamSection::default()
     })
 }
 
@@ -245,7 +230,7 @@ fn closed_box(
     height: f64,
     [top, bottom]: [f64; 2],
     [left, right]: [f64; 2],
-) -> Option<ShapeSection> {
+) -> Option<BeamSection> {
     let clear = height - top - bottom;
     let inner = width - left - right;
     if clear <= 0.0 || inner <= 0.0 || [top, bottom, left, right].iter().any(|t| *t <= 0.0) {
@@ -265,7 +250,7 @@ fn closed_box(
 }
 
 /// A channel open to the right.
-fn channel(width: f64, height: f64, web: f64, flange: f64) -> Option<ShapeSection> {
+fn channel(width: f64, height: f64, web: f64, flange: f64) -> Option<BeamSection> {
     let overhang = width - web;
     let line = width - 0.5 * web;
     let z = web + 0.5 * overhang;
@@ -277,7 +262,7 @@ fn channel(width: f64, height: f64, web: f64, flange: f64) -> Option<ShapeSectio
 }
 
 /// A section of walls.
-fn open(walls: &[Wall]) -> Option<ShapeSection> {
+fn open(walls: &[Wall]) -> Option<BeamSection> {
     let (mut area, mut y, mut z) = (0.0, 0.0, 0.0);
     for wall in walls {
         if wall.height < 0.0 || wall.width < 0.0 || wall.line < 0.0 {
@@ -292,9 +277,9 @@ fn open(walls: &[Wall]) -> Option<ShapeSection> {
         return None;
     }
     let (y, z) = (y / area, z / area);
-    let mut section = ShapeSection {
+    let mut section = BeamSection {
         area,
-        ..ShapeSection::default()
+        ..BeamSection::default()
     };
     for wall in walls {
         let a = wall.height * wall.width;

@@ -1,0 +1,102 @@
+//! What the readers of all formats build a mesh with: elements with their nodes, beams with their axes, and properties and materials
+//! that are made once, when an element first uses them.
+
+use std::collections::BTreeMap;
+
+use super::source::At;
+use crate::element::ElementKind;
+use crate::error::FileProblem;
+use crate::mesh::{BeamAxes, Element, Mesh, Variant};
+
+/// A list of things that are made once each, by what they are made from.
+#[derive(Clone, Debug)]
+pub(super) struct Once<K, T> {
+    made: BTreeMap<K, u32>,
+    /// All, in the order in which they were made.
+    pub all: Vec<T>,
+}
+
+impl<K, T> Default for Once<K, T> {
+    fn default() -> Self {
+        Once {
+            made: BTreeMap::new(),
+            all: Vec::new(),
+        }
+    }
+}
+
+impl<K: Ord, T> Once<K, T> {
+    /// Index of the one of this key.
+    pub fn find(&self, key: &K) -> Option<u32> {
+        self.made.get(key).copied()
+    }
+
+    /// Adds one that no other element shares.
+    pub fn push(&mut self, value: T) -> u32 {
+        self.all.push(value);
+        (self.all.len() - 1) as u32 // never more than elements
+    }
+
+    /// Adds the one of a key.
+    pub fn add(&mut self, key: K, value: T) -> u32 {
+        let index = self.push(value);
+        self.made.insert(key, index);
+        index
+    }
+}
+
+/// An element without its nodes.
+#[derive(Clone, Copy)]
+pub(super) struct NewElement {
+    /// The file's number.
+    pub id: u64,
+    /// Shape and order of nodes.
+    pub kind: ElementKind,
+    /// How the file names its integration.
+    pub variant: Variant,
+    /// Index of its property.
+    pub property: u32,
+}
+
+/// Adds an element to a mesh, a beam with its axes; its index.
+///
+/// # Errors
+/// Where the mesh has more than 4 billion nodes of elements.
+pub(super) fn add_element(
+    mesh: &mut Mesh,
+    new: NewElement,
+    nodes: &[u32],
+    axes: Option<BeamAxes>,
+) -> Result<u32, TooMany> {
+    let first = u32::try_from(mesh.connectivity.len()).map_err(|_| TooMany)?;
+    let index = mesh.elements.len() as u32; // fewer than nodes of elements
+    mesh.connectivity.extend_from_slice(nodes);
+    let beam = axes.map(|axes| {
+        mesh.beam_axes.push(axes);
+        (mesh.beam_axes.len() - 1) as u32 // never more than elements
+    });
+    mesh.elements.push(Element {
+        id: new.id,
+        kind: new.kind,
+        variant: new.variant,
+        property: new.property,
+        first,
+        beam,
+    });
+    Ok(index)
+}
+
+/// More elements than a mesh can number.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TooMany;
+
+impl TooMany {
+    /// What to say, and what to do.
+    pub const WORDS: (&'static str, &'static str) = ("too many elements", "divide the model");
+
+    /// As a problem of a line.
+    pub fn at(self, at: &At) -> FileProblem {
+        let (problem, advice) = Self::WORDS;
+        at.problem(problem, advice)
+    }
+}
