@@ -1,5 +1,7 @@
 //! The words that flexible bodies are made with, and what each takes: the checker and elaboration read the same tables.
 
+use eng_system::mesh_files::{ElementRules, MeshUnits, ShapeFormat, Stated};
+
 /// What an argument is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Takes {
@@ -103,18 +105,24 @@ const fn optional(name: &'static str, takes: Takes) -> Argument {
     }
 }
 
+/// The words of a list with their meanings.
+const fn words_of<const N: usize, T: Copy>(named: &[(&'static str, T)]) -> [&'static str; N] {
+    let mut words = [""; N];
+    let mut i = 0;
+    while i < N {
+        words[i] = named[i].0;
+        i += 1;
+    }
+    words
+}
+
 /// Systems of units of finite-element files.
-pub(crate) const UNITS: &[&str] = &[
-    "si",
-    "m_kg_s",
-    "mm_tonne_s",
-    "mm_kg_s",
-    "mm_kg_ms",
-    "cm_kg_s",
-    "inch_lbf_s",
-];
+pub(crate) const UNITS: &[&str] = &words_of::<{ MeshUnits::NAMED.len() }, _>(MeshUnits::NAMED);
 /// How elements are integrated.
-pub(crate) const ELEMENT_RULES: &[&str] = &["exact", "calculix", "abaqus", "nastran"];
+pub(crate) const ELEMENT_RULES: &[&str] =
+    &words_of::<{ ElementRules::NAMED.len() }, _>(ElementRules::NAMED);
+/// Formats of mode shapes.
+const SHAPES: &[&str] = &words_of::<{ ShapeFormat::NAMED.len() }, _>(ShapeFormat::NAMED);
 /// The supports of a mesh's file, among those of a body.
 pub(crate) const DECK: &str = "deck";
 /// How nodes are tied to a marker.
@@ -299,7 +307,7 @@ pub(crate) const WORDS: &[Word] = &[
     Word {
         word: "shapes",
         place: Place::Modes,
-        arguments: &[FILE, named("format", Takes::Word(&["op2", "punch", "frd"]))],
+        arguments: &[FILE, named("format", Takes::Word(SHAPES))],
         example: "shapes(\"crank.op2\", format: op2)",
     },
     Word {

@@ -8,6 +8,7 @@ use eng_flexible::read::matrix::{
     MatrixFormat, MatrixKind, ShapeFormat, read_calculix_freedoms, read_matrix, read_modes,
 };
 use eng_flexible::{Files, FlexibleError, MeshFormat, read_mesh};
+use eng_system::mesh_files::Stated as _;
 
 /// Damages of each file.
 const DAMAGES: u64 = 12;

@@ -8,6 +8,7 @@ use eng_flexible::reduce::{Reduced, Request, Term, reduce};
 use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError};
+use eng_system::mesh_files::Stated as _;
 use std::io::{self, Read};
 
 struct Text(&'static str);

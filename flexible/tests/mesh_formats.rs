@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use eng_flexible::mesh::{Carries, Code, ElementKind, Mesh};
 use eng_flexible::{Files, FlexibleError, MeshFormat, read_mesh};
+use eng_system::mesh_files::Stated as _;
 
 /// The folder of test data.
 struct Data;

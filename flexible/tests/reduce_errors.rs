@@ -20,6 +20,7 @@ use eng_flexible::reduce::{Interface, Request, Term, reduce};
 use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError};
+use eng_system::mesh_files::Stated as _;
 use fe_meshes::bar;
 use foreign_files::{Dense, Layout, Op2, op4_binary};
 

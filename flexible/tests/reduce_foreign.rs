@@ -21,6 +21,7 @@ use eng_flexible::solve::Modes;
 use eng_flexible::sparse::SymmetricMatrix;
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError};
+use eng_system::mesh_files::Stated as _;
 use foreign_files::{Dense, Layout, Op2, dmig, format_of, op4_binary, op4_text};
 
 struct Data;

@@ -15,8 +15,7 @@ use eng_flexible::mesh::Mesh;
 use eng_flexible::modes::Dropped;
 use eng_flexible::reduce::{Report, Served};
 use eng_flexible::store::{Key, StoredBody};
-use eng_flexible::units::MeshUnits;
-use eng_flexible::{Files, FlexibleError, MeshFormat, Part, read_mesh};
+use eng_flexible::{Files, FlexibleError, Part, read_mesh};
 use eng_grammar::{Diagnostic, SourceId, Span};
 use eng_system::flexible::{FlexibleSource, MarkerPlace, MatrixSource};
 use eng_system::reduced::ReducedBody;
@@ -108,26 +107,12 @@ impl Files for Sources {
     }
 }
 
-/// Units of a source's files.
-fn units_of(source: &FlexibleSource) -> Result<MeshUnits, Box<Diagnostic>> {
-    MeshUnits::named(&source.mesh.units).ok_or_else(|| unknown_word(source.mesh.at))
-}
-
-/// The checker lets a word pass that the readers of files do not know.
-fn unknown_word(at: Location) -> Box<Diagnostic> {
-    let message = "the compiler contradicts itself: a file of no known format or units";
-    Box::new(Diagnostic::error(codes::INTERNAL, message).at(span(at), "this file"))
-}
-
 /// Reads a mesh into SI, with its material.
 fn mesh_of(files: &dyn Files, source: &FlexibleSource) -> Result<Mesh, Box<Diagnostic>> {
     let at = source.mesh.at;
-    let format =
-        MeshFormat::named(&source.mesh.format).ok_or_else(|| unknown_word(source.mesh.at))?;
-    let units = units_of(source)?;
-    let mut mesh = read_mesh(files, &source.mesh.file, format)
+    let mut mesh = read_mesh(files, &source.mesh.file, source.mesh.format)
         .map_err(|e| failed(codes::MESH, &e, at, "this mesh"))?;
-    mesh.convert(&units);
+    mesh.convert(&source.mesh.units);
     if let Some(material) = &source.material {
         mesh.set_material(material.young, material.poisson, material.density)
             .map_err(|e| failed(codes::MESH, &e, material.at, "this material"))?;

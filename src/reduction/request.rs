@@ -3,13 +3,14 @@
 use eng_flexible::fe::Rules;
 use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile};
 use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
-use eng_flexible::read::matrix::{MatrixFormat, ShapeFormat, read_modes};
+use eng_flexible::read::matrix::read_modes;
 use eng_flexible::reduce::{Interface, Request, Term};
 use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, Part};
 use eng_grammar::Diagnostic;
 use eng_system::flexible as text;
+use eng_system::mesh_files::ElementRules;
 
 /// The request of a source; matrices and shapes of other codes are read.
 pub(super) fn request(
@@ -20,7 +21,7 @@ pub(super) fn request(
         marker: *marker as usize,
         components: text::ALL_FREEDOMS,
     };
-    let units = super::units_of(source)?;
+    let units = source.mesh.units;
     let mut terms = Vec::with_capacity(source.modes.len());
     for part in &source.modes {
         terms.push(term(part, files, units)?);
@@ -30,7 +31,7 @@ pub(super) fn request(
         _ => None,
     };
     Ok(Request {
-        rules: rules(source.element_rules.as_deref()),
+        rules: rules(source.element_rules),
         markers: source.markers.iter().map(marker).collect(),
         support: source.support.iter().map(all).collect(),
         held_nodes: source
@@ -61,21 +62,15 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
         .map(|m| (&m.name, &m.place, m.tie, m.center, m.axes))
         .collect();
     let matrix = |m: &Option<text::MatrixSource>| {
-        m.as_ref().map(|m| {
-            (
-                m.format.clone(),
-                m.matrix.clone(),
-                m.freedoms.clone(),
-                m.per_node,
-            )
-        })
+        m.as_ref()
+            .map(|m| (m.format, m.matrix.clone(), m.freedoms.clone(), m.per_node))
     };
     let modes: Vec<String> = source
         .modes
         .iter()
         .map(|term| match term {
             // its file is among the files
-            text::ModeTerm::Given { format, .. } => format!("given {format}"),
+            text::ModeTerm::Given { format, .. } => format!("given {format:?}"),
             other => format!("{other:?}"),
         })
         .collect();
@@ -116,7 +111,7 @@ fn matrices(
     files: &dyn Files,
     units: MeshUnits,
 ) -> Result<ForeignMatrices, Box<Diagnostic>> {
-    let files_of = (matrix_file(stiffness)?, matrix_file(mass)?);
+    let files_of = (matrix_file(stiffness), matrix_file(mass));
     let per_node = stiffness.per_node.or(mass.per_node);
     ForeignMatrices::read(files, files_of.0, files_of.1, per_node, units).map_err(|e| {
         let at = match e.part() {
@@ -127,23 +122,22 @@ fn matrices(
     })
 }
 
-fn matrix_file(source: &text::MatrixSource) -> Result<MatrixFile<'_>, Box<Diagnostic>> {
-    Ok(MatrixFile {
+fn matrix_file(source: &text::MatrixSource) -> MatrixFile<'_> {
+    MatrixFile {
         file: &source.file,
-        format: MatrixFormat::named(&source.format)
-            .ok_or_else(|| super::unknown_word(source.at))?,
+        format: source.format,
         name: source.matrix.as_deref().unwrap_or_default(),
         freedoms: source.freedoms.as_deref(),
-    })
+    }
 }
 
-pub(super) fn rules(word: Option<&str>) -> Rules {
-    match word {
-        Some("exact") => Rules::exact(),
-        Some("calculix") => Rules::calculix(),
-        Some("abaqus") => Rules::abaqus(),
-        Some("nastran") => Rules::nastran(),
-        _ => Rules::default(),
+pub(super) fn rules(stated: Option<ElementRules>) -> Rules {
+    match stated {
+        Some(ElementRules::Exact) => Rules::exact(),
+        Some(ElementRules::CalculiX) => Rules::calculix(),
+        Some(ElementRules::Abaqus) => Rules::abaqus(),
+        Some(ElementRules::Nastran) => Rules::nastran(),
+        None => Rules::default(),
     }
 }
 
@@ -224,8 +218,7 @@ fn term(
             file,
             at: place,
         } => {
-            let known = ShapeFormat::named(format).ok_or_else(|| super::unknown_word(*place))?;
-            let modes = read_modes(files, file, known)
+            let modes = read_modes(files, file, *format)
                 .map_err(|e| super::failed(crate::codes::REDUCTION, &e, *place, "these shapes"))?;
             Term::Given(GivenModes { modes, units })
         }

@@ -60,7 +60,7 @@ pub(super) fn doubts(mesh: &Mesh, source: &FlexibleSource) -> Vec<Diagnostic> {
                 format!(
                     "{}: with `units: {}`, {}",
                     source.origin.path,
-                    source.mesh.units,
+                    source.mesh.units.name,
                     odd.join(", ")
                 ),
             )
@@ -162,7 +162,7 @@ pub(super) fn refusal(mesh: &Mesh, source: &FlexibleSource) -> Option<Box<Diagno
         return None;
     }
     unread(mesh, source).or_else(|| {
-        let rules = super::request::rules(source.element_rules.as_deref());
+        let rules = super::request::rules(source.element_rules);
         let error = eng_flexible::fe::form::check(mesh, rules.stiffness).err()?;
         Some(failed(
             codes::ELEMENT_RULE,

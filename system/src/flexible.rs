@@ -1,8 +1,8 @@
 //! What a model says of a flexible body: the compiler writes it, the host reduces it, the runtime sees only the outcome.
 //!
-//! Formats, units and rules are words, whose meaning the host's finite-element side knows. Numbers are SI; all are known
-//! while compiling.
+//! Numbers are SI; all are known while compiling.
 
+use crate::mesh_files::{ElementRules, MatrixFormat, MeshFormat, MeshUnits, ShapeFormat};
 use crate::system::{Location, Origin};
 
 /// Freedoms of a marker: bits 0…5 are x, y, z and the rotations about them, along the marker's own axes.
@@ -38,8 +38,8 @@ pub struct FlexibleSource {
     pub mass: Option<MatrixSource>,
     /// For a mesh whose file has no material.
     pub material: Option<MaterialSource>,
-    /// How elements are integrated: `exact`, `calculix`, `abaqus`, `nastran`; `None`: by what the file names, with exact mass.
-    pub element_rules: Option<String>,
+    /// How elements are integrated; `None`: by what the file names, with exact mass.
+    pub element_rules: Option<ElementRules>,
     /// Markers, in the order of the text; a marker of the system names its place here.
     pub markers: Vec<MarkerSource>,
     /// Markers that are held on the ground; without any, and without those of the deck, the body is free.
@@ -61,12 +61,12 @@ pub struct FlexibleSource {
 /// Where a mesh is read from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshSource {
-    /// `nastran`, `abaqus`, …
-    pub format: String,
+    /// Its format.
+    pub format: MeshFormat,
     /// The file, from the model's folder.
     pub file: String,
-    /// Units of the file: `mm_tonne_s`.
-    pub units: String,
+    /// Units of the file.
+    pub units: MeshUnits,
     /// Cards and keywords that may be left out although they carry stiffness, mass or constraints.
     pub ignored: Vec<String>,
     /// Place of the source in the text.
@@ -76,8 +76,8 @@ pub struct MeshSource {
 /// Where a matrix is read from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MatrixSource {
-    /// `op4`, `op2`, `dmig`, …
-    pub format: String,
+    /// Its format.
+    pub format: MatrixFormat,
     /// The file, from the model's folder.
     pub file: String,
     /// Name of the matrix in the file, where files have several.
@@ -198,8 +198,8 @@ pub enum ModeTerm {
     },
     /// Shapes that another code wrote.
     Given {
-        /// `op2`, `punch`, `frd`.
-        format: String,
+        /// Their format.
+        format: ShapeFormat,
         /// The file.
         file: String,
         /// Place of the source in the text.

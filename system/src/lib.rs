@@ -12,6 +12,7 @@ pub mod flexible;
 pub mod host;
 pub mod layout;
 pub mod lint;
+pub mod mesh_files;
 pub mod recorded;
 pub mod reduced;
 pub mod report;

@@ -4,6 +4,7 @@ use std::io::Read;
 
 use super::{Files, number};
 use crate::error::{FileProblem, FlexibleError, Place};
+use eng_system::mesh_files::Stated;
 
 /// Bytes that are looked at.
 const BEGINNING: u64 = 1 << 16;
@@ -134,10 +135,8 @@ impl Content {
     }
 }
 
-/// A format that a model states by a word.
-pub(crate) trait Stated: Copy + PartialEq + 'static {
-    /// Names that a model can state, with what they stand for.
-    const NAMED: &'static [(&'static str, Self)];
+/// A format that a model states by a word, and that a reader reads.
+pub(crate) trait Readable: Stated + PartialEq {
     /// What files of these formats are read for: "meshes".
     const READ_FOR: &'static str;
 
@@ -152,7 +151,7 @@ pub(crate) trait Stated: Copy + PartialEq + 'static {
 
 /// What a reader gave, but for a damaged packed file, whose rubbish it took for text; and for a file that is another's: then both formats
 /// are named, and the word that reads it.
-pub(crate) fn explained<F: Stated, T>(
+pub(crate) fn explained<F: Readable, T>(
     files: &dyn Files,
     file: &str,
     stated: F,

@@ -17,7 +17,8 @@ use std::io::{self, BufRead, BufReader, Read};
 
 use crate::error::{FileProblem, FlexibleError, Place};
 use crate::mesh::{Code, Mesh};
-use content::{Content, Stated, explained};
+use content::{Content, Readable, explained};
+pub use eng_system::mesh_files::MeshFormat;
 
 /// Gives the readers their files. Names are as the model writes them; a name inside a file (`INCLUDE`) is looked up relative to the
 /// including file first, then beside the model.
@@ -29,39 +30,7 @@ pub trait Files {
     fn open(&self, name: &str) -> io::Result<Box<dyn Read>>;
 }
 
-/// A format of finite-element meshes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum MeshFormat {
-    /// Nastran bulk data.
-    Nastran,
-    /// Input of Abaqus.
-    Abaqus,
-    /// Input of CalculiX.
-    CalculiX,
-    /// A mesh of gmsh.
-    Gmsh,
-}
-
-impl MeshFormat {
-    /// Names that a model can state, with what they stand for.
-    pub const NAMED: &[(&str, MeshFormat)] = &[
-        ("nastran", MeshFormat::Nastran),
-        ("abaqus", MeshFormat::Abaqus),
-        ("calculix", MeshFormat::CalculiX),
-        ("gmsh", MeshFormat::Gmsh),
-    ];
-
-    /// The format of this name.
-    pub fn named(name: &str) -> Option<MeshFormat> {
-        Self::NAMED
-            .iter()
-            .find(|(known, _)| *known == name)
-            .map(|(_, format)| *format)
-    }
-}
-
-impl Stated for MeshFormat {
-    const NAMED: &'static [(&'static str, Self)] = Self::NAMED;
+impl Readable for MeshFormat {
     const READ_FOR: &'static str = "meshes";
 
     fn reads(self, content: Content) -> bool {

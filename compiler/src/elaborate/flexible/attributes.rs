@@ -2,12 +2,13 @@
 
 use super::super::value::{ScopeId, Value};
 use super::super::{Elaborator, Eval, Reported, location};
-use super::bare_word;
+use super::meaning;
 use crate::codes;
 use crate::words::{Place, argument, word};
 use eng_grammar::ast::ExprKind;
 use eng_grammar::{Diagnostic, Span, ast};
 use eng_system::flexible::{Damping, MaterialSource, MatrixSource, MeshSource};
+use eng_system::mesh_files::{MatrixFormat, MeshFormat, Stated as _};
 
 /// Damping ratio of all modes above which a structure is none.
 const MUCH_DAMPING: f64 = 0.2;
@@ -16,9 +17,10 @@ impl<'a> Elaborator<'a, '_> {
     pub(super) fn mesh_source(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<MeshSource> {
         let (word, arguments) = self.worded(Place::Mesh, value)?;
         let file = self.text_of(argument(word, arguments, "file"), scope)?;
-        let units = argument(word, arguments, "units").map(bare_word);
-        let (Some(file), Some(units)) = (file, units) else {
-            return Err(self.internal(value.span, "a mesh without file or units"));
+        let units = argument(word, arguments, "units").and_then(meaning);
+        let (Some(file), Some(units), Some(format)) = (file, units, MeshFormat::named(word.word))
+        else {
+            return Err(self.internal(value.span, "a mesh without file, units or format"));
         };
         let mut ignored = Vec::new();
         if let Some(ExprKind::List { items, .. }) =
@@ -29,7 +31,7 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         Ok(MeshSource {
-            format: word.word.to_owned(),
+            format,
             file,
             units,
             ignored,
@@ -43,11 +45,12 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
     ) -> Eval<MatrixSource> {
         let (word, arguments) = self.worded(Place::Matrix, value)?;
-        let Some(file) = self.text_of(argument(word, arguments, "file"), scope)? else {
-            return Err(self.internal(value.span, "a matrix without a file"));
+        let file = self.text_of(argument(word, arguments, "file"), scope)?;
+        let (Some(file), Some(format)) = (file, MatrixFormat::named(word.word)) else {
+            return Err(self.internal(value.span, "a matrix without file or format"));
         };
         Ok(MatrixSource {
-            format: word.word.to_owned(),
+            format,
             file,
             matrix: self.text_of(argument(word, arguments, "matrix"), scope)?,
             freedoms: self.text_of(argument(word, arguments, "freedoms"), scope)?,

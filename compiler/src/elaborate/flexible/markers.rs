@@ -99,7 +99,7 @@ impl<'a> Elaborator<'a, '_> {
             e.text_of(get(name), scope)?.ok_or(Reported)
         };
         let center = vector(self, "center")?;
-        let tie = get("tie").map(|tie| match bare_word(tie).as_str() {
+        let tie = get("tie").map(|tie| match bare_word(tie) {
             "rigid" => MarkerTie::Rigid,
             _ => MarkerTie::Averaging,
         });

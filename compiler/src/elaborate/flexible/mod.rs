@@ -12,6 +12,7 @@ use crate::words::{DECK, Place, Word, word};
 use eng_grammar::ast::{self, ExprKind, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::flexible::{FlexibleSource, Freedoms, MarkerSource, ModeCount};
+use eng_system::mesh_files::{ShapeFormat, Stated};
 use eng_system::system::{Body, BodyInertia, BodyRef, Origin};
 
 /// Markers by name, as a mode set writes them; found in the body that uses the set.
@@ -45,7 +46,7 @@ enum PartKind {
     Static,
     Constraint,
     Normal(ModeCount),
-    Given { format: String, file: String },
+    Given { format: ShapeFormat, file: String },
 }
 
 /// A flexible body before it is known which elements stand on its markers.
@@ -77,7 +78,7 @@ pub(crate) enum TermKind {
     Static,
     Constraint,
     Normal(ModeCount),
-    Given { format: String, file: String },
+    Given { format: ShapeFormat, file: String },
 }
 
 impl<'a> Elaborator<'a, '_> {
@@ -152,7 +153,7 @@ impl<'a> Elaborator<'a, '_> {
                 "stiffness" => stiffness = Some(self.matrix_source(value, own)?),
                 "mass" => mass = Some(self.matrix_source(value, own)?),
                 "material" => material = Some(self.material_source(value, own)?),
-                "element_rules" => element_rules = Some(bare_word(value)),
+                "element_rules" => element_rules = meaning(value),
                 "support" => {
                     support_span = Some(value.span);
                     let names = self.marker_names(value, own)?;
@@ -280,7 +281,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     fn known_axis(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<[f64; 3]> {
-        match bare_word(expr).as_str() {
+        match bare_word(expr) {
             "x" => return Ok([1.0, 0.0, 0.0]),
             "y" => return Ok([0.0, 1.0, 0.0]),
             "z" => return Ok([0.0, 0.0, 1.0]),
@@ -377,9 +378,14 @@ impl<'a> Elaborator<'a, '_> {
 }
 
 /// The word of a bare name; empty for anything else.
-fn bare_word(expr: &ast::Expr) -> String {
+fn bare_word(expr: &ast::Expr) -> &str {
     match &expr.kind {
-        ExprKind::Name(name) => name.clone(),
-        _ => String::new(),
+        ExprKind::Name(name) => name,
+        _ => "",
     }
+}
+
+/// What a bare word states; the checker has seen that it is one of those known.
+fn meaning<T: Stated>(expr: &ast::Expr) -> Option<T> {
+    T::named(bare_word(expr))
 }

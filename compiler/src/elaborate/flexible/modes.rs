@@ -2,7 +2,7 @@
 
 use super::super::value::{ScopeId, Value};
 use super::super::{Elaborator, Eval, Reported};
-use super::{MarkerName, ModePart, PartKind, TermDraft, TermKind, bare_word};
+use super::{MarkerName, ModePart, PartKind, TermDraft, TermKind, bare_word, meaning};
 use crate::codes;
 use crate::resolve::suggest::{listing, nearest};
 use crate::words::{Word, argument};
@@ -51,7 +51,7 @@ impl<'a> Elaborator<'a, '_> {
             }
             _ => {
                 let file = self.text_of(get("file"), scope)?;
-                let format = get("format").map(bare_word);
+                let format = get("format").and_then(meaning);
                 let (Some(file), Some(format)) = (file, format) else {
                     return Err(self.internal(span, "shapes without file or format"));
                 };
@@ -210,7 +210,7 @@ impl<'a> Elaborator<'a, '_> {
                 PartKind::Constraint => TermKind::Constraint,
                 PartKind::Normal(count) => TermKind::Normal(*count),
                 PartKind::Given { format, file } => TermKind::Given {
-                    format: format.clone(),
+                    format: *format,
                     file: file.clone(),
                 },
             },

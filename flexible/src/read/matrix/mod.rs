@@ -30,8 +30,9 @@ pub use op4::read_op4;
 pub use punch::read_punch_modes;
 
 use super::Files;
-use super::content::{Content, Stated, explained};
+use super::content::{Content, Readable, explained};
 use crate::error::{FileProblem, FlexibleError, Place};
+pub use eng_system::mesh_files::{MatrixFormat, ShapeFormat};
 
 /// What a matrix is, for its checks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,42 +120,7 @@ impl ForeignMatrix {
     }
 }
 
-/// A format of matrices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum MatrixFormat {
-    /// Nastran's OP4.
-    Op4,
-    /// Nastran's OP2.
-    Op2,
-    /// Cards `DMIG` of Nastran, punched or in a deck.
-    Dmig,
-    /// `.mtx` of Abaqus.
-    Abaqus,
-    /// `.sti` and `.mas` of CalculiX.
-    CalculiX,
-}
-
-impl MatrixFormat {
-    /// Names that a model can state, with what they stand for.
-    pub const NAMED: &[(&str, MatrixFormat)] = &[
-        ("op4", MatrixFormat::Op4),
-        ("op2", MatrixFormat::Op2),
-        ("dmig", MatrixFormat::Dmig),
-        ("abaqus", MatrixFormat::Abaqus),
-        ("calculix", MatrixFormat::CalculiX),
-    ];
-
-    /// The format of this name.
-    pub fn named(name: &str) -> Option<MatrixFormat> {
-        Self::NAMED
-            .iter()
-            .find(|(known, _)| *known == name)
-            .map(|(_, format)| *format)
-    }
-}
-
-impl Stated for MatrixFormat {
-    const NAMED: &'static [(&'static str, Self)] = Self::NAMED;
+impl Readable for MatrixFormat {
     const READ_FOR: &'static str = "stiffness and mass";
 
     fn reads(self, content: Content) -> bool {
@@ -193,36 +159,7 @@ pub fn read_matrix(
     explained(files, file, format, read.map_err(FlexibleError::from))
 }
 
-/// A format of mode shapes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ShapeFormat {
-    /// Nastran's OP2.
-    Op2,
-    /// Nastran's punch file.
-    Punch,
-    /// CalculiX's `.frd`.
-    Frd,
-}
-
-impl ShapeFormat {
-    /// Names that a model can state, with what they stand for.
-    pub const NAMED: &[(&str, ShapeFormat)] = &[
-        ("op2", ShapeFormat::Op2),
-        ("punch", ShapeFormat::Punch),
-        ("frd", ShapeFormat::Frd),
-    ];
-
-    /// The format of this name.
-    pub fn named(name: &str) -> Option<ShapeFormat> {
-        Self::NAMED
-            .iter()
-            .find(|(known, _)| *known == name)
-            .map(|(_, format)| *format)
-    }
-}
-
-impl Stated for ShapeFormat {
-    const NAMED: &'static [(&'static str, Self)] = Self::NAMED;
+impl Readable for ShapeFormat {
     const READ_FOR: &'static str = "mode shapes";
 
     fn reads(self, content: Content) -> bool {

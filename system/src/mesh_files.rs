@@ -1,0 +1,144 @@
+//! Formats, units and rules of finite-element files, each with the word by which a text states it.
+
+/// What a text states by a word.
+pub trait Stated: Copy + 'static {
+    /// The words, with what they stand for.
+    const NAMED: &'static [(&'static str, Self)];
+
+    /// What a word stands for.
+    fn named(word: &str) -> Option<Self> {
+        let found = Self::NAMED.iter().find(|(known, _)| *known == word);
+        found.map(|(_, meaning)| *meaning)
+    }
+}
+
+/// A format of finite-element meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MeshFormat {
+    /// Nastran bulk data.
+    Nastran,
+    /// Input of Abaqus.
+    Abaqus,
+    /// Input of CalculiX.
+    CalculiX,
+    /// A mesh of gmsh.
+    Gmsh,
+}
+
+impl Stated for MeshFormat {
+    const NAMED: &'static [(&'static str, Self)] = &[
+        ("nastran", MeshFormat::Nastran),
+        ("abaqus", MeshFormat::Abaqus),
+        ("calculix", MeshFormat::CalculiX),
+        ("gmsh", MeshFormat::Gmsh),
+    ];
+}
+
+/// A format of matrices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MatrixFormat {
+    /// Nastran's OP4.
+    Op4,
+    /// Nastran's OP2.
+    Op2,
+    /// Cards `DMIG` of Nastran, punched or in a deck.
+    Dmig,
+    /// `.mtx` of Abaqus.
+    Abaqus,
+    /// `.sti` and `.mas` of CalculiX.
+    CalculiX,
+}
+
+impl Stated for MatrixFormat {
+    const NAMED: &'static [(&'static str, Self)] = &[
+        ("op4", MatrixFormat::Op4),
+        ("op2", MatrixFormat::Op2),
+        ("dmig", MatrixFormat::Dmig),
+        ("abaqus", MatrixFormat::Abaqus),
+        ("calculix", MatrixFormat::CalculiX),
+    ];
+}
+
+/// A format of mode shapes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ShapeFormat {
+    /// Nastran's OP2.
+    Op2,
+    /// Nastran's punch file.
+    Punch,
+    /// CalculiX's `.frd`.
+    Frd,
+}
+
+impl Stated for ShapeFormat {
+    const NAMED: &'static [(&'static str, Self)] = &[
+        ("op2", ShapeFormat::Op2),
+        ("punch", ShapeFormat::Punch),
+        ("frd", ShapeFormat::Frd),
+    ];
+}
+
+/// Whose rules integrate the elements of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ElementRules {
+    /// All in full, with exact mass.
+    Exact,
+    /// CalculiX'.
+    CalculiX,
+    /// Abaqus'.
+    Abaqus,
+    /// Nastran's.
+    Nastran,
+}
+
+impl Stated for ElementRules {
+    const NAMED: &'static [(&'static str, Self)] = &[
+        ("exact", ElementRules::Exact),
+        ("calculix", ElementRules::CalculiX),
+        ("abaqus", ElementRules::Abaqus),
+        ("nastran", ElementRules::Nastran),
+    ];
+}
+
+/// A consistent set of units of a file: what one of its units is in SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshUnits {
+    /// The word by which a text states them.
+    pub name: &'static str,
+    /// Metres of the unit of length.
+    pub length: f64,
+    /// Kilograms of the unit of mass.
+    pub mass: f64,
+    /// Seconds of the unit of time.
+    pub time: f64,
+}
+
+const fn units(name: &'static str, length: f64, mass: f64, time: f64) -> (&'static str, MeshUnits) {
+    let units = MeshUnits {
+        name,
+        length,
+        mass,
+        time,
+    };
+    (name, units)
+}
+
+impl Stated for MeshUnits {
+    const NAMED: &'static [(&'static str, Self)] = &[
+        units("si", 1.0, 1.0, 1.0),
+        units("m_kg_s", 1.0, 1.0, 1.0),
+        units("mm_tonne_s", 1e-3, 1e3, 1.0),
+        units("mm_kg_s", 1e-3, 1.0, 1.0),
+        units("mm_kg_ms", 1e-3, 1.0, 1e-3),
+        units("cm_kg_s", 1e-2, 1.0, 1.0),
+        // pound-force, inch, second: the mass unit is lbf s²/in
+        units("inch_lbf_s", 0.0254, 175.126_835_246_476_37, 1.0),
+    ];
+}
+
+impl MeshUnits {
+    /// Newtons of the unit of force.
+    pub fn force(&self) -> f64 {
+        self.mass * self.length / (self.time * self.time)
+    }
+}
