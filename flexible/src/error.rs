@@ -95,7 +95,8 @@ pub enum FlexibleError {
     /// A matrix that must be regular is singular, or so nearly that its factor means nothing.
     #[error("{problem}")]
     Singular {
-        /// Row of the matrix, from 0, whose pivot vanished: one of the freedoms that can move without resistance.
+        /// Row of the matrix, from 0, whose pivot vanished: one of the freedoms that can move without
+        /// resistance.
         row: usize,
         /// What is wrong, by the row's number; the caller knows which node it is.
         problem: String,

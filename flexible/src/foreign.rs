@@ -78,8 +78,8 @@ impl MatrixFile<'_> {
 }
 
 impl ForeignMatrices {
-    /// Reads stiffness and mass; a list of freedoms of one holds for both. `per_node`: freedoms a node where rows are all nodes by
-    /// ascending number; `None`: as the files say.
+    /// Reads stiffness and mass; a list of freedoms of one holds for both. `per_node`: freedoms a node where
+    /// rows are all nodes by ascending number; `None`: as the files say.
     ///
     /// # Errors
     /// As the readers give them; a list of freedoms of another length.
@@ -108,7 +108,8 @@ impl ForeignMatrices {
     /// K and M in SI with the freedom of each row.
     ///
     /// # Errors
-    /// As [`ForeignMatrix::to_symmetric`]; sizes that don't fit the stated order; rows that no one names; scalar points.
+    /// As [`ForeignMatrix::to_symmetric`]; sizes that don't fit the stated order; rows that no one names;
+    /// scalar points.
     pub fn nodal(&self, mesh: &Mesh) -> Result<(NodalMatrix, NodalMatrix), FlexibleError> {
         let stiffness = self
             .one(mesh, &self.stiffness, MatrixKind::Stiffness)

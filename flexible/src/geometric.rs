@@ -1,10 +1,11 @@
 //! Geometric stiffness in modes, load by load: see [`eng_system::reduced::Geometric`].
 //!
-//! Each reference load is put on the finite-element model at rest, and the initial-stress matrix of its stresses is taken into
-//! the modes. Inertial loads are those of the rigid body, by the mesh's own mass: `−M E_j R_k` for `ω_j ω_k`, `−M R_r` for `ω̇`,
-//! `−M R_t` for `Aᵀ(r̈ − g)`. A body on supports passes them to its supports. In a free body each load is balanced by the inertia
-//! of the rigid motion that it causes; the sum of all loads needs no balance, so nothing is lost, and the loads of `ω̇` and of
-//! `r̈` balance themselves: their blocks vanish.
+//! Each reference load is put on the finite-element model at rest, and the initial-stress matrix of its
+//! stresses is taken into the modes. Inertial loads are those of the rigid body, by the mesh's own mass: `−M
+//! E_j R_k` for `ω_j ω_k`, `−M R_r` for `ω̇`, `−M R_t` for `Aᵀ(r̈ − g)`. A body on supports passes them to
+//! its supports. In a free body each load is balanced by the inertia of the rigid motion that it causes; the
+//! sum of all loads needs no balance, so nothing is lost, and the loads of `ω̇` and of `r̈` balance
+//! themselves: their blocks vanish.
 
 use crate::error::FlexibleError;
 use crate::fe::geometric::GeometricStiffness;
@@ -39,8 +40,8 @@ pub struct Model<'a> {
     pub motions: &'a [f64],
 }
 
-/// The blocks for shapes (over full freedoms, one after the other) and for unit loads at freedoms of markers: index of the
-/// marker, component, full freedom.
+/// The blocks for shapes (over full freedoms, one after the other) and for unit loads at freedoms of markers:
+/// index of the marker, component, full freedom.
 ///
 /// # Errors
 /// As static modes; a mesh without elements that have stresses.
@@ -114,8 +115,8 @@ pub fn geometric(
     Ok(out)
 }
 
-/// The blocks of displacements over free freedoms, one after the other: the cases are shared among the machine's threads, each
-/// computed by one alone.
+/// The blocks of displacements over free freedoms, one after the other: the cases are shared among the
+/// machine's threads, each computed by one alone.
 fn reduced(
     model: &Model,
     vectors: &[f64],

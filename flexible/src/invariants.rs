@@ -1,6 +1,7 @@
 //! From shapes over all nodes to the constants of a floating frame: see [`eng_system::reduced::Invariants`].
 //!
-//! The shapes are those of all freedoms of the mesh, ties expanded, so that the mass is the mesh's own, exact for a consistent one.
+//! The shapes are those of all freedoms of the mesh, ties expanded, so that the mass is the mesh's own, exact
+//! for a consistent one.
 
 use crate::fe::{FreedomMap, Mass};
 use crate::modes::{applied, products};
@@ -45,13 +46,13 @@ pub fn turned(freedoms: &FreedomMap, axis: usize, x: &[f64]) -> Vec<f64> {
     out
 }
 
-/// The constants for shapes (one after the other over the full freedoms) and their `ΦᵀKΦ` by rows. Damping is zero: it is the body's, not
-/// the mesh's.
+/// The constants for shapes (one after the other over the full freedoms) and their `ΦᵀKΦ` by rows. Damping is
+/// zero: it is the body's, not the mesh's.
 ///
-/// Where the mass is the same in all directions it commutes with `E_k`, so that all blocks n × n follow from the nine products
-/// `S_ij = (M Φ)_iᵀ Φ_j` of the shapes' components i, j: `ΦᵀME_kΦ = S_ji − S_ij` for i, j, k cyclic, and from
-/// `(e_j × u)·(e_k × v) = (e_j·e_k)(u·v) − (e_k·u)(e_j·v)` the centrifugal ones. The rest, of beams and offset masses, is turned in full, on
-/// the nodes that have it.
+/// Where the mass is the same in all directions it commutes with `E_k`, so that all blocks n × n follow from
+/// the nine products `S_ij = (M Φ)_iᵀ Φ_j` of the shapes' components i, j: `ΦᵀME_kΦ = S_ji − S_ij` for i, j,
+/// k cyclic, and from `(e_j × u)·(e_k × v) = (e_j·e_k)(u·v) − (e_k·u)(e_j·v)` the centrifugal ones. The rest,
+/// of beams and offset masses, is turned in full, on the nodes that have it.
 pub fn invariants(full: &Full, shapes: &[f64], stiffness: &[f64]) -> Invariants {
     let size = full.freedoms.size();
     let n = shapes.len().checked_div(size).unwrap_or(0);

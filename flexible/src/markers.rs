@@ -86,8 +86,8 @@ fn refuse(problem: String, advice: &str) -> FlexibleError {
 /// Indices of the nodes of a selection, ascending.
 ///
 /// # Errors
-/// A set or property that the mesh does not have (its own are named); a ring without an axis, a plane without a normal; fewer than three
-/// nodes.
+/// A set or property that the mesh does not have (its own are named); a ring without an axis, a plane without
+/// a normal; fewer than three nodes.
 pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>, FlexibleError> {
     match selection {
         Selection::Set(set) => match mesh.sets.get(set) {
@@ -167,7 +167,8 @@ pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>
     }
 }
 
-/// Nodes by their height along an axis through a point and their distance from it (m); `None` where the axis has no direction.
+/// Nodes by their height along an axis through a point and their distance from it (m); `None` where the axis
+/// has no direction.
 fn around(
     mesh: &Mesh,
     point: &[f64; 3],

@@ -1,8 +1,8 @@
 //! A finite-element mesh as the files give it: nodes, elements, masses, springs, ties, supports, sets.
 //!
-//! Places are in the basic (global) frame of the file; [`Mesh::frames`] holds the nodes' analysis frames, in which
-//! foreign matrices, supports and tie components are written. Node and element *indices* (`u32`) count from 0 in the order of
-//! the file; *ids* are the file's own numbers.
+//! Places are in the basic (global) frame of the file; [`Mesh::frames`] holds the nodes' analysis frames, in
+//! which foreign matrices, supports and tie components are written. Node and element *indices* (`u32`) count
+//! from 0 in the order of the file; *ids* are the file's own numbers.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -21,15 +21,16 @@ pub struct Node {
     pub frame: Option<u32>,
 }
 
-/// An analysis frame at a node: the rotation matrix frame → basic, row-major (columns are the frame's axes). A cylindrical or
-/// spherical frame is one such entry a node, evaluated at the node.
+/// An analysis frame at a node: the rotation matrix frame → basic, row-major (columns are the frame's axes).
+/// A cylindrical or spherical frame is one such entry a node, evaluated at the node.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Rotation frame → basic.
     pub rotation: [[f64; 3]; 3],
 }
 
-/// The code whose rules a mesh was written for: the same name stands for different elements in different codes.
+/// The code whose rules a mesh was written for: the same name stands for different elements in different
+/// codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Code {
     /// None: gmsh, or made by a program.
@@ -49,7 +50,8 @@ pub enum Variant {
     /// By its shape alone: `C3D8`, `CTETRA`; what that means is the code's business.
     #[default]
     Plain,
-    /// The letters behind the number of nodes in Abaqus and CalculiX, `R` of `C3D20R`: a bit for each of [`VARIANT_LETTERS`].
+    /// The letters behind the number of nodes in Abaqus and CalculiX, `R` of `C3D20R`: a bit for each of
+    /// [`VARIANT_LETTERS`].
     Letters(u8),
     /// `IN` and `ISOP` of Nastran's `PSOLID`, where they are not left out.
     Network {
@@ -60,8 +62,8 @@ pub enum Variant {
     },
 }
 
-/// Letters of element types that change the mechanics of a solid, in the order in which they are written: modified, reduced,
-/// incompatible modes, hybrid, improved stresses, others.
+/// Letters of element types that change the mechanics of a solid, in the order in which they are written:
+/// modified, reduced, incompatible modes, hybrid, improved stresses, others.
 pub const VARIANT_LETTERS: &str = "MRIHSO";
 
 /// An element.
@@ -175,7 +177,8 @@ pub struct Spring {
     pub second: Option<(u32, u8)>,
 }
 
-/// A rule that makes freedoms depend on others. Components are bits 0…5 of freedoms 1…6 in the node's analysis frame.
+/// A rule that makes freedoms depend on others. Components are bits 0…5 of freedoms 1…6 in the node's
+/// analysis frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Tie {
     /// The dependent components move as if on a rigid body with the six freedoms of `independent`.
@@ -332,13 +335,13 @@ impl Mesh {
         nodes
     }
 
-    /// Gives a material to a mesh whose file has none: to all its solids. Materials of the file that lack only the density take it from
-    /// this one.
+    /// Gives a material to a mesh whose file has none: to all its solids. Materials of the file that lack
+    /// only the density take it from this one.
     ///
     /// # Errors
-    /// When the mesh has whole materials of its own, or one whose elasticity is another than this one's (by 5 % of Young's modulus, 0.05
-    /// of Poisson's ratio); nothing that takes one; values that make no isotropic material (Young's modulus positive, Poisson's ratio
-    /// above -1 and below 1/2, density not negative).
+    /// When the mesh has whole materials of its own, or one whose elasticity is another than this one's (by 5
+    /// % of Young's modulus, 0.05 of Poisson's ratio); nothing that takes one; values that make no isotropic
+    /// material (Young's modulus positive, Poisson's ratio above -1 and below 1/2, density not negative).
     pub fn set_material(
         &mut self,
         young: f64,

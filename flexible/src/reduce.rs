@@ -65,8 +65,8 @@ pub struct Request {
     pub rules: Rules,
     /// Markers.
     pub markers: Vec<MarkerRequest>,
-    /// Markers that are held, as their ties let them be: an averaging one by the mean motion of its nodes. Without any, and without
-    /// those of the deck, the body is free and has mean axes.
+    /// Markers that are held, as their ties let them be: an averaging one by the mean motion of its nodes.
+    /// Without any, and without those of the deck, the body is free and has mean axes.
     pub support: Vec<Interface>,
     /// Markers all of whose nodes are held in all freedoms.
     pub held_nodes: Vec<usize>,
@@ -76,11 +76,13 @@ pub struct Request {
     pub terms: Vec<Term>,
     /// Modal damping ratio.
     pub damping_ratio: f64,
-    /// The ratio holds up to this frequency (Hz) and rises to one at five times it; infinite: it holds for all.
+    /// The ratio holds up to this frequency (Hz) and rises to one at five times it; infinite: it holds for
+    /// all.
     pub damping_up_to: f64,
     /// Whether stresses of spin, acceleration and of loads at the markers change the stiffness.
     pub geometric_stiffness: bool,
-    /// Stiffness and mass of another code in place of those of the elements, which then are there for pictures only.
+    /// Stiffness and mass of another code in place of those of the elements, which then are there for
+    /// pictures only.
     pub matrices: Option<ForeignMatrices>,
     /// Loads at markers of which [`Report::unserved`] tells those that the set does not serve.
     pub asked: Vec<Interface>,
@@ -111,7 +113,8 @@ pub struct Reduced {
 /// How far a foreign mass may be from that of the mesh's volumes before it is told.
 const MASS_APART: f64 = 0.05;
 
-/// How far the masses along x, y and z may be apart before it is told, as a part of the largest: files of few digits are nearer.
+/// How far the masses along x, y and z may be apart before it is told, as a part of the largest: files of few
+/// digits are nearer.
 const DIRECTED: f64 = 1e-4;
 
 /// How many nodes a message names.
@@ -123,8 +126,8 @@ const RESISTED: f64 = 1e-6;
 /// Reduces a mesh in SI.
 ///
 /// # Errors
-/// As the steps give them: meshes that make no sense, mechanisms, markers that are not there, freedoms that a marker does not have,
-/// foreign matrices that don't fit the mesh.
+/// As the steps give them: meshes that make no sense, mechanisms, markers that are not there, freedoms that a
+/// marker does not have, foreign matrices that don't fit the mesh.
 pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleError> {
     if request.geometric_stiffness && request.matrices.is_some() {
         return Err(FlexibleError::Structure {
@@ -316,7 +319,8 @@ fn reduced_markers(
     requests.zip(markers.places).map(reduced).collect()
 }
 
-/// All freedoms of the nodes that an averaging tie gathers at a marker's node. (A rigid one holds them by the marker.)
+/// All freedoms of the nodes that an averaging tie gathers at a marker's node. (A rigid one holds them by the
+/// marker.)
 fn held_nodes(mesh: &Mesh, place: Option<&u32>) -> Vec<Support> {
     let tied = mesh.ties.iter().filter_map(|tie| match tie {
         Tie::Averaging {

@@ -1,15 +1,17 @@
-//! Point masses in a floating frame: their rotary inertia turns with its node, and a mass beside its node moves round it.
+//! Point masses in a floating frame: their rotary inertia turns with its node, and a mass beside its node
+//! moves round it.
 //!
-//! The constants of [`crate::invariants`] let the mass matrix act on nodal velocities in body axes. That is exact for what is alike
-//! in all directions. The inertia J of a point mass is constant in the axes of its node, whose angular velocity there is
+//! The constants of [`crate::invariants`] let the mass matrix act on nodal velocities in body axes. That is
+//! exact for what is alike in all directions. The inertia J of a point mass is constant in the axes of its
+//! node, whose angular velocity there is
 //!
 //! ```text
 //! ω_n = ω + θ̇ + ω × θ + ½ θ × (θ × ω) − ½ θ × θ̇ + …
 //! ```
 //!
-//! The terms of first order are those of the mass matrix. Those of second order meet the frame's own ω in `½ ω_n·J ω_n`, so
-//! they belong to the same order of the energy: without them a spinning disc has a wrong gyroscopic moment. With `Φ` the rows of
-//! the node's rotation and `J_k` the rows of J they add
+//! The terms of first order are those of the mass matrix. Those of second order meet the frame's own ω in `½
+//! ω_n·J ω_n`, so they belong to the same order of the energy: without them a spinning disc has a wrong
+//! gyroscopic moment. With `Φ` the rows of the node's rotation and `J_k` the rows of J they add
 //!
 //! ```text
 //! H_kl += ½ sym(Φᵀ J_k Φ_l + Φᵀ J_l Φ_k) − J_kl ΦᵀΦ        G_k −= ½ Φᵀ J_k~ Φ
@@ -27,9 +29,9 @@ const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 
 /// The largest part of a mass matrix that counts as rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Puts masses that stand beside their nodes on nodes of their own, tied rigidly to the first, where only the inertia about their
-/// centre stays. Mass and stiffness of the structure are the same; but now the mass moves with its own place, not with its node's.
-/// Masses that differ with the direction stay as they are.
+/// Puts masses that stand beside their nodes on nodes of their own, tied rigidly to the first, where only the
+/// inertia about their centre stays. Mass and stiffness of the structure are the same; but now the mass moves
+/// with its own place, not with its node's. Masses that differ with the direction stay as they are.
 pub fn split_offsets(mesh: &mut Mesh) {
     let mut id = mesh.nodes.iter().map(|node| node.id).max().unwrap_or(0);
     let mut number = mesh.point_masses.iter().map(|p| p.id).max().unwrap_or(0);
@@ -73,7 +75,8 @@ pub fn split_offsets(mesh: &mut Mesh) {
     mesh.point_masses.extend(added);
 }
 
-/// Mass, offset and central inertia of a matrix that is a rigid body's about a point beside its centre: `[m I, −m c~; m c~, J]`.
+/// Mass, offset and central inertia of a matrix that is a rigid body's about a point beside its centre: `[m
+/// I, −m c~; m c~, J]`.
 fn rigid_body(matrix: &[[f64; 6]; 6]) -> Option<(f64, [f64; 3], [[f64; 3]; 3])> {
     let mass = matrix[0][0];
     let alike = (0..3).all(|i| {
@@ -113,7 +116,8 @@ fn rigid_body(matrix: &[[f64; 6]; 6]) -> Option<(f64, [f64; 3], [[f64; 3]; 3])> 
         .then_some((mass, c, inertia))
 }
 
-/// Adds what turning with their nodes does to the rotary inertia of point masses: see the head of this module.
+/// Adds what turning with their nodes does to the rotary inertia of point masses: see the head of this
+/// module.
 pub fn add_turning(
     constants: &mut Invariants,
     points: &[PointMass],

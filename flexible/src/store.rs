@@ -1,13 +1,15 @@
-//! A reduced body as a file: everything that a run, its tables and the recovery of nodes and stresses need, read in one go.
+//! A reduced body as a file: everything that a run, its tables and the recovery of nodes and stresses need,
+//! read in one go.
 //!
 //! ```text
 //! magic (8 bytes) | version u32 | length of the whole u64 | key (32 bytes) | contents … | SHA-256 of all before (32 bytes)
 //! ```
 //!
-//! The head is little-endian, the contents are in the format of `postcard`, which keeps the bits of every f64: a body that was read
-//! gives the bits of the one that was written. Reading asks for every byte, and takes no more room than the bytes that are there fill.
-//! The caller keeps the file: written to a temporary name and renamed, it is whole or not there. It belongs to its [`Key`], a
-//! hash over the input: a body whose key differs is to be reduced again.
+//! The head is little-endian, the contents are in the format of `postcard`, which keeps the bits of every
+//! f64: a body that was read gives the bits of the one that was written. Reading asks for every byte, and
+//! takes no more room than the bytes that are there fill. The caller keeps the file: written to a temporary
+//! name and renamed, it is whole or not there. It belongs to its [`Key`], a hash over the input: a body whose
+//! key differs is to be reduced again.
 
 use crate::fe::{FreedomMap, Rules};
 use crate::mesh::Mesh;
@@ -18,7 +20,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-/// Version of the format. Raised as well when the same input gives other numbers, since it is part of the key.
+/// Version of the format. Raised as well when the same input gives other numbers, since it is part of the
+/// key.
 pub const FORMAT_VERSION: u32 = 7;
 
 /// A byte that no text begins with, a name, and a line's end that a transfer as text would spoil.
@@ -81,9 +84,9 @@ fn senseless(problem: impl std::fmt::Display) -> StoreError {
 pub struct Key(pub [u8; 32]);
 
 impl Key {
-    /// The key of a reduction: over the format's version, this crate's version, the contents' hashes of all files read, in the
-    /// order given, and the request as text ([`request_text`], with units, material and whatever else decides the result).
-    /// Names and dates of files don't matter.
+    /// The key of a reduction: over the format's version, this crate's version, the contents' hashes of all
+    /// files read, in the order given, and the request as text ([`request_text`], with units, material and
+    /// whatever else decides the result). Names and dates of files don't matter.
     pub fn new(files: &[[u8; 32]], request: &str) -> Key {
         let mut hash = Sha256::new();
         hash.update(MAGIC);
@@ -115,7 +118,8 @@ pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
-/// A request as canonical text: equal for equal requests only. Numbers stand in the shortest form that reads back as the same.
+/// A request as canonical text: equal for equal requests only. Numbers stand in the shortest form that reads
+/// back as the same.
 pub fn request_text(request: &Request) -> String {
     format!("{request:?}")
 }
@@ -125,7 +129,8 @@ pub fn request_text(request: &Request) -> String {
 pub struct StoredBody {
     /// What it was made from.
     pub key: Key,
-    /// Where it comes from, as names and values: source files with their SHA-256, the request, versions, units, mass rule.
+    /// Where it comes from, as names and values: source files with their SHA-256, the request, versions,
+    /// units, mass rule.
     pub provenance: Vec<(String, String)>,
     /// What the runtime computes with.
     pub body: ReducedBody,
@@ -144,8 +149,8 @@ pub struct StoredBody {
 }
 
 impl StoredBody {
-    /// What is kept of a reduction, with its key and provenance. To the latter the versions of format and crate and the rules
-    /// are added.
+    /// What is kept of a reduction, with its key and provenance. To the latter the versions of format and
+    /// crate and the rules are added.
     pub fn new(
         reduced: Reduced,
         rules: Rules,

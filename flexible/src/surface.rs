@@ -5,8 +5,9 @@ use crate::mesh::{ElementKind, Mesh};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Triangles of the outer faces of solids and of shells and facets, and the lines of beams: indices of nodes. A face with
-/// mid-side nodes becomes a triangle at each corner and the triangles of what they leave, so that it bends with all its nodes.
+/// Triangles of the outer faces of solids and of shells and facets, and the lines of beams: indices of nodes.
+/// A face with mid-side nodes becomes a triangle at each corner and the triangles of what they leave, so that
+/// it bends with all its nodes.
 #[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Surface {
     /// Corners of each triangle, anticlockwise as seen from outside.

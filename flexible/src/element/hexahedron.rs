@@ -155,8 +155,8 @@ fn linear(shape: &mut Shape, point: [f64; 3], dimension: usize) {
     }
 }
 
-/// Corners ∏ (1 + ξ ξᵢ)/2 · (Σ ξ ξᵢ − d + 1) in d dimensions; an edge's node has (1 − ξ²) along its edge and (1 + ξ ξᵢ)/2
-/// across.
+/// Corners ∏ (1 + ξ ξᵢ)/2 · (Σ ξ ξᵢ − d + 1) in d dimensions; an edge's node has (1 − ξ²) along its edge and
+/// (1 + ξ ξᵢ)/2 across.
 fn quadratic(shape: &mut Shape, point: [f64; 3], dimension: usize, edges: &[[usize; 2]]) {
     linear(shape, point, dimension);
     let corner_count = 1 << dimension;

@@ -1,9 +1,10 @@
 //! The table of finite elements: what each of them is, wherever one is met.
 //!
-//! A row is a [`Description`]: nodes, edges, faces, shape functions, integration rules, and the element's name and order of nodes in
-//! each code. It stands beside the shape functions in the file of its family; [`ElementKind::description`] finds it. Readers ask the
-//! table for names, the kernel for points, recovery and pictures for faces, so that a new element is a file with its row, a variant of
-//! [`ElementKind`] and an arm here. Which of its rules a code's name stands for is the business of [`crate::fe::form`].
+//! A row is a [`Description`]: nodes, edges, faces, shape functions, integration rules, and the element's
+//! name and order of nodes in each code. It stands beside the shape functions in the file of its family;
+//! [`ElementKind::description`] finds it. Readers ask the table for names, the kernel for points, recovery
+//! and pictures for faces, so that a new element is a file with its row, a variant of [`ElementKind`] and an
+//! arm here. Which of its rules a code's name stands for is the business of [`crate::fe::form`].
 //!
 //! Nodes are in the order of VTK and Abaqus: corners, then mid-side nodes in the order of the edges.
 
@@ -67,7 +68,8 @@ pub(crate) struct Description {
     linear: ElementKind,
     /// The corners of each edge, in the order of the mid-side nodes.
     pub(crate) edges: &'static [[usize; 2]],
-    /// The corners of each face, in the order S1, S2, … of Abaqus. Those of a solid run as seen from inside; a shell is one face.
+    /// The corners of each face, in the order S1, S2, … of Abaqus. Those of a solid run as seen from inside;
+    /// a shell is one face.
     pub(crate) faces: &'static [&'static [usize]],
     /// Tetrahedra, triangles or a line that fill the element between its corners.
     pub(crate) simplices: &'static [&'static [usize]],
@@ -79,8 +81,8 @@ pub(crate) struct Description {
     pub(crate) stiffness: fn() -> Vec<Point>,
     /// The fewer points of its reduced variant; those of the full one where it has none.
     pub(crate) reduced: fn() -> Vec<Point>,
-    /// Points that integrate N_a N_b det J exactly for any place of the nodes; for surfaces, whose area element is a root, exact
-    /// when flat, straight and (quadrilaterals) with any corners.
+    /// Points that integrate N_a N_b det J exactly for any place of the nodes; for surfaces, whose area
+    /// element is a root, exact when flat, straight and (quadrilaterals) with any corners.
     pub(crate) mass: fn() -> Vec<Point>,
     /// Points at which Abaqus integrates its mass.
     pub(crate) mass_of_abaqus: fn() -> Vec<Point>,
@@ -97,7 +99,8 @@ pub(crate) struct Names {
     pub(crate) nastran_order: Option<&'static [usize]>,
     /// Type in Abaqus and CalculiX: all of a shell's, the one without letters of a solid.
     pub(crate) abaqus: &'static [&'static str],
-    /// What follows the family's name in types of surfaces without stiffness and of plane elements: `3` of `SFM3D3`.
+    /// What follows the family's name in types of surfaces without stiffness and of plane elements: `3` of
+    /// `SFM3D3`.
     pub(crate) abaqus_facets: &'static [&'static str],
     /// Number of the type in gmsh.
     pub(crate) gmsh: Option<i32>,
@@ -198,7 +201,8 @@ impl ElementKind {
         Some((kind.linear(), kind))
     }
 
-    /// The kind of a type of Abaqus and CalculiX, given in capitals and without the letters of a solid's variant.
+    /// The kind of a type of Abaqus and CalculiX, given in capitals and without the letters of a solid's
+    /// variant.
     pub(crate) fn of_abaqus(name: &str) -> Option<ElementKind> {
         let named = |kind: &ElementKind| kind.description().names.abaqus.contains(&name);
         Self::ALL.into_iter().find(named)

@@ -1,6 +1,6 @@
-//! Pyramids: rational in ξ, η, ζ, but polynomials in the collapsed coordinates x = ξ/d, y = η/d, d = 1 − ζ, in which they are
-//! written here; so nothing divides by zero at the apex. The functions are G. Bedrosian's (Int. J. Numer. Meth. Eng. 35, 1992,
-//! pp. 95–108).
+//! Pyramids: rational in ξ, η, ζ, but polynomials in the collapsed coordinates x = ξ/d, y = η/d, d = 1 − ζ,
+//! in which they are written here; so nothing divides by zero at the apex. The functions are G. Bedrosian's
+//! (Int. J. Numer. Meth. Eng. 35, 1992, pp. 95–108).
 //!
 //! Every function but the apex's has a factor d: N = d g(x, y, d), and by the chain rule
 //! ∂N/∂ξ = g_x, ∂N/∂η = g_y, ∂N/∂ζ = −g − d g_d + x g_x + y g_y.
@@ -109,8 +109,8 @@ fn linear(shape: &mut Shape, point: [f64; 3]) {
     shape.slopes[4] = [0.0, 0.0, 1.0];
 }
 
-/// Base corners d (1 ± x)(1 ± y)(±ξ ± η − 1)/4, base edges d² (1 − x²)(1 ± y)/2, edges to the apex ζ d (1 ± x)(1 ± y), apex
-/// ζ (2ζ − 1).
+/// Base corners d (1 ± x)(1 ± y)(±ξ ± η − 1)/4, base edges d² (1 − x²)(1 ± y)/2, edges to the apex ζ d (1 ±
+/// x)(1 ± y), apex ζ (2ζ − 1).
 fn quadratic(shape: &mut Shape, point: [f64; 3]) {
     let [x, y, z] = point;
     let d = 1.0 - z;

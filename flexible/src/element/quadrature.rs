@@ -9,8 +9,9 @@
 //! | quadrilateral | ξ, η ∈ [−1, 1] | 4 |
 //! | triangle | r, s ≥ 0, r + s ≤ 1 | 1/2 |
 //!
-//! Simplices and pyramids of any degree come from Gauss–Jacobi rules on collapsed coordinates (A. H. Stroud, Approximate
-//! Calculation of Multiple Integrals, 1971, §2.4–2.5): all weights are positive, all points inside.
+//! Simplices and pyramids of any degree come from Gauss–Jacobi rules on collapsed coordinates (A. H. Stroud,
+//! Approximate Calculation of Multiple Integrals, 1971, §2.4–2.5): all weights are positive, all points
+//! inside.
 
 /// A point of a rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,8 +25,8 @@ pub struct Point {
 /// A place on the unit interval and its weight.
 type LinePoint = (f64, f64);
 
-/// Value and derivative of the Jacobi polynomial P_n^(α,0) at `x`, by the three-term recurrence (Abramowitz and Stegun
-/// 22.7.1).
+/// Value and derivative of the Jacobi polynomial P_n^(α,0) at `x`, by the three-term recurrence (Abramowitz
+/// and Stegun 22.7.1).
 fn jacobi(n: usize, alpha: f64, x: f64) -> (f64, f64) {
     let (mut previous, mut previous_slope) = (1.0, 0.0);
     if n == 0 {
@@ -48,8 +49,9 @@ fn jacobi(n: usize, alpha: f64, x: f64) -> (f64, f64) {
     (value, slope)
 }
 
-/// The `n`-point Gauss–Jacobi rule for ∫₀¹ (1 − t)^α f(t) dt, exact for polynomials f up to degree 2n − 1. Roots are isolated
-/// by signs on a fine grid (n ≤ 10 is far from its resolution) and polished by Newton; weights are 1/((1 − x²) P′(x)²).
+/// The `n`-point Gauss–Jacobi rule for ∫₀¹ (1 − t)^α f(t) dt, exact for polynomials f up to degree 2n − 1.
+/// Roots are isolated by signs on a fine grid (n ≤ 10 is far from its resolution) and polished by Newton;
+/// weights are 1/((1 − x²) P′(x)²).
 fn gauss_jacobi(n: usize, alpha: f64) -> Vec<LinePoint> {
     const CELLS: usize = 400;
     let mut points = Vec::with_capacity(n);
@@ -166,7 +168,8 @@ pub fn tetrahedron_1() -> Vec<Point> {
     }]
 }
 
-/// The symmetric tetrahedron rule of four points, exact to degree 2: barycentric (5 + 3√5)/20 and (5 − √5)/20.
+/// The symmetric tetrahedron rule of four points, exact to degree 2: barycentric (5 + 3√5)/20 and (5 −
+/// √5)/20.
 pub fn tetrahedron_4() -> Vec<Point> {
     let root = 5.0f64.sqrt();
     let (far, near) = ((5.0 + 3.0 * root) / 20.0, (5.0 - root) / 20.0);
@@ -214,8 +217,8 @@ pub fn wedge(triangle: &[Point], n: usize) -> Vec<Point> {
     points
 }
 
-/// The pyramid: `n`³ points, exact to degree 2n − 1 in each of the collapsed coordinates; the weights hold the map's
-/// (1 − ζ)².
+/// The pyramid: `n`³ points, exact to degree 2n − 1 in each of the collapsed coordinates; the weights hold
+/// the map's (1 − ζ)².
 pub fn pyramid(n: usize) -> Vec<Point> {
     let line = legendre(n);
     let mut points = Vec::with_capacity(n * n * n);

@@ -1,7 +1,7 @@
 //! Shape functions and their derivatives in the reference domains of [`super::quadrature`].
 //!
-//! Nodes are in the order of [`ElementKind`]. Shape functions sum to one, each is one at its node and zero at the others, and
-//! they hold all linear functions exactly.
+//! Nodes are in the order of [`ElementKind`]. Shape functions sum to one, each is one at its node and zero at
+//! the others, and they hold all linear functions exactly.
 
 use super::ElementKind;
 
@@ -25,17 +25,17 @@ impl Shape {
         }
     }
 
-    /// The functions of an element of this kind at a point of its reference domain (a pyramid's in collapsed coordinates). A
-    /// beam has none here: the result is zero.
+    /// The functions of an element of this kind at a point of its reference domain (a pyramid's in collapsed
+    /// coordinates). A beam has none here: the result is zero.
     pub fn at(kind: ElementKind, point: [f64; 3]) -> Self {
         let mut shape = Shape::zero();
         (kind.description().shape)(&mut shape, point);
         shape
     }
 
-    /// Removes a mid-side node: the edge becomes straight and linear, as half of the removed function goes to each of the
-    /// edge's corners. What remains still sums to one and holds linear functions, for the removed node's place is then the mean
-    /// of its corners'.
+    /// Removes a mid-side node: the edge becomes straight and linear, as half of the removed function goes to
+    /// each of the edge's corners. What remains still sums to one and holds linear functions, for the removed
+    /// node's place is then the mean of its corners'.
     pub fn remove_midside(&mut self, kind: ElementKind, local: usize) {
         let Some(edge) = local
             .checked_sub(kind.corner_count())

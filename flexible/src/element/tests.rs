@@ -8,7 +8,8 @@ fn kinds() -> impl Iterator<Item = ElementKind> {
     ElementKind::ALL.into_iter().filter(beam)
 }
 
-/// Places of the corners in the reference domain (a pyramid's in collapsed coordinates, its apex on the axis).
+/// Places of the corners in the reference domain (a pyramid's in collapsed coordinates, its apex on the
+/// axis).
 fn corner_places(kind: ElementKind) -> Vec<[f64; 3]> {
     let triangle = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
     let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -179,7 +180,8 @@ fn every_edge_of_a_solid_is_on_two_faces_in_opposite_directions() {
     }
 }
 
-/// Edges of gmsh's second-order volumes in the order of their mid-side nodes (gmsh reference manual, Node ordering).
+/// Edges of gmsh's second-order volumes in the order of their mid-side nodes (gmsh reference manual, Node
+/// ordering).
 #[test]
 fn middle_nodes_belong_to_their_edges() {
     let orders: [(i32, &[[usize; 2]]); 4] = [
@@ -241,7 +243,8 @@ fn middle_nodes_belong_to_their_edges() {
     }
 }
 
-/// Nastran gives the mid-side nodes of the vertical edges before those of the top (Quick Reference Guide, CHEXA and CPENTA).
+/// Nastran gives the mid-side nodes of the vertical edges before those of the top (Quick Reference Guide,
+/// CHEXA and CPENTA).
 #[test]
 fn names_find_their_kinds_and_orders_are_permutations() {
     for kind in ElementKind::ALL {

@@ -87,8 +87,8 @@ fn linear(shape: &mut Shape, point: [f64; 3]) {
     }
 }
 
-/// Corners L (2L − 1)(1 ± t)/2 − L (1 − t²)/2; edges of the triangles 2 L_a L_b (1 ± t); vertical edges L (1 − t²)
-/// (Zienkiewicz and Taylor, The Finite Element Method, vol. 1).
+/// Corners L (2L − 1)(1 ± t)/2 − L (1 − t²)/2; edges of the triangles 2 L_a L_b (1 ± t); vertical edges L (1
+/// − t²) (Zienkiewicz and Taylor, The Finite Element Method, vol. 1).
 fn quadratic(shape: &mut Shape, point: [f64; 3]) {
     let area = barycentric(point);
     let t = point[2];

@@ -1,8 +1,8 @@
 //! Stiffness and mass of a mesh.
 //!
-//! The matrices are laid out first; then blocks of elements are computed by all threads, and added by all threads, each into
-//! its own columns and in the order of the elements. So a sum has the same order, and the same bits, for any number of threads,
-//! and memory is the matrices and a few megabytes.
+//! The matrices are laid out first; then blocks of elements are computed by all threads, and added by all
+//! threads, each into its own columns and in the order of the elements. So a sum has the same order, and the
+//! same bits, for any number of threads, and memory is the matrices and a few megabytes.
 
 use super::beam;
 use super::check::{self, Role, role, wrong};
@@ -48,9 +48,9 @@ pub fn assemble(mesh: &Mesh, rules: &Rules) -> Result<Structure, FlexibleError> 
 /// Assembles a mesh in SI on so many threads; the result does not depend on how many.
 ///
 /// # Errors
-/// Places that are not numbers, indices out of range, missing or senseless sections and materials, inverted or flat elements
-/// (Jacobian at or below zero at an integration point of the stiffness), beams without length or orientation, nodes with mass
-/// but without stiffness, parts that nothing connects, no mass at all.
+/// Places that are not numbers, indices out of range, missing or senseless sections and materials, inverted
+/// or flat elements (Jacobian at or below zero at an integration point of the stiffness), beams without
+/// length or orientation, nodes with mass but without stiffness, parts that nothing connects, no mass at all.
 pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structure, FlexibleError> {
     check::check(mesh)?;
     form::check(mesh, rules.stiffness)?;

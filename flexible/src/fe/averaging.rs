@@ -1,17 +1,18 @@
-//! Averaging ties (RBE3, distributing couplings): the reference node moves as the rigid body that fits the motions of the others
-//! best.
+//! Averaging ties (RBE3, distributing couplings): the reference node moves as the rigid body that fits the
+//! motions of the others best.
 //!
-//! With independent freedoms q_k along directions a_k at places r_k from the reference, a rigid motion (u, θ) of the reference
-//! moves them by a·u + (r × a)·θ (translations) and a·θ (rotations). (u, θ) minimises
+//! With independent freedoms q_k along directions a_k at places r_k from the reference, a rigid motion (u, θ)
+//! of the reference moves them by a·u + (r × a)·θ (translations) and a·θ (rotations). (u, θ) minimises
 //!
 //! ```text
 //! Σ w (q − a·u − (r × a)·θ)²  +  Σ w L² (q − a·θ)²
 //!     translations                  rotations
 //! ```
 //!
-//! with L the mean distance of the nodes from the reference (MSC Nastran, Quick Reference Guide, RBE3: rotations count by a
-//! length, so that weights are comparable). By duality a force at the reference spreads over the nodes by their weights, with
-//! what balances its moment. Motions that no node shows (the spin of nodes on a line) are left out of the fit.
+//! with L the mean distance of the nodes from the reference (MSC Nastran, Quick Reference Guide, RBE3:
+//! rotations count by a length, so that weights are comparable). By duality a force at the reference spreads
+//! over the nodes by their weights, with what balances its moment. Motions that no node shows (the spin of
+//! nodes on a line) are left out of the fit.
 
 use super::check::wrong;
 use super::freedoms::{FreedomMap, direction};
@@ -19,8 +20,8 @@ use super::vector::{cross, norm, subtract};
 use crate::error::FlexibleError;
 use crate::mesh::Mesh;
 
-/// A freedom of the nodes that lead: freedom in local axes, its line in the fit over (u, L θ), its weight, and what its value
-/// is multiplied with (1 or L).
+/// A freedom of the nodes that lead: freedom in local axes, its line in the fit over (u, L θ), its weight,
+/// and what its value is multiplied with (1 or L).
 struct Term {
     freedom: u32,
     line: [f64; 6],
@@ -154,8 +155,8 @@ pub(super) fn followers(
     Ok(result)
 }
 
-/// Eigenvalues and, by columns, eigenvectors of a symmetric matrix: cyclic Jacobi rotations (G. H. Golub, C. F. Van Loan,
-/// Matrix Computations, §8.5).
+/// Eigenvalues and, by columns, eigenvectors of a symmetric matrix: cyclic Jacobi rotations (G. H. Golub, C.
+/// F. Van Loan, Matrix Computations, §8.5).
 fn eigen(mut matrix: [[f64; 6]; 6]) -> ([f64; 6], [[f64; 6]; 6]) {
     let mut vectors: [[f64; 6]; 6] =
         std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }));

@@ -1,8 +1,9 @@
-//! Three-dimensional Timoshenko beams: stiffness from the flexibility of a cantilever, mass from the displacements that the
-//! stiffness' own deformation gives.
+//! Three-dimensional Timoshenko beams: stiffness from the flexibility of a cantilever, mass from the
+//! displacements that the stiffness' own deformation gives.
 //!
-//! Element axes: x from the first end to the second (offsets included), y in the plane of x and the orientation vector, z = x × y.
-//! A section at (y, z) moves by u_x = u + z θ_y − y θ_z; section forces and strains are
+//! Element axes: x from the first end to the second (offsets included), y in the plane of x and the
+//! orientation vector, z = x × y. A section at (y, z) moves by u_x = u + z θ_y − y θ_z; section forces and
+//! strains are
 //!
 //! ```text
 //! N = EA u'    T = GJ θ_x'    V_y = k_y GA (v' − θ_z)    V_z = k_z GA (w' + θ_y)
@@ -10,9 +11,9 @@
 //! ⎣M_z⎦ = E ⎣−I_yz  I_z ⎦ ⎣θ_z'⎦      I_y = ∫ z² dA, I_z = ∫ y² dA, I_yz = ∫ y z dA
 //! ```
 //!
-//! (J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968, ch. 5 and 11, is the case without a product of moments).
-//! With a shear factor of zero the section does not shear. A section without a second moment carries no bending in that plane,
-//! one without a torsion constant no torque: rods and cables.
+//! (J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968, ch. 5 and 11, is the case without a
+//! product of moments). With a shear factor of zero the section does not shear. A section without a second
+//! moment carries no bending in that plane, one without a torsion constant no torque: rods and cables.
 
 use super::vector::{add, cross, norm, scale, subtract};
 use crate::element::quadrature::unit_interval;
@@ -21,8 +22,8 @@ use crate::mesh::{BeamAxes, BeamSection, Material, Section};
 /// A matrix over the twelve freedoms of two ends.
 pub type EndMatrix = [[f64; 12]; 12];
 
-/// Stiffness and mass over the nodes' twelve freedoms (translations and rotations of the first node, then of the second) in
-/// basic axes (N/m, N, N m; kg, kg m, kg m²).
+/// Stiffness and mass over the nodes' twelve freedoms (translations and rotations of the first node, then of
+/// the second) in basic axes (N/m, N, N m; kg, kg m, kg m²).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamMatrices {
     /// Stiffness.
@@ -98,8 +99,8 @@ impl Beam {
         })
     }
 
-    /// Displacement (v, w, θ_y, θ_z) at `s` of a cantilever clamped at the first end, a unit of each force (F_y, F_z, M_y, M_z)
-    /// at the second: columns are the forces.
+    /// Displacement (v, w, θ_y, θ_z) at `s` of a cantilever clamped at the first end, a unit of each force
+    /// (F_y, F_z, M_y, M_z) at the second: columns are the forces.
     fn cantilever(&self, s: f64) -> [[f64; 4]; 4] {
         let mut displacement = [[0.0; 4]; 4];
         // the integrands are quadratic: two points are exact
@@ -273,9 +274,10 @@ impl Beam {
 }
 
 impl Beam {
-    /// Geometric stiffness a unit of tension (1/m, –, m): `∫ v'v'ᵀ + w'w'ᵀ + (I_y + I_z)/A θ_x'θ_x'ᵀ dx` with the slopes of the
-    /// stiffness' own deformation, v' = θ_z + V_y/(k_y GA) and w' = −θ_y + V_z/(k_z GA) (Przemieniecki, ch. 15; the last term is
-    /// H. Wagner's, of the fibres that a turn inclines). Shear forces and moments at rest add nothing here.
+    /// Geometric stiffness a unit of tension (1/m, –, m): `∫ v'v'ᵀ + w'w'ᵀ + (I_y + I_z)/A θ_x'θ_x'ᵀ dx` with
+    /// the slopes of the stiffness' own deformation, v' = θ_z + V_y/(k_y GA) and w' = −θ_y + V_z/(k_z GA)
+    /// (Przemieniecki, ch. 15; the last term is H. Wagner's, of the fibres that a turn inclines). Shear
+    /// forces and moments at rest add nothing here.
     fn tension(&self) -> EndMatrix {
         let force = self.end_forces();
         let mut matrix = [[0.0; 12]; 12];
@@ -317,14 +319,16 @@ fn bending(index: usize) -> usize {
     6 * (index / 4) + BENDING[index % 4]
 }
 
-/// Stiffness, and another matrix over the same freedoms that follows it where ends are released: mass or geometric stiffness.
+/// Stiffness, and another matrix over the same freedoms that follows it where ends are released: mass or
+/// geometric stiffness.
 struct Pair {
     stiffness: EndMatrix,
     other: EndMatrix,
 }
 
-/// Lets a freedom of an end go: no force passes through it, so it follows the others, K ← K − k kᵀ/K_rr and M ← Tᵀ M T with
-/// the same T, also for the geometric matrix (static condensation, R. J. Guyan, AIAA J. 3, 1965).
+/// Lets a freedom of an end go: no force passes through it, so it follows the others, K ← K − k kᵀ/K_rr and M
+/// ← Tᵀ M T with the same T, also for the geometric matrix (static condensation, R. J. Guyan, AIAA J. 3,
+/// 1965).
 fn release(matrices: &mut Pair, freedom: usize, whole: f64) -> Result<(), String> {
     let row = matrices.stiffness[freedom];
     let pivot = row[freedom];
@@ -363,7 +367,8 @@ fn release(matrices: &mut Pair, freedom: usize, whole: f64) -> Result<(), String
     Ok(())
 }
 
-/// The stiffness and another matrix of a beam in element axes, and the transformation from the nodes' freedoms in basic ones.
+/// The stiffness and another matrix of a beam in element axes, and the transformation from the nodes'
+/// freedoms in basic ones.
 fn placed(
     positions: [[f64; 3]; 2],
     axes: &BeamAxes,
@@ -420,7 +425,8 @@ fn placed(
 /// Stiffness and mass of a beam between two nodes.
 ///
 /// # Errors
-/// In words: no length, an orientation along the beam, releases that leave a mechanism, a section that isn't a beam's.
+/// In words: no length, an orientation along the beam, releases that leave a mechanism, a section that isn't
+/// a beam's.
 pub fn matrices(
     positions: [[f64; 3]; 2],
     axes: &BeamAxes,

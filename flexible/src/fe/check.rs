@@ -1,5 +1,6 @@
-//! What a mesh must be before anything is computed from it. After [`check`] every index of the mesh is in range, every place
-//! is finite, and every element has the section and the constants it needs: the kernel indexes without asking again.
+//! What a mesh must be before anything is computed from it. After [`check`] every index of the mesh is in
+//! range, every place is finite, and every element has the section and the constants it needs: the kernel
+//! indexes without asking again.
 
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, BeamSection, Element, ElementKind, Material, Mesh, Section, Tie};
@@ -144,8 +145,8 @@ fn section_fault(section: &Section, role: Role) -> Option<String> {
 /// Checks a mesh.
 ///
 /// # Errors
-/// By id, the first kind of fault found: a place that is not a number; an index out of range; a corner that is missing; a
-/// section or constant that the element can't do with.
+/// By id, the first kind of fault found: a place that is not a number; an index out of range; a corner that
+/// is missing; a section or constant that the element can't do with.
 pub(super) fn check(mesh: &Mesh) -> Result<(), FlexibleError> {
     check_nodes(mesh)?;
     check_elements(mesh)?;

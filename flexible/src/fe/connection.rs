@@ -122,8 +122,8 @@ impl Pieces {
 /// Checks that every node with freedoms is held by something stiff and that all are one part.
 ///
 /// # Errors
-/// Nodes that carry mass but are held by no element with stiffness, spring or tie; parts that nothing connects, with the
-/// number of nodes and a node of each.
+/// Nodes that carry mass but are held by no element with stiffness, spring or tie; parts that nothing
+/// connects, with the number of nodes and a node of each.
 pub(super) fn check(mesh: &Mesh, freedoms: &FreedomMap) -> Result<(), FlexibleError> {
     let mut pieces = Pieces::new(mesh.nodes.len());
     for element in &mesh.elements {

@@ -1,7 +1,8 @@
 //! Stiffness and mass that another code wrote, over the freedoms of a mesh's nodes.
 //!
-//! The mesh gives places, analysis frames, ties and markers; its elements are not looked at. A freedom that no row names is
-//! one that a tie expresses, one that nothing moves (rotations of the nodes of solids), or one that the other code held.
+//! The mesh gives places, analysis frames, ties and markers; its elements are not looked at. A freedom that
+//! no row names is one that a tie expresses, one that nothing moves (rotations of the nodes of solids), or
+//! one that the other code held.
 
 use std::collections::BTreeMap;
 
@@ -149,7 +150,8 @@ fn tied(mesh: &Mesh) -> Vec<u8> {
     tied
 }
 
-/// A matrix over the full freedoms in basic axes: `Σ B_i a_ij B_jᵀ` with B_i the axes of node i's analysis frame.
+/// A matrix over the full freedoms in basic axes: `Σ B_i a_ij B_jᵀ` with B_i the axes of node i's analysis
+/// frame.
 fn spread(
     mesh: &Mesh,
     freedoms: &FreedomMap,
@@ -202,7 +204,8 @@ fn spread(
 /// Stiffness and mass of another code as a structure of the mesh (SI).
 ///
 /// # Errors
-/// Rows of nodes that the mesh does not hold, or twice the same; nodes without stiffness; parts that nothing connects; no mass.
+/// Rows of nodes that the mesh does not hold, or twice the same; nodes without stiffness; parts that nothing
+/// connects; no mass.
 pub fn from_matrices(
     mesh: &Mesh,
     stiffness: &NodalMatrix,

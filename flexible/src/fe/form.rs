@@ -1,15 +1,16 @@
 //! The form of each solid: the table of rules by which a code's name stands for a stiffness.
 //!
-//! [`RULES`] is read from above; the first line that fits an element says how it is made, or why it is refused. A new form is a
-//! variant of [`Form`], its mechanics in a file of its own, and a line.
+//! [`RULES`] is read from above; the first line that fits an element says how it is made, or why it is
+//! refused. A new form is a variant of [`Form`], its mechanics in a file of its own, and a line.
 //!
-//! CalculiX' C3D8R has one point, also for its mass, which then lacks the element's own inertia, and stiffness against hourglasses that
-//! resists rigid rotation in elements that are no parallelepipeds. Nastran
-//! takes shear at fewer points by default, and does not publish which: its quadratic elements and wedges are computed in full and told.
-//! A mesh of no code (gmsh) names no rule. Full integration of its 8-node hexahedra would lock in bending, so they have incompatible modes.
+//! CalculiX' C3D8R has one point, also for its mass, which then lacks the element's own inertia, and
+//! stiffness against hourglasses that resists rigid rotation in elements that are no parallelepipeds. Nastran
+//! takes shear at fewer points by default, and does not publish which: its quadratic elements and wedges are
+//! computed in full and told. A mesh of no code (gmsh) names no rule. Full integration of its 8-node
+//! hexahedra would lock in bending, so they have incompatible modes.
 //!
-//! Sources: Abaqus Theory Guide 3.2.4 and its matrices; CalculiX 2.20 (`e_c3d.f`, `shape8hu.f`, `shape8hr.f`) and its frequencies; MSC
-//! Nastran Quick Reference Guide, `PSOLID`.
+//! Sources: Abaqus Theory Guide 3.2.4 and its matrices; CalculiX 2.20 (`e_c3d.f`, `shape8hu.f`, `shape8hr.f`)
+//! and its frequencies; MSC Nastran Quick Reference Guide, `PSOLID`.
 
 use std::collections::BTreeMap;
 
@@ -47,8 +48,8 @@ pub(super) type Correction =
 pub(super) struct Inner {
     /// How many; each has three amplitudes.
     pub(super) count: u32,
-    /// Puts them behind the functions of so many nodes, at a point of the reference domain. They are zero where the element's own
-    /// functions are one: at its nodes.
+    /// Puts them behind the functions of so many nodes, at a point of the reference domain. They are zero
+    /// where the element's own functions are one: at its nodes.
     pub(super) put: fn(&mut Shape, usize, [f64; 3]),
 }
 

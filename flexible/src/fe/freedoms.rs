@@ -8,14 +8,16 @@ use super::rules::StiffnessRule;
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, ElementKind, Mesh, PointMass, Tie};
 
-/// Where each node's freedoms stand in a full vector: translations x, y, z (m), then rotations x, y, z (rad), in basic axes.
+/// Where each node's freedoms stand in a full vector: translations x, y, z (m), then rotations x, y, z (rad),
+/// in basic axes.
 ///
-/// Nodes turn (have rotations) at beams, at the independent node of a rigid tie, at the reference of an averaging one, at point
-/// masses with rotary inertia or an offset, and where a spring or an equation names a rotation. A node that nothing uses
-/// (a point that only gives a direction) has no freedoms.
+/// Nodes turn (have rotations) at beams, at the independent node of a rigid tie, at the reference of an
+/// averaging one, at point masses with rotary inertia or an offset, and where a spring or an equation names a
+/// rotation. A node that nothing uses (a point that only gives a direction) has no freedoms.
 ///
-/// Behind the mesh's nodes come inner ones, of solids whose form has functions of its own inside ([`super::form::Form`]): three
-/// amplitudes (m) each. They move in no rigid motion, and no tie, support or marker names them.
+/// Behind the mesh's nodes come inner ones, of solids whose form has functions of its own inside
+/// ([`super::form::Form`]): three amplitudes (m) each. They move in no rigid motion, and no tie, support or
+/// marker names them.
 #[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(
     try_from = "(Vec<u32>, Vec<(u32, u32)>)",
@@ -24,8 +26,8 @@ use crate::mesh::{ABSENT, ElementKind, Mesh, PointMass, Tie};
 pub struct FreedomMap {
     /// First freedom of each node, inner ones too, and the number of all freedoms.
     first: Vec<u32>,
-    /// Of each element with inner nodes, where its nodes start in the mesh's connectivity (ascending), and the end of its inner
-    /// nodes among all of them.
+    /// Of each element with inner nodes, where its nodes start in the mesh's connectivity (ascending), and
+    /// the end of its inner nodes among all of them.
     inner: Vec<(u32, u32)>,
 }
 
@@ -270,8 +272,8 @@ pub(super) fn is_isotropic(point: &PointMass) -> bool {
     })
 }
 
-/// Direction in basic axes of a component 0…5 of a node of a checked mesh: an axis of its analysis frame, along which it moves
-/// or about which it turns.
+/// Direction in basic axes of a component 0…5 of a node of a checked mesh: an axis of its analysis frame,
+/// along which it moves or about which it turns.
 pub(super) fn direction(mesh: &Mesh, node: u32, component: u8) -> [f64; 3] {
     let axis = usize::from(component % 3);
     let frame = mesh

@@ -1,15 +1,17 @@
 //! Geometric stiffness: what stresses that are there add to the resistance against a displacement.
 //!
-//! The virtual work of a stress σ on the second-order part of Green's strain, `½ ∂_i u_k ∂_j u_k`, is `δuᵀ K_σ u` with
+//! The virtual work of a stress σ on the second-order part of Green's strain, `½ ∂_i u_k ∂_j u_k`, is `δuᵀ
+//! K_σ u` with
 //!
 //! ```text
 //! solids  K_σ,ab = ∫ ∇N_aᵀ σ ∇N_b dV · I₃          beams  N ∫ v'v'ᵀ + w'w'ᵀ + (I_y + I_z)/A θ_x'θ_x'ᵀ dx
 //! ```
 //!
-//! (O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method, vol. 2; initial-stress matrix). Symmetric, not definite: tension
-//! stiffens, pressure softens. Solids use the points of their stiffness, so that a rigid turn θ of a body in equilibrium gives
-//! `K_σ (θ × x) = θ × f` with the nodes' loads f, to rounding. Of beams the mean tension of each element counts, not shear forces
-//! and moments. Ties are linear: their arms add nothing. Springs and shells have none.
+//! (O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method, vol. 2; initial-stress matrix). Symmetric,
+//! not definite: tension stiffens, pressure softens. Solids use the points of their stiffness, so that a
+//! rigid turn θ of a body in equilibrium gives `K_σ (θ × x) = θ × f` with the nodes' loads f, to rounding. Of
+//! beams the mean tension of each element counts, not shear forces and moments. Ties are linear: their arms
+//! add nothing. Springs and shells have none.
 
 use super::assemble::{of_beam, present};
 use super::beam;
@@ -24,8 +26,8 @@ use crate::error::FlexibleError;
 use crate::mesh::{Element, Mesh};
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 
-/// K_σ over full freedoms (N/m, N, N m). It has the form of a mass matrix: for solids one number a pair of nodes, alike in x, y
-/// and z; and a general part of beams.
+/// K_σ over full freedoms (N/m, N, N m). It has the form of a mass matrix: for solids one number a pair of
+/// nodes, alike in x, y and z; and a general part of beams.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeometricStiffness(Mass);
 

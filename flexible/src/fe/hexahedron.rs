@@ -1,7 +1,9 @@
-//! Eight-node hexahedra whose strains are not those of their shape functions alone: mean dilatation, incompatible modes.
+//! Eight-node hexahedra whose strains are not those of their shape functions alone: mean dilatation,
+//! incompatible modes.
 //!
-//! Both leave the strain linear in the displacements of the nodes, ε = (B + C) u with the shape functions' B and a correction C, so that
-//! stiffness is ∫ (B + C)ᵀ D (B + C) dV and stresses are D (B + C) u. C vanishes for displacements linear in space.
+//! Both leave the strain linear in the displacements of the nodes, ε = (B + C) u with the shape functions' B
+//! and a correction C, so that stiffness is ∫ (B + C)ᵀ D (B + C) dV and stresses are D (B + C) u. C vanishes
+//! for displacements linear in space.
 
 use super::rules::Table;
 use super::solid::{Gradients, PAIR, gradients, pair, tangents};
@@ -20,7 +22,8 @@ const MODES: usize = 9;
 /// Strain for a unit displacement of each corner along each axis (1/m).
 pub(super) type StrainRows = [Components; FREEDOMS];
 
-/// The strain ½ (∇u + ∇uᵀ) of a displacement along `axis` with this gradient (1/m); shear strains are engineering ones.
+/// The strain ½ (∇u + ∇uᵀ) of a displacement along `axis` with this gradient (1/m); shear strains are
+/// engineering ones.
 fn strain_of(gradient: [f64; 3], axis: usize) -> Components {
     let [x, y, z] = gradient;
     match axis {
@@ -95,12 +98,12 @@ pub(super) fn mean_dilatation(
     Ok(())
 }
 
-/// Displacements α_mk (1 − ξ_m²) e_k inside the element, m and k from 1 to 3, whose α take on the values of least energy:
-/// C = −G H⁻¹ L with the strains G of the modes, H = ∫ Gᵀ D G dV and L = ∫ Gᵀ D B dV.
+/// Displacements α_mk (1 − ξ_m²) e_k inside the element, m and k from 1 to 3, whose α take on the values of
+/// least energy: C = −G H⁻¹ L with the strains G of the modes, H = ∫ Gᵀ D G dV and L = ∫ Gᵀ D B dV.
 ///
-/// The modes' gradients are −2 ξ_m ∂ξ_m/∂x at the middle times j₀/j, so that ∫ G dV vanishes and constant strains are met in elements of
-/// any shape (R. L. Taylor, P. J. Beresford, E. L. Wilson, Int. J. Num. Meth. Eng. 10, 1976, 1211–1219). Bending of a parallelepiped is
-/// exact.
+/// The modes' gradients are −2 ξ_m ∂ξ_m/∂x at the middle times j₀/j, so that ∫ G dV vanishes and constant
+/// strains are met in elements of any shape (R. L. Taylor, P. J. Beresford, E. L. Wilson, Int. J. Num. Meth.
+/// Eng. 10, 1976, 1211–1219). Bending of a parallelepiped is exact.
 ///
 /// # Errors
 /// None: the Jacobians of the points have been checked.

@@ -7,8 +7,8 @@ use crate::sparse::product::{Lanes, TOGETHER, pack, unpack};
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 
-/// The mass matrix over full freedoms, M = M_s ⊗ I₃ + M_g: solids, shells and plain point masses are the same in all
-/// directions and need one number a pair of nodes; the rest is general.
+/// The mass matrix over full freedoms, M = M_s ⊗ I₃ + M_g: solids, shells and plain point masses are the same
+/// in all directions and need one number a pair of nodes; the rest is general.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mass {
     freedoms: FreedomMap,
@@ -36,8 +36,8 @@ impl RigidMass {
     }
 }
 
-/// The six rigid motions as full vectors one after the other: unit translations (m/m) along x, y, z, then small unit rotations
-/// (m/rad, rad/rad) about axes x, y, z through the origin of the basic frame, e × r.
+/// The six rigid motions as full vectors one after the other: unit translations (m/m) along x, y, z, then
+/// small unit rotations (m/rad, rad/rad) about axes x, y, z through the origin of the basic frame, e × r.
 pub fn rigid_motions(mesh: &Mesh, freedoms: &FreedomMap) -> Vec<f64> {
     let size = freedoms.size();
     let mut motions = vec![0.0; 6 * size];
@@ -130,14 +130,15 @@ impl Mass {
         SymmetricMatrix::from_parts(size, column_start, row, value)
     }
 
-    /// Mass properties of the structure moving as a rigid body, exactly as its matrix has them: Rᵀ M R with R of
-    /// [`rigid_motions`].
+    /// Mass properties of the structure moving as a rigid body, exactly as its matrix has them: Rᵀ M R with R
+    /// of [`rigid_motions`].
     pub fn rigid(&self, mesh: &Mesh) -> RigidMass {
         self.rigid_along(mesh).0
     }
 
-    /// Mass properties as [`Mass::rigid`] gives them, and the mass (kg) that each of the translations along x, y, z moves: one number of
-    /// three alike, but in matrices of models whose masses act along some axes only.
+    /// Mass properties as [`Mass::rigid`] gives them, and the mass (kg) that each of the translations along
+    /// x, y, z moves: one number of three alike, but in matrices of models whose masses act along some axes
+    /// only.
     pub fn rigid_along(&self, mesh: &Mesh) -> (RigidMass, [f64; 3]) {
         let size = self.freedoms.size();
         let motions = rigid_motions(mesh, &self.freedoms);
@@ -182,7 +183,8 @@ impl SymmetricOperator for Mass {
 }
 
 impl Mass {
-    /// Adds `M_s ⊗ I₃ x`, the part that is the same in all directions, to `y` for `columns` vectors one after the other.
+    /// Adds `M_s ⊗ I₃ x`, the part that is the same in all directions, to `y` for `columns` vectors one after
+    /// the other.
     pub fn add_alike(&self, columns: usize, x: &[f64], y: &mut [f64]) {
         let size = self.freedoms.size();
         let length = size * columns;

@@ -4,7 +4,8 @@
 //! Mesh (SI) ──check──▶ freedoms ──assemble──▶ Structure { stiffness, mass } ──ties──▶ Reduction (full = T · free)
 //! ```
 //!
-//! Everything is in SI and in the basic frame; analysis frames are turned in where supports, ties and springs are read.
+//! Everything is in SI and in the basic frame; analysis frames are turned in where supports, ties and springs
+//! are read.
 
 pub mod assemble;
 mod averaging;

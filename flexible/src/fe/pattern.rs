@@ -1,4 +1,5 @@
-//! Which nodes meet in the matrices, and where their blocks stand: the matrix is laid out before a number is computed.
+//! Which nodes meet in the matrices, and where their blocks stand: the matrix is laid out before a number is
+//! computed.
 
 use super::freedoms::FreedomMap;
 use crate::error::FlexibleError;
@@ -13,7 +14,8 @@ pub(super) struct Pattern {
 }
 
 impl Pattern {
-    /// From groups of nodes that meet: the groups' nodes one after the other, and where each group starts (and the end).
+    /// From groups of nodes that meet: the groups' nodes one after the other, and where each group starts
+    /// (and the end).
     pub(super) fn new(freedoms: &FreedomMap, group_start: &[usize], nodes: &[u32]) -> Self {
         let count = freedoms.all_nodes();
         // groups of each node
@@ -73,7 +75,8 @@ impl Pattern {
         })
     }
 
-    /// Index of the diagonal entry of a node in the node matrix; for the number of nodes, the number of entries.
+    /// Index of the diagonal entry of a node in the node matrix; for the number of nodes, the number of
+    /// entries.
     pub(super) fn diagonal(&self, node: u32) -> usize {
         self.start[node as usize] + node as usize
     }
@@ -125,7 +128,8 @@ impl Pattern {
 /// Where the block of two nodes stands.
 #[derive(Clone, Copy)]
 pub(super) struct Pair {
-    /// Freedoms of the first node's neighbours before the second: its rows start this far behind the first's own.
+    /// Freedoms of the first node's neighbours before the second: its rows start this far behind the first's
+    /// own.
     pub(super) before: usize,
     /// Index of the pair's entry in the node matrix.
     pub(super) entry: usize,

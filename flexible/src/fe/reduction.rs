@@ -11,15 +11,17 @@ use crate::sparse::SymmetricMatrix;
 
 /// The transformation T, by rows.
 ///
-/// Free freedoms are the independent ones in the order of the full ones. At nodes with an analysis frame that a tie or a support
-/// names they are in that frame's axes; everywhere else in basic ones. Full vectors always are in basic axes.
+/// Free freedoms are the independent ones in the order of the full ones. At nodes with an analysis frame that
+/// a tie or a support names they are in that frame's axes; everywhere else in basic ones. Full vectors always
+/// are in basic axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reduction {
     /// Index of the full freedom of each free one.
     free: Vec<u32>,
     /// Id of the node and component of each free freedom but inner ones, which are the last, for messages.
     names: Vec<(u64, u8)>,
-    /// Free freedoms in the axes of an analysis frame: the first of the three full ones of their kind there, and the axis.
+    /// Free freedoms in the axes of an analysis frame: the first of the three full ones of their kind there,
+    /// and the axis.
     turned: std::collections::BTreeMap<u32, (u32, [f64; 3])>,
     /// Terms of each full freedom.
     start: Vec<usize>,
@@ -28,8 +30,8 @@ pub struct Reduction {
 }
 
 impl Reduction {
-    /// Eliminates the ties of the mesh that `structure` was assembled from, with `held` freedoms at zero (the file's own
-    /// supports, [`Mesh::supports`], are held only where they are among them).
+    /// Eliminates the ties of the mesh that `structure` was assembled from, with `held` freedoms at zero (the
+    /// file's own supports, [`Mesh::supports`], are held only where they are among them).
     ///
     /// # Errors
     /// As [`Constraints::new`].
@@ -228,8 +230,8 @@ impl Reduction {
 
     /// Tᵀ A T of a matrix over full freedoms.
     ///
-    /// With plain freedoms p (free as they are) and others d = G f: A_pp + H Gᵀ + G Hᵀ with H = A_pd + ½ Gᵀ A_dd, both n × d,
-    /// so that nothing but the result and two thin matrices is held.
+    /// With plain freedoms p (free as they are) and others d = G f: A_pp + H Gᵀ + G Hᵀ with H = A_pd + ½ Gᵀ
+    /// A_dd, both n × d, so that nothing but the result and two thin matrices is held.
     ///
     /// # Errors
     /// When the matrix has another size.

@@ -1,4 +1,5 @@
-//! Homogeneous equations Σ c u = 0 that no freedom is named to satisfy: some freedoms are chosen and expressed by the others.
+//! Homogeneous equations Σ c u = 0 that no freedom is named to satisfy: some freedoms are chosen and
+//! expressed by the others.
 
 use std::collections::BTreeMap;
 
@@ -42,8 +43,9 @@ fn largest(sum: &Sum) -> Option<(u32, f64)> {
     })
 }
 
-/// Solves equations for the freedoms with the largest coefficients (Gauss–Jordan with the largest pivot of all rows left):
-/// each chosen freedom as a sum over freedoms that are not chosen. Equations that follow from others are dropped.
+/// Solves equations for the freedoms with the largest coefficients (Gauss–Jordan with the largest pivot of
+/// all rows left): each chosen freedom as a sum over freedoms that are not chosen. Equations that follow from
+/// others are dropped.
 pub(super) fn eliminate(equations: Vec<Sum>) -> BTreeMap<u32, Sum> {
     let mut open: Vec<Sum> = Vec::new();
     for equation in equations {

@@ -28,21 +28,23 @@ pub enum StiffnessRule {
     Nastran,
 }
 
-/// Integration and form of the elements' mass. The foreign rules differ in solids only. Beams are consistent in all.
+/// Integration and form of the elements' mass. The foreign rules differ in solids only. Beams are consistent
+/// in all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum MassRule {
     /// Consistent mass, integrated exactly for any element, curved ones included.
     #[default]
     Exact,
-    /// CalculiX 2.20: consistent mass integrated at the points of the stiffness, so that the 10-node tetrahedron's is
-    /// under-integrated at 4 points. Checked against its matrices for C3D8, C3D10 and C3D20, against its frequencies for C3D6, C3D8I
-    /// and C3D20R.
+    /// CalculiX 2.20: consistent mass integrated at the points of the stiffness, so that the 10-node
+    /// tetrahedron's is under-integrated at 4 points. Checked against its matrices for C3D8, C3D10 and C3D20,
+    /// against its frequencies for C3D6, C3D8I and C3D20R.
     CalculiX,
-    /// Abaqus: linear elements lumped by row sums, the 10-node tetrahedron exact, other quadratic solids at their full
-    /// stiffness points. Checked against its matrices for C3D4, C3D8, C3D10, C3D20 and C3D20R.
+    /// Abaqus: linear elements lumped by row sums, the 10-node tetrahedron exact, other quadratic solids at
+    /// their full stiffness points. Checked against its matrices for C3D4, C3D8, C3D10, C3D20 and C3D20R.
     Abaqus,
-    /// Diagonal mass: row sums for linear elements; the exact diagonal scaled to the element's mass for quadratic ones (E. Hinton,
-    /// T. Rock, O. C. Zienkiewicz, Earthq. Eng. Struct. Dyn. 4, 1976), whose row sums are partly negative.
+    /// Diagonal mass: row sums for linear elements; the exact diagonal scaled to the element's mass for
+    /// quadratic ones (E. Hinton, T. Rock, O. C. Zienkiewicz, Earthq. Eng. Struct. Dyn. 4, 1976), whose row
+    /// sums are partly negative.
     Lumped,
 }
 

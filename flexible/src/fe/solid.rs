@@ -167,8 +167,8 @@ pub(super) fn gradients(
     Ok(Gradients { slope, jacobian })
 }
 
-/// As [`gradients`] at a point of an element's stiffness. The slopes of inner functions are turned into space by the Jacobian at the
-/// middle of the element, as `table` has it.
+/// As [`gradients`] at a point of an element's stiffness. The slopes of inner functions are turned into space
+/// by the Jacobian at the middle of the element, as `table` has it.
 ///
 /// # Errors
 /// As [`gradients`].
@@ -208,13 +208,16 @@ pub(super) fn dual(rows: &[[f64; 3]; 3], jacobian: f64) -> [[f64; 3]; 3] {
     .map(|row| row.map(|x| x / jacobian))
 }
 
-/// Adds stiffness and mass of an element to zeroed `blocks` ([`PAIR`] numbers a pair of its nodes, see [`pair`]):
+/// Adds stiffness and mass of an element to zeroed `blocks` ([`PAIR`] numbers a pair of its nodes, see
+/// [`pair`]):
 ///
-/// K_ab = ∫ λ g_a g_bᵀ + μ g_b g_aᵀ + μ (g_a·g_b) I dV (N/m), m_ab = ∫ ρ N_a N_b dV (kg) (M = m ⊗ I₃), with g = ∂N/∂x: the
-/// principle of virtual work for σ = λ tr ε I + 2 μ ε. Of [`hexahedron`] where the form changes the strains.
+/// K_ab = ∫ λ g_a g_bᵀ + μ g_b g_aᵀ + μ (g_a·g_b) I dV (N/m), m_ab = ∫ ρ N_a N_b dV (kg) (M = m ⊗ I₃), with g
+/// = ∂N/∂x: the principle of virtual work for σ = λ tr ε I + 2 μ ε. Of [`hexahedron`] where the form changes
+/// the strains.
 ///
 /// # Errors
-/// The Jacobian (m³) where it is not positive: that of the corners alone, or at the first such point of the stiffness.
+/// The Jacobian (m³) where it is not positive: that of the corners alone, or at the first such point of the
+/// stiffness.
 pub(super) fn add_matrices(
     table: &Table,
     present: &Present,
@@ -284,8 +287,9 @@ fn add_stiffness(
     Ok(())
 }
 
-/// Adds the mass ∫ N_a N_b dm, given the values and the mass dm (kg) of each sample, in the table's form. Inner nodes have none where
-/// the mass is diagonal: they move in no rigid motion, so that their share would be missing at the others.
+/// Adds the mass ∫ N_a N_b dm, given the values and the mass dm (kg) of each sample, in the table's form.
+/// Inner nodes have none where the mass is diagonal: they move in no rigid motion, so that their share would
+/// be missing at the others.
 pub(super) fn add_mass(
     table: &Table,
     (count, inner): (usize, usize),

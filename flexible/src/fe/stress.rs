@@ -1,6 +1,7 @@
 //! Strain, stress and strain energy of solids from the displacements of their nodes.
 //!
-//! Components are in the order xx, yy, zz, xy, yz, zx, in basic axes; shear strains are engineering ones (γ = 2 ε).
+//! Components are in the order xx, yy, zz, xy, yz, zx, in basic axes; shear strains are engineering ones (γ =
+//! 2 ε).
 
 use super::check::{self, Role, role, wrong};
 use super::form;
@@ -25,7 +26,8 @@ pub struct StrainPoint {
     pub volume: f64,
     /// ∂N/∂x of each node (1/m).
     pub gradients: Vec<[f64; 3]>,
-    /// What the element's form adds to the strain, for a unit displacement of each node along each axis (1/m); empty: nothing.
+    /// What the element's form adds to the strain, for a unit displacement of each node along each axis
+    /// (1/m); empty: nothing.
     pub correction: Vec<Components>,
 }
 
@@ -87,7 +89,8 @@ pub struct ElementRecovery {
 }
 
 impl ElementRecovery {
-    /// For an element of a mesh in SI that passes the assembly's checks; `None` for other elements than solids.
+    /// For an element of a mesh in SI that passes the assembly's checks; `None` for other elements than
+    /// solids.
     ///
     /// # Errors
     /// As the assembly: a mesh that is not sound, an inverted element.
@@ -205,8 +208,8 @@ impl ElementRecovery {
             .collect()
     }
 
-    /// Values at the integration points carried to the nodes: by the linear functions of the corners that fit them best, and
-    /// as means of the corners at mid-side nodes.
+    /// Values at the integration points carried to the nodes: by the linear functions of the corners that fit
+    /// them best, and as means of the corners at mid-side nodes.
     pub fn at_nodes(&self, values: &[Components]) -> Vec<Components> {
         self.extrapolation
             .iter()
@@ -265,8 +268,8 @@ fn strain_points(
         .collect()
 }
 
-/// For each corner the factors of the values at points: the least-squares fit of the corners' linear functions, or the mean
-/// where there are fewer points than corners.
+/// For each corner the factors of the values at points: the least-squares fit of the corners' linear
+/// functions, or the mean where there are fewer points than corners.
 fn extrapolation(kind: ElementKind, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
     let corners = kind.corner_count();
     if points.len() < corners {
@@ -306,9 +309,9 @@ fn extrapolation(kind: ElementKind, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Stress (Pa) at each node from a full vector of displacements: integration points carried to the nodes, the mean of the
-/// elements of one material that meet there; where materials meet, those of the first element's material. `None` for nodes of
-/// no solid.
+/// Stress (Pa) at each node from a full vector of displacements: integration points carried to the nodes, the
+/// mean of the elements of one material that meet there; where materials meet, those of the first element's
+/// material. `None` for nodes of no solid.
 ///
 /// # Errors
 /// As [`ElementRecovery::new`]; a vector of another length.
@@ -330,8 +333,9 @@ pub fn nodal_stress(
         .collect())
 }
 
-/// As [`nodal_stress`] for several full vectors, one after the other, at the nodes that are `wanted`: whether there is a stress
-/// at each node of the mesh, and 6 × vectors numbers each (node by node, vector by vector; zero where there is none).
+/// As [`nodal_stress`] for several full vectors, one after the other, at the nodes that are `wanted`: whether
+/// there is a stress at each node of the mesh, and 6 × vectors numbers each (node by node, vector by vector;
+/// zero where there is none).
 ///
 /// # Errors
 /// As [`nodal_stress`].

@@ -5,7 +5,8 @@ use super::solid::{Present, add_mass, tangents};
 use super::vector::{cross, norm};
 use crate::element::MOST_NODES;
 
-/// Adds ∫ N_a N_b m dA to the masses of zeroed `blocks`, as [`super::solid::add_matrices`] does; `mass_per_area` (kg/m²).
+/// Adds ∫ N_a N_b m dA to the masses of zeroed `blocks`, as [`super::solid::add_matrices`] does;
+/// `mass_per_area` (kg/m²).
 ///
 /// # Errors
 /// The area a unit of the reference domain (m²) at the first point where it vanishes.

@@ -38,12 +38,12 @@ fn collected(terms: impl IntoIterator<Item = (u32, f64)>) -> Sum {
 }
 
 impl Constraints {
-    /// The ties of a checked mesh, with freedoms held at zero. A held freedom may be one that a tie makes dependent (the centre
-    /// of an averaging tie): then one of the freedoms it follows is given up for it.
+    /// The ties of a checked mesh, with freedoms held at zero. A held freedom may be one that a tie makes
+    /// dependent (the centre of an averaging tie): then one of the freedoms it follows is given up for it.
     ///
     /// # Errors
-    /// A freedom that two ties make dependent; ties in a circle; an averaging tie whose nodes don't determine its reference;
-    /// an equation without a first term.
+    /// A freedom that two ties make dependent; ties in a circle; an averaging tie whose nodes don't determine
+    /// its reference; an equation without a first term.
     pub fn new(
         mesh: &Mesh,
         freedoms: &FreedomMap,
@@ -124,8 +124,8 @@ fn name(mesh: &Mesh, freedoms: &FreedomMap, freedom: u32) -> String {
         })
 }
 
-/// The dependent freedoms of a rigid tie: with r from the independent node, a freedom along a moves by a·u + (r × a)·θ, one
-/// about a by a·θ.
+/// The dependent freedoms of a rigid tie: with r from the independent node, a freedom along a moves by a·u +
+/// (r × a)·θ, one about a by a·θ.
 fn rigid(
     mesh: &Mesh,
     freedoms: &FreedomMap,
@@ -207,7 +207,8 @@ fn equation(
     Ok((first, others))
 }
 
-/// Replaces dependent freedoms in the rules by what they depend on, in an order in which each is known when it is needed.
+/// Replaces dependent freedoms in the rules by what they depend on, in an order in which each is known when
+/// it is needed.
 fn resolve(rules: BTreeMap<u32, Rule>) -> Result<BTreeMap<u32, Sum>, FlexibleError> {
     // who waits for whom
     let mut waiting: BTreeMap<u32, usize> = BTreeMap::new();
@@ -270,7 +271,8 @@ fn resolve(rules: BTreeMap<u32, Rule>) -> Result<BTreeMap<u32, Sum>, FlexibleErr
     ))
 }
 
-/// Holds freedoms at zero. An independent one becomes an empty sum; a dependent one leaves the equation that its sum vanishes.
+/// Holds freedoms at zero. An independent one becomes an empty sum; a dependent one leaves the equation that
+/// its sum vanishes.
 fn hold(dependent: &mut BTreeMap<u32, Sum>, zero: &[u32]) {
     let mut residuals = Vec::new();
     let mut held: BTreeMap<u32, Sum> = BTreeMap::new();

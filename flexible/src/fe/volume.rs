@@ -28,7 +28,8 @@ struct Sum {
 }
 
 impl Sum {
-    /// A simplex of evenly spread mass: with k corners `∫ r rᵀ = m (Σ pᵢ pᵢᵀ + s sᵀ) / (k (k + 1))`, s the sum of the corners.
+    /// A simplex of evenly spread mass: with k corners `∫ r rᵀ = m (Σ pᵢ pᵢᵀ + s sᵀ) / (k (k + 1))`, s the
+    /// sum of the corners.
     fn add(&mut self, mass: f64, corners: &[[f64; 3]]) {
         let count = corners.len() as f64;
         let mut sum = [0.0; 3];
@@ -48,8 +49,9 @@ impl Sum {
     }
 }
 
-/// Mass properties about the origin of the basic frame with straight edges between corners, of a mesh in SI; `None` where no element has
-/// mass. Point masses count with their mass and rotary inertia; what a mesh refers to and does not hold is passed over.
+/// Mass properties about the origin of the basic frame with straight edges between corners, of a mesh in SI;
+/// `None` where no element has mass. Point masses count with their mass and rotary inertia; what a mesh
+/// refers to and does not hold is passed over.
 pub fn estimate(mesh: &Mesh) -> Option<RigidMass> {
     let mut sum = Sum::default();
     for element in &mesh.elements {

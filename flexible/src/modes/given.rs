@@ -19,7 +19,8 @@ const NAMED: usize = 10;
 pub struct Fitted {
     /// One after the other.
     pub vectors: Vec<f64>,
-    /// Of each shape: what the ties and supports of the structure leave of it, ‖T x − u‖ / ‖u‖ over the freedoms given.
+    /// Of each shape: what the ties and supports of the structure leave of it, ‖T x − u‖ / ‖u‖ over the
+    /// freedoms given.
     pub misfits: Vec<f64>,
     /// Rounding of their entries, of the largest.
     pub noise: f64,
@@ -32,12 +33,13 @@ fn refuse(problem: String, advice: &str) -> FlexibleError {
     }
 }
 
-/// The free freedoms x for which the full ones T x come nearest to the given shapes u (least squares over the freedoms that the file
-/// gives): a node that ties join to others follows them, and the centre of a rigid spider is found from its nodes. Rotations
-/// are taken as given only where the file has any.
+/// The free freedoms x for which the full ones T x come nearest to the given shapes u (least squares over the
+/// freedoms that the file gives): a node that ties join to others follows them, and the centre of a rigid
+/// spider is found from its nodes. Rotations are taken as given only where the file has any.
 ///
 /// # Errors
-/// Nodes of the file that the mesh does not hold; freedoms that the shapes don't determine; shapes that the structure can't take.
+/// Nodes of the file that the mesh does not hold; freedoms that the shapes don't determine; shapes that the
+/// structure can't take.
 pub fn fit(
     mesh: &Mesh,
     freedoms: &FreedomMap,
@@ -144,7 +146,8 @@ fn given_rows(mesh: &Mesh, given: &GivenModes) -> Result<Vec<GivenRow>, Flexible
     Ok(nodes.filter_map(|id| index.get(id)).map(row).collect())
 }
 
-/// The given shapes over the full freedoms in SI, along the mesh's axes, one after the other; zero where the file gives nothing.
+/// The given shapes over the full freedoms in SI, along the mesh's axes, one after the other; zero where the
+/// file gives nothing.
 ///
 /// # Errors
 /// Shapes with values missing or not finite.
@@ -185,7 +188,8 @@ fn full_shapes(
     Ok(full)
 }
 
-/// ‖found − given‖ / ‖given‖ of each shape over the known freedoms, of `size` in all; zero for a shape without any motion.
+/// ‖found − given‖ / ‖given‖ of each shape over the known freedoms, of `size` in all; zero for a shape
+/// without any motion.
 fn misfits(size: usize, known: &[(u32, u32, f64)], given: &[f64], found: &[f64]) -> Vec<f64> {
     let shapes = given.chunks_exact(size.max(1));
     let pairs = shapes.zip(found.chunks_exact(size.max(1)));

@@ -4,9 +4,10 @@ use super::{Load, Structure, products};
 use crate::error::FlexibleError;
 use crate::solve::dense::{positive_inverse, symmetric_eigen};
 
-/// Rigid motions of which the interface's rows, of unit length each, see less than this share (squared) count as not held. A lever of a
-/// hundredth of the body's size holds nothing (mean places of a journal's nodes are easily that far off the axis): it would only make
-/// a spin of some hertz, which without its rigid part is what the constraint modes have already.
+/// Rigid motions of which the interface's rows, of unit length each, see less than this share (squared) count
+/// as not held. A lever of a hundredth of the body's size holds nothing (mean places of a journal's nodes are
+/// easily that far off the axis): it would only make a spin of some hertz, which without its rigid part is
+/// what the constraint modes have already.
 const LEFT: f64 = 1e-4;
 /// The least eigenvalue, of the largest, of the interface's flexibility scaled to a unit diagonal.
 const DEPENDENT: f64 = 1e-11;
@@ -109,9 +110,10 @@ impl<'a> Interface<'a> {
         self.rows.iter().map(Load::plain).collect()
     }
 
-    /// Displacements with a unit displacement of each row, the others zero, loaded at the interface alone, from the attachment modes A of
-    /// its rows C: `u = A p + R α` with `Cᵀ u = eⱼ` and `Rᵀ C p = 0` (R: rigid motions that the interface holds; motions that it leaves don't
-    /// appear). With the flexibility `F = Cᵀ A` and `S = Cᵀ R`: `α = (Sᵀ F⁻¹ S)⁻¹ Sᵀ F⁻¹ eⱼ`, `p = F⁻¹ (eⱼ − S α)`.
+    /// Displacements with a unit displacement of each row, the others zero, loaded at the interface alone,
+    /// from the attachment modes A of its rows C: `u = A p + R α` with `Cᵀ u = eⱼ` and `Rᵀ C p = 0` (R: rigid
+    /// motions that the interface holds; motions that it leaves don't appear). With the flexibility `F = Cᵀ
+    /// A` and `S = Cᵀ R`: `α = (Sᵀ F⁻¹ S)⁻¹ Sᵀ F⁻¹ eⱼ`, `p = F⁻¹ (eⱼ − S α)`.
     ///
     /// # Errors
     /// When a row follows from others.

@@ -51,8 +51,8 @@ impl<'a> Structure<'a> {
     /// A body that nothing holds, with its six rigid motions as vectors one after the other.
     ///
     /// # Errors
-    /// When the rigid motions have no mass, or stretch the structure: their strain energy is above 1e-6 of what their motions
-    /// would cost freedom by freedom.
+    /// When the rigid motions have no mass, or stretch the structure: their strain energy is above 1e-6 of
+    /// what their motions would cost freedom by freedom.
     pub fn free(
         stiffness: &'a SymmetricMatrix,
         mass: &'a SymmetricMatrix,
@@ -86,8 +86,8 @@ impl<'a> Structure<'a> {
     }
 }
 
-/// A unit load on the structure, and the displacement it works on: a row of a marker over the free freedoms. That displacement can
-/// be held too.
+/// A unit load on the structure, and the displacement it works on: a row of a marker over the free freedoms.
+/// That displacement can be held too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
     /// `main[2].x`.

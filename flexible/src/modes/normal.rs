@@ -6,7 +6,8 @@ use crate::error::FlexibleError;
 use crate::solve::factor::diagonal;
 use crate::solve::{EigenOptions, Modes, Shifted, SturmCount, lowest_modes, lowest_modes_from};
 
-/// An elastic mode's eigenvalue below this part of the typical ratio of the diagonals of stiffness and mass is rounding.
+/// An elastic mode's eigenvalue below this part of the typical ratio of the diagonals of stiffness and mass
+/// is rounding.
 const LOOSE: f64 = 1e-12;
 
 /// What is held besides the structure's own supports.
@@ -15,7 +16,8 @@ pub enum Boundary {
     /// Nothing: free modes of a free body, supported ones of a supported body.
     #[default]
     AsIs,
-    /// What these loads work on: fixed-interface modes. A freedom is taken out; a combination of freedoms is held by a multiplier.
+    /// What these loads work on: fixed-interface modes. A freedom is taken out; a combination of freedoms is
+    /// held by a multiplier.
     Fixed(Vec<Load>),
 }
 
@@ -91,7 +93,8 @@ pub fn normal_modes_from(
     }
 }
 
-/// Modes with an interface held. Rigid motions that it leaves (axial motion and spin of collinear journals) are not counted.
+/// Modes with an interface held. Rigid motions that it leaves (axial motion and spin of collinear journals)
+/// are not counted.
 fn fixed(
     structure: &Structure,
     request: Modes,

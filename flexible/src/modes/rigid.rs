@@ -94,13 +94,14 @@ impl Rigid {
         }
     }
 
-    /// The largest `‖K r‖ / ‖|K| |r|‖` of a rigid motion r: the part of the forces freedom by freedom that does not cancel. It is about the
-    /// rounding of the entries of K.
+    /// The largest `‖K r‖ / ‖|K| |r|‖` of a rigid motion r: the part of the forces freedom by freedom that
+    /// does not cancel. It is about the rounding of the entries of K.
     pub fn residual(&self) -> f64 {
         self.residual
     }
 
-    /// The largest |eigenvalue| of `RᵀKR` (rad²/s²): zero but for the rounding of K, and about what that does to every eigenvalue.
+    /// The largest |eigenvalue| of `RᵀKR` (rad²/s²): zero but for the rounding of K, and about what that does
+    /// to every eigenvalue.
     pub fn noise(&self) -> f64 {
         self.noise
     }
@@ -115,8 +116,8 @@ impl Rigid {
         self.motions.len() / self.size
     }
 
-    /// As many freedoms as there are rigid motions that hold these without more: the ones on which what is left of the motions is
-    /// largest, one after the other (elimination with complete pivoting).
+    /// As many freedoms as there are rigid motions that hold these without more: the ones on which what is
+    /// left of the motions is largest, one after the other (elimination with complete pivoting).
     pub fn holding_freedoms(&self) -> Vec<usize> {
         let count = self.count();
         let mut left = self.motions.clone();
@@ -151,7 +152,8 @@ impl Rigid {
     }
 }
 
-/// `‖K r‖ / ‖|K| |r|‖` of each motion r: the part of the forces, freedom by freedom, that does not cancel; zero without forces.
+/// `‖K r‖ / ‖|K| |r|‖` of each motion r: the part of the forces, freedom by freedom, that does not cancel;
+/// zero without forces.
 pub fn residuals(stiffness: &SymmetricMatrix, motions: &[f64]) -> Vec<f64> {
     let size = stiffness.size();
     let mut sizes = stiffness.clone();

@@ -23,7 +23,8 @@ pub struct Candidate {
     pub label: String,
     /// Over the free freedoms.
     pub vector: Vec<f64>,
-    /// Rounding of its entries, of the largest: zero for computed ones. What is left of it within ten times that is noise.
+    /// Rounding of its entries, of the largest: zero for computed ones. What is left of it within ten times
+    /// that is noise.
     pub noise: f64,
 }
 
@@ -47,8 +48,8 @@ pub struct ModeSet {
     pub stiffness: Vec<f64>,
     /// Labels of the modes that went into the set.
     pub sources: Vec<String>,
-    /// For each mode (one row each) its amplitudes in the sources, each of unit strain energy as the mode is: φ = Σ cⱼ vⱼ. A row's squares
-    /// add to one where the sources are orthogonal in K.
+    /// For each mode (one row each) its amplitudes in the sources, each of unit strain energy as the mode is:
+    /// φ = Σ cⱼ vⱼ. A row's squares add to one where the sources are orthogonal in K.
     pub amplitudes: Vec<f64>,
     /// What was left out.
     pub dropped: Vec<Dropped>,
@@ -73,9 +74,10 @@ impl ModeSet {
             .collect()
     }
 
-    /// Makes the set that spans the candidates. Rigid motion is taken out of those of a free structure. Each is scaled to unit strain
-    /// energy, made orthogonal in K to those before it (twice, for the digits) and dropped where nothing is left: never by frequency,
-    /// which would destroy what static modes are for. A small eigenproblem of the mass then gives the set.
+    /// Makes the set that spans the candidates. Rigid motion is taken out of those of a free structure. Each
+    /// is scaled to unit strain energy, made orthogonal in K to those before it (twice, for the digits) and
+    /// dropped where nothing is left: never by frequency, which would destroy what static modes are for. A
+    /// small eigenproblem of the mass then gives the set.
     ///
     /// # Errors
     /// When a vector has another length than the structure has freedoms, or is not finite.
@@ -165,8 +167,8 @@ struct Entering {
 }
 
 impl Basis {
-    /// Takes up what a group of candidates adds, in their order. Products with K and with the basis are
-    /// those of the whole group at once; forces go with the vectors, as long as these keep enough of themselves.
+    /// Takes up what a group of candidates adds, in their order. Products with K and with the basis are those
+    /// of the whole group at once; forces go with the vectors, as long as these keep enough of themselves.
     fn take_up(
         &mut self,
         structure: &Structure,
@@ -223,7 +225,8 @@ impl Basis {
         Ok(())
     }
 
-    /// Takes out of a vector, and of its force, what lies along the basis from `first` on, twice for the digits.
+    /// Takes out of a vector, and of its force, what lies along the basis from `first` on, twice for the
+    /// digits.
     fn project(
         &self,
         size: usize,
@@ -322,7 +325,8 @@ fn scale_to_unit_energy(
     *forces = kept;
 }
 
-/// Keeps those candidates and their vectors that a test says, in their order; the others are dropped without remains.
+/// Keeps those candidates and their vectors that a test says, in their order; the others are dropped without
+/// remains.
 fn keep(
     size: usize,
     entering: &mut Vec<Entering>,

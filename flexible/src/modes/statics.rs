@@ -13,8 +13,8 @@ const MOST_STEPS: usize = 7;
 /// Energy of what is missing, of the first step's, at which one more step is the last.
 const ENOUGH: f64 = 1e-18;
 
-/// Solves `K u = f` for several loads, one after the other in `vectors`, which become the displacements. Freedoms in `held` stay
-/// at zero.
+/// Solves `K u = f` for several loads, one after the other in `vectors`, which become the displacements.
+/// Freedoms in `held` stay at zero.
 fn solve(
     stiffness: &SymmetricMatrix,
     held: &[bool],
@@ -55,8 +55,9 @@ fn solve(
     Ok(())
 }
 
-/// Attachment modes: the displacement under each unit load. A free structure's loads are balanced by the inertia of the rigid
-/// motion they cause (inertia relief), and rigid motion is taken out of the displacements (mean axes).
+/// Attachment modes: the displacement under each unit load. A free structure's loads are balanced by the
+/// inertia of the rigid motion they cause (inertia relief), and rigid motion is taken out of the
+/// displacements (mean axes).
 ///
 /// # Errors
 /// [`FlexibleError::Singular`] when the structure is a mechanism.
@@ -64,7 +65,8 @@ pub fn attachment_modes(structure: &Structure, loads: &[Load]) -> Result<Vec<f64
     attachment_modes_by(&mut None, structure, loads)
 }
 
-/// As [`attachment_modes`], by a factor of `K − σ M` where it is near enough to K; it is gone where it is not.
+/// As [`attachment_modes`], by a factor of `K − σ M` where it is near enough to K; it is gone where it is
+/// not.
 ///
 /// # Errors
 /// As [`attachment_modes`].
@@ -104,10 +106,11 @@ pub fn attachment_modes_by(
     Ok(vectors)
 }
 
-/// Solves `K u = f` for loads one after the other with a factor of `A = K − σ M`: conjugate gradients preconditioned by A, each load for itself.
-/// The eigenvalues of `A⁻¹K` over elastic motions are λ/(λ + |σ|), so that a step gains about the factor 4 λ₁/|σ|. With the
-/// remainder r of the loads, `rᵀA⁻¹r` is about the energy of what is missing: below 1e-18 of the first one a last step by A alone takes all
-/// of it but the part |σ|/λ₁. None where the steps don't suffice: σ is not small enough, or a load meets no resistance.
+/// Solves `K u = f` for loads one after the other with a factor of `A = K − σ M`: conjugate gradients
+/// preconditioned by A, each load for itself. The eigenvalues of `A⁻¹K` over elastic motions are λ/(λ + |σ|),
+/// so that a step gains about the factor 4 λ₁/|σ|. With the remainder r of the loads, `rᵀA⁻¹r` is about the
+/// energy of what is missing: below 1e-18 of the first one a last step by A alone takes all of it but the
+/// part |σ|/λ₁. None where the steps don't suffice: σ is not small enough, or a load meets no resistance.
 fn corrected(
     structure: &Structure,
     near: &Shifted,
@@ -172,9 +175,10 @@ fn add(y: &mut [f64], factor: f64, x: &[f64]) {
     }
 }
 
-/// Constraint modes: the displacement for a unit displacement of each row of `interface`, the others of them held and all else
-/// unloaded (R. R. Craig, M. C. C. Bampton, AIAA Journal 6 (1968) 1313). Their span holds the rigid motions of a free body that the
-/// interface holds; from those that it leaves (spin of collinear journals) the modes are free.
+/// Constraint modes: the displacement for a unit displacement of each row of `interface`, the others of them
+/// held and all else unloaded (R. R. Craig, M. C. C. Bampton, AIAA Journal 6 (1968) 1313). Their span holds
+/// the rigid motions of a free body that the interface holds; from those that it leaves (spin of collinear
+/// journals) the modes are free.
 ///
 /// # Errors
 /// [`FlexibleError::Singular`] when the structure is a mechanism, a row that follows from others.

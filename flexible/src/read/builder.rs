@@ -1,5 +1,5 @@
-//! What the readers of all formats build a mesh with: elements with their nodes, beams with their axes, and properties and materials
-//! that are made once, when an element first uses them.
+//! What the readers of all formats build a mesh with: elements with their nodes, beams with their axes, and
+//! properties and materials that are made once, when an element first uses them.
 
 use std::collections::BTreeMap;
 

@@ -149,8 +149,8 @@ pub(crate) trait Readable: Stated + PartialEq {
     }
 }
 
-/// What a reader gave, but for a damaged packed file, whose rubbish it took for text; and for a file that is another's: then both formats
-/// are named, and the word that reads it.
+/// What a reader gave, but for a damaged packed file, whose rubbish it took for text; and for a file that is
+/// another's: then both formats are named, and the word that reads it.
 pub(crate) fn explained<F: Readable, T>(
     files: &dyn Files,
     file: &str,

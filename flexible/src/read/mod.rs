@@ -1,4 +1,5 @@
-//! Readers of finite-element files. One module a family of formats; what they give is a [`crate::Mesh`] or matrices.
+//! Readers of finite-element files. One module a family of formats; what they give is a [`crate::Mesh`] or
+//! matrices.
 
 pub mod abaqus;
 mod builder;
@@ -20,8 +21,8 @@ use crate::mesh::{Code, Mesh};
 use content::{Content, Readable, explained};
 pub use eng_system::mesh_files::MeshFormat;
 
-/// Gives the readers their files. Names are as the model writes them; a name inside a file (`INCLUDE`) is looked up relative to the
-/// including file first, then beside the model.
+/// Gives the readers their files. Names are as the model writes them; a name inside a file (`INCLUDE`) is
+/// looked up relative to the including file first, then beside the model.
 pub trait Files {
     /// Opens a file.
     ///
@@ -56,7 +57,8 @@ pub fn read_mesh(files: &dyn Files, name: &str, format: MeshFormat) -> Result<Me
     explained(files, name, format, read)
 }
 
-/// What is wrong with a gzip-compressed file, found by unpacking all of it; `None` for one that is whole, or not packed.
+/// What is wrong with a gzip-compressed file, found by unpacking all of it; `None` for one that is whole, or
+/// not packed.
 fn damaged_packing(files: &dyn Files, name: &str) -> Option<String> {
     let mut packed = BufReader::new(files.open(name).ok()?);
     if !packed.fill_buf().ok()?.starts_with(&PACKED) {

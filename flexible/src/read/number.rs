@@ -1,7 +1,8 @@
-//! Numbers as bulk data writes them: reals with or without the letter of their exponent, integers, lists of freedoms.
+//! Numbers as bulk data writes them: reals with or without the letter of their exponent, integers, lists of
+//! freedoms.
 
-/// A real: `1.5`, `.5`, `1.5E+3`, `1.5D+3`, `1.5+3`, `-1.-3`. An integer counts as a real, as in most readers. `None`: no number, or
-/// one that isn't finite.
+/// A real: `1.5`, `.5`, `1.5E+3`, `1.5D+3`, `1.5+3`, `-1.-3`. An integer counts as a real, as in most
+/// readers. `None`: no number, or one that isn't finite.
 pub(super) fn real(text: &str) -> Option<f64> {
     let mut plain = String::with_capacity(text.len() + 1);
     let mut characters = text.chars().peekable();

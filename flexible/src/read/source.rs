@@ -86,7 +86,8 @@ impl<'f> Source<'f> {
         !self.stack.is_empty()
     }
 
-    /// A line of the innermost file as it stands, with its end; `None` at the end of the file, which stays open.
+    /// A line of the innermost file as it stands, with its end; `None` at the end of the file, which stays
+    /// open.
     pub fn line(&mut self) -> Result<Option<(Vec<u8>, At)>, FileProblem> {
         let Some(file) = self.stack.last_mut() else {
             return Ok(None);
@@ -181,7 +182,8 @@ pub(super) fn whole(name: &str, problem: &str, advice: &str) -> FileProblem {
     }
 }
 
-/// Names under which an included file may be found, best first. A logical prefix (`VAR:file`) can't be known here and is left out.
+/// Names under which an included file may be found, best first. A logical prefix (`VAR:file`) can't be known
+/// here and is left out.
 fn candidates(beside: &[&str], name: &str) -> Vec<String> {
     let plain = name.replace('\\', "/");
     let mut forms = vec![plain.clone()];

@@ -48,8 +48,9 @@ pub(super) fn product(a: &Rotation, b: &Rotation) -> Rotation {
     from_axes(column(0), column(1), column(2))
 }
 
-/// Axes of a beam from `first` to `second` with a vector in its first plane: x along it, y in that plane, z completes. `None` where
-/// the beam has no length or the vector no part across it (less than 1e-8 of its length).
+/// Axes of a beam from `first` to `second` with a vector in its first plane: x along it, y in that plane, z
+/// completes. `None` where the beam has no length or the vector no part across it (less than 1e-8 of its
+/// length).
 pub(super) fn beam_axes(along: [f64; 3], orientation: [f64; 3]) -> Option<Rotation> {
     let x = unit(along)?;
     let z = cross(x, unit(orientation)?);

@@ -4,8 +4,8 @@
 //! u = Φ a      σ = Σ a_k σ_k      U = ½ aᵀ k a
 //! ```
 //!
-//! σ_k is the stress of shape k, computed once. With static modes the stress under the loads that they serve is that of the whole
-//! finite-element model; what inertia adds is as good as the modes span it.
+//! σ_k is the stress of shape k, computed once. With static modes the stress under the loads that they serve
+//! is that of the whole finite-element model; what inertia adds is as good as the modes span it.
 
 pub mod motion;
 pub mod stress;

@@ -1,6 +1,7 @@
 //! Motion of nodes from the motion of the body's frame and the amplitudes.
 //!
-//! With the place `s` of a node, `u = Φt a`, `p = s + u`, the frame at `r` with the orientation `A` (body → inertial):
+//! With the place `s` of a node, `u = Φt a`, `p = s + u`, the frame at `r` with the orientation `A` (body →
+//! inertial):
 //!
 //! ```text
 //! x = r + A p      ẋ = ṙ + A (ω × p + u̇)      ẍ = r̈ + A (ω̇ × p + ω × (ω × p) + 2 ω × u̇ + ü)

@@ -1,4 +1,5 @@
-//! Stresses by modes: those of each shape are computed once, those of a moment are their sum with its amplitudes.
+//! Stresses by modes: those of each shape are computed once, those of a moment are their sum with its
+//! amplitudes.
 
 use super::{Recovery, check_length, wrong};
 use crate::error::FlexibleError;
@@ -7,7 +8,8 @@ use crate::fe::stress::{Components, ElementRecovery, nodal_stresses, von_mises};
 /// Where a stress is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Location {
-    /// A node, by index: integration points carried to it, the mean of the elements of one material that meet there.
+    /// A node, by index: integration points carried to it, the mean of the elements of one material that meet
+    /// there.
     Node(u32),
     /// An integration point of an element, both by index.
     Point {
@@ -56,7 +58,8 @@ impl Recovery<'_> {
         Ok(stress)
     }
 
-    /// Stresses of the modes at the integration points of elements, by index. Elements that are no solids have none.
+    /// Stresses of the modes at the integration points of elements, by index. Elements that are no solids
+    /// have none.
     ///
     /// # Errors
     /// An index that the mesh does not have; a mesh that is not sound.
@@ -164,8 +167,8 @@ impl Envelope {
     }
 }
 
-/// Principal stresses (Pa), the largest first, with their unit directions, by Jacobi's rotations (H. Rutishauser, Numer. Math. 9,
-/// 1966), which keep all digits of equal ones.
+/// Principal stresses (Pa), the largest first, with their unit directions, by Jacobi's rotations (H.
+/// Rutishauser, Numer. Math. 9, 1966), which keep all digits of equal ones.
 pub fn principal(stress: &Components) -> [(f64, [f64; 3]); 3] {
     let [x, y, z, xy, yz, zx] = *stress;
     let mut s = [[x, xy, zx], [xy, y, yz], [zx, yz, z]];

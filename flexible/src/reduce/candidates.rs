@@ -34,7 +34,8 @@ pub(super) struct Asked {
 }
 
 impl Asked {
-    /// Those of which the set does not span the static answer: with orthonormal modes it has Σ (φᵀf)² / ω² of the energy fᵀu.
+    /// Those of which the set does not span the static answer: with orthonormal modes it has Σ (φᵀf)² / ω² of
+    /// the energy fᵀu.
     pub fn unserved(&self, structure: &Structure, set: &ModeSet) -> Vec<Unserved> {
         let size = structure.size().max(1);
         self.loads
@@ -61,7 +62,8 @@ impl Asked {
 }
 
 impl Candidates<'_> {
-    /// Finds them. All static answers come first, of one factor that is gone before the normal modes need theirs.
+    /// Finds them. All static answers come first, of one factor that is gone before the normal modes need
+    /// theirs.
     pub fn find(&mut self, terms: &[Term], asked: &[Interface]) -> Result<Found, FlexibleError> {
         let size = self.structure.size().max(1);
         let mut loads = Vec::new();

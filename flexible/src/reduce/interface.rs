@@ -32,7 +32,8 @@ pub(super) struct MarkerFreedom {
 /// Factors below this are rounding of the axes.
 const ALONG: f64 = 1e-12;
 
-/// The direction cosines of a marker's axis in the mesh, without rounding where the axis is one of the mesh's.
+/// The direction cosines of a marker's axis in the mesh, without rounding where the axis is one of the
+/// mesh's.
 fn cosines(axes: &[f64; 9], axis: u8) -> [f64; 3] {
     [0, 1, 2].map(|row| {
         let x = axes

@@ -14,7 +14,8 @@ const STIFF: f64 = 2e4;
 /// Share of the body's inertia that one of them moves.
 const SHARE: f64 = 1e-3;
 
-/// A body as a rigid one, of the mass and inertia that its mesh has, with its markers where the mesh has them.
+/// A body as a rigid one, of the mass and inertia that its mesh has, with its markers where the mesh has
+/// them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     /// Mass, first moment and inertia about the frame's origin.
@@ -28,8 +29,8 @@ pub struct Outline {
 /// Looks at a mesh in SI without reducing it: elements and matrices are put together, modes are not computed.
 ///
 /// # Errors
-/// Those of [`super::reduce`] that show before modes are computed: meshes that make no sense, markers that are not there, matrices that
-/// don't fit the mesh.
+/// Those of [`super::reduce`] that show before modes are computed: meshes that make no sense, markers that
+/// are not there, matrices that don't fit the mesh.
 pub fn outline(mut mesh: Mesh, request: &Request) -> Result<Outline, FlexibleError> {
     let nodal = match &request.matrices {
         Some(foreign) => Some(foreign.nodal(&mesh)?),
@@ -58,8 +59,8 @@ impl Outline {
         self.with_modes(0)
     }
 
-    /// As a body whose markers move and turn each by itself, stiffly: joints on it hold nothing that they would not hold on the flexible
-    /// body, and loops that its bending closes can be closed.
+    /// As a body whose markers move and turn each by itself, stiffly: joints on it hold nothing that they
+    /// would not hold on the flexible body, and loops that its bending closes can be closed.
     pub fn loose(&self) -> ReducedBody {
         self.with_modes(6 * self.markers.len())
     }

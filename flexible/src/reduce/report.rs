@@ -20,11 +20,12 @@ pub struct Report {
     pub dropped: Vec<Dropped>,
     /// That no normal mode was missed, one a term of normal modes.
     pub sturm: Vec<SturmCount>,
-    /// Whether the body is held: by the request, or because the foreign matrices are those of a held structure.
+    /// Whether the body is held: by the request, or because the foreign matrices are those of a held
+    /// structure.
     pub supported: bool,
-    /// The largest part of the forces of a rigid motion, freedom by freedom, that the stiffness does not cancel: the rounding of its
-    /// entries. About 1e-16 for own matrices, 1e-14 for files of 14 digits, 1e-10 for those of 10; zero where it can't be told, for
-    /// foreign matrices of a held structure.
+    /// The largest part of the forces of a rigid motion, freedom by freedom, that the stiffness does not
+    /// cancel: the rounding of its entries. About 1e-16 for own matrices, 1e-14 for files of 14 digits, 1e-10
+    /// for those of 10; zero where it can't be told, for foreign matrices of a held structure.
     pub rigid_residual: f64,
     /// What a user should know, a sentence each.
     pub warnings: Vec<String>,
@@ -32,8 +33,8 @@ pub struct Report {
     pub modes: Vec<ModeReport>,
     /// Mass properties as the mass matrix has them.
     pub body: BodyMass,
-    /// The same from the volumes of elements between their corners, their densities and the point masses; `None` for a mesh without
-    /// such elements.
+    /// The same from the volumes of elements between their corners, their densities and the point masses;
+    /// `None` for a mesh without such elements.
     pub estimate: Option<BodyMass>,
     /// Which interface motion each static mode serves, in the order of the terms.
     pub served: Vec<Served>,
@@ -48,11 +49,12 @@ pub struct ModeReport {
     pub frequency: f64,
     /// What it is made of: `normal 3`, or `static main[2].y 81 %, normal 4 17 %`.
     pub description: String,
-    /// The sources it is made of most: index into [`Report::sources`] and part of the sum of squared amplitudes, each source being of the
-    /// mode's own strain energy.
+    /// The sources it is made of most: index into [`Report::sources`] and part of the sum of squared
+    /// amplitudes, each source being of the mode's own strain energy.
     pub sources: Vec<(usize, f64)>,
-    /// Effective modal masses (kg; kg m² about the centre of mass) in x, y, z and about these: `(Rᵀ M φ)²`. Over all modes of a held
-    /// body they add to its mass and inertia as far as that moves; in the mean axes of a free one they vanish.
+    /// Effective modal masses (kg; kg m² about the centre of mass) in x, y, z and about these: `(Rᵀ M φ)²`.
+    /// Over all modes of a held body they add to its mass and inertia as far as that moves; in the mean axes
+    /// of a free one they vanish.
     pub effective_mass: [f64; 6],
 }
 
@@ -95,8 +97,9 @@ pub struct Served {
     pub marker: usize,
     /// Component 0…5 in basic axes.
     pub component: u8,
-    /// Displacement (m, rad) there under a unit load (N, N m), the rest of the body balancing it by its inertia or supports; `None`
-    /// for the constraint modes of an interface of freedoms, which are found without loads.
+    /// Displacement (m, rad) there under a unit load (N, N m), the rest of the body balancing it by its
+    /// inertia or supports; `None` for the constraint modes of an interface of freedoms, which are found
+    /// without loads.
     pub flexibility: Option<f64>,
     /// Whether it is in the set, rather than spanned by the modes before it.
     pub kept: bool,
@@ -119,7 +122,8 @@ pub struct Unserved {
 pub(super) const UNSERVED: f64 = 1e-6;
 
 impl Report {
-    /// The loads at a marker's components (bits 0…5) that were asked about ([`super::Request::asked`]) and that the set does not serve.
+    /// The loads at a marker's components (bits 0…5) that were asked about ([`super::Request::asked`]) and
+    /// that the set does not serve.
     pub fn unserved(&self, marker: usize, components: u8) -> Vec<&Unserved> {
         self.unserved
             .iter()

@@ -3,9 +3,10 @@
 use super::graph::{Graph, NONE};
 use super::random::Random;
 
-/// A graph of about half the vertices, and the vertex of it that each vertex became. Vertices are matched over their heaviest
-/// edge, few-neighboured ones first (Karypis, Kumar: A fast and high quality multilevel scheme for partitioning irregular
-/// graphs, SIAM J. Sci. Comput. 20, 1998). No vertex of it weighs more than `heaviest`, unless it did before.
+/// A graph of about half the vertices, and the vertex of it that each vertex became. Vertices are matched
+/// over their heaviest edge, few-neighboured ones first (Karypis, Kumar: A fast and high quality multilevel
+/// scheme for partitioning irregular graphs, SIAM J. Sci. Comput. 20, 1998). No vertex of it weighs more than
+/// `heaviest`, unless it did before.
 pub(crate) fn coarsen(graph: &Graph, heaviest: u32, random: &mut Random) -> (Graph, Vec<u32>) {
     let count = graph.vertices();
     let mut partner = vec![NONE; count];

@@ -13,7 +13,8 @@ use faer::linalg::triangular_solve::{
 };
 use faer::{Auto, MatMut, MatRef, Par, Spec};
 
-/// Eigenvalues in ascending order, and the orthonormal eigenvectors, of a symmetric matrix of which the lower triangle is read.
+/// Eigenvalues in ascending order, and the orthonormal eigenvectors, of a symmetric matrix of which the lower
+/// triangle is read.
 ///
 /// # Errors
 /// When the iteration does not end (entries that are not finite), or memory runs out.
@@ -24,8 +25,9 @@ pub(crate) fn symmetric_eigen(
     if size == 0 {
         return Ok((Vec::new(), Vec::new()));
     }
-    // the divide-and-conquer method, which would be taken from 128 rows on, loses half the digits of matrices whose norm is
-    // far from one: entries are scaled to about one (by a power of two, exactly), and QR iteration is always taken
+    // the divide-and-conquer method, which would be taken from 128 rows on, loses half the digits of matrices
+    // whose norm is far from one: entries are scaled to about one (by a power of two, exactly), and QR
+    // iteration is always taken
     let largest = matrix.iter().fold(0.0f64, |most, x| most.max(x.abs()));
     let scale = if largest.is_normal() {
         libm::ldexp(1.0, libm::ilogb(largest))
@@ -65,8 +67,9 @@ pub(crate) fn symmetric_eigen(
     Ok((values, vectors))
 }
 
-/// The pairs θ, x of `M x = θ A x` with positive definite `A` (its lower triangle is read) and `M`, θ descending, `xᵀ A x = 1`.
-/// With `A = K − σ M`, λ = σ + 1/θ are the eigenvalues of `K x = λ M x`; θ = 0 stands for massless motions.
+/// The pairs θ, x of `M x = θ A x` with positive definite `A` (its lower triangle is read) and `M`, θ
+/// descending, `xᵀ A x = 1`. With `A = K − σ M`, λ = σ + 1/θ are the eigenvalues of `K x = λ M x`; θ = 0
+/// stands for massless motions.
 ///
 /// # Errors
 /// [`FlexibleError::Singular`] when `A` is not positive definite; when memory runs out.
@@ -106,9 +109,9 @@ pub(crate) fn inverse_eigen(
     Ok((values, vectors))
 }
 
-/// The inverse of a symmetric positive definite matrix of which the lower triangle is read, scaled to a unit diagonal for the test of
-/// its eigenvalues; or the row that most belongs to a combination of rows that vanishes, when the smallest eigenvalue of the scaled
-/// matrix is below `least` of the largest.
+/// The inverse of a symmetric positive definite matrix of which the lower triangle is read, scaled to a unit
+/// diagonal for the test of its eigenvalues; or the row that most belongs to a combination of rows that
+/// vanishes, when the smallest eigenvalue of the scaled matrix is below `least` of the largest.
 ///
 /// # Errors
 /// As [`symmetric_eigen`].

@@ -79,7 +79,8 @@ fn part(
     Ok(())
 }
 
-/// The sides, if cutting is worth while: both parts are there, and neither is nearly everything (so the recursion ends soon).
+/// The sides, if cutting is worth while: both parts are there, and neither is nearly everything (so the
+/// recursion ends soon).
 fn cut(graph: &Graph, random: &mut Random) -> Option<Vec<Side>> {
     let count = graph.vertices();
     if count <= LEAF {

@@ -5,7 +5,8 @@ use super::graph::{Graph, NONE};
 /// An order with its tree worked out.
 #[derive(Clone, Debug)]
 pub(crate) struct Elimination {
-    /// The order, children of the tree right before their parents (an equivalent order that keeps supernodes together).
+    /// The order, children of the tree right before their parents (an equivalent order that keeps supernodes
+    /// together).
     pub(crate) order: Vec<u32>,
     /// Entries of the triangular factor, with the diagonal.
     pub(crate) entries: f64,
@@ -13,9 +14,9 @@ pub(crate) struct Elimination {
     pub(crate) operations: f64,
 }
 
-/// Works out the elimination tree (Liu, The role of elimination trees in sparse factorization, SIAM J. Matrix Anal. Appl. 11,
-/// 1990), the number of entries of each column of the factor by walking the rows' subtrees, and a postorder.
-/// `order` lists the vertices as they are eliminated.
+/// Works out the elimination tree (Liu, The role of elimination trees in sparse factorization, SIAM J. Matrix
+/// Anal. Appl. 11, 1990), the number of entries of each column of the factor by walking the rows' subtrees,
+/// and a postorder. `order` lists the vertices as they are eliminated.
 pub(crate) fn eliminate(graph: &Graph, order: &[u32]) -> Elimination {
     let count = graph.vertices();
     let mut place = vec![0u32; count];

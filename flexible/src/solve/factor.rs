@@ -1,7 +1,7 @@
 //! Factors of sparse symmetric matrices: `L Lᵀ` of positive definite ones, `L B Lᵀ` of indefinite ones.
 //!
-//! The factorisation is supernodal (dense blocks of columns with the same rows), by faer. One [`Analysis`] serves all matrices
-//! of one pattern, as `K − σ M` for all shifts.
+//! The factorisation is supernodal (dense blocks of columns with the same rows), by faer. One [`Analysis`]
+//! serves all matrices of one pattern, as `K − σ M` for all shifts.
 
 use super::ordering::{Ordering, out_of_memory, too_large};
 use crate::error::FlexibleError;
@@ -18,8 +18,8 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 use std::sync::Arc;
 
-/// A pivot this much smaller than what was there before the elimination is rounding, not stiffness. Foreign matrices come with
-/// 13 or 14 digits, so their rigid motions leave pivots of about 1e-13.
+/// A pivot this much smaller than what was there before the elimination is rounding, not stiffness. Foreign
+/// matrices come with 13 or 14 digits, so their rigid motions leave pivots of about 1e-13.
 const LOST: f64 = 1e-12;
 /// The same for the pivots of an indefinite matrix, which may come nearer zero at a shift near an eigenvalue.
 const LOST_INDEFINITE: f64 = 1e-14;
@@ -152,8 +152,8 @@ impl Factorization {
     /// Factors a matrix of the analysed pattern.
     ///
     /// # Errors
-    /// [`FlexibleError::Singular`] when a pivot vanishes (or, of a matrix said to be positive definite, is negative);
-    /// [`FlexibleError::Matrix`] when the matrix is not finite or of another pattern.
+    /// [`FlexibleError::Singular`] when a pivot vanishes (or, of a matrix said to be positive definite, is
+    /// negative); [`FlexibleError::Matrix`] when the matrix is not finite or of another pattern.
     pub fn new(
         analysis: &Arc<Analysis>,
         matrix: &SymmetricMatrix,
@@ -162,7 +162,8 @@ impl Factorization {
         Factorization::reusing(Vec::new(), analysis, matrix, kind)
     }
 
-    /// Like [`Factorization::new`], in the memory of an earlier factorisation: a factor is by far the largest thing here.
+    /// Like [`Factorization::new`], in the memory of an earlier factorisation: a factor is by far the largest
+    /// thing here.
     ///
     /// # Errors
     /// See [`Factorization::new`].
@@ -319,8 +320,8 @@ impl Factorization {
         &self.analysis
     }
 
-    /// How many eigenvalues of the matrix are negative (Sylvester's law of inertia): of `K − σ M` with a positive semidefinite
-    /// `M`, how many eigenvalues of the pencil lie below σ.
+    /// How many eigenvalues of the matrix are negative (Sylvester's law of inertia): of `K − σ M` with a
+    /// positive semidefinite `M`, how many eigenvalues of the pencil lie below σ.
     pub fn negative_pivots(&self) -> usize {
         self.negative
     }
@@ -367,8 +368,8 @@ impl Factorization {
         Ok(())
     }
 
-    /// Solves `A x = b` and improves the solutions `steps` times by solving for what is left of the right-hand sides. Gives the
-    /// largest `‖b − A x‖ / ‖b‖` after the last step.
+    /// Solves `A x = b` and improves the solutions `steps` times by solving for what is left of the
+    /// right-hand sides. Gives the largest `‖b − A x‖ / ‖b‖` after the last step.
     ///
     /// # Errors
     /// When lengths don't fit, or memory runs out.
@@ -494,8 +495,8 @@ pub(crate) fn diagonal(matrix: &SymmetricMatrix) -> Vec<f64> {
         .collect()
 }
 
-/// How large the pivot of each row can be expected: its diagonal entry, or what eliminating a neighbour adds to it,
-/// `a_ij² / |a_jj|`, whichever is larger. Does not depend on the units of the freedoms.
+/// How large the pivot of each row can be expected: its diagonal entry, or what eliminating a neighbour adds
+/// to it, `a_ij² / |a_jj|`, whichever is larger. Does not depend on the units of the freedoms.
 fn pivot_scale(matrix: &SymmetricMatrix) -> Vec<f64> {
     let diagonal = diagonal(matrix);
     let mut scale: Vec<f64> = diagonal.iter().map(|entry| entry.abs()).collect();

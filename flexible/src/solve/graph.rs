@@ -40,8 +40,8 @@ impl Graph {
             .zip(self.edge_weight[range].iter().copied())
     }
 
-    /// The graph of some vertices; `place` gives each vertex's new number, [`NONE`] for those left out, ascending in the
-    /// order of `chosen`.
+    /// The graph of some vertices; `place` gives each vertex's new number, [`NONE`] for those left out,
+    /// ascending in the order of `chosen`.
     pub(crate) fn induced(&self, chosen: &[u32], place: &[u32]) -> Graph {
         let mut part = Graph {
             start: Vec::with_capacity(chosen.len() + 1),
@@ -64,8 +64,8 @@ impl Graph {
     }
 }
 
-/// Rows of a matrix that stand for one vertex: those with the same rows in their columns. The three or six freedoms of a node
-/// fall together this way, whatever their numbers.
+/// Rows of a matrix that stand for one vertex: those with the same rows in their columns. The three or six
+/// freedoms of a node fall together this way, whatever their numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Compressed {
     pub(crate) graph: Graph,

@@ -1,6 +1,6 @@
-//! Block Lanczos iteration for `A⁻¹ M x = θ x` in the inner product of `M`, with full reorthogonalisation and thick restarts
-//! (Grimes, Lewis, Simon: A shifted block Lanczos algorithm, SIAM J. Matrix Anal. Appl. 15, 1994; Wu, Simon: Thick-restart
-//! Lanczos method, ibid. 22, 2000).
+//! Block Lanczos iteration for `A⁻¹ M x = θ x` in the inner product of `M`, with full reorthogonalisation and
+//! thick restarts (Grimes, Lewis, Simon: A shifted block Lanczos algorithm, SIAM J. Matrix Anal. Appl. 15,
+//! 1994; Wu, Simon: Thick-restart Lanczos method, ibid. 22, 2000).
 //!
 //! The basis is a set of processed columns `V`, followed by the next block `W`:
 //! `A⁻¹ M V = V T + W C`, `[V W]ᵀ M [V W] = 1`, with `C` zero but for the columns from `coupled` on.
@@ -21,7 +21,8 @@ const DEPENDENT: f64 = 1e-11;
 const UNIT_LOST: f64 = 1e-2;
 /// A column of which less than this share of its square is left has its Gram matrix worked out anew.
 const SHRUNK: f64 = 1e-4;
-/// Columns of which more than this share of the square is left by a projection need no second one for the digits…
+/// Columns of which more than this share of the square is left by a projection need no second one for the
+/// digits…
 const KEPT: f64 = 0.25;
 /// …when of none less than this share is left without the others of its block.
 const INDEPENDENT: f64 = 1e-3;
@@ -63,8 +64,8 @@ pub(crate) struct Ritz {
 }
 
 impl<'a> Lanczos<'a> {
-    /// Starts from `block` random vectors. The factor is handed to each step that solves, so that its memory can serve other
-    /// factorisations in between; it is always of the same matrix.
+    /// Starts from `block` random vectors. The factor is handed to each step that solves, so that its memory
+    /// can serve other factorisations in between; it is always of the same matrix.
     ///
     /// # Errors
     /// When memory runs out.
@@ -138,8 +139,8 @@ impl<'a> Lanczos<'a> {
         self.processed + self.next > self.limit
     }
 
-    /// Replaces the next block by a random one, for what the iteration can't see from where it is: further vectors of a
-    /// multiple eigenvalue. The block stays empty when the basis spans everything with mass.
+    /// Replaces the next block by a random one, for what the iteration can't see from where it is: further
+    /// vectors of a multiple eigenvalue. The block stays empty when the basis spans everything with mass.
     ///
     /// # Errors
     /// When memory runs out.
@@ -193,9 +194,10 @@ impl<'a> Lanczos<'a> {
         Ok(())
     }
 
-    /// Takes out of the image `Z = A⁻¹ M W` of the next block what is known of it without a product with the mass: along W it is
-    /// `(M W)ᵀ Z`, along the columns before it `Vᵀ M A⁻¹ M W = (A⁻¹ M V)ᵀ M W = Cᵀ`. What is left is small or rounding, so that
-    /// one projection on the whole basis mostly is enough. Gives these components, over the basis with the block, by columns.
+    /// Takes out of the image `Z = A⁻¹ M W` of the next block what is known of it without a product with the
+    /// mass: along W it is `(M W)ᵀ Z`, along the columns before it `Vᵀ M A⁻¹ M W = (A⁻¹ M V)ᵀ M W = Cᵀ`. What
+    /// is left is small or rounding, so that one projection on the whole basis mostly is enough. Gives these
+    /// components, over the basis with the block, by columns.
     fn known_components(&self, mass_block: &[f64], image: &mut [f64]) -> Vec<f64> {
         let (size, next) = (self.size, self.next);
         let rows = self.processed + next;
@@ -224,9 +226,9 @@ impl<'a> Lanczos<'a> {
         known
     }
 
-    /// Orthonormalises a block against the basis and in itself, and appends it as the next block. Gives the components of the
-    /// block along the basis (by columns), added to those that were taken out of it before, and along the new columns:
-    /// `block = V H + W R`.
+    /// Orthonormalises a block against the basis and in itself, and appends it as the next block. Gives the
+    /// components of the block along the basis (by columns), added to those that were taken out of it before,
+    /// and along the new columns: `block = V H + W R`.
     fn append(&mut self, mut block: Vec<f64>, mut along: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
         let (size, known) = (self.size, self.processed);
         let columns = block.len() / size.max(1);
@@ -284,7 +286,8 @@ impl<'a> Lanczos<'a> {
                 1.0,
                 Par::Seq,
             );
-            // (W − V h)ᵀ M W is the Gram matrix of what is left, but for rounding of the size of what was taken away
+            // (W − V h)ᵀ M W is the Gram matrix of what is left, but for rounding of the size of what was
+            // taken away
             let mut gram = self.gram(&block, &mass_block);
             let kept = |gram: &[f64]| {
                 let shares = lengths.iter().enumerate();
@@ -440,9 +443,10 @@ impl<'a> Lanczos<'a> {
         }
     }
 
-    /// The first `count` approximate eigenvectors in the given freedoms, with one step of the iteration applied,
-    /// `x = V s + W C s / θ`, which removes what has crept in of motions without mass (Nour-Omid, Parlett, Ericsson, Jensen:
-    /// How to implement the spectral transformation, Math. Comp. 48, 1987). Not normalised.
+    /// The first `count` approximate eigenvectors in the given freedoms, with one step of the iteration
+    /// applied, `x = V s + W C s / θ`, which removes what has crept in of motions without mass (Nour-Omid,
+    /// Parlett, Ericsson, Jensen: How to implement the spectral transformation, Math. Comp. 48, 1987). Not
+    /// normalised.
     pub(crate) fn vectors(&self, ritz: &Ritz, count: usize) -> Vec<f64> {
         let size = self.size;
         let mut vectors = vec![0.0; size * count];
@@ -520,9 +524,9 @@ fn identity(size: usize) -> Vec<f64> {
     matrix
 }
 
-/// `G ≈ Rᵀ R` with as many rows of `R` as there are independent columns: those of which more than their floor is left when
-/// the columns before them are projected out. Gives `R` (rank × width), `B` (width × rank) with `R B = 1`, the rank, and the
-/// least share of a column's square that was left of it.
+/// `G ≈ Rᵀ R` with as many rows of `R` as there are independent columns: those of which more than their floor
+/// is left when the columns before them are projected out. Gives `R` (rank × width), `B` (width × rank) with
+/// `R B = 1`, the rank, and the least share of a column's square that was left of it.
 fn pivoted_cholesky(
     gram: &[f64],
     width: usize,

@@ -28,13 +28,13 @@ pub struct Ordering {
     method: Method,
 }
 
-/// Nested dissection is tried when a factorisation in the order of minimum degree takes more multiplications a vertex than this:
-/// below, finding a better order takes longer than two factorisations gain.
+/// Nested dissection is tried when a factorisation in the order of minimum degree takes more multiplications
+/// a vertex than this: below, finding a better order takes longer than two factorisations gain.
 const WORTH_DISSECTION: f64 = 5e5;
 
 impl Ordering {
-    /// The order to use: minimum degree, or for large problems nested dissection where that takes fewer operations. Rows with
-    /// the same pattern (the freedoms of one node) are ordered as one.
+    /// The order to use: minimum degree, or for large problems nested dissection where that takes fewer
+    /// operations. Rows with the same pattern (the freedoms of one node) are ordered as one.
     ///
     /// # Errors
     /// When memory runs out.

@@ -3,8 +3,8 @@
 use crate::error::FlexibleError;
 use crate::sparse::SymmetricMatrix;
 
-/// `stiffness − shift · mass`, with the entries of both patterns even where their difference is zero, so that all shifts share
-/// one pattern. Shift in rad²/s² when the matrices are in SI units.
+/// `stiffness − shift · mass`, with the entries of both patterns even where their difference is zero, so that
+/// all shifts share one pattern. Shift in rad²/s² when the matrices are in SI units.
 ///
 /// # Errors
 /// [`FlexibleError::Matrix`] when the sizes differ.

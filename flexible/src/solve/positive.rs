@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 /// First guess of |σ| over the typical ratio of the diagonals, itself about the largest eigenvalue.
 pub(super) const FIRST_SHIFT: f64 = 1e-9;
-/// How much larger |σ| becomes where the factor is not positive definite: stiffnesses written with few digits have slightly negative
-/// eigenvalues in place of their zeros.
+/// How much larger |σ| becomes where the factor is not positive definite: stiffnesses written with few digits
+/// have slightly negative eigenvalues in place of their zeros.
 const LARGER: f64 = 1e3;
 /// |σ| over the typical ratio is not raised from here.
 const LARGEST: f64 = 1e-3;

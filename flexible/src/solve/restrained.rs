@@ -1,8 +1,9 @@
 //! A factored matrix whose solutions keep combinations of rows at zero.
 //!
-//! With A factored, rows C (one a column) and multipliers μ: `A x + C μ = b`, `Cᵀ x = 0`, so `x = y − Y F⁻¹ Cᵀ y` with `A y = b`,
-//! `A Y = C` and `F = Cᵀ Y`. By Sylvester's law the pencil restricted to `Cᵀ x = 0` has as many negative eigenvalues as A has, more
-//! the positive ones of F, less the number of rows (E. V. Haynsworth, Linear Algebra Appl. 1 (1968) 73).
+//! With A factored, rows C (one a column) and multipliers μ: `A x + C μ = b`, `Cᵀ x = 0`, so `x = y − Y F⁻¹
+//! Cᵀ y` with `A y = b`, `A Y = C` and `F = Cᵀ Y`. By Sylvester's law the pencil restricted to `Cᵀ x = 0` has
+//! as many negative eigenvalues as A has, more the positive ones of F, less the number of rows (E. V.
+//! Haynsworth, Linear Algebra Appl. 1 (1968) 73).
 
 use super::dense::symmetric_eigen;
 use super::factor::{Definiteness, Factorization};
@@ -160,8 +161,8 @@ impl Restrained {
     /// A factor whose solutions keep `rows`, of unit length, at zero.
     ///
     /// # Errors
-    /// [`FlexibleError::Singular`] when a combination follows from others (its row is the combination's number), or, at an
-    /// indefinite matrix, when the restricted one is singular there.
+    /// [`FlexibleError::Singular`] when a combination follows from others (its row is the combination's
+    /// number), or, at an indefinite matrix, when the restricted one is singular there.
     pub(crate) fn new(
         factor: Factorization,
         rows: &[Combination],

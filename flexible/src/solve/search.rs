@@ -23,8 +23,8 @@ const DENSE_MANY: usize = 2500;
 const RIGID: f64 = 1e-4;
 /// |σ| over the first elastic eigenvalue: outside of these σ is moved…
 const SHIFT_RANGE: std::ops::Range<f64> = 1e-6..20.0;
-/// The same where combinations are held: what holds a rigid motion is taken out of solutions, in which it must not be much larger than the
-/// modes looked for.
+/// The same where combinations are held: what holds a rigid motion is taken out of solutions, in which it
+/// must not be much larger than the modes looked for.
 const HELD_RANGE: std::ops::Range<f64> = 0.02..20.0;
 /// …so often at most.
 const MOVES: usize = 3;
@@ -426,7 +426,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// A shift in proportion to the first elastic eigenvalue, if that is known and the shift is out of proportion.
+/// A shift in proportion to the first elastic eigenvalue, if that is known and the shift is out of
+/// proportion.
 fn better_shift(
     pairs: &Pairs,
     ritz: &Ritz,

@@ -24,7 +24,8 @@ const PASSES: usize = 8;
 const PATIENCE: usize = 80;
 
 /// The sides of all vertices: multilevel, with a greedily grown first cut and refinement on each level
-/// (Hendrickson, Rothberg: Improving the run time and quality of nested dissection ordering, SIAM J. Sci. Comput. 20, 1998).
+/// (Hendrickson, Rothberg: Improving the run time and quality of nested dissection ordering, SIAM J. Sci.
+/// Comput. 20, 1998).
 pub(crate) fn separate(graph: &Graph, random: &mut Random) -> Vec<Side> {
     let total = graph.total_weight();
     let heaviest = (1.5 * total as f64 / COARSEST as f64).max(1.0) as u32;
@@ -162,9 +163,9 @@ impl Cut {
         }
     }
 
-    /// One pass (Fiduccia, Mattheyses, for vertex separators: Ashcraft, Liu 1994): vertices leave the separator for one part,
-    /// their neighbours in the other part enter it; the best state met is kept, the moves after it are undone. True if the
-    /// state got better.
+    /// One pass (Fiduccia, Mattheyses, for vertex separators: Ashcraft, Liu 1994): vertices leave the
+    /// separator for one part, their neighbours in the other part enter it; the best state met is kept, the
+    /// moves after it are undone. True if the state got better.
     fn pass(&mut self, graph: &Graph, locked: &mut [bool]) -> bool {
         let mut queues = [BinaryHeap::new(), BinaryHeap::new()];
         for vertex in 0..graph.vertices() {

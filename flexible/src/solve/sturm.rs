@@ -19,7 +19,8 @@ const MASSLESS: f64 = 1e-12;
 pub(super) const BORDER: f64 = 1e-9;
 /// How far a place of counting is moved (relative) when its factor is no good.
 const NUDGES: f64 = 1e-8;
-/// What a solution with an indefinite factor may leave of the right-hand side: more means that its pivots can't be trusted.
+/// What a solution with an indefinite factor may leave of the right-hand side: more means that its pivots
+/// can't be trusted.
 const TRUSTED: f64 = 1e-6;
 
 /// The pairs found so far.
@@ -83,8 +84,8 @@ pub(super) enum Place {
 }
 
 impl Search<'_> {
-    /// The number of eigenvalues below a place or right above it, where exactly, and the factor. The place is moved a little
-    /// when it hits an eigenvalue, or the factor turns out inexact.
+    /// The number of eigenvalues below a place or right above it, where exactly, and the factor. The place is
+    /// moved a little when it hits an eigenvalue, or the factor turns out inexact.
     pub(super) fn inertia(
         &mut self,
         mut memory: Option<Factorization>,

@@ -5,7 +5,8 @@ pub(crate) mod product;
 use crate::error::FlexibleError;
 use product::multiply;
 
-/// A sparse symmetric matrix: the lower triangle with the diagonal, by columns, rows ascending, no entry twice.
+/// A sparse symmetric matrix: the lower triangle with the diagonal, by columns, rows ascending, no entry
+/// twice.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct SymmetricMatrix {
     size: usize,
@@ -51,8 +52,8 @@ impl SymmetricMatrix {
         })
     }
 
-    /// From entries `(row, column, value)` of either triangle; entries at the same place are summed in the order given. An
-    /// entry above the diagonal is taken as its mirror image: give one triangle only.
+    /// From entries `(row, column, value)` of either triangle; entries at the same place are summed in the
+    /// order given. An entry above the diagonal is taken as its mirror image: give one triangle only.
     ///
     /// # Errors
     /// When an index is out of range.
@@ -138,7 +139,8 @@ impl SymmetricMatrix {
         (&self.row[range.clone()], &self.value[range])
     }
 
-    /// The matrix without the rows and columns that `held` names; a row's place in it is its place among those that stay.
+    /// The matrix without the rows and columns that `held` names; a row's place in it is its place among
+    /// those that stay.
     ///
     /// # Errors
     /// When `held` has another length than the matrix has rows.

@@ -9,8 +9,8 @@ pub(crate) const TOGETHER: usize = 8;
 /// Entries of one row of vectors taken together.
 pub(crate) type Lanes = [f64; TOGETHER];
 
-/// `y = A x` for vectors stored one after the other; reads the matrix once for eight vectors. `x` and `y` have the same length,
-/// a multiple of the matrix's size.
+/// `y = A x` for vectors stored one after the other; reads the matrix once for eight vectors. `x` and `y`
+/// have the same length, a multiple of the matrix's size.
 pub(crate) fn multiply(matrix: &SymmetricMatrix, x: &[f64], y: &mut [f64]) {
     let size = matrix.size();
     if size == 0 {
@@ -48,7 +48,8 @@ pub(crate) fn unpack(packed: &[Lanes], y: &mut [f64]) {
     }
 }
 
-/// A product, with the widest vectors that the processor has: the same operations in the same order, whatever their width.
+/// A product, with the widest vectors that the processor has: the same operations in the same order, whatever
+/// their width.
 struct Product<'a> {
     matrix: &'a SymmetricMatrix,
     x: &'a [Lanes],
@@ -80,7 +81,8 @@ fn accumulate(matrix: &SymmetricMatrix, x: &[Lanes], product: &mut [Lanes]) {
     }
 }
 
-/// Rows below three columns whose rows are the same, as the freedoms of a node mostly are, and the values of each.
+/// Rows below three columns whose rows are the same, as the freedoms of a node mostly are, and the values of
+/// each.
 #[inline(always)]
 fn three_alike(matrix: &SymmetricMatrix, column: usize) -> Option<(&[u32], [&[f64]; 3])> {
     if column + 2 >= matrix.size() {

@@ -10,7 +10,8 @@ use crate::read::builder::{NewElement, add_element};
 use crate::read::unread::UnreadCards;
 use crate::read::vector::{beam_axes, minus, rotate};
 
-/// Makes the elements of a mesh of those of a model. A beam of three nodes becomes two beams of the same number.
+/// Makes the elements of a mesh of those of a model. A beam of three nodes becomes two beams of the same
+/// number.
 pub(super) fn make(
     model: &mut Model,
     mesh: &mut Mesh,

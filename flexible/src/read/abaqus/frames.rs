@@ -44,8 +44,8 @@ impl Motion {
         self.rotation != IDENTITY
     }
 
-    /// Reads the data lines of `*INSTANCE`: a translation, then an axis (two points) and an angle in degrees. The rotation is about
-    /// the axis as it stands in the assembly, after the translation.
+    /// Reads the data lines of `*INSTANCE`: a translation, then an axis (two points) and an angle in degrees.
+    /// The rotation is about the axis as it stands in the assembly, after the translation.
     pub fn read(rows: &[Row]) -> Result<Motion, FileProblem> {
         let mut rows = rows.iter().filter(|row| !row.is_blank());
         let Some(first) = rows.next() else {
@@ -86,7 +86,8 @@ impl Motion {
     }
 }
 
-/// The rotation by an angle in degrees about a unit vector: 1 + sin φ ñ + (1 − cos φ) ñ ñ (Rodrigues). Exact for quarter turns.
+/// The rotation by an angle in degrees about a unit vector: 1 + sin φ ñ + (1 − cos φ) ñ ñ (Rodrigues). Exact
+/// for quarter turns.
 fn about(axis: [f64; 3], degrees: f64) -> Rotation {
     let turn = degrees.rem_euclid(360.0);
     let (sin, cos) = if turn == 90.0 {
@@ -148,8 +149,8 @@ impl NodeSystem {
     }
 }
 
-/// Reads `*SYSTEM`: `a, b / c` with the origin a, b on the x axis, c in the x–y plane. Without data the global system holds again;
-/// with a alone the axes stay parallel; without c the z axis does.
+/// Reads `*SYSTEM`: `a, b / c` with the origin a, b on the x axis, c in the x–y plane. Without data the
+/// global system holds again; with a alone the axes stay parallel; without c the z axis does.
 pub(super) fn system(rows: &[Row], at: &At) -> Result<Motion, FileProblem> {
     let mut rows = rows.iter().filter(|row| !row.is_blank());
     let Some(first) = rows.next() else {
@@ -205,8 +206,9 @@ enum TransformKind {
 }
 
 impl Transform {
-    /// Reads a `*TRANSFORM`. `R`: a on the x axis, b in the x–y plane (the origin is that of the part); `C`: axis from a to b, freedoms
-    /// radial, tangential, axial; `S`: centre a, polar axis to b, freedoms radial, tangential, meridional.
+    /// Reads a `*TRANSFORM`. `R`: a on the x axis, b in the x–y plane (the origin is that of the part); `C`:
+    /// axis from a to b, freedoms radial, tangential, axial; `S`: centre a, polar axis to b, freedoms radial,
+    /// tangential, meridional.
     pub fn read(keyword: &Keyword, rows: &[Row]) -> Result<Self, FileProblem> {
         let kind = match keyword.choice("TYPE").as_str() {
             "" | "R" => TransformKind::Rectangular,

@@ -1,13 +1,15 @@
-//! Input files of Abaqus and CalculiX (`.inp`): nodes, elements, sections, materials, masses, springs, ties, supports and sets become a
-//! [`Mesh`].
+//! Input files of Abaqus and CalculiX (`.inp`): nodes, elements, sections, materials, masses, springs, ties,
+//! supports and sets become a [`Mesh`].
 //!
-//! Keywords and names count without case; `*INCLUDE` is followed. Parts are placed as their instances say: numbers of nodes and elements
-//! stay those of the file unless those of two instances meet; then the k-th instance (from 0, what stands outside all instances last)
-//! adds k times the power of ten above all numbers. Sets of an instance are called `Instance.SET`, and `SET` where that is clear; a
-//! surface is the set of its nodes, `surface:NAME`, and `NAME` where no set is called so.
+//! Keywords and names count without case; `*INCLUDE` is followed. Parts are placed as their instances say:
+//! numbers of nodes and elements stay those of the file unless those of two instances meet; then the k-th
+//! instance (from 0, what stands outside all instances last) adds k times the power of ten above all numbers.
+//! Sets of an instance are called `Instance.SET`, and `SET` where that is clear; a surface is the set of its
+//! nodes, `surface:NAME`, and `NAME` where no set is called so.
 //!
-//! The two codes differ in the dimensions of beam sections and in the rules of elements, whose variants (`R`, `I`, …) the mesh keeps.
-//! Of what stands behind `*STEP`, only `*BOUNDARY` is read: that of the first step holds with the model's.
+//! The two codes differ in the dimensions of beam sections and in the rules of elements, whose variants (`R`,
+//! `I`, …) the mesh keeps. Of what stands behind `*STEP`, only `*BOUNDARY` is read: that of the first step
+//! holds with the model's.
 //!
 //! ```text
 //! lines ─▶ deck (parts, instances, scopes) ─▶ model (numbered through) ─▶ sets, surfaces ─▶ elements, points, ties, supports ─▶ mesh
@@ -39,8 +41,9 @@ use model::Model;
 /// Reads an input file of Abaqus or CalculiX with all it includes. Units stay those of the file.
 ///
 /// # Errors
-/// With file, line and keyword: a file that can't be read or isn't an input file, a number that is none, an element of too few or too
-/// many nodes, a missing or doubled node, element, set, surface, part or material, a keyword that can't be expressed.
+/// With file, line and keyword: a file that can't be read or isn't an input file, a number that is none, an
+/// element of too few or too many nodes, a missing or doubled node, element, set, surface, part or material,
+/// a keyword that can't be expressed.
 pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, FlexibleError> {
     let mut deck = deck::read(files, name)?;
     let mut model = Model::new(&mut deck, name)?;

@@ -1,4 +1,5 @@
-//! Parts, instances and what stands outside them, with nodes and elements numbered through, and names found from each of them.
+//! Parts, instances and what stands outside them, with nodes and elements numbered through, and names found
+//! from each of them.
 
 use std::collections::BTreeMap;
 
@@ -227,8 +228,8 @@ impl Model {
         Ok(())
     }
 
-    /// Makes numbers of nodes and elements differ among places. Where those of two places meet, the k-th place (from 0) adds k times
-    /// the power of ten above all numbers.
+    /// Makes numbers of nodes and elements differ among places. Where those of two places meet, the k-th
+    /// place (from 0) adds k times the power of ten above all numbers.
     fn offset(&mut self, file: &str) -> Result<(), FileProblem> {
         let meets = self.places.iter().enumerate().any(|(i, one)| {
             self.places

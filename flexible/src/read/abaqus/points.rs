@@ -67,8 +67,9 @@ pub(super) fn make(
     Ok(())
 }
 
-/// A mass, or the inertia tensor `I11, I22, I33, I12, I13, I23` about the node in the axes of the part; products are entered as they
-/// stand in the tensor, I12 = −∫ x y dm (Abaqus Analysis User's Guide, Rotary inertia).
+/// A mass, or the inertia tensor `I11, I22, I33, I12, I13, I23` about the node in the axes of the part;
+/// products are entered as they stand in the tensor, I12 = −∫ x y dm (Abaqus Analysis User's Guide, Rotary
+/// inertia).
 fn mass(
     model: &Model,
     mesh: &mut Mesh,
@@ -117,8 +118,8 @@ fn mass(
     Ok(())
 }
 
-/// `*SPRING`: freedoms (none for an axial spring), then the stiffness. Freedoms are those of the nodes, in their own frames. An axial
-/// spring is read where it lies along an axis.
+/// `*SPRING`: freedoms (none for an axial spring), then the stiffness. Freedoms are those of the nodes, in
+/// their own frames. An axial spring is read where it lies along an axis.
 fn spring(
     model: &Model,
     mesh: &mut Mesh,

@@ -1,4 +1,5 @@
-//! `*SOLID SECTION`, `*SHELL SECTION`, `*BEAM SECTION`, `*BEAM GENERAL SECTION`: properties and materials of the mesh.
+//! `*SOLID SECTION`, `*SHELL SECTION`, `*BEAM SECTION`, `*BEAM GENERAL SECTION`: properties and materials of
+//! the mesh.
 
 use super::lines::{Row, key};
 use super::materials::Materials;
@@ -117,8 +118,8 @@ impl<'m> Sections<'m> {
         self.blocks.get(section as usize).copied()
     }
 
-    /// Index of the property of a row. Solids without a section get one without material, shells become facets; `None` for beams and
-    /// trusses, which are nothing without one.
+    /// Index of the property of a row. Solids without a section get one without material, shells become
+    /// facets; `None` for beams and trusses, which are nothing without one.
     pub fn property(
         &mut self,
         row: u32,
@@ -226,7 +227,8 @@ impl<'m> Sections<'m> {
     }
 }
 
-/// The direction of the first axis (n1) of a beam section, in the frame of its part; (0, 0, -1) where it isn't given.
+/// The direction of the first axis (n1) of a beam section, in the frame of its part; (0, 0, -1) where it
+/// isn't given.
 pub(super) fn direction(block: &Block) -> Result<[f64; 3], FileProblem> {
     match block.rows.get(1) {
         Some(row) if !row.is_blank() => row.vector(0, "a direction cosine of n1"),
@@ -261,9 +263,10 @@ fn shape_name(written: String, code: Code) -> String {
     }
 }
 
-/// `*BEAM SECTION`: `RECT` a, b; `CIRC` r; `PIPE` r, t; `BOX` a, b, t1…t4, with a along n1 and b along n2. The element's y is n1, its
-/// z n2. CalculiX has the diameters along n1 and n2 for `CIRC`, and takes a second dimension of `RECT` and `CIRC` that is left out for the
-/// first. Shear factors are Abaqus's: 0.85 for `RECT`, 0.89 for `CIRC`, 0.53 for `PIPE`, 0.44 for `BOX`.
+/// `*BEAM SECTION`: `RECT` a, b; `CIRC` r; `PIPE` r, t; `BOX` a, b, t1…t4, with a along n1 and b along n2.
+/// The element's y is n1, its z n2. CalculiX has the diameters along n1 and n2 for `CIRC`, and takes a second
+/// dimension of `RECT` and `CIRC` that is left out for the first. Shear factors are Abaqus's: 0.85 for
+/// `RECT`, 0.89 for `CIRC`, 0.53 for `PIPE`, 0.44 for `BOX`.
 fn shaped(block: &Block, shear: bool, code: Code) -> Result<Section, FileProblem> {
     let row = first_row(block)?;
     let keyword = &block.keyword;
@@ -345,8 +348,8 @@ fn shaped(block: &Block, shear: bool, code: Code) -> Result<Section, FileProblem
     }))
 }
 
-/// `*BEAM GENERAL SECTION, SECTION=GENERAL, DENSITY=ρ`: `A, I11, I12, I22, J`, n1, `E, G`. I11 is for bending about n1, I22 about n2.
-/// Poisson's ratio is E / 2 G − 1, without shear flexibility.
+/// `*BEAM GENERAL SECTION, SECTION=GENERAL, DENSITY=ρ`: `A, I11, I12, I22, J`, n1, `E, G`. I11 is for bending
+/// about n1, I22 about n2. Poisson's ratio is E / 2 G − 1, without shear flexibility.
 fn general(block: &Block, name: &str) -> Result<(Section, Material), FileProblem> {
     let keyword = &block.keyword;
     let choice = keyword.choice("SECTION");

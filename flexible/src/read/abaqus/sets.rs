@@ -92,9 +92,9 @@ fn lacks(found: usize, first: u64, last: u64) -> bool {
     (found as u64) <= last - first
 }
 
-/// The sets of the mesh. A set of an instance is called `Instance.SET`, and `SET` too where no other has that name; with instances each
-/// is a set by its own name. A surface is called `surface:NAME`, and `NAME` where no set has that name. Sets of elements hold their
-/// nodes, unless a set of nodes has the same name.
+/// The sets of the mesh. A set of an instance is called `Instance.SET`, and `SET` too where no other has that
+/// name; with instances each is a set by its own name. A surface is called `surface:NAME`, and `NAME` where
+/// no set has that name. Sets of elements hold their nodes, unless a set of nodes has the same name.
 pub(super) fn sets(model: &Model) -> BTreeMap<String, Set> {
     let mut sets: BTreeMap<String, Set> = BTreeMap::new();
     // short name in capitals: how often, and full name

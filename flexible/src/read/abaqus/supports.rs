@@ -79,8 +79,8 @@ fn named(word: &str) -> Option<u8> {
     })
 }
 
-/// The freedoms that `*BOUNDARY` holds: `node or set, first, last, value` or `node or set, word`. Those of steps behind the first are
-/// counted as changing.
+/// The freedoms that `*BOUNDARY` holds: `node or set, first, last, value` or `node or set, word`. Those of
+/// steps behind the first are counted as changing.
 pub(super) fn supports(
     model: &Model,
     cards: &mut HoldingCards,

@@ -78,7 +78,8 @@ fn surface(
     Ok(Some(weights.into_iter().collect()))
 }
 
-/// Adds the faces of a line: an element or set, and which face of each; without a face all those on the outside of the model.
+/// Adds the faces of a line: an element or set, and which face of each; without a face all those on the
+/// outside of the model.
 fn add_faces(
     model: &Model,
     place: usize,
@@ -202,9 +203,9 @@ fn face_key(nodes: &[u32], corners: &[usize]) -> FaceKey {
     key
 }
 
-/// The area [length²] that each node of a face stands for. The face is cut into facets between neighbouring nodes (a triangle at
-/// each corner between mid-side nodes, and what they leave), and a facet's area shared equally among its nodes: positive for every
-/// node, and exact in sum for a flat face with straight edges.
+/// The area [length²] that each node of a face stands for. The face is cut into facets between neighbouring
+/// nodes (a triangle at each corner between mid-side nodes, and what they leave), and a facet's area shared
+/// equally among its nodes: positive for every node, and exact in sum for a flat face with straight edges.
 fn shares(ring: &[(u32, Option<u32>)], place: impl Fn(u32) -> [f64; 3]) -> Vec<(u32, f64)> {
     let mut shares = Vec::new();
     let mut inner = Vec::new();

@@ -1,4 +1,5 @@
-//! `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`, `*KINEMATIC COUPLING`, `*RIGID BODY`, `*MPC`, `*EQUATION`.
+//! `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`, `*KINEMATIC COUPLING`, `*RIGID BODY`, `*MPC`,
+//! `*EQUATION`.
 
 use std::collections::BTreeMap;
 
@@ -279,7 +280,8 @@ impl Ties<'_, '_> {
         Ok(())
     }
 
-    /// `*MPC`: `BEAM, a, b`, `TIE, a, b`, `PIN, a, b`: the first node, or each of the first set, depends on the second.
+    /// `*MPC`: `BEAM, a, b`, `TIE, a, b`, `PIN, a, b`: the first node, or each of the first set, depends on
+    /// the second.
     fn constraints(&mut self, place: usize, block: &Block) -> Result<(), FileProblem> {
         for row in block.rows.iter().filter(|row| !row.is_blank()) {
             let kind = key(row.text(0));
@@ -321,8 +323,8 @@ impl Ties<'_, '_> {
         }
     }
 
-    /// `*EQUATION`: number of terms, then `node or set, freedom, coefficient` over as many lines as it takes. With sets there is an
-    /// equation for each node of them.
+    /// `*EQUATION`: number of terms, then `node or set, freedom, coefficient` over as many lines as it takes.
+    /// With sets there is an equation for each node of them.
     fn equations(&mut self, place: usize, block: &Block) -> Result<(), FileProblem> {
         let mut rows = block.rows.iter().filter(|row| !row.is_blank());
         while let Some(head) = rows.next() {

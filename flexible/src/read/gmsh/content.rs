@@ -187,8 +187,8 @@ impl Content {
         }
     }
 
-    /// The mesh. A group is a set by its name and `physical:TAG`; groups of several dimensions that share a number are called
-    /// `physical:DIMENSION:TAG`, those that share a name are one set.
+    /// The mesh. A group is a set by its name and `physical:TAG`; groups of several dimensions that share a
+    /// number are called `physical:DIMENSION:TAG`, those that share a name are one set.
     pub fn into_mesh(mut self) -> Mesh {
         let mut sets: BTreeMap<String, Set> = BTreeMap::new();
         let mut used = self.sets.keys().copied().collect::<Vec<_>>();

@@ -1,8 +1,9 @@
 //! Meshes of gmsh (`.msh`): formats 4.1 and 2.2, text and binary.
 //!
-//! Volumes become elements; points, lines and surfaces count for the groups they belong to only. A physical group becomes a set by its
-//! name and `physical:TAG` (`physical:DIMENSION:TAG` where groups of several dimensions share the number). The file knows no material:
-//! properties, one for each group of volumes, come without one, to be set with [`Mesh::set_material`].
+//! Volumes become elements; points, lines and surfaces count for the groups they belong to only. A physical
+//! group becomes a set by its name and `physical:TAG` (`physical:DIMENSION:TAG` where groups of several
+//! dimensions share the number). The file knows no material: properties, one for each group of volumes, come
+//! without one, to be set with [`Mesh::set_material`].
 
 mod content;
 mod shapes;
@@ -102,8 +103,8 @@ enum Version {
     Four,
 }
 
-/// Reads `$MeshFormat`: version, text (0) or binary (1), bytes of a number. A binary one goes on with the integer 1, whose bytes tell
-/// their order.
+/// Reads `$MeshFormat`: version, text (0) or binary (1), bytes of a number. A binary one goes on with the
+/// integer 1, whose bytes tell their order.
 fn read_format(stream: &mut Stream) -> Result<Version, FileProblem> {
     let version = match stream.word()?.as_str() {
         "4.1" => Version::Four,

@@ -13,7 +13,8 @@ pub(super) struct Type {
     pub volume: Option<ElementKind>,
 }
 
-/// Types that are no elements here, with dimension and number of nodes: points, lines, and those with nodes inside or of higher order.
+/// Types that are no elements here, with dimension and number of nodes: points, lines, and those with nodes
+/// inside or of higher order.
 const OTHERS: &[(i32, u8, usize)] = &[
     (15, 0, 1),
     (1, 1, 2),

@@ -1,4 +1,5 @@
-//! Sections of format 2.2. Counts are text in binary files too. An element in several groups is there once for each.
+//! Sections of format 2.2. Counts are text in binary files too. An element in several groups is there once
+//! for each.
 
 use super::content::Content;
 use super::stream::Stream;
@@ -15,8 +16,9 @@ pub(super) fn nodes(stream: &mut Stream, content: &mut Content) -> Result<(), Fi
     content.end_nodes(stream)
 }
 
-/// Reads `$Elements`: in text `number type count tags… nodes…`, in binary groups `type count-of-elements count-of-tags` before
-/// `number tags… nodes…`. The first tag is the group, zero for none, negative where reversed.
+/// Reads `$Elements`: in text `number type count tags… nodes…`, in binary groups `type count-of-elements
+/// count-of-tags` before `number tags… nodes…`. The first tag is the group, zero for none, negative where
+/// reversed.
 pub(super) fn elements(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> {
     let total = count(stream)?;
     let mut done = 0;

@@ -71,7 +71,8 @@ pub(super) struct Records {
 }
 
 impl Records {
-    /// Opens a file whose first record has one of these lengths, by which the order of bytes is known. The second value is that length.
+    /// Opens a file whose first record has one of these lengths, by which the order of bytes is known. The
+    /// second value is that length.
     pub fn open(
         files: &dyn Files,
         file: &str,
@@ -161,7 +162,8 @@ impl Records {
         )
     }
 
-    /// The file ends inside a record of this length: too early, or the length has its bytes in the other order.
+    /// The file ends inside a record of this length: too early, or the length has its bytes in the other
+    /// order.
     fn ended(&self, length: i32) -> FileProblem {
         let other = u64::from(length.swap_bytes().unsigned_abs());
         if self.record.1 + other >= self.byte {
@@ -176,8 +178,8 @@ impl Records {
         )
     }
 
-    /// The next record; `None` at the end of the file. A record in parts (a negative length before a part says that more follow) is
-    /// given as a whole.
+    /// The next record; `None` at the end of the file. A record in parts (a negative length before a part
+    /// says that more follow) is given as a whole.
     pub fn next_record(&mut self) -> Result<Option<Vec<u8>>, FileProblem> {
         let mut data = Vec::new();
         let start = self.byte;

@@ -10,12 +10,12 @@ const SYMMETRIC_TO: f64 = 1e-9;
 const EMPTIEST: usize = 64;
 
 impl ForeignMatrix {
-    /// The symmetric matrix, with the mean of mirrored entries. Row i must satisfy |aᵢⱼ − aⱼᵢ| ≤ 10⁻⁹ ‖aᵢ‖₂; of one triangle the other is
-    /// the mirror image, and an entry given on both sides must agree likewise.
+    /// The symmetric matrix, with the mean of mirrored entries. Row i must satisfy |aᵢⱼ − aⱼᵢ| ≤ 10⁻⁹ ‖aᵢ‖₂;
+    /// of one triangle the other is the mirror image, and an entry given on both sides must agree likewise.
     ///
     /// # Errors
-    /// When it isn't square, has an entry that isn't finite, isn't symmetric (with the worst entry), or when a mass has a negative
-    /// diagonal.
+    /// When it isn't square, has an entry that isn't finite, isn't symmetric (with the worst entry), or when
+    /// a mass has a negative diagonal.
     pub fn to_symmetric(&self, kind: MatrixKind) -> Result<SymmetricMatrix, FlexibleError> {
         if self.rows != self.columns {
             return Err(self.problem(

@@ -18,8 +18,8 @@ const STRIP: &str = "take out the lines that begin with % and the line of sizes 
 /// Reads a matrix of Abaqus, in either of its formats.
 ///
 /// # Errors
-/// With file and line: a line that isn't an entry, a number that isn't finite, a support (held freedoms are stiff springs in Abaqus'
-/// matrices), a node of Abaqus' own; a file without entries.
+/// With file and line: a line that isn't an entry, a number that isn't finite, a support (held freedoms are
+/// stiff springs in Abaqus' matrices), a node of Abaqus' own; a file without entries.
 pub fn read_abaqus_matrix(files: &dyn Files, file: &str) -> Result<ForeignMatrix, FileProblem> {
     let mut text = Text::open(files, file)?;
     let mut coordinates = Vec::new();
@@ -113,7 +113,8 @@ pub fn read_abaqus_matrix(files: &dyn Files, file: &str) -> Result<ForeignMatrix
     })
 }
 
-/// Reads a matrix of CalculiX (`.sti`, `.mas`); its freedoms are in the `.dof` beside it: [`read_calculix_freedoms`].
+/// Reads a matrix of CalculiX (`.sti`, `.mas`); its freedoms are in the `.dof` beside it:
+/// [`read_calculix_freedoms`].
 ///
 /// # Errors
 /// With file and line: a line that isn't an entry, a number that isn't finite; a file without entries.
@@ -211,7 +212,8 @@ fn node_freedom(node: &str, freedom: &str) -> Option<(u64, u8)> {
     }
 }
 
-/// A matrix as large as its largest number; one triangle when nothing stands on the other side of the diagonal.
+/// A matrix as large as its largest number; one triangle when nothing stands on the other side of the
+/// diagonal.
 fn from_coordinates(
     file: &str,
     entries: Vec<(u32, u32, f64)>,

@@ -1,7 +1,7 @@
-//! Mode shapes of CalculiX's `.frd` as text (`*NODE FILE` with `U` in a step `*FREQUENCY`). A result begins with `100C` (its value is the
-//! frequency in cycles), names its quantity on a line `-4` and gives a line `-1` a node with values 12 columns wide: 6 digits.
-//! Before it stand `1PMODE`, `1PGM` and `1PGK`: the mode's number, generalised mass and stiffness. Source: CalculiX GraphiX manual,
-//! result format.
+//! Mode shapes of CalculiX's `.frd` as text (`*NODE FILE` with `U` in a step `*FREQUENCY`). A result begins
+//! with `100C` (its value is the frequency in cycles), names its quantity on a line `-4` and gives a line
+//! `-1` a node with values 12 columns wide: 6 digits. Before it stand `1PMODE`, `1PGM` and `1PGK`: the mode's
+//! number, generalised mass and stiffness. Source: CalculiX GraphiX manual, result format.
 
 use super::text::{NUMBERS, Text, columns, count, real};
 use super::{ForeignModes, ShapeFrame};
@@ -16,10 +16,12 @@ struct Before {
     stiffness: Option<f64>,
 }
 
-/// Reads the displacements of all modes; other results are passed over. Coordinates of this format are rounded and not read.
+/// Reads the displacements of all modes; other results are passed over. Coordinates of this format are
+/// rounded and not read.
 ///
 /// # Errors
-/// With file and line: a binary file, a line that isn't what it should be, a number that isn't one; modes on different nodes, or none.
+/// With file and line: a binary file, a line that isn't what it should be, a number that isn't one; modes on
+/// different nodes, or none.
 pub fn read_frd_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, FileProblem> {
     let mut text = Text::open(files, file)?;
     let mut modes = ForeignModes::new(file, ShapeFrame::Basic, 6);

@@ -1,8 +1,9 @@
-//! Matrices and mode shapes that other codes wrote: OP2, OP4, DMIG and punch files of Nastran, `.mtx` of Abaqus, `.sti`, `.mas`,
-//! `.dof` and `.frd` of CalculiX.
+//! Matrices and mode shapes that other codes wrote: OP2, OP4, DMIG and punch files of Nastran, `.mtx` of
+//! Abaqus, `.sti`, `.mas`, `.dof` and `.frd` of CalculiX.
 //!
-//! Each reader gives a [`ForeignMatrix`] as the file holds it; [`ForeignMatrix::to_symmetric`] checks and completes it. Values stay in
-//! the units of the file, rows in the order of the file; [`ForeignFreedoms`] says which freedom a row is where the file says so.
+//! Each reader gives a [`ForeignMatrix`] as the file holds it; [`ForeignMatrix::to_symmetric`] checks and
+//! completes it. Values stay in the units of the file, rows in the order of the file; [`ForeignFreedoms`]
+//! says which freedom a row is where the file says so.
 //!
 //! ```text
 //! bytes (Fortran records) ─▶ op4, op2 ─┐
@@ -46,7 +47,8 @@ pub enum MatrixKind {
 /// Which freedom each row of a matrix is.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct ForeignFreedoms {
-    /// For each row the node's number and the freedom 1…6 in its analysis frame; 0 for a scalar (modal) point.
+    /// For each row the node's number and the freedom 1…6 in its analysis frame; 0 for a scalar (modal)
+    /// point.
     pub rows: Vec<(u64, u8)>,
 }
 
@@ -63,8 +65,8 @@ pub struct ForeignMatrix {
     pub columns: usize,
     /// Whether the file holds one triangle of a symmetric matrix. The other one is its mirror image.
     pub symmetric: bool,
-    /// Row and column from 0, value; in the order of the file. Entries at the same place add; those of one triangle may lie on
-    /// either side of the diagonal.
+    /// Row and column from 0, value; in the order of the file. Entries at the same place add; those of one
+    /// triangle may lie on either side of the diagonal.
     pub entries: Vec<(u32, u32, f64)>,
     /// Which freedoms the rows are, where the file says it.
     pub freedoms: Option<ForeignFreedoms>,
@@ -138,8 +140,8 @@ impl Readable for MatrixFormat {
     }
 }
 
-/// Reads a matrix of a stated format. `name` is looked for where the format has names, and may be empty where the file holds a single
-/// one.
+/// Reads a matrix of a stated format. `name` is looked for where the format has names, and may be empty where
+/// the file holds a single one.
 ///
 /// # Errors
 /// As the reader of the format gives them; a file of another format is named as such.

@@ -47,7 +47,8 @@ impl Text {
         self.problem(format!("the file ends before {expected}"), CUT)
     }
 
-    /// The next line without its end and trailing blanks, ASCII only (other bytes became `?`); `None` at the end of the file.
+    /// The next line without its end and trailing blanks, ASCII only (other bytes became `?`); `None` at the
+    /// end of the file.
     pub fn next_line(&mut self) -> Result<Option<&str>, FileProblem> {
         if std::mem::take(&mut self.again) {
             return Ok(std::str::from_utf8(&self.bytes).ok());

@@ -1,4 +1,5 @@
-//! Beams and rods: `CBAR`, `CBEAM`, `CROD`, `CTUBE`, `CONROD`, with orientation, offsets and released freedoms.
+//! Beams and rods: `CBAR`, `CBEAM`, `CROD`, `CTUBE`, `CONROD`, with orientation, offsets and released
+//! freedoms.
 
 use super::card::Card;
 use super::elements::{Elements, Extra, Family};

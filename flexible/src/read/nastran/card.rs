@@ -33,7 +33,8 @@ impl Piece {
     }
 }
 
-/// Cuts a line into fields: free field where it has a comma, otherwise columns; large field where the first field has an asterisk.
+/// Cuts a line into fields: free field where it has a comma, otherwise columns; large field where the first
+/// field has an asterisk.
 pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
     let text = expand_tabs(&line.text).to_ascii_uppercase();
     let piece = if text.contains(',') {
@@ -44,7 +45,8 @@ pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
             fields.pop();
         }
         let count = if head.contains('*') { 4 } else { 8 };
-        // data may go on beyond the eighth field; a name there calls the continuation, on a short line even before
+        // data may go on beyond the eighth field; a name there calls the continuation, on a short line even
+        // before
         let repeats = head.starts_with('=');
         let called = !repeats && fields.last().is_some_and(|last| is_call(last));
         let long = fields
@@ -155,7 +157,8 @@ impl Card {
         }
     }
 
-    /// Adds the fields of a continuation. A large-field line alone is half a line: what follows begins a new one.
+    /// Adds the fields of a continuation. A large-field line alone is half a line: what follows begins a new
+    /// one.
     pub fn append(&mut self, fields: Vec<String>) {
         let whole = if fields.len().is_multiple_of(8) { 8 } else { 4 };
         self.fields

@@ -1,4 +1,5 @@
-//! Puts the lines of cards together: continuations that follow their card, and those that stand anywhere and are found by name.
+//! Puts the lines of cards together: continuations that follow their card, and those that stand anywhere and
+//! are found by name.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +17,8 @@ struct Open {
 }
 
 impl Open {
-    /// Whether its last field surely calls a continuation. In columns 73 to 80 there may be a number that means nothing.
+    /// Whether its last field surely calls a continuation. In columns 73 to 80 there may be a number that
+    /// means nothing.
     fn surely_calls(&self) -> bool {
         self.tail.starts_with(['+', '*']) || self.free && !self.tail.is_empty()
     }

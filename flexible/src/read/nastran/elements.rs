@@ -80,7 +80,8 @@ impl Elements {
         Ok(())
     }
 
-    /// Reads a shell: `EID PID G1…`, then angle, offset and corner thicknesses, whose places depend on the card.
+    /// Reads a shell: `EID PID G1…`, then angle, offset and corner thicknesses, whose places depend on the
+    /// card.
     pub fn shell(
         &mut self,
         card: &Card,

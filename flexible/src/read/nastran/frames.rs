@@ -1,5 +1,5 @@
-//! Coordinate systems: rectangular, cylindrical and spherical, by points in another system or by three grid points, chained in any
-//! order.
+//! Coordinate systems: rectangular, cylindrical and spherical, by points in another system or by three grid
+//! points, chained in any order.
 
 use std::collections::BTreeMap;
 
@@ -165,7 +165,8 @@ pub(super) struct Systems {
 }
 
 impl Systems {
-    /// Places all systems that grid points or cards may use. The grid points' own `CP` is what chains `CORD1x`.
+    /// Places all systems that grid points or cards may use. The grid points' own `CP` is what chains
+    /// `CORD1x`.
     pub fn place_all(
         cards: &[SystemCard],
         grids: &[GridCard],

@@ -177,7 +177,8 @@ impl Lookup {
         )
     }
 
-    /// Indices of the grid points of a list, in its order; numbers inside a `THRU` need not exist. Scalar points are passed over.
+    /// Indices of the grid points of a list, in its order; numbers inside a `THRU` need not exist. Scalar
+    /// points are passed over.
     pub fn all(
         &self,
         ids: &Ids,
@@ -236,7 +237,8 @@ pub(super) fn existing(table: &Labels, ids: &Ids) -> (Vec<u32>, usize) {
     (found, lacking)
 }
 
-/// The nodes and analysis frames of a mesh. A rectangular system makes one frame, another one a frame for each of its nodes.
+/// The nodes and analysis frames of a mesh. A rectangular system makes one frame, another one a frame for
+/// each of its nodes.
 pub(super) fn nodes(
     grids: &[GridCard],
     systems: &Systems,

@@ -66,8 +66,8 @@ impl<'f> Lines<'f> {
         Ok(None)
     }
 
-    /// Ends the innermost file at an `ENDDATA`; `false` where that is the deck itself. (Nastran ends everything at an included
-    /// `ENDDATA`; what follows would be lost without a word.)
+    /// Ends the innermost file at an `ENDDATA`; `false` where that is the deck itself. (Nastran ends
+    /// everything at an included `ENDDATA`; what follows would be lost without a word.)
     pub fn end_file(&mut self) -> bool {
         self.source.end_file()
     }

@@ -97,8 +97,9 @@ impl Masses {
         Ok(true)
     }
 
-    /// `CONM2 EID G CID M X1 X2 X3 / I11 I21 I22 I31 I32 I33`: moments about the centre of mass; products are entered as the
-    /// positive integral ∫ x y dm and stand in the matrix with a minus. With CID = -1 the offset is a place in the basic frame.
+    /// `CONM2 EID G CID M X1 X2 X3 / I11 I21 I22 I31 I32 I33`: moments about the centre of mass; products are
+    /// entered as the positive integral ∫ x y dm and stand in the matrix with a minus. With CID = -1 the
+    /// offset is a place in the basic frame.
     fn rigid(&mut self, card: &Card) -> Result<(), FileProblem> {
         let absolute = card.text(2) == "-1";
         let system = if absolute {
@@ -350,8 +351,8 @@ fn transposed(a: &Matrix3) -> Matrix3 {
     super::vector::from_axes(a[0], a[1], a[2])
 }
 
-/// The matrix about the node of a rigid mass (kg, m, kg m² in SI) whose centre is at `offset` from it, all in the basic frame. The
-/// centre moves with v − x̃ ω, so that M = [m 1, −m x̃; m x̃, J − m x̃ x̃].
+/// The matrix about the node of a rigid mass (kg, m, kg m² in SI) whose centre is at `offset` from it, all in
+/// the basic frame. The centre moves with v − x̃ ω, so that M = [m 1, −m x̃; m x̃, J − m x̃ x̃].
 fn rigid_matrix(mass: f64, offset: [f64; 3], inertia: &Matrix3) -> Matrix6 {
     let [x, y, z] = offset;
     let tilde = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];

@@ -1,8 +1,8 @@
 //! Matrices as cards: `DMIG` of a punch file (`EXTSEOUT(…, DMIGPCH)`, `PARAM,EXTOUT,DMIGPCH`) or of a deck.
 //!
-//! A head `DMIG name 0 IFO TIN TOUT POLAR – NCOL` (IFO 1 square, 6 symmetric with one triangle, 2 and 9 rectangular; TIN 1, 2 real, 3, 4
-//! complex), then a card a column: `DMIG name GJ CJ – G1 C1 A1 B1 …`, four fields an entry. Rows are points and freedoms 1…6, 0 for a
-//! scalar point.
+//! A head `DMIG name 0 IFO TIN TOUT POLAR – NCOL` (IFO 1 square, 6 symmetric with one triangle, 2 and 9
+//! rectangular; TIN 1, 2 real, 3, 4 complex), then a card a column: `DMIG name GJ CJ – G1 C1 A1 B1 …`, four
+//! fields an entry. Rows are points and freedoms 1…6, 0 for a scalar point.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -25,12 +25,12 @@ struct Matrix {
     column_points: BTreeSet<Freedom>,
 }
 
-/// Reads the matrix of this name from `DMIG` cards, or the only one where `name` is empty. Its rows are the freedoms that it names, by
-/// points and freedoms in rising order; a freedom without any entry is not in it.
+/// Reads the matrix of this name from `DMIG` cards, or the only one where `name` is empty. Its rows are the
+/// freedoms that it names, by points and freedoms in rising order; a freedom without any entry is not in it.
 ///
 /// # Errors
-/// With file and line of the card: a column before its head, a complex matrix, a point or freedom that is none, a number that isn't one;
-/// a name that the file doesn't hold, with those it does.
+/// With file and line of the card: a column before its head, a complex matrix, a point or freedom that is
+/// none, a number that isn't one; a name that the file doesn't hold, with those it does.
 pub fn read_dmig(files: &dyn Files, file: &str, name: &str) -> Result<ForeignMatrix, FileProblem> {
     let mut matrices: BTreeMap<String, Matrix> = BTreeMap::new();
     read_cards(files, file, |card| {

@@ -1,15 +1,18 @@
-//! Nastran bulk data (`.bdf`, `.dat`, `.nas`): grid points, elements, properties, masses, ties, supports and sets become a [`Mesh`].
+//! Nastran bulk data (`.bdf`, `.dat`, `.nas`): grid points, elements, properties, masses, ties, supports and
+//! sets become a [`Mesh`].
 //!
-//! Free, small and large field are read, mixed as they may be; continuations next to their card or anywhere by name; `INCLUDE`.
-//! Executive and case control are passed over but for `SPC =` and `MPC =`: without such a selection all sets hold. Sets of the mesh are
-//! called `set:3` (`SET1`, `SET3`) and `pid:3` (what has property 3). `PARAM,WTMASS` multiplies densities and masses here; the rule by
-//! which masses are lumped (`PARAM,COUPMASS`) is none of the mesh's business, and listed.
+//! Free, small and large field are read, mixed as they may be; continuations next to their card or anywhere
+//! by name; `INCLUDE`. Executive and case control are passed over but for `SPC =` and `MPC =`: without such a
+//! selection all sets hold. Sets of the mesh are called `set:3` (`SET1`, `SET3`) and `pid:3` (what has
+//! property 3). `PARAM,WTMASS` multiplies densities and masses here; the rule by which masses are lumped
+//! (`PARAM,COUPMASS`) is none of the mesh's business, and listed.
 //!
 //! ```text
 //! lines ─▶ sections ─▶ continuation ─▶ card ─▶ grids, elements, … (cards) ─▶ mesh
 //! ```
 //!
-//! Nothing can refer to anything before the whole deck is read, so that cards are kept in short form and made a mesh at its end.
+//! Nothing can refer to anything before the whole deck is read, so that cards are kept in short form and made
+//! a mesh at its end.
 
 mod beams;
 mod card;
@@ -53,8 +56,9 @@ use unread::UnreadCards;
 /// Reads a deck of bulk data with all it includes. Units stay those of the file.
 ///
 /// # Errors
-/// With file, line and card: a file that can't be read or isn't a deck, a number that is none, a lost continuation, a missing or
-/// doubled grid point, element, property, material or coordinate system, a circle among them, a card that can't be expressed.
+/// With file, line and card: a file that can't be read or isn't a deck, a number that is none, a lost
+/// continuation, a missing or doubled grid point, element, property, material or coordinate system, a circle
+/// among them, a card that can't be expressed.
 pub fn read_bulk(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
     let mut deck = Deck {
         mass_scale: 1.0,
@@ -93,8 +97,8 @@ struct Deck {
 }
 
 impl Deck {
-    /// Keeps a card, or counts it. One that calls a continuation which is not there is read without it, as Nastran does, and this is
-    /// told; it is refused where nodes or whole lists could have stood there.
+    /// Keeps a card, or counts it. One that calls a continuation which is not there is read without it, as
+    /// Nastran does, and this is told; it is refused where nodes or whole lists could have stood there.
     fn take(&mut self, card: &Card) -> Result<(), FileProblem> {
         match (self.read(card), card.lost_problem()) {
             (Err(problem), None) => Err(problem),

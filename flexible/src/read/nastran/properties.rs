@@ -263,8 +263,9 @@ impl Properties {
         self.insert(card, Family::Beam, Some(material), kind)
     }
 
-    /// `PBEAM PID MID A I1 I2 I12 J NSM / C1…F2 / [SO X/XB A I1 I2 I12 J NSM / C1…F2]… / K1 K2 S1 S2 NSI(A) NSI(B) CW(A) CW(B) / M1…N2`.
-    /// Blank shear factors are 1. The mean of a tapered section is taken, and listed.
+    /// `PBEAM PID MID A I1 I2 I12 J NSM / C1…F2 / [SO X/XB A I1 I2 I12 J NSM / C1…F2]… / K1 K2 S1 S2 NSI(A)
+    /// NSI(B) CW(A) CW(B) / M1…N2`. Blank shear factors are 1. The mean of a tapered section is taken, and
+    /// listed.
     fn beam(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
         let material = card.id(1, "MID")?;
         let mut section = BeamSection {

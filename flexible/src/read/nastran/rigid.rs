@@ -1,7 +1,9 @@
-//! Rigid elements whose six independent freedoms are shared among several grid points (`RBAR`, `RBE1`), written as equations.
+//! Rigid elements whose six independent freedoms are shared among several grid points (`RBAR`, `RBE1`),
+//! written as equations.
 //!
-//! All points move with one rigid body: the translation along e of a point at d from the origin is e·u + (d × e)·θ, its rotation about
-//! e is e·θ. The six independent freedoms give u and θ, and these every dependent freedom.
+//! All points move with one rigid body: the translation along e of a point at d from the origin is e·u + (d ×
+//! e)·θ, its rotation about e is e·θ. The six independent freedoms give u and θ, and these every dependent
+//! freedom.
 
 use super::vector::{IDENTITY, cross, minus, norm};
 use crate::mesh::{Frame, Node};
@@ -9,8 +11,9 @@ use crate::mesh::{Frame, Node};
 /// A freedom 0…5 of a node.
 pub(super) type Freedom = (u32, u8);
 
-/// Coefficients of each dependent freedom in the independent ones: `u_d = Σ c u_i`, a row for each dependent. `None` where the
-/// independent freedoms leave a rigid motion free. Translations and rotations keep their units: metres and radians in SI.
+/// Coefficients of each dependent freedom in the independent ones: `u_d = Σ c u_i`, a row for each dependent.
+/// `None` where the independent freedoms leave a rigid motion free. Translations and rotations keep their
+/// units: metres and radians in SI.
 pub(super) fn dependence(
     independent: &[Freedom; 6],
     dependent: &[Freedom],
@@ -64,7 +67,8 @@ pub(super) fn dependence(
         .collect()
 }
 
-/// Solves `matrix · x = right` by elimination with row exchange; `None` where it is singular (entries are of order 1).
+/// Solves `matrix · x = right` by elimination with row exchange; `None` where it is singular (entries are of
+/// order 1).
 fn solve(mut matrix: [[f64; 6]; 6], mut right: [f64; 6]) -> Option<[f64; 6]> {
     for k in 0..6 {
         let pivot = (k..6).max_by(|i, j| matrix[*i][k].abs().total_cmp(&matrix[*j][k].abs()))?;

@@ -1,5 +1,5 @@
-//! The sections of a deck: executive and case control are passed over but for what selects supports and equations; a deck of
-//! cards alone has none of them.
+//! The sections of a deck: executive and case control are passed over but for what selects supports and
+//! equations; a deck of cards alone has none of them.
 
 use super::card::{Card, cut};
 use super::continuation::Assembler;
@@ -104,7 +104,8 @@ struct Head {
 }
 
 impl Head {
-    /// The lines of these that are cards: all of them in a deck without control sections, `PARAM` alone in others.
+    /// The lines of these that are cards: all of them in a deck without control sections, `PARAM` alone in
+    /// others.
     fn cards(self, begins: bool, case: &mut CaseControl) -> Vec<Line> {
         if !begins && !self.control {
             return self.lines;

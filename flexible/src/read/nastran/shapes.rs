@@ -1,9 +1,10 @@
 //! Sections given by shape and dimensions (`PBARL`, `PBEAML`).
 //!
-//! y is up and z to the right in the drawings of the Nastran manuals. A shape is a sum of rectangles (walls); area, centroid and second
-//! moments follow from them exactly. Torsion of an open section is Σ length · thickness³ / 3 over the mid-lines of its walls, of a closed
-//! one Bredt's 4 A²/∮ds/t with constant walls (S. Timoshenko, Strength of Materials II). A wall carries shear along its length only: the
-//! factor is the walls' share of the area; 9/10 for a round bar, 1/2 for a thin tube, 5/6 for a rectangle.
+//! y is up and z to the right in the drawings of the Nastran manuals. A shape is a sum of rectangles (walls);
+//! area, centroid and second moments follow from them exactly. Torsion of an open section is Σ length ·
+//! thickness³ / 3 over the mid-lines of its walls, of a closed one Bredt's 4 A²/∮ds/t with constant walls (S.
+//! Timoshenko, Strength of Materials II). A wall carries shear along its length only: the factor is the
+//! walls' share of the area; 9/10 for a round bar, 1/2 for a thin tube, 5/6 for a rectangle.
 
 use std::f64::consts::PI;
 
@@ -163,7 +164,8 @@ pub(in crate::read) fn section(shape: &str, dimensions: &[f64]) -> Option<BeamSe
     sound.then_some(section)
 }
 
-/// A round bar or tube: A = π (R² − r²), I = π (R⁴ − r⁴)/4, J = 2 I. The shear factor is that of a solid bar or of a thin tube.
+/// A round bar or tube: A = π (R² − r²), I = π (R⁴ − r⁴)/4, J = 2 I. The shear factor is that of a solid bar
+/// or of a thin tube.
 fn tube(outer: f64, inner: f64) -> Option<BeamSection> {
     if !(0.0..outer).contains(&inner) {
         return None;
@@ -181,7 +183,8 @@ fn tube(outer: f64, inner: f64) -> Option<BeamSection> {
     })
 }
 
-/// A rectangle. J = a b³ (1/3 − 0.21 b/a (1 − b⁴/12 a⁴)) with a ≥ b, 0.5 % or better (W. Young, Roark's Formulas, table 10.1).
+/// A rectangle. J = a b³ (1/3 − 0.21 b/a (1 − b⁴/12 a⁴)) with a ≥ b, 0.5 % or better (W. Young, Roark's
+/// Formulas, table 10.1).
 fn bar(width: f64, height: f64) -> Option<BeamSection> {
     let (a, b) = (width.max(height), width.min(height));
     if b <= 0.0 {
@@ -199,8 +202,8 @@ fn bar(width: f64, height: f64) -> Option<BeamSection> {
     })
 }
 
-/// A hexagon with tips left and right of the given width each. The torsion constant is de Saint-Venant's A⁴/(40 Iₚ), good to a few per
-/// cent for compact solids.
+/// A hexagon with tips left and right of the given width each. The torsion constant is de Saint-Venant's
+/// A⁴/(40 Iₚ), good to a few per cent for compact solids.
 fn hexagon(tip: f64, width: f64, height: f64) -> Option<BeamSection> {
     let core = width - 2.0 * tip;
     if core < 0.0 {

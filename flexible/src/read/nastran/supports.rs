@@ -1,4 +1,5 @@
-//! Held freedoms and interface freedoms: `SPC`, `SPC1`, `SPCADD`, `PS` of grid points, `ASET`, `ASET1` and their kin.
+//! Held freedoms and interface freedoms: `SPC`, `SPC1`, `SPCADD`, `PS` of grid points, `ASET`, `ASET1` and
+//! their kin.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -82,8 +83,8 @@ impl Supports {
         Ok(true)
     }
 
-    /// The held freedoms of a mesh, node by node: those of the grid points themselves, and those of the selected set, or of all sets
-    /// where case control selects none.
+    /// The held freedoms of a mesh, node by node: those of the grid points themselves, and those of the
+    /// selected set, or of all sets where case control selects none.
     pub fn supports(
         &self,
         grids: &[GridCard],
@@ -115,7 +116,8 @@ impl Supports {
         Ok(list(bits))
     }
 
-    /// The interface freedoms of a mesh, node by node. Scalar points in these sets are modal coordinates and no nodes.
+    /// The interface freedoms of a mesh, node by node. Scalar points in these sets are modal coordinates and
+    /// no nodes.
     pub fn interface(&self, lookup: &Lookup) -> Result<Vec<Support>, FileProblem> {
         let mut bits = BTreeMap::new();
         for entry in &self.interface {

@@ -227,8 +227,8 @@ fn spider(card: &Card) -> Result<Kind, FileProblem> {
     })
 }
 
-/// `RBE3 EID blank REFGRID REFC WT1 C1 G1,1 … WT2 C2 … [UM …] [ALPHA …]`: a real in the list begins a group. `UM` only says which
-/// freedoms of the same equations Nastran eliminates, so that it needs no reading.
+/// `RBE3 EID blank REFGRID REFC WT1 C1 G1,1 … WT2 C2 … [UM …] [ALPHA …]`: a real in the list begins a group.
+/// `UM` only says which freedoms of the same equations Nastran eliminates, so that it needs no reading.
 fn averaging(card: &Card) -> Result<Kind, FileProblem> {
     let reference = card.id(2, "REFGRID")?;
     let components = card.components(3, "REFC")?;
@@ -272,7 +272,8 @@ fn averaging(card: &Card) -> Result<Kind, FileProblem> {
     })
 }
 
-/// `RBAR EID GA GB CNA CNB CMA CMB`: six independent freedoms (CN), the others or those named (CM) depend on them.
+/// `RBAR EID GA GB CNA CNB CMA CMB`: six independent freedoms (CN), the others or those named (CM) depend on
+/// them.
 fn bar(card: &Card) -> Result<Kind, FileProblem> {
     let grids = [card.id(1, "GA")?, card.id(2, "GB")?];
     let part = |i: usize, name: &str| {
@@ -290,7 +291,8 @@ fn bar(card: &Card) -> Result<Kind, FileProblem> {
     )
 }
 
-/// `RBE1 EID GN1 CN1 GN2 CN2 GN3 CN3 / … / UM GM1 CM1 …`: six independent freedoms before `UM`, dependent ones behind it.
+/// `RBE1 EID GN1 CN1 GN2 CN2 GN3 CN3 / … / UM GM1 CM1 …`: six independent freedoms before `UM`, dependent
+/// ones behind it.
 fn general(card: &Card) -> Result<Kind, FileProblem> {
     let (mut given, mut following) = (Vec::new(), Vec::new());
     let mut behind = false;
@@ -313,7 +315,8 @@ fn general(card: &Card) -> Result<Kind, FileProblem> {
     shared(card, given, following)
 }
 
-/// A rigid element of the given independent and dependent freedoms: a spider where all independent ones are at one grid point.
+/// A rigid element of the given independent and dependent freedoms: a spider where all independent ones are
+/// at one grid point.
 fn shared(
     card: &Card,
     mut given: Vec<(u64, u8)>,

@@ -11,7 +11,8 @@ impl UnreadCards {
     }
 }
 
-/// Cards of mass, stiffness or constraint. Properties and materials stand here only where their elements are read without them.
+/// Cards of mass, stiffness or constraint. Properties and materials stand here only where their elements are
+/// read without them.
 const STRUCTURE: &[&str] = &[
     "AELINK", "BCBODY", "BCONP", "BCTABLE", "BCTADD", "BCTSET", "BGADD", "BGSET", "CACINF3",
     "CACINF4", "CBEAM3", "CBEND", "CBUSH", "CBUSH1D", "CBUSH2D", "CELAS3", "CELAS4", "CFAST",

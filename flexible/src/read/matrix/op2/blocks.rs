@@ -1,5 +1,5 @@
-//! The blocks of an OP2: records of keys (one integer) and of data. A key above zero says how many words follow in the next record, one
-//! below zero ends a record of the block and counts it, zero ends the block.
+//! The blocks of an OP2: records of keys (one integer) and of data. A key above zero says how many words
+//! follow in the next record, one below zero ends a record of the block and counts it, zero ends the block.
 //!
 //! ```text
 //! 3 date 7 title 2 version [6 release] -1 0                head of the file, or nothing
@@ -286,7 +286,8 @@ impl Blocks {
         }
     }
 
-    /// The next record of a table as a whole; `None` at the end of the block. Columns of a matrix are passed over.
+    /// The next record of a table as a whole; `None` at the end of the block. Columns of a matrix are passed
+    /// over.
     pub fn next_table(&mut self) -> Result<Option<Vec<u8>>, FileProblem> {
         let mut all = Vec::new();
         while let Some(step) = self.next_step()? {

@@ -1,8 +1,8 @@
 //! Nastran's OP2 (`PARAM,POST,-1`, `OUTPUT2`), of 32-bit and 64-bit codes: matrices and mode shapes.
 //!
 //! Tables read: `EQEXIN` (numbers of points and their rows), `LAMA` (eigenvalues), `OUGV1` and its kin (mode
-//! shapes, single precision in 32-bit files: 7 digits). Any matrix is read by its name. Other tables are passed over. Sources: MSC
-//! Nastran DMAP guide (data blocks), NX Nastran DMAP guide, files of MYSTRAN.
+//! shapes, single precision in 32-bit files: 7 digits). Any matrix is read by its name. Other tables are
+//! passed over. Sources: MSC Nastran DMAP guide (data blocks), NX Nastran DMAP guide, files of MYSTRAN.
 
 mod blocks;
 mod points;
@@ -17,12 +17,13 @@ use points::Points;
 /// Trailer, behind its first word, of a table of matrices as cards.
 const POOLED: [i64; 6] = [32768, 0, 0, 0, 0, 0];
 
-/// Reads the matrix of this name, or the only one where `name` is empty. Its freedoms are known where it has a row for each freedom of
-/// all points (`KGG`, `MGG`) and the file holds `EQEXIN`; rows of a reduced matrix (`KAA`) must be told apart by what the model says.
+/// Reads the matrix of this name, or the only one where `name` is empty. Its freedoms are known where it has
+/// a row for each freedom of all points (`KGG`, `MGG`) and the file holds `EQEXIN`; rows of a reduced matrix
+/// (`KAA`) must be told apart by what the model says.
 ///
 /// # Errors
-/// With file and record: a file that is none, is cut or damaged, a complex matrix, an entry that is no finite number; a name that the
-/// file doesn't hold, with those it does.
+/// With file and record: a file that is none, is cut or damaged, a complex matrix, an entry that is no finite
+/// number; a name that the file doesn't hold, with those it does.
 pub fn read_op2_matrix(
     files: &dyn Files,
     file: &str,
@@ -204,8 +205,8 @@ fn entries(
 /// Reads the real mode shapes of a run of SOL 103, with the eigenvalues of the table `LAMA`.
 ///
 /// # Errors
-/// With file and record: a file that is none, is cut or damaged, complex shapes or shapes sorted by point; modes on different nodes, or
-/// none.
+/// With file and record: a file that is none, is cut or damaged, complex shapes or shapes sorted by point;
+/// modes on different nodes, or none.
 pub fn read_op2_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, FileProblem> {
     let mut blocks = Blocks::open(files, file)?;
     let mut shapes = shapes::Shapes::default();

@@ -1,6 +1,7 @@
 //! Points of an OP2: their numbers and rows (`EQEXIN`).
 //!
-//! The second record has pairs (number, 10 · first row + kind), kind 1 a grid point of six rows, 2 a scalar point of one.
+//! The second record has pairs (number, 10 · first row + kind), kind 1 a grid point of six rows, 2 a scalar
+//! point of one.
 
 use super::blocks::{Block, Blocks};
 use crate::error::FileProblem;
@@ -27,7 +28,8 @@ impl Points {
         Ok(())
     }
 
-    /// The freedom of each row of a matrix over all points; `None` where the table is missing or makes no sense.
+    /// The freedom of each row of a matrix over all points; `None` where the table is missing or makes no
+    /// sense.
     pub fn rows(&self) -> Option<Vec<(u64, u8)>> {
         let mut points = self
             .0

@@ -1,9 +1,11 @@
-//! Mode shapes of an OP2: tables `OUGV1` and its kin in pairs of records (identification of 146 words, data of 8 words a point), one
-//! block for all modes (MSC, NX) or one a mode (MYSTRAN); eigenvalues of the table `LAMA`.
+//! Mode shapes of an OP2: tables `OUGV1` and its kin in pairs of records (identification of 146 words, data
+//! of 8 words a point), one block for all modes (MSC, NX) or one a mode (MYSTRAN); eigenvalues of the table
+//! `LAMA`.
 //!
-//! Words of the identification, from 0: 0 run · 10 + device (2: modes), 1 code (7: eigenvector; thousands: complex, sorted by point), 3
-//! subcase, 4 mode, 5 eigenvalue, 9 words a point. Data: number · 10 + device, kind (1: grid point), six reals. `LAMA`, second record: mode,
-//! order, eigenvalue, angular frequency, frequency, generalised mass and stiffness.
+//! Words of the identification, from 0: 0 run · 10 + device (2: modes), 1 code (7: eigenvector; thousands:
+//! complex, sorted by point), 3 subcase, 4 mode, 5 eigenvalue, 9 words a point. Data: number · 10 + device,
+//! kind (1: grid point), six reals. `LAMA`, second record: mode, order, eigenvalue, angular frequency,
+//! frequency, generalised mass and stiffness.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
-//! Binary OP4: one record a head and a column. 32-bit files count words of 4 bytes, 64-bit ones (head of 48 bytes) integers of 8 and
-//! words of 8, in which single precision has 8 bytes too.
+//! Binary OP4: one record a head and a column. 32-bit files count words of 4 bytes, 64-bit ones (head of 48
+//! bytes) integers of 8 and words of 8, in which single precision has 8 bytes too.
 
 use super::super::CUT;
 use super::super::bytes::{Order, Records};

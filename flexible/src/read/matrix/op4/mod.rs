@@ -1,9 +1,10 @@
 //! Nastran's OP4 (`OUTPUT4`): matrices in binary or as text, dense or sparse, column by column.
 //!
-//! A matrix begins with its number of columns and of rows (negative: `BIGMAT`), form (1 square, 2 rectangular, 6 symmetric; always whole
-//! columns), type (1 single, 2 double precision, 3 and 4 complex) and name. A column says where its first row is, or 0 when it is made
-//! of strings: each says its length and row in one word (length · 65536 + row), or in two for `BIGMAT`. A last column, one beyond the
-//! others, ends the matrix. Source: MSC Nastran DMAP guide, module OUTPUT4.
+//! A matrix begins with its number of columns and of rows (negative: `BIGMAT`), form (1 square, 2
+//! rectangular, 6 symmetric; always whole columns), type (1 single, 2 double precision, 3 and 4 complex) and
+//! name. A column says where its first row is, or 0 when it is made of strings: each says its length and row
+//! in one word (length · 65536 + row), or in two for `BIGMAT`. A last column, one beyond the others, ends the
+//! matrix. Source: MSC Nastran DMAP guide, module OUTPUT4.
 
 mod binary;
 mod text;
@@ -12,11 +13,12 @@ use super::{COMPLEX, ForeignMatrix, Held, chosen};
 use crate::error::FileProblem;
 use crate::read::{self, Files};
 
-/// Reads the matrix of this name, or the only one where `name` is empty. Single precision has 7 digits, text as many as its format.
+/// Reads the matrix of this name, or the only one where `name` is empty. Single precision has 7 digits, text
+/// as many as its format.
 ///
 /// # Errors
-/// With file and record or line: a file that is none, is cut or damaged, a complex matrix, an entry that is no finite number; a name
-/// that the file doesn't hold, with those it does.
+/// With file and record or line: a file that is none, is cut or damaged, a complex matrix, an entry that is
+/// no finite number; a name that the file doesn't hold, with those it does.
 pub fn read_op4(files: &dyn Files, file: &str, name: &str) -> Result<ForeignMatrix, FileProblem> {
     let mut reader = read::open(files, file)?;
     let start = reader.fill_buf().unwrap_or(&[]);
@@ -121,7 +123,8 @@ impl Head {
         })
     }
 
-    /// Checks the number of a column, from 1: behind the last one, and no further than the one that ends the matrix.
+    /// Checks the number of a column, from 1: behind the last one, and no further than the one that ends the
+    /// matrix.
     fn column(&self, column: i64, last: usize) -> Result<usize, Wrong> {
         match usize::try_from(column) {
             Ok(column) if column > last && column <= self.columns + 1 => Ok(column),

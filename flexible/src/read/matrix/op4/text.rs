@@ -1,4 +1,5 @@
-//! OP4 as text. The head's format says how many values stand on a line and how wide they are; they touch each other.
+//! OP4 as text. The head's format says how many values stand on a line and how wide they are; they touch each
+//! other.
 
 use super::super::text::{NUMBERS, Text, columns, real};
 use super::{Head, Taken, Wrong, keep};
