@@ -21,15 +21,20 @@ fn second_moment() -> f64 {
 /// A round shaft along z.
 fn deck() -> String {
     let (area, moment) = (area(), second_moment());
+    beam(LENGTH, PIECES, area, moment)
+}
+
+/// A beam of steel along z with its first node at the origin.
+fn beam(length: f64, pieces: u32, area: f64, moment: f64) -> String {
     let mut deck = format!(
         "BEGIN BULK\nMAT1,1,{YOUNG:e},,0.3,{DENSITY}\nPBAR,1,1,{area:.8e},{moment:.8e},{moment:.8e},{:.8e}\n",
         2.0 * moment
     );
-    for node in 0..=PIECES {
-        let z = LENGTH * f64::from(node) / f64::from(PIECES);
+    for node in 0..=pieces {
+        let z = length * f64::from(node) / f64::from(pieces);
         writeln!(deck, "GRID,{},,0.,0.,{z:.4}", node + 1).expect("a line");
     }
-    for piece in 1..=PIECES {
+    for piece in 1..=pieces {
         writeln!(deck, "CBAR,{piece},1,{piece},{},1.,0.,0.", piece + 1).expect("a line");
     }
     deck + "ENDDATA\n"
@@ -287,5 +292,135 @@ fn an_unbalance_in_films_repeats_from_the_start() {
         println!("{path}: after a turn {again:.2e}, of a long run {later:.2e} of the swing");
         assert!(again < 1e-2, "{path}: {again}");
         assert!(later < 2e-2, "{path}: {later}");
+    }
+}
+
+/// A disc of 4 kg at the end of a shaft of 0.5 m, which overhangs its second bearing by 0.1 m.
+fn overhung(speed: f64, offset: f64, bearings: &str, analysis: &str) -> Outcome {
+    let text = format!(
+        "use std.joints.{{Fixed, PointOnPlane, PointOnLine}}
+         use std.drives.PrescribedRotation
+         force Pad(a: Marker, b: Marker, kx: Stiffness, ky: Stiffness, cx: Damping, cy: Damping) {{
+             let e = local(a.origin - b.origin, b)
+             let v = der(e)
+             apply force vector([-kx*e.x - cx*v.x, -ky*e.y - cy*v.y, 0 N], b) on a against b
+         }}
+         model Rotor {{
+             gravity = [0, -9.81, 0] m/s^2
+             marker left = [0, 0, 0] m
+             marker right = [0, 0, 0.4] m
+             flexible shaft {{
+                 mesh = nastran(\"shaft.bdf\", units: m_kg_s)
+                 modes = static(at: [left, right, tip], freedoms: [x, y]) + static(at: tip, freedoms: [rx, ry]) + normal(12)
+                 damping = 0 %
+                 geometric_stiffness = true
+                 marker left = node(1)
+                 marker right = node(9)
+                 marker tip = node(11)
+                 start angular_velocity = [0, 0, {speed}] rad/s
+             }}
+             body disc {{
+                 mass = 4 kg
+                 inertia = [0.02, 0.02, 0.036] kg*m^2
+                 center_of_mass = [{offset}, 0, 0] m
+                 marker hub = [0, 0, 0] m
+             }}
+             joint press = Fixed(disc.hub, shaft.tip)
+             {bearings}
+             joint thrust = PointOnPlane(shaft.left, left)
+             drive turn = PrescribedRotation(shaft.left, left, speed: {speed} rad/s) {{ accept fast }}
+             output x: Length = dot(shaft.tip.origin, ground.x)
+             output y: Length = dot(shaft.tip.origin, ground.y)
+         }}
+         analysis begins = transient(Rotor(), duration: 0.1 ms, sample: 0.1 ms, start: quasi_static)
+         analysis whirls = linear(Rotor(), over: 1 rev, number: 6)"
+    );
+    let diameter: f64 = 0.03;
+    let area = 0.25 * std::f64::consts::PI * diameter.powi(2);
+    let moment = std::f64::consts::PI * diameter.powi(4) / 64.0;
+    let sources = Sources::from_texts([
+        ("rotor.eng".to_owned(), text),
+        ("shaft.bdf".to_owned(), beam(0.5, 10, area, moment)),
+    ]);
+    let program: Program = eng::check(&sources, "rotor.eng")
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}"));
+    program
+        .analysis(analysis)
+        .unwrap_or_else(|error| panic!("{error}"))
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error))
+}
+
+/// Two bearings with stiffness (N/m) and damping (N s/m) along x and y.
+fn pads(kx: f64, ky: f64, cx: f64, cy: f64) -> String {
+    ["left", "right"]
+        .map(|end| {
+            format!(
+                "force on_{end} = Pad(shaft.{end}, {end}, kx: {kx} N/m, ky: {ky} N/m, cx: {cx} N*s/m, cy: {cy} N*s/m)\n"
+            )
+        })
+        .concat()
+}
+
+/// Rotors that are stable and meet no frequency, where the equations of all angles take hundreds of products:
+/// the disc's place at the start against the answer `(K − Ω²M + iΩ(C + G))⁻¹ F` of a model of the same ten
+/// beams (Euler's, with rotary inertia) and disc, in space, with its sag (µm).
+#[test]
+fn rotors_between_their_critical_speeds_begin_in_their_motion() {
+    let round = pads(4e6, 4e6, 300.0, 300.0);
+    let unequal = pads(4e6, 1.5e6, 300.0, 900.0);
+    let rigid = "joint one = PointOnLine(shaft.left, left)
+                 joint two = PointOnLine(shaft.right, right)";
+    let cases = [
+        (
+            300.0,
+            50e-6,
+            round.as_str(),
+            [13.930_890, -27.508_525],
+            2e-3,
+        ),
+        (500.0, 50e-6, &round, [77.051_348, -32.738_310], 2e-3),
+        (500.0, 50e-6, &unequal, [160.416_355, -73.941_012], 2e-3),
+        (-500.0, 50e-6, &unequal, [160.416_355, -49.248_350], 2e-3),
+        // the rotary inertia of the shaft's own beams, which models differ in, makes up 0.4 %
+        (1800.0, 5e-6, rigid, [-11.496_155, -6.610_208], 1e-2),
+        (2200.0, 5e-6, rigid, [-7.650_195, -6.610_208], 1e-2),
+    ];
+    for (speed, offset, bearings, due, within) in cases {
+        let outcome = overhung(speed, offset, bearings, "begins");
+        let Some(StartReport::QuasiStatic(found)) = &outcome.start else {
+            panic!("{speed}: {:?}", outcome.start);
+        };
+        assert!(
+            matches!(found.turning, Some(Turning::Repeating { change, .. }) if change < 1e-5),
+            "{speed}: {found:?}"
+        );
+        let [x, y] = ["x", "y"].map(|path| 1e6 * column(&outcome, path)[0]);
+        let off = (x - due[0]).hypot(y - due[1]) / due[0].hypot(due[1]);
+        println!("{speed} rad/s: {x:.4} {y:.4} µm, off by {off:.1e}");
+        assert!(off < within, "{speed}: {x} {y}, due {due:?}");
+    }
+}
+
+/// Modes about the motion that such a start begins, against the eigenvalues of the same model in space; the
+/// torsion that nothing damps does not grow.
+#[test]
+fn an_overhung_rotor_whirls_as_its_beams_do() {
+    let bearings = pads(4e6, 1.5e6, 300.0, 900.0);
+    let cases = [
+        (500.0, [[-36.743, 392.600], [-13.862, 570.696]]),
+        (1500.0, [[-17.244, 333.070], [-43.872, 548.738]]),
+    ];
+    for (speed, due) in cases {
+        let outcome = overhung(speed, 50e-6, &bearings, "whirls");
+        let modes = outcome.modes.expect("modes");
+        for [re, im] in due {
+            let off = |mode: &eng::Mode| (mode.value.re - re).hypot(mode.value.im - im) / im;
+            let nearest = modes.modes.iter().map(off).fold(f64::INFINITY, f64::min);
+            println!("{speed} rad/s: {re} + {im}i off by {nearest:.1e}");
+            assert!(nearest < 1e-3, "{speed}: {re} + {im}i: {nearest}");
+        }
+        assert!(modes.modes.iter().all(|mode| !mode.grows()), "{modes:?}");
     }
 }

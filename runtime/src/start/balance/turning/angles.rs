@@ -17,17 +17,27 @@ use nalgebra::{DMatrix, DVector};
 const ROUNDS: usize = 25;
 /// Part of the residual to which a round solves its linear system.
 const GOAL: f64 = 1e-10;
-/// Products with the matrix in a round.
-const PRODUCTS: usize = 120;
-/// Part of the residual from which on a round has not solved its system.
-const UNSOLVED: f64 = 1e-4;
+/// Products with the matrix in a round. The preconditioner leaves an eigenvalue `1 − (mΩ/ω)²` to each shape
+/// of frequency ω and each order m below N/2: some hundreds that differ where a residual has all orders, as
+/// that of a fine grid.
+const PRODUCTS: usize = 400;
+/// Part of the residual up to which a round has solved its system: its step tells how far off the places are.
+const SOLVED: f64 = 1e-4;
+/// Part of the residual from which on a round does not help. Between, its step is taken, and the next round
+/// goes on from there.
+const STALLED: f64 = 0.5;
 /// Part of the first residual below which there is nothing but rounding.
 const ROUNDING: f64 = 1e-11;
 /// The same where a system of it is not solved.
 const NEARLY: f64 = 1e-9;
-/// Part of the first residual below which a step may be out of proportion to it, and by how much it then is: it follows rounding along
-/// a free motion of a whole order.
+/// Where bodies are free to move at a whole order of the period (a disc that wobbles as it turns, a shape
+/// whose frequency is met and which no load of that order excites), the matrix has nearly no inverse along
+/// that motion. There a residual of rounding asks for a step of any size, each round for another, and the
+/// places before are as good an answer. Such a step shows by its size: below this part of the first residual,
+/// where only rounding is left to solve for …
 const SMALL: f64 = 1e-8;
+/// … it is so many times larger for its residual than the first step was for its own. A step of a sound
+/// matrix keeps the proportion of stiffest to softest shape that the first one had, within a few decades.
 const BEYOND: f64 = 1e4;
 /// Scaled step beyond which loads meet a shape that nothing damps: far beyond all bending.
 const FAR: f64 = 1.0;
@@ -249,15 +259,22 @@ impl Angles {
             if left <= SMALL * self.load && size * self.load > BEYOND * left * self.reach {
                 return Ok(());
             }
-            let solved = size <= FAR && solution.residual <= UNSOLVED;
-            if !solved && left <= NEARLY * self.load {
+            let solved = solution.residual <= SOLVED;
+            if (size > FAR || !solved) && left <= NEARLY * self.load {
                 return Ok(());
             }
-            if !solved {
+            if size > FAR {
                 return Err(NoOrbit::Told(self.resonance(balance, &steps)));
             }
+            if solution.residual > STALLED {
+                return Err(NoOrbit::Told(format!(
+                    "the equations of all angles are not solved: {} products leave {:.0} % of what is out of balance",
+                    solution.products,
+                    100.0 * solution.residual
+                )));
+            }
             let factor = self.advance(balance, &steps, size);
-            if factor == 1.0 {
+            if factor == 1.0 && solved {
                 if size <= goal || (size <= 1e4 * goal && size >= 0.5 * last) {
                     Tangent::velocities(balance, self)?;
                     return Ok(());

@@ -7,6 +7,8 @@ pub(super) struct Solution {
     pub x: Vec<f64>,
     /// |b − A x| over |b|.
     pub residual: f64,
+    /// Products with A.
+    pub products: usize,
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -32,6 +34,7 @@ pub(super) fn gmres<E>(
         return Ok(Solution {
             x: vec![0.0; b.len()],
             residual: 0.0,
+            products: 0,
         });
     }
     let mut basis: Vec<Vec<f64>> = vec![b.iter().map(|x| x / size).collect()];
@@ -92,6 +95,7 @@ pub(super) fn gmres<E>(
     Ok(Solution {
         x: precondition(&x)?,
         residual: right[count].abs() / size,
+        products: count,
     })
 }
 
