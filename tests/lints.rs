@@ -171,3 +171,34 @@ fn a_report_lists_what_is_accepted() {
     let codes: Vec<&str> = ran.diagnostics.iter().map(|d| d.code).collect();
     assert!(!codes.contains(&"W0711"), "`near` is accepted: {codes:?}");
 }
+
+/// A weight hung aslant on a spring swings aside by far more than the spring is stretched: only its stretch,
+/// m g/k, is counted.
+#[test]
+fn a_pendulum_on_a_spring_does_not_sag() {
+    let of = |stiffness: &str| {
+        format!(
+            "use std.forces.LinearSpring
+model Pendulum {{
+    gravity = [0, 0, -9.81] m/s^2
+    marker base = [0, 0, 0] mm
+    body bob {{ mass = 1.5 kg; inertia = [1, 1, 1] g*m^2; marker hook = origin; start position = [300, 100, -900] mm }}
+    force spring = LinearSpring(bob.hook, base, stiffness: {stiffness}, free_length: 950 mm, damping: 0.5 N*s/m)
+}}
+analysis swings = transient(Pendulum(), duration: 10 ms)
+"
+        )
+    };
+    for (index, (stiffness, due)) in [
+        ("30000 N/m", None),
+        ("300 N/m", None),
+        ("20 N/m", Some("736 mm")),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let (said, _) = Text::new(&format!("pendulum-{index}"), &of(stiffness)).check();
+        assert_eq!(said.contains("W0764"), due.is_some(), "{said}");
+        assert!(due.is_none_or(|due| said.contains(due)), "{said}");
+    }
+}

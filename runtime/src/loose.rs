@@ -187,9 +187,13 @@ const UPRIGHT: f64 = 0.2;
 
 /// The spring that gives way most under gravity (m/s², inertial), and by how much (m): an estimate by the stiffness `K` at a position, at
 /// rest. With `N` the free motions, `f` the weights and `V` the directions in which `Nᵀ (K + Kᵀ) N/2` is positive, the bodies move by
-/// `N V (Vᵀ Nᵀ K N V)⁻¹ Vᵀ Nᵀ f`; counted is the way of one end of the spring against the other, along gravity. `None` where no spring gives
-/// way, where the bodies turn as they sink (a weak spring on a pendulum), and of bodies that an element with states holds: its
-/// stiffness is in the states.
+/// `u = N V (Vᵀ Nᵀ K N V)⁻¹ Vᵀ Nᵀ f`; counted is the change `Δ` of the spring's own force by that move, along
+/// gravity, over the spring's greatest stiffness `k`: `Δ/k`. The way of its ends would count sideways swing
+/// as well: across its axis a stretched spring is as stiff as a pendulum, `F/L` with its force `F` and length
+/// `L`. A spring that is softer along gravity than across gives way by more than is counted.
+///
+/// `None` where no spring gives way, where the bodies turn as they sink (a weak spring on a pendulum), and of
+/// bodies that an element with states holds: its stiffness is in the states.
 ///
 /// # Errors
 ///
@@ -242,6 +246,7 @@ pub fn sag(
         }
     }
     let moved = &basis * way;
+    let unscaled = DVector::from_fn(moved.len(), |i, _| moved[i] * scales[i]);
     let displaced = |marker: usize| -> Option<(V3, f64)> {
         let marker = &model.markers[marker];
         let Some(body) = marker.body.map(|b| &model.bodies[b]) else {
@@ -249,7 +254,7 @@ pub fn sag(
         };
         let part = |first: usize| {
             let at = body.velocity + first;
-            V3::from_fn(|i, _| moved[at + i] * scales[at + i])
+            V3::from_fn(|i, _| unscaled[at + i])
         };
         let (shift, turn) = (part(0), part(3));
         let rotation = body.frame(&rest.pose).rotation;
@@ -276,13 +281,38 @@ pub fn sag(
         let (Some((of_a, turn_a)), Some((of_b, turn_b))) = (displaced(a), displaced(b)) else {
             continue;
         };
-        let way = (of_a - of_b).dot(&down).abs();
-        let upright = turn_a.max(turn_b) < UPRIGHT * way;
-        if upright && found.is_none_or(|(_, most)| way > most) && springs(model, state, index)? {
+        let ends = (of_a - of_b).dot(&down).abs();
+        if turn_a.max(turn_b) >= UPRIGHT * ends {
+            continue;
+        }
+        let way = gives_way(model, &rest, index, &unscaled, &down)?;
+        if found.is_none_or(|(_, most)| way > most) && springs(model, state, index)? {
             found = Some((index, way));
         }
     }
     Ok(found)
+}
+
+/// Change of an element's force along `down` by small moves of the bodies (m, rad), over its greatest
+/// stiffness (m).
+fn gives_way(
+    model: &Model,
+    rest: &State,
+    element: usize,
+    moves: &DVector<f64>,
+    down: &V3,
+) -> Result<f64, RuntimeError> {
+    let [stiffness, _] = answers_of(model, rest, element..element + 1)?;
+    let change = &stiffness * moves;
+    let of_body = |marker: &usize| {
+        let first = model.bodies[model.markers[*marker].body?].velocity;
+        let force = V3::from_column_slice(&change.as_slice()[first..first + 3]);
+        let own = stiffness.fixed_view::<3, 3>(first, first).into_owned();
+        let greatest = own.singular_values().max();
+        (greatest > 0.0).then(|| force.dot(down).abs() / greatest)
+    };
+    let ways = model.elements[element].markers.iter().filter_map(of_body);
+    Ok(ways.fold(0.0, f64::max))
 }
 
 /// `Jᵀ ∂W/∂x J` of all loads, by pose and by twist: velocities × velocities.

@@ -25,7 +25,8 @@ const SLOWER: f64 = 0.5;
 const BESIDE: f64 = 2.0;
 /// Share of the cycle's speed below which a body stands.
 const STANDS_STILL: f64 = 0.01;
-/// Part of the model's length by which a machine that sinks on its springs under its weight has none.
+/// Part of the model's length, or of the spring's if that is longer, by which a machine that sinks on its
+/// springs under its weight has none.
 const SINKS: f64 = 0.5;
 /// Share of gravity along a direction from which a body falls in it.
 const FALLS: f64 = 0.1;
@@ -526,7 +527,12 @@ impl Start<'_> {
     fn sinks(&self) -> Option<Finding> {
         // what cannot be evaluated is told by the run
         let (element, way) = sag(self.model, self.state, self.gravity()).ok().flatten()?;
-        if way < SINKS * self.model.length {
+        // the model's length is that of its bodies: a spring may be longer than all of them
+        let apart = self.pair(element).map_or(0.0, |markers| {
+            let [a, b] = markers.map(|marker| self.marker(marker));
+            (a.position - b.position).norm()
+        });
+        if way < SINKS * self.model.length.max(apart) {
             return None;
         }
         let message = format!(
