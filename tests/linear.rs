@@ -680,3 +680,55 @@ fn the_same_bits() {
     );
     assert_eq!(first, second);
 }
+
+/// A rotor on two tilting pads whose oil brakes it: the zero of its angle is no motion of 3e-29 1/s that
+/// grows. What it slides along its axis by is a double zero.
+#[test]
+fn a_free_angle_is_a_zero_and_no_growth() {
+    let text = "
+        use std.journals.JournalLaw
+        journal Pads(pin: Marker, shell: Marker, diameter: Length, width: Length, radial_clearance: Length,
+                     viscosity: DynamicViscosity, kxx: Stiffness, kyy: Stiffness, kxy: Stiffness, cxx: Damping, cyy: Damping) : JournalLaw {
+            let p = local(pin.origin - shell.origin, shell)
+            let e = [p.x, p.y]
+            let v = der(e)
+            let fx = -kxx*e.x - kxy*e.y - cxx*v.x
+            let fy = kxy*e.x - kyy*e.y - cyy*v.y
+            let w = dot(pin.angular_velocity - shell.angular_velocity, shell.z)
+            let t = pi/4*viscosity*diameter^3*width*w/radial_clearance
+            let F = vector([fx, fy, 0 N], shell)
+            apply force F on pin against shell
+            apply torque -t*shell.z on pin against shell
+            output force: Vector<Force> = F in shell as N
+            output eccentricity: Vector2<Length> = e in shell as um
+            output eccentricity_ratio: Vector2<1> = e/radial_clearance in shell
+            output film_ratio: 1 = norm(e, floor: 1 nm)/radial_clearance
+            output minimum_film: Length = radial_clearance - norm(e, floor: 1 nm) as um
+            output friction_torque: Torque = t as N*m
+            output power_loss: Power = t*w - fx*v.x - fy*v.y as W
+        }
+        model Rotor {
+            gravity = [0, -9.81, 0] m/s^2
+            body rotor {
+                mass = 20 kg
+                inertia = [0.5, 0.5, 0.3] kg*m^2
+                marker a = [0, 0, -150] mm
+                marker b = [0, 0, 250] mm
+                start angular_velocity = [0, 0, 3000] rpm
+            }
+            marker sa = at([0, 0, -150] mm, z: [0, 0, 1], x: [1, 1, 0])
+            marker sb = at([0, 0, 250] mm, z: [0, 0, 1], x: [1, 1, 0])
+            journal ja = Pads(rotor.a, sa, diameter: 50 mm, width: 20 mm, radial_clearance: 30 um, viscosity: 10 mPa*s,
+                kxx: 1e7 N/m, kyy: 2e7 N/m, kxy: 1e6 N/m, cxx: 2e3 N*s/m, cyy: 4e3 N*s/m)
+            journal jb = Pads(rotor.b, sb, diameter: 50 mm, width: 20 mm, radial_clearance: 30 um, viscosity: 10 mPa*s,
+                kxx: 3e7 N/m, kyy: 2e7 N/m, kxy: 2e6 N/m, cxx: 2e3 N*s/m, cyy: 4e3 N*s/m)
+        }
+        analysis modes = linear(Rotor(), number: 8)";
+    let found = modes(&program(text), "modes", &[]);
+    assert_eq!(found.oscillations().count(), 4);
+    assert!(found.modes.iter().all(|mode| !mode.grows()), "{found:?}");
+    assert_eq!((found.zeros, found.modes.len()), (3, 5), "{found:?}");
+    // the oil of both brakes it: c/J
+    let oil = 2.0 * PI / 4.0 * 0.01 * 0.05_f64.powi(3) * 0.02 / 30e-6;
+    near(found.modes[4].value.re, -oil / 0.3, 1e-4);
+}

@@ -118,7 +118,8 @@ impl Mode {
 
     /// Whether it grows, by more than it is uncertain.
     pub fn grows(&self) -> bool {
-        let error = self.repeating.as_ref().map_or(0.0, |r| r.error);
+        let uncertain = |r: &Repeating| r.error + r.missed;
+        let error = self.repeating.as_ref().map_or(0.0, uncertain);
         self.value.re > (GROWTH * self.value.norm()).max(error)
     }
 

@@ -22,6 +22,8 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 /// Shifts that are tried: each is eight decades below the one before.
 const SHIFTS: usize = 4;
+/// What is slower (1/s) is none: in thirty times the age of the universe it does not change.
+const SLOWEST: f64 = 1e-18;
 
 /// What the slowest eigenvalues of a system are.
 pub(super) struct Slow {
@@ -142,7 +144,7 @@ pub(super) fn resolve(
         zeros: 0,
     };
     for _ in 0..SHIFTS {
-        if wanted == 0 || resolution <= 0.0 {
+        if wanted == 0 || resolution <= SLOWEST {
             break;
         }
         let Some(matrix) = inverse(equations, resolution) else {
@@ -168,6 +170,7 @@ pub(super) fn resolve(
             .collect();
         pairs.sort_by(|a, b| a.value.norm().total_cmp(&b.value.norm()));
         let finer = resolution * libm::sqrt(equations.first_order_size() as f64 * f64::EPSILON);
+        let finer = finer.max(SLOWEST);
         let mut left = 0;
         let mut taken = 0;
         for pair in pairs {

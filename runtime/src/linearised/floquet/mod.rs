@@ -74,6 +74,9 @@ pub struct Repeating {
     pub harmonics: Harmonics,
     /// |Δλ| (1/s) between whole and halved steps.
     pub error: f64,
+    /// What the coefficients are off by, for the state does not come back exactly, moves λ by about so much
+    /// (1/s): what is left, as a share of the model's size, times |λ|.
+    pub missed: f64,
     /// Whether the steps resolve it: |λ| h ≤ 1.
     pub resolved: bool,
 }
@@ -113,7 +116,16 @@ fn uncertainty(multiplier: &Multiplier, coarse: &[Multiplier]) -> f64 {
 }
 
 /// The eigenpair of a multiplier with the frequency of its largest harmonic, as a positive one.
-fn found(multiplier: &Multiplier, round: &Round, axis: Option<V3>, error: f64) -> Found {
+///
+/// `error`: |Δλ| between whole and halved steps (1/s); `of_state`: what is left of the state after the
+/// period, as a share of the model's size.
+fn found(
+    multiplier: &Multiplier,
+    round: &Round,
+    axis: Option<V3>,
+    error: f64,
+    of_state: f64,
+) -> Found {
     let own = harmonics(multiplier, &round.sights, round.period, axis);
     let shift = TAU * f64::from(own.leading) / round.period;
     let mut value = multiplier.logarithm / round.period + Complex::new(0.0, shift);
@@ -133,6 +145,7 @@ fn found(multiplier: &Multiplier, round: &Round, axis: Option<V3>, error: f64) -
         repeating: Some(Repeating {
             harmonics: own,
             error,
+            missed: of_state * value.norm(),
             resolved: value.norm() * h <= 1.0,
         }),
     }
@@ -170,7 +183,8 @@ pub(super) fn about_an_orbit(
             zeros += if multiplier.real { 1 } else { 2 };
             continue;
         }
-        modes.push(found(multiplier, &round, axis, error / round.period));
+        let error = error / round.period;
+        modes.push(found(multiplier, &round, axis, error, of_state));
     }
     let modes = collected(
         model,
