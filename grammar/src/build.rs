@@ -1,12 +1,12 @@
 //! From the recogniser's pairs to the syntax tree.
 
+pub(crate) mod diagnose;
 mod expressions;
 pub(crate) mod items;
 mod types;
 
 use crate::ast::{Item, ItemKind, Name};
 use crate::codes;
-use crate::diagnose;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::grammar::Rule;
 use crate::span::{SourceId, Span};

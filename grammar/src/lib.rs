@@ -12,14 +12,14 @@ pub mod diagnostic;
 pub mod span;
 
 mod build;
-mod diagnose;
 mod grammar;
+mod message;
 mod parse;
 mod strings;
 mod tokens;
 
 pub use codes::{CODES, Code};
 pub use diagnostic::{Diagnostic, Diagnostics, Fix, Label, Severity};
+pub use message::{MessagePart, parse_message};
 pub use parse::{parse, parse_expression, parse_placeholder};
 pub use span::{Source, SourceId, SourceMap, Span};
-pub use strings::{MessagePart, parse_message};

@@ -1,9 +1,8 @@
 //! The ways into this crate: a file, an expression, a place in a message.
 
 use crate::ast::{Expr, File, Item, ItemKind, UnitExpr};
-use crate::build::{Builder, items::doc_text};
+use crate::build::{Builder, diagnose, items::doc_text};
 use crate::codes;
-use crate::diagnose;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::grammar::{EngGrammar, Rule};
 use crate::span::SourceId;

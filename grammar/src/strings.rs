@@ -1,83 +1,8 @@
-//! Texts in quotes: escapes, and the `{expression as unit}` places of messages.
+//! Texts in quotes: their escapes.
 
-use crate::ast::{Expr, Name, UnitExpr};
 use crate::codes;
-use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::parse::parse_placeholder;
+use crate::diagnostic::Diagnostic;
 use crate::span::Span;
-
-/// A stretch of a `require` message.
-#[derive(Clone, Debug, PartialEq)]
-pub enum MessagePart {
-    /// Plain text, escapes resolved.
-    Text(String),
-    /// `{expression as unit}`.
-    Value {
-        /// What is shown.
-        value: Expr,
-        /// In which unit.
-        unit: Option<UnitExpr>,
-        /// With its braces.
-        span: Span,
-    },
-}
-
-/// Splits a message as it stands in a [`crate::ast::Statement::Require`] into texts and values.
-///
-/// `{{` and `}}` stand for the braces themselves. A place that cannot be read gets a message and is left out.
-pub fn parse_message(message: &Name, diagnostics: &mut Diagnostics) -> Vec<MessagePart> {
-    let text = message.text.as_str();
-    let source = message.span.source;
-    let base = message.span.start as usize;
-    let span = |start: usize, end: usize| Span::new(source, base + start, base + end);
-    let mut parts = Vec::new();
-    let mut plain = String::new();
-    let mut at = 0;
-    while let Some(rest) = text.get(at..).filter(|rest| !rest.is_empty()) {
-        let Some(next) = rest.find(['{', '}']) else {
-            plain.push_str(&unescape(rest).0);
-            break;
-        };
-        plain.push_str(&unescape(&rest[..next]).0);
-        let brace = at + next;
-        let here = &rest[next..];
-        if here.starts_with("{{") || here.starts_with("}}") {
-            plain.push_str(&here[..1]);
-            at = brace + 2;
-            continue;
-        }
-        let close = here
-            .find('}')
-            .filter(|close| *close > 0)
-            .filter(|close| !here[1..*close].contains('{'));
-        let Some(close) = close else {
-            diagnostics.push(
-                Diagnostic::error(codes::UNPAIRED, "a brace in a message has no partner")
-                    .at(span(brace, brace + 1), "this one")
-                    .with_help("write `{{` or `}}` for a brace itself"),
-            );
-            at = brace + 1;
-            continue;
-        };
-        if !plain.is_empty() {
-            parts.push(MessagePart::Text(std::mem::take(&mut plain)));
-        }
-        if let Some((value, unit)) =
-            parse_placeholder(&here[1..close], source, base + brace + 1, diagnostics)
-        {
-            parts.push(MessagePart::Value {
-                value,
-                unit,
-                span: span(brace, brace + close + 1),
-            });
-        }
-        at = brace + close + 1;
-    }
-    if !plain.is_empty() {
-        parts.push(MessagePart::Text(plain));
-    }
-    parts
-}
 
 /// Resolves `\"`, `\\`, `\n` and `\t`; gives the places of other escapes, which stay as they are.
 pub(crate) fn unescape(raw: &str) -> (String, Vec<usize>) {

@@ -4,19 +4,9 @@
 //! kind of a body is a match here or in [`crate::chain`].
 
 use crate::flexible::{Flexible, Work};
+pub use crate::frame::{BodyFrame, Weights};
 use crate::rotation::{M3, V3, matrix, skew};
 use eng_system::system::Origin;
-
-/// Position and orientation of a body's reference frame, and its shape.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BodyFrame<'a> {
-    /// Origin (m, inertial).
-    pub position: V3,
-    /// Body → inertial.
-    pub rotation: M3,
-    /// Modal amplitudes.
-    pub amplitudes: &'a [f64],
-}
 
 /// Inertia of a rigid body.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,15 +39,6 @@ pub struct BodyModel {
     pub pose: usize,
     /// First of its 6 + n velocities.
     pub velocity: usize,
-}
-
-/// What multiplies the derivatives by acceleration and by velocity in a matrix.
-#[derive(Clone, Copy, Debug)]
-pub struct Weights {
-    /// dv̇/du (1/s²).
-    pub acceleration: f64,
-    /// dv/du (1/s).
-    pub velocity: f64,
 }
 
 fn vector(x: &[f64]) -> V3 {

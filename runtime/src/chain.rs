@@ -21,7 +21,6 @@
 
 use crate::body::{BodyFrame, BodyModel};
 use crate::dense::add_six;
-use crate::model::MarkerModel;
 use crate::rotation::{M3, V3, exponential, matrix, skew, tangent, tangent_along};
 use crate::shape::MarkerShape;
 
@@ -36,6 +35,28 @@ pub fn reach_of(shape: Option<&MarkerShape>) -> usize {
         None => 6,
         Some(shape) if shape.is_curved() => CURVED_REACH,
         Some(_) => REACH,
+    }
+}
+
+/// A marker with its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkerModel {
+    /// Index of its body; `None` for ground.
+    pub body: Option<usize>,
+    /// Place in the body frame (m).
+    pub position: V3,
+    /// Marker → body.
+    pub orientation: M3,
+    /// How it follows the modes of a flexible body; `None` where it does not.
+    pub shape: Option<MarkerShape>,
+    /// The marker it lies on at the start, until assembly has placed it.
+    pub placed_at: Option<usize>,
+}
+
+impl MarkerModel {
+    /// How many numbers of its body's motion it sees: see the head of this module.
+    pub fn reach(&self) -> usize {
+        reach_of(self.shape.as_ref())
     }
 }
 

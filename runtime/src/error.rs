@@ -1,10 +1,12 @@
 //! Everything that can go wrong between binding and the last sample.
 
-use crate::simulation::{Jump, Slow};
+mod pace;
+
 use eng_system::DisplayUnit;
 use eng_system::code::BindError;
 use eng_system::system::Origin;
 use eng_system::table::Outside;
+pub use pace::{Jump, Pace, Slow};
 
 /// When something happened.
 #[derive(Clone, Copy, Debug, PartialEq)]

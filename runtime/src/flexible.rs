@@ -30,8 +30,8 @@
 //! force and torque: the mass matrix stays symmetric, momentum and energy are kept. The centrifugal softening is that of H alone.
 //! Loads at markers change the stiffness by the second-order displacement of the markers: see [`crate::shape`].
 
-use crate::body::{BodyFrame, Weights};
 use crate::dense::{add_product, add_scaled, add_transposed, dot};
+use crate::frame::{BodyFrame, Weights};
 use crate::rotation::{M3, V3, skew};
 use eng_system::reduced::{Block, Geometric, Invariants};
 use std::sync::Arc;
@@ -337,7 +337,7 @@ impl Flexible {
     }
 
     /// Adds the derivative of [`Flexible::add_inertia`] along the step's unknown; see
-    /// [`crate::body::BodyModel::add_inertia_matrix`].
+    /// `BodyModel::add_inertia_matrix`.
     #[allow(clippy::too_many_arguments)]
     pub fn add_inertia_matrix(
         &self,

@@ -8,6 +8,7 @@
 //! | --- | --- |
 //! | [`model`], [`state`] | numbers of one parameter set; the state on R³ × SO(3) × Rⁿ |
 //! | [`body`], [`chain`], [`shape`] | what depends on the kind of a body: inertia; markers and generalised forces |
+//! | [`joint`] | what a class of elements holds |
 //! | [`elements`], [`dynamics`] | calls of element code; residual and exact matrix |
 //! | [`linear`] | sparse factorisation behind a trait |
 //! | [`assembly`], [`mod@topology`], [`mod@loose`] | start positions and velocities; freedom and redundancy; what nothing holds |
@@ -29,12 +30,15 @@ pub mod body;
 pub mod chain;
 pub mod checkpoint;
 pub mod control;
+pub mod decay;
 mod dense;
 pub mod dynamics;
 pub mod elements;
 pub mod error;
 pub mod flexible;
+mod frame;
 pub mod integrator;
+pub mod joint;
 pub mod linear;
 pub mod linearised;
 pub mod loose;
@@ -49,13 +53,13 @@ pub mod state;
 pub mod topology;
 pub mod transient;
 
+pub use decay::{CycleReport, Mode};
 pub use error::{
     Leaving, LeavingBody, Moment, NamedRow, RedundantGroup, RuntimeError, TurningBody, Varies,
 };
 pub use integrator::Statistics;
 pub use linearised::{LinearModes, run_linear};
-pub use periodic::repetition::Mode;
-pub use periodic::{CycleReport, PeriodicSummary, Remedy, run_periodic};
+pub use periodic::{PeriodicSummary, Remedy, run_periodic};
 pub use simulation::{CscView, Energy, Jump, Options, Pace, Simulation, Slow, StepReport, Warning};
 pub use start::{StartReport, Turning, Unstable};
 pub use topology::{TopologyReport, topology};

@@ -3,34 +3,12 @@
 mod bind;
 
 use crate::body::{BodyKind, BodyModel};
+pub use crate::chain::MarkerModel;
 use crate::error::NamedRow;
-use crate::rotation::{M3, V3};
-use crate::shape::MarkerShape;
+use crate::rotation::V3;
 use eng_system::code::Compiled;
 use eng_system::dimension::Dimension;
 use eng_system::system::{ElementClass, Slot};
-
-/// A marker with its numbers.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MarkerModel {
-    /// Index of its body; `None` for ground.
-    pub body: Option<usize>,
-    /// Place in the body frame (m).
-    pub position: V3,
-    /// Marker → body.
-    pub orientation: M3,
-    /// How it follows the modes of a flexible body; `None` where it does not.
-    pub shape: Option<MarkerShape>,
-    /// The marker it lies on at the start, until assembly has placed it.
-    pub placed_at: Option<usize>,
-}
-
-impl MarkerModel {
-    /// How many numbers of its body's motion it sees: see [`crate::chain`].
-    pub fn reach(&self) -> usize {
-        crate::chain::reach_of(self.shape.as_ref())
-    }
-}
 
 /// An element with its numbers and its places in the model's vectors.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,6 +11,7 @@ pub mod repetition;
 pub mod whirl;
 
 use crate::body::BodyModel;
+use crate::decay::{CycleReport, Decay, Mode};
 use crate::error::RuntimeError;
 use crate::linearised::Wanted;
 use crate::model::Model;
@@ -20,7 +21,7 @@ use crate::transient::{Advance, Observer, RunSummary, Sample, Verdict, run_by_cy
 use eng_system::code::Compiled;
 use eng_system::system::{Extent, Periodic, StepControl, Transient};
 use motion::{Motion, Moved};
-use repetition::{Comparison, Decay, Growth, Mode};
+use repetition::{Comparison, Growth};
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use whirl::Whirl;
@@ -42,15 +43,6 @@ const NOISY_CYCLES: usize = 3;
 const STANDSTILL: f64 = 0.5;
 /// Samples of a cycle, at most.
 const MOST_SAMPLES: f64 = 1e6;
-
-/// After a whole cycle.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CycleReport {
-    /// Cycles so far.
-    pub cycles: u32,
-    /// Largest change against the cycle before, and what is known of the decay; absent after the first cycle.
-    pub slowest: Option<Decay>,
-}
 
 /// How a periodic analysis went.
 #[derive(Clone, Debug, PartialEq)]

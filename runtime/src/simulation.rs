@@ -10,6 +10,7 @@ use crate::assembly;
 use crate::checkpoint;
 use crate::control::{FixedGrid, StepSize};
 use crate::dynamics::Dynamics;
+pub use crate::error::{Jump, Pace, Slow};
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::{Goal, Integrator, STEP_SHARE, Statistics};
 use crate::linear::Pattern;
@@ -22,7 +23,6 @@ use crate::topology;
 use eng_system::code::Compiled;
 use eng_system::system::{Origin, Start, StepControl};
 use pace::Limit;
-pub use pace::{Jump, Pace, Slow};
 
 /// How a simulation integrates.
 #[derive(Clone, Copy, Debug, PartialEq)]

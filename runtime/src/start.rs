@@ -14,8 +14,10 @@
 //! state: the slow modes of the drive line begin with no twist but what the text states.
 
 pub mod balance;
+pub mod hanging;
 pub mod motion;
 mod picking;
+pub mod turn;
 
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;

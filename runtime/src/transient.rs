@@ -2,9 +2,9 @@
 
 mod renewal;
 
+use crate::decay::CycleReport;
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::Statistics;
-use crate::periodic::CycleReport;
 use crate::simulation::{Energy, Options, Simulation, Slow, Warning};
 use crate::start::StartReport;
 use eng_system::code::Compiled;

@@ -464,7 +464,7 @@ impl Analysis {
 
     /// Bodies that nothing holds, as a warning.
     pub fn hanging(&self) -> Result<Option<eng_grammar::Diagnostic>, Error> {
-        let found = eng_runtime::assembly::hanging::hanging(self.model.compiled(), &self.overrides)
+        let found = eng_runtime::start::hanging::hanging(self.model.compiled(), &self.overrides)
             .map_err(|cause| self.error(cause))?;
         Ok(found.as_ref().map(crate::failure::hanging))
     }
@@ -472,9 +472,7 @@ impl Analysis {
     /// Where the machine locks when it is turned through its cycle by its geometry alone, as a warning: a run need not come there.
     pub fn dry_turn(&self) -> Result<Option<eng_grammar::Diagnostic>, Error> {
         let turned =
-            eng_runtime::assembly::turn::turn(self.model.compiled(), &self.overrides, &mut |_| {
-                Ok(())
-            });
+            eng_runtime::start::turn::turn(self.model.compiled(), &self.overrides, &mut |_| Ok(()));
         match turned {
             Ok(_) => Ok(None),
             Err(cause @ RuntimeError::Locked { .. }) => {

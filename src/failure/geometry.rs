@@ -6,9 +6,9 @@ use crate::places::{place, span};
 use crate::significant::{fixed, short};
 use eng_grammar::Diagnostic;
 use eng_runtime::RuntimeError;
-use eng_runtime::assembly::hanging::Hanging;
 use eng_runtime::error::Chain;
-use eng_system::Dimension;
+use eng_runtime::joint::Joint;
+use eng_runtime::start::hanging::Hanging;
 use eng_system::system::{Origin, System};
 
 /// The warning of bodies that hang loose.
@@ -153,46 +153,28 @@ const PARALLEL: f64 = 0.999;
 /// Sine of the angle from which on an axis is not square to another: a degree.
 const NOT_SQUARE: f64 = 0.0175;
 
-/// How a joint lets its bodies move, by its rows: two lengths and three angles hold a guide, three and two a hinge.
-#[derive(Clone, Copy, PartialEq)]
-enum Lets {
-    Slide,
-    Turn,
-    Other,
-}
-
-fn lets(joint: &Origin, system: &System) -> Lets {
+fn joint(of: &Origin, system: &System) -> Joint {
     let mut elements = system.elements.iter();
-    let element = elements.find(|e| e.origin.path == joint.path);
-    let Some(class) = element.and_then(|e| system.classes.get(e.class as usize)) else {
-        return Lets::Other;
-    };
-    let lengths = class
-        .rows
-        .iter()
-        .filter(|row| row.dimension == Dimension::LENGTH);
-    match (lengths.count(), class.rows.len()) {
-        (2, 5) => Lets::Slide,
-        (3, 5) => Lets::Turn,
-        _ => Lets::Other,
-    }
+    let element = elements.find(|e| e.origin.path == of.path);
+    let class = element.and_then(|e| system.classes.get(e.class as usize));
+    class.map_or(Joint::Other, Joint::of)
 }
 
-/// A guide that is not square to the hinges of its loop, or a hinge that is not parallel to them, with the angle between the axes: the axis that most hinges share is
-/// taken for theirs.
+/// A guide that is not square to the hinges of its loop, or a hinge that is not parallel to them, with the angle between the
+/// axes: the axis that most hinges share is taken for theirs.
 pub(super) fn with_angle(
     message: Diagnostic,
     chain: Option<&Chain>,
     system: &System,
 ) -> Diagnostic {
-    let joints: Vec<(&str, &[f64; 3], Lets)> = chain
+    let joints: Vec<(&str, &[f64; 3], Joint)> = chain
         .into_iter()
         .flat_map(|chain| &chain.joints)
-        .filter_map(|(of, axis)| Some((of.path.as_str(), axis.as_ref()?, lets(of, system))))
+        .filter_map(|(of, axis)| Some((of.path.as_str(), axis.as_ref()?, joint(of, system))))
         .collect();
     let cosine =
         |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>().abs();
-    let hinges = || joints.iter().filter(|(.., lets)| *lets == Lets::Turn);
+    let hinges = || joints.iter().filter(|(.., joint)| *joint == Joint::Hinge);
     let along = |axis: &[f64; 3]| {
         let same = hinges().filter(|(_, other, _)| cosine(axis, other) > PARALLEL);
         same.map(|(path, ..)| *path).collect::<Vec<_>>()
@@ -204,11 +186,11 @@ pub(super) fn with_angle(
     else {
         return message;
     };
-    let wrong = joints.iter().find_map(|(path, axis, lets)| {
+    let wrong = joints.iter().find_map(|(path, axis, joint)| {
         let cosine = cosine(axis, shared);
-        let (what, due) = match lets {
-            Lets::Slide if cosine > NOT_SQUARE => ("guide", "square (90°)"),
-            Lets::Turn if cosine < PARALLEL => ("hinge", "parallel (0°)"),
+        let (what, due) = match joint {
+            Joint::Guide if cosine > NOT_SQUARE => ("guide", "square (90°)"),
+            Joint::Hinge if cosine < PARALLEL => ("hinge", "parallel (0°)"),
             _ => return None,
         };
         let angle = fixed(libm::acos(cosine.min(1.0)).to_degrees(), 1);

@@ -5,6 +5,7 @@ use super::{Finding, short};
 use crate::codes;
 use eng_runtime::assembly::rows;
 use eng_runtime::chain::MarkerKinematics;
+use eng_runtime::joint::Joint;
 use eng_runtime::loose::{Loose, loose, sag, springs};
 use eng_runtime::model::Model;
 use eng_runtime::rotation::V3;
@@ -335,7 +336,7 @@ impl Start<'_> {
         Some(finding)
     }
 
-    /// A body and all that joints of six rows tie to it, the ground left out.
+    /// A body and all that welds tie to it, the ground left out.
     fn welded_to(&self, body: usize) -> Vec<usize> {
         let mut welded = vec![body];
         let mut next = 0;
@@ -346,7 +347,7 @@ impl Start<'_> {
                     let markers = element.markers.iter();
                     markers.filter_map(|m| self.model.markers[*m].body)
                 };
-                let holds = element.dynamic && self.model.class(e).rows.len() == 6;
+                let holds = element.dynamic && Joint::of(self.model.class(e)) == Joint::Weld;
                 if holds && bodies().any(|b| b == here) {
                     let new = bodies().filter(|b| !welded.contains(b));
                     welded.extend(new.collect::<Vec<_>>());
@@ -380,13 +381,15 @@ impl Start<'_> {
         })
     }
 
-    /// The joints of six rows on the bodies of markers.
+    /// The welds on the bodies of markers.
     fn welds(&self, markers: &[usize; 2]) -> Vec<Origin> {
         let body = |m: &usize| self.model.markers[*m].body;
         let on = |e: usize| {
             let own = &self.model.elements[e];
             let touches = |m: &usize| markers.iter().any(|other| body(other) == body(m));
-            own.dynamic && self.model.class(e).rows.len() == 6 && own.markers.iter().any(touches)
+            own.dynamic
+                && Joint::of(self.model.class(e)) == Joint::Weld
+                && own.markers.iter().any(touches)
         };
         let welds = (0..self.model.elements.len()).filter(|e| on(*e));
         welds
@@ -460,7 +463,7 @@ impl Start<'_> {
                     element.dynamic && element.markers.iter().any(on)
                 });
                 let only = touching.next()?;
-                let welded = self.model.class(only).rows.len() == 6
+                let welded = Joint::of(self.model.class(only)) == Joint::Weld
                     && (self.model.elements[only].markers.iter())
                         .any(|m| self.model.markers[*m].body.is_none());
                 let range = body.velocity..body.velocity + 6;

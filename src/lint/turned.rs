@@ -1,15 +1,15 @@
 //! Lints of the turning machine: gas that fires at no dead centre, bores and strokes, pistons on the wrong side.
 //!
-//! The machine is turned once through its cycle by its geometry ([`eng_runtime::assembly::turn`]). Of each cylinder, an element that
+//! The machine is turned once through its cycle by its geometry ([`eng_runtime::start::turn`]). Of each cylinder, an element that
 //! fires, it is watched how far its piston is from its head along the bore.
 
 use super::{Finding, short};
 use crate::codes;
 use crate::machine::at;
 use eng_runtime::assembly::rows;
-use eng_runtime::assembly::turn::{Place, turn};
 use eng_runtime::model::Model;
 use eng_runtime::rotation::V3;
+use eng_runtime::start::turn::{Place, turn};
 use eng_system::code::{Bound, Compiled};
 use eng_system::lint;
 use eng_system::system::{FiringInfo, Origin, Slot, System};

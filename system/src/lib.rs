@@ -13,6 +13,7 @@ pub mod host;
 pub mod layout;
 pub mod lint;
 pub mod mesh_files;
+pub mod place;
 pub mod recorded;
 pub mod reduced;
 pub mod report;

@@ -1,6 +1,6 @@
 //! Lints that no class of the library states: their names, and what a text accepts.
 
-use crate::system::Location;
+use crate::place::Location;
 
 /// A number that has no place in an engine: an inertia that does not fit the size of its body.
 pub const INERTIA: &str = "inertia";

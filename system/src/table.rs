@@ -1,7 +1,7 @@
 //! Interpolated tables of one argument.
 
 use crate::dimension::DisplayUnit;
-use crate::system::Location;
+use crate::place::Location;
 
 /// How values between the points are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

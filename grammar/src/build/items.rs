@@ -1,5 +1,6 @@
 //! Items, declarations and blocks.
 
+use super::diagnose;
 use super::{Builder, MAX_DEPTH};
 use crate::ast::{
     Attribute, Binding, BindingKind, Block, Declaration, DimensionItem, Entry, EntryKind, Expr,
@@ -7,7 +8,6 @@ use crate::ast::{
     Statement, Table, Title, UnitItem, Use, UseNames,
 };
 use crate::codes;
-use crate::diagnose;
 use crate::diagnostic::Diagnostic;
 use crate::grammar::Rule;
 use crate::span::Span;

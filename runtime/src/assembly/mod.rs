@@ -11,11 +11,9 @@
 
 pub mod chains;
 pub mod closing;
-pub mod hanging;
 pub mod lock;
 pub mod placement;
 pub mod rows;
-pub mod turn;
 pub mod velocity;
 
 use crate::error::RuntimeError;

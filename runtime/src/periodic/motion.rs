@@ -3,7 +3,8 @@
 //! Outputs may be quadratic in the motion, or small differences of large values. The factor by which deviations shrink is the motion's; and where the
 //! motion repeats to within the tolerance of its steps, what outputs still change by is the noise of these steps.
 
-use super::repetition::{Mode, slowest};
+use super::repetition::slowest;
+use crate::decay::Mode;
 use crate::model::Model;
 use std::collections::VecDeque;
 

@@ -1,102 +1,10 @@
 //! Why steps are as short as they are.
 
-use super::Simulation;
+use super::{Jump, Pace, Simulation, Slow};
 use crate::dynamics::Dynamics;
-use crate::error::{Moment, RuntimeError};
+use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::state::move_pose;
-use eng_system::system::Origin;
-
-/// What keeps steps from being longer.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Pace {
-    /// The text states the step.
-    Stated,
-    /// Nothing but the distance of samples, or how far a body turns in a step.
-    Longest,
-    /// A load or a rate that jumps.
-    Jump(Jump),
-    /// The error of a body's motion, or of an element's state.
-    Error {
-        /// The body, or the element.
-        origin: Box<Origin>,
-        /// The state's name.
-        state: Option<String>,
-    },
-    /// Newton's iteration, which finds no solution of longer steps.
-    Unsolved {
-        /// Element or body of the worst row.
-        origin: Box<Origin>,
-        /// The equation of the worst row.
-        equation: String,
-    },
-}
-
-/// How long the steps of a run are, and why.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Slow {
-    /// When.
-    pub moment: Moment,
-    /// The last step (s).
-    pub step: f64,
-    /// What keeps it from being longer.
-    pub pace: Box<Pace>,
-}
-
-impl std::fmt::Display for Slow {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "steps are {:.3e} s long: {}", self.step, self.pace)
-    }
-}
-
-/// A load, or the rate of a state, that changes at once.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Jump {
-    /// The element.
-    pub origin: Box<Origin>,
-    /// Size of the jump.
-    pub by: f64,
-    /// `N`, `N m`, or `SI units per second` of a state.
-    pub unit: &'static str,
-}
-
-impl std::fmt::Display for Jump {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let what = match self.unit {
-            "N" => "force",
-            "N m" => "torque",
-            _ => "rate of a state",
-        };
-        write!(
-            f,
-            "the {what} of {} jumps by {:.4e} {}",
-            self.origin.path, self.by, self.unit
-        )
-    }
-}
-
-impl std::fmt::Display for Pace {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Pace::Stated => f.write_str("the text states this step"),
-            Pace::Longest => f.write_str("samples lie this close"),
-            Pace::Jump(jump) => write!(f, "{jump}"),
-            Pace::Error { origin, state } => {
-                let of = state
-                    .as_deref()
-                    .map_or(String::new(), |state| format!("{state} of "));
-                write!(f, "the error of {of}{} allows no longer ones", origin.path)
-            }
-            Pace::Unsolved { origin, equation } => {
-                write!(
-                    f,
-                    "longer ones have no solution: {} ({equation})",
-                    origin.path
-                )
-            }
-        }
-    }
-}
 
 /// What ended the last step's search for its length.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -5,15 +5,15 @@
 //! ([`SteadyMotion`]) and then back on the equations by the smallest change. Where a place is not
 //! reached, the mechanism locks there.
 
-use super::closing::set_mobility;
-use super::rows::{self, Along, Rows, wishes};
-use super::{assemble, at, chains, lock};
+use super::motion::SteadyMotion;
+use crate::assembly::closing::set_mobility;
+use crate::assembly::rows::{self, Along, Rows, wishes};
+use crate::assembly::{assemble, at, chains, lock};
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;
 use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
-use crate::start::motion::SteadyMotion;
 use crate::state::{State, move_pose};
 use eng_system::code::Compiled;
 

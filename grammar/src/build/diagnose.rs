@@ -7,8 +7,8 @@
 mod expected;
 mod place;
 
-use crate::build::items::KINDS;
-use crate::build::{Builder, MAX_NESTING};
+use super::items::KINDS;
+use super::{Builder, MAX_NESTING};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::grammar::{EngGrammar, Rule};

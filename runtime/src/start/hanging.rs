@@ -4,11 +4,11 @@
 //! constraints' gradients, of the pins' places in their shells, of the derivatives of all loads between two bodies and of the shapes. A body whose free motions reach every
 //! direction of space hangs loose.
 
-use super::rows::{Along, Rows, wishes};
-use super::{assemble, at};
+use super::motion::SteadyMotion;
+use crate::assembly::rows::{Along, Rows, wishes};
+use crate::assembly::{assemble, at};
 use crate::error::RuntimeError;
 use crate::model::Model;
-use crate::start::motion::SteadyMotion;
 use crate::state::State;
 use eng_system::code::Compiled;
 use eng_system::system::Origin;

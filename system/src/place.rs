@@ -1,0 +1,23 @@
+//! Where things come from: paths, and places in the texts.
+
+/// A range of bytes in a source of the compiler's source map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Location {
+    /// Index of the source.
+    pub source: u32,
+    /// First byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
+}
+
+/// Where a thing comes from.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Origin {
+    /// `cylinder[2].rod`.
+    pub path: String,
+    /// The user's line.
+    pub used_at: Option<Location>,
+    /// The line of the class that defines it, where there is one.
+    pub defined_at: Option<Location>,
+}
