@@ -12,7 +12,7 @@ use eng_system::system::{Location, Origin, System};
 use eng_system::table::Outside;
 
 mod geometry;
-use geometry::{MOST_PARAMETERS, PLACING, with_angle, with_axes, with_lengths, with_markers};
+use geometry::{MOST_PARAMETERS, locked, open_loop, start_velocity, with_markers, wrong_branch};
 pub(crate) use geometry::{does_not_turn, hanging};
 
 /// The message of a failure: the user's line first, the law's second.
@@ -23,66 +23,16 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Bind(bind) => bind_diagnostic(bind, system),
         R::Body { origin, .. } => place(d(codes::BODY), origin, "this body")
             .with_help("check the unit, the signs of the products, and that the inertia is about the centre of mass"),
-        R::OpenLoop { rows, chain } => {
-            let mut message = d(codes::OPEN_LOOP);
-            for (i, row) in rows.iter().take(3).enumerate() {
-                message = if i == 0 {
-                    place(message, &row.origin, "stays open here")
-                } else {
-                    related(message, &row.origin, "and here")
-                };
-            }
-            let message = with_lengths(message, chain.as_deref(), system);
-            let message = match rows.first() {
-                Some(row) => with_markers(message, &row.origin, system),
-                None => message,
-            };
-            with_angle(message, chain.as_deref(), system).with_help(PLACING)
-        }
+        R::OpenLoop { rows, chain } => open_loop(d(codes::OPEN_LOOP), rows, chain.as_deref(), system),
         R::Branch { origin, chain, .. } => {
-            let message = place(d(codes::WRONG_BRANCH), origin, "assembled the other way round");
-            let message = with_markers(message, origin, system);
-            let message = with_lengths(message, chain.as_deref(), system);
-            with_angle(message, chain.as_deref(), system)
-                .with_help(PLACING)
-                .with_help("or ask for another `branch` at the use")
+            wrong_branch(d(codes::WRONG_BRANCH), origin, chain.as_deref(), system)
         }
         R::FarGuess { origin, .. } => place(d(codes::FAR_GUESS), origin, "guessed far away")
             .with_help("check the unit of its `guess position`; what is meant to stand far away is stated by `start position`"),
         R::StartVelocity { rows, chain } => {
-            let mut message = d(codes::START_VELOCITY);
-            for row in rows.iter().take(3) {
-                message = place(message, &row.origin, "cannot hold together with the others");
-            }
-            // the guide or the drive: rows of the start have no markers of their own
-            if let Some(row) = rows.first() {
-                message = with_markers(message, &row.origin, system);
-                message = with_angle(message, chain.as_deref(), system);
-            }
-            let message = match chain {
-                Some(chain) => with_axes(message, chain).with_help(format!(
-                    "see whether the joints of {chain} let them follow: an axis that stands across, a bore along the crank"
-                )),
-                None => message,
-            };
-            message.with_help("a driven part and its start velocity must agree; leave one of them out")
+            start_velocity(d(codes::START_VELOCITY), rows, chain.as_deref(), system)
         }
-        R::Locked { rows, chain, .. } => {
-            let mut message = d(codes::LOCKED);
-            let mut told: Vec<&Origin> = Vec::new();
-            for row in rows {
-                if !told.contains(&&row.origin) && told.len() < 3 {
-                    told.push(&row.origin);
-                    message = place(message, &row.origin, "holds against the others here");
-                }
-            }
-            let message = with_lengths(message, chain.as_deref(), system);
-            match chain {
-                Some(chain) => with_axes(message, chain),
-                None => message,
-            }
-            .with_help("no force is at fault: change a length or an axis, or let a joint hold less")
-        }
+        R::Locked { rows, chain, .. } => locked(d(codes::LOCKED), rows, chain.as_deref(), system),
         R::Redundant { groups } => match groups.first() {
             Some(group) => with_markers(redundant(groups), &group.redundant.origin, system),
             None => redundant(groups),

@@ -40,7 +40,7 @@ impl Machine {
         Machine {
             journals: journals(system, bound),
             cycle_period: cycle_period(system, bound),
-            periodic: matches!(kind, AnalysisKind::Periodic(_)),
+            periodic: kind.repeats(),
             upright: upright(system, bound),
             firing: firing(system, bound),
         }

@@ -1,29 +1,23 @@
 //! Running the analyses of a program.
 
 mod motion;
+mod run;
 
 use crate::lint::{self, Finding};
 use crate::machine::{Machine, at};
 use crate::model::{Model, Parameter};
 use crate::places::{at_first, place, set_by};
 use crate::program::{Bodies, Program};
-use crate::repetition::Repetition;
-use crate::results::{Begun, Column, KeptWarning, Recording, Results, ResultsError, Table};
+use crate::results::{Recording, Results};
 use crate::significant::short;
 use crate::simulation::run_error_with;
 use crate::{Error, Quantity, RuntimeError};
 use eng_compiler::elaborate::AnalysisPlan;
 use eng_runtime::{
-    Advance, CycleReport, LinearModes, Moment, Observer, Pace, PeriodicSummary, RunSummary, Sample,
-    Slow, StartReport, Verdict, Warning, run_linear, run_periodic, run_transient,
+    Advance, LinearModes, Pace, PeriodicSummary, RunSummary, Slow, StartReport, Verdict, Warning,
 };
 use eng_system::code::BindError;
-use eng_system::recorded::recorded;
-use eng_system::system::{
-    AnalysisKind, BodyRef, Extent, Location, Origin, PointValue, Start, StepControl, Transient,
-};
-use motion::Motion;
-use std::ops::ControlFlow;
+use eng_system::system::{AnalysisKind, BodyRef, Extent, PointValue, Start, StepControl};
 
 /// An analysis, ready to run.
 #[derive(Clone, Debug)]
@@ -100,6 +94,15 @@ pub struct Failed<O = Outcome> {
     pub error: Box<Error>,
     /// Samples up to the failure, if there are any.
     pub partial: Option<Box<O>>,
+}
+
+impl<O> From<Error> for Failed<O> {
+    fn from(error: Error) -> Failed<O> {
+        Failed {
+            error: Box::new(error),
+            partial: None,
+        }
+    }
 }
 
 impl Program {
@@ -239,12 +242,8 @@ impl Analysis {
 
     /// Takes fixed steps, or steps of another tolerance, in place of those that the text states.
     pub fn stepping(mut self, control: StepControl) -> Self {
-        let place = match &mut self.plan.kind {
-            AnalysisKind::Transient(transient) => &mut transient.step,
-            AnalysisKind::Periodic(periodic) => &mut periodic.step,
-            AnalysisKind::Linear(linear) => &mut linear.step,
-            // takes no steps
-            AnalysisKind::Assemble => return self,
+        let Some(place) = self.plan.kind.step_mut() else {
+            return self;
         };
         let text = |control: StepControl| match control {
             StepControl::Fixed(step) => ("step", format!("{} s", short(step, 12))),
@@ -356,11 +355,7 @@ impl Analysis {
 
     /// What is told of a run by angle that came to grief before its cycle turned.
     fn stands(&self, last: &Advance) -> Option<String> {
-        let AnalysisKind::Transient(Transient {
-            duration: Extent::Angle(whole),
-            ..
-        }) = self.plan.kind
-        else {
+        let Some((_, Some(Extent::Angle(whole)))) = self.plan.kind.sampling() else {
             return None;
         };
         (last.steps >= STANDING.0 && last.fraction < STANDING.1).then(|| {
@@ -432,12 +427,7 @@ impl Analysis {
         };
         // The start has conditions of its own: clearances, velocities that fit each other. They count in the state in which the run
         // begins; that is dearer to find, and asked for where the assembled state does not do.
-        let run_starts = match &self.plan.kind {
-            AnalysisKind::Transient(t) => t.start,
-            AnalysisKind::Periodic(p) => p.start,
-            AnalysisKind::Linear(l) => l.start,
-            AnalysisKind::Assemble => Start::Assembled,
-        };
+        let run_starts = self.plan.kind.start();
         if let AnalysisKind::Transient(transient) = &self.plan.kind {
             eng_runtime::countable(transient).map_err(|cause| self.error(cause))?;
         }
@@ -481,401 +471,5 @@ impl Analysis {
             }
             Err(cause) => Err(self.error(cause)),
         }
-    }
-
-    /// Runs. `progress` is called after every step.
-    pub fn run(&self, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, Failed> {
-        self.run_watched(&mut |now: Progress| {
-            progress(now);
-            Verdict::GoOn
-        })
-    }
-
-    /// Runs as long as a watch, which is asked after every step, wants it. One that is stopped ends with [`RuntimeError::Stopped`], which
-    /// tells what makes its steps as short as they are; what a recording has on disk then stays, to go on from. A run that ends has the
-    /// same bits as without being watched.
-    pub fn run_watched(&self, watch: &mut dyn Watch) -> Result<Outcome, Failed> {
-        let failed = |error: Error| Failed {
-            error: Box::new(error),
-            partial: None,
-        };
-        let compiled = self.model.compiled();
-        let begun = self
-            .header()
-            .and_then(|header| Ok(Table::begin(header, &self.recording, self.identity()?)?));
-        let (table, point) = match begun {
-            Ok(Begun::Fresh(table)) => (table, None),
-            Ok(Begun::Resumed(table, point)) => (table, Some(point)),
-            Ok(Begun::Complete(results)) => {
-                // its motion is on disk beside it, unless the run was killed just then
-                let motion = Motion::left(self, results.metadata()).map_err(failed)?;
-                return Ok(Outcome {
-                    motion: motion.unwrap_or_else(|| Results::new(self.name(), self.model.name())),
-                    results,
-                    warnings: Vec::new(),
-                    summary: None,
-                    start: None,
-                    periodic: None,
-                    modes: None,
-                    made_before: true,
-                });
-            }
-            Err(error) => {
-                return Err(Failed {
-                    error: Box::new(error),
-                    partial: None,
-                });
-            }
-        };
-        let motion = Motion::begin(self, point.as_ref().map(|p| p.samples)).map_err(failed)?;
-        let mut recorder = Recorder {
-            table,
-            refused: None,
-            resumed: point.is_some(),
-            warnings: point.iter().flat_map(|p| &p.warnings).map(given).collect(),
-            motion,
-            start: None,
-            cycles: None,
-            last: None,
-            watch,
-        };
-        let state = point.as_ref().map(|p| p.state.as_slice());
-        let mut modes = None;
-        let ran = match &self.plan.kind {
-            AnalysisKind::Transient(t) => {
-                run_transient(compiled, &self.overrides, t, &mut recorder, state)
-                    .map(|summary| (Some(summary), None))
-            }
-            AnalysisKind::Periodic(p) => run_periodic(compiled, &self.overrides, p, &mut recorder)
-                .map(|found| (Some(found.run.clone()), Some(found))),
-            AnalysisKind::Linear(l) => {
-                run_linear(compiled, &self.overrides, l, &mut recorder).map(|found| {
-                    recorder.modes(&found);
-                    modes = Some(found);
-                    (None, None)
-                })
-            }
-            AnalysisKind::Assemble => self.assembled(&mut recorder).map(|()| (None, None)),
-        };
-        // what the disk refused ended the run; its samples stay as they are, to go on from
-        if let Some(refused) = recorder.refused {
-            return Err(Failed {
-                error: Box::new(refused.into()),
-                partial: None,
-            });
-        }
-        if let Err(cause @ RuntimeError::Stopped(_)) = &ran
-            && self.recorded_to().is_some()
-        {
-            return Err(failed(self.error(cause.clone())));
-        }
-        let (summary, periodic, cause) = match ran {
-            Ok((summary, periodic)) => (summary, periodic, None),
-            Err(cause) => (None, None, Some(cause)),
-        };
-        if let Some(found) = &periodic {
-            let found = Repetition::new(found, &compiled.system);
-            for (key, value) in found.metadata() {
-                let stated = recorder.table.set_metadata(key, value);
-                stated.map_err(|error| failed(error.into()))?;
-            }
-        }
-        let failure = cause.as_ref().map(ToString::to_string);
-        // a run that is killed between its results and its motion has all of the motion on disk
-        let saved = recorder.motion.save();
-        if cause.is_none() {
-            saved.map_err(|error| failed(error.into()))?;
-        }
-        let finished = recorder.table.finish(failure.as_deref());
-        let stands = recorder.last.and_then(|last| self.stands(&last));
-        let cause = cause.map(|cause| self.error_with(cause, stands));
-        match (finished, cause) {
-            (Err(error), None) => Err(Failed {
-                error: Box::new(error.into()),
-                partial: None,
-            }),
-            (Err(_), Some(error)) => Err(Failed {
-                error: Box::new(error),
-                partial: None,
-            }),
-            (Ok(results), cause) => {
-                let motion =
-                    recorder
-                        .motion
-                        .results(self, results.metadata())
-                        .map_err(|error| Failed {
-                            error: Box::new(error),
-                            partial: None,
-                        })?;
-                let outcome = Outcome {
-                    results,
-                    motion,
-                    warnings: recorder.warnings,
-                    summary,
-                    start: recorder.start,
-                    periodic,
-                    modes,
-                    made_before: false,
-                };
-                match cause {
-                    None => Ok(outcome),
-                    Some(error) => Err(Failed {
-                        error: Box::new(error),
-                        partial: (outcome.results.samples() > 0).then(|| Box::new(outcome)),
-                    }),
-                }
-            }
-        }
-    }
-
-    /// All columns without values, in the order of [`Recorder::sample`], with what is known before the run.
-    fn header(&self) -> Result<Results, Error> {
-        let system = &self.model.compiled().system;
-        let mut results = Results::new(self.name(), self.model.name());
-        if let AnalysisKind::Linear(_) = self.plan.kind {
-            let bound = eng_runtime::model::Model::bind(self.model.compiled(), &self.overrides)
-                .map_err(|cause| self.error(cause))?;
-            crate::modes::push_columns(&mut results, &bound)?;
-        } else {
-            self.push_samples(&mut results)?;
-        }
-        results.set_metadata("version", env!("CARGO_PKG_VERSION"));
-        results.set_metadata("file", self.program.file());
-        results.set_metadata("source_hash", self.program.source_hash());
-        if let Some((name, value)) = &self.stepped_here {
-            results.set_metadata(format!("override.{name}"), value);
-        }
-        for point in self.point() {
-            results.set_metadata(
-                format!("point.{}", point.name),
-                point.display.exact_text(point.value),
-            );
-        }
-        let bound = self.bound()?;
-        for (parameter, value) in system.parameters.iter().zip(&bound.parameters) {
-            let d = &parameter.display;
-            results.set_metadata(
-                format!("parameter.{}", parameter.origin.path),
-                d.exact_text(*value),
-            );
-        }
-        Ok(results)
-    }
-
-    /// Columns of samples: time, cycle, channels, energy.
-    fn push_samples(&self, results: &mut Results) -> Result<(), Error> {
-        let system = &self.model.compiled().system;
-        for column in recorded(system) {
-            results.push(Column {
-                path: column.path,
-                dimension: column.dimension,
-                display: column.display,
-                frame: column.frame,
-                values: Vec::new(),
-            })?;
-        }
-        Ok(())
-    }
-
-    /// What tells this run from others: program's version, texts, plan, bound model, reduced bodies, kept channels.
-    fn identity(&self) -> Result<String, Error> {
-        use sha2::Digest;
-        use std::fmt::Write;
-        if self.recording.folder.is_none() {
-            return Ok(String::new());
-        }
-        let mut text = format!(
-            "{} {} {:?} {:?} {:?}",
-            env!("CARGO_PKG_VERSION"),
-            self.program.source_hash(),
-            self.plan,
-            self.recording.channels,
-            self.model.compiled().system,
-        );
-        let bound = self.bound()?;
-        for value in bound.parameters.iter().chain(&bound.slots) {
-            // a text takes all that is written to it
-            let _ = write!(text, " {:x}", value.to_bits());
-        }
-        for reduction in self.model.reductions() {
-            let _ = write!(text, " {}", reduction.key());
-        }
-        Ok(sha2::Sha256::digest(text.as_bytes())
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect())
-    }
-
-    fn assembled(&self, recorder: &mut Recorder<'_>) -> Result<(), RuntimeError> {
-        let mut simulation = eng_runtime::Simulation::new(
-            self.model.compiled(),
-            &self.overrides,
-            eng_runtime::Options::default(),
-        )?;
-        let mut values = vec![0.0; self.model.compiled().system.channels.len()];
-        simulation.evaluate_channels(&mut values)?;
-        let _ = recorder.sample(&Sample {
-            time: simulation.time(),
-            cycle_angle: simulation.cycle_angle(),
-            cycle_rate: simulation.cycle_rate(),
-            values: &values,
-            energy: simulation.energy(),
-            eccentricities: &[],
-            pose: simulation.sampled_pose(),
-            velocity: &simulation.sampled_state().velocity,
-            states: &simulation.sampled_state().states,
-        });
-        Ok(())
-    }
-}
-
-/// What a run gives on its way to a table.
-struct Recorder<'a> {
-    table: Table,
-    /// Why samples or checkpoints could not be kept.
-    refused: Option<ResultsError>,
-    /// Whether an earlier run told of the start.
-    resumed: bool,
-    warnings: Vec<Warning>,
-    motion: Motion,
-    start: Option<StartReport>,
-    cycles: Option<(u32, Option<f64>)>,
-    /// How far the run is.
-    last: Option<Advance>,
-    watch: &'a mut dyn Watch,
-}
-
-impl Recorder<'_> {
-    fn modes(&mut self, modes: &LinearModes) {
-        for (key, value) in crate::modes::metadata(modes) {
-            let stated = self.table.set_metadata(key, value);
-            if self.keep(stated).is_break() {
-                return;
-            }
-        }
-        for (index, mode) in modes.modes.iter().enumerate() {
-            let kept = self
-                .table
-                .push(crate::modes::row(modes, index, mode).into_iter());
-            if self.keep(kept).is_break() {
-                return;
-            }
-        }
-    }
-
-    fn keep(&mut self, kept: Result<(), ResultsError>) -> ControlFlow<()> {
-        match kept {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => {
-                self.refused.get_or_insert(error);
-                ControlFlow::Break(())
-            }
-        }
-    }
-}
-
-/// A warning for a checkpoint.
-fn kept(warning: &Warning) -> KeptWarning {
-    let place = |at: Location| (at.source, at.start, at.end);
-    KeptWarning {
-        path: warning.origin.path.clone(),
-        used_at: warning.origin.used_at.map(place),
-        defined_at: warning.origin.defined_at.map(place),
-        name: warning.name.clone(),
-        message: warning.message.clone(),
-        time: warning.moment.time.to_bits(),
-        cycle_angle: warning.moment.cycle_angle.map(f64::to_bits),
-    }
-}
-
-/// A warning from a checkpoint.
-fn given(kept: &KeptWarning) -> Warning {
-    let place = |(source, start, end)| Location { source, start, end };
-    Warning {
-        origin: Origin {
-            path: kept.path.clone(),
-            used_at: kept.used_at.map(place),
-            defined_at: kept.defined_at.map(place),
-        },
-        name: kept.name.clone(),
-        message: kept.message.clone(),
-        moment: Moment {
-            time: f64::from_bits(kept.time),
-            cycle_angle: kept.cycle_angle.map(f64::from_bits),
-        },
-    }
-}
-
-impl Observer for Recorder<'_> {
-    fn started(&mut self, report: &StartReport) {
-        if !self.resumed {
-            let stated = self.table.set_metadata("start", report.to_string());
-            // the first sample ends the run
-            let _ = self.keep(stated);
-            self.start = Some(report.clone());
-        }
-    }
-
-    fn cycle(&mut self, cycle: &CycleReport) {
-        self.cycles = Some((cycle.cycles, cycle.slowest.as_ref().map(|s| s.change)));
-    }
-
-    fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
-        if self.refused.is_some() {
-            return ControlFlow::Break(());
-        }
-        if let Err(error) = self.motion.push(sample) {
-            return self.keep(Err(error));
-        }
-        let e = &sample.energy;
-        let audit = [
-            e.kinetic,
-            e.gravity,
-            e.strain,
-            e.damping,
-            e.loads,
-            e.constraints,
-            e.imbalance(),
-        ];
-        let row = std::iter::once(sample.time)
-            .chain(sample.cycle_angle)
-            .chain(sample.cycle_rate)
-            .chain(sample.values.iter().copied())
-            .chain(audit);
-        let kept = self.table.push(row);
-        self.keep(kept)
-    }
-
-    fn wants_checkpoint(&mut self) -> bool {
-        self.refused.is_none() && self.table.wants_checkpoint()
-    }
-
-    fn checkpoint(&mut self, bytes: Vec<u8>) {
-        let warnings = self.warnings.iter().map(kept).collect();
-        let saved = self
-            .motion
-            .save()
-            .and_then(|()| self.table.save(bytes, warnings));
-        // the next sample ends the run
-        let _ = self.keep(saved);
-    }
-
-    fn progress(&mut self, advance: &Advance) -> Verdict {
-        self.last = Some(*advance);
-        self.watch.progress(Progress {
-            fraction: advance.fraction,
-            time: advance.time,
-            steps: advance.steps,
-            cycle_angle: advance.cycle_angle,
-            cycles: self.cycles,
-        })
-    }
-
-    fn paced(&mut self, slow: &Slow) {
-        self.watch.paced(slow);
-    }
-
-    fn warning(&mut self, warning: &Warning) {
-        self.warnings.push(warning.clone());
     }
 }

@@ -9,7 +9,7 @@ use super::{Refusal, Stop, USAGE_OR_SYSTEM};
 use crate::Quantity;
 use crate::motion::SUFFIX;
 use crate::plot::write_svg_and_png;
-use crate::report::{At, Entry, Request, make, write_series};
+use crate::report::{At, Entry, Made, Request, make, write_series};
 use crate::results::{Results, ResultsError, file_stem, interrupted, replace_file};
 use eng_flexible::store::{content_hash, hexadecimal};
 use eng_system::Dimension;
@@ -18,94 +18,25 @@ use std::path::{Path, PathBuf};
 
 pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
     let program = checked(&arguments.model, console)?;
-    let moments = match moments(&arguments.stress_at) {
-        Ok(moments) => moments,
-        Err(message) => {
-            writeln!(console.errors, "error: {message}")?;
-            return Err(Stop::Code(USAGE_OR_SYSTEM));
-        }
-    };
+    let moments = told_of(moments(&arguments.stress_at), console)?;
     let names = chosen(&arguments.model, &arguments.analysis, &program, console)?;
     let folder = arguments
         .results
         .clone()
         .unwrap_or_else(|| results_folder(&arguments.model));
-    let (mut read, mut of_modes) = (Vec::new(), Vec::new());
-    let mut missing = Vec::new();
-    for name in names {
-        let file = |suffix: &str| folder.join(format!("{}{suffix}.parquet", file_stem(name)));
-        let path = file("");
-        if !path.is_file() {
-            missing.push(name.to_owned());
-            continue;
-        }
-        let results = told_of(Results::read_parquet(&path), console)?;
-        if results.are_modes() {
-            writeln!(
-                console.errors,
-                "note: {name} holds modes: the page shows what reports of the text make of them, and natural frequencies in Campbell diagrams; `eng results {}` lists them",
-                path.display()
-            )?;
-            let files = vec![told_of(hashed(&path), console)?];
-            of_modes.push((results, None, files));
-            continue;
-        }
-        let mut files = vec![told_of(hashed(&path), console)?];
-        let path = file(SUFFIX);
-        let motion = if path.is_file() {
-            files.push(told_of(hashed(&path), console)?);
-            Some(told_of(Results::read_parquet(&path), console)?)
-        } else {
-            None
-        };
-        read.push((results, motion, files));
-    }
-    if read.is_empty() && missing.is_empty() {
-        writeln!(
-            console.errors,
-            "error: {} has nothing for a page: run an analysis in time",
-            folder.display()
-        )?;
-        return Err(Stop::Code(USAGE_OR_SYSTEM));
-    }
-    // what was asked for by name must be there
-    if read.is_empty() || !(missing.is_empty() || arguments.analysis.is_empty()) {
-        let begun: Vec<&str> = missing
-            .iter()
-            .map(String::as_str)
-            .filter(|name| interrupted(&folder, name))
-            .collect();
-        if !begun.is_empty() {
-            writeln!(
-                console.errors,
-                "note: {} was interrupted: `--resume` goes on where it stopped",
-                begun.join(", ")
-            )?;
-        }
-        writeln!(
-            console.errors,
-            "error: {} has no results of {}; run first: eng run {}{}{}",
-            folder.display(),
-            missing.join(", "),
-            arguments.model.display(),
-            if begun.is_empty() { "" } else { " --resume" },
-            match &arguments.results {
-                Some(folder) => format!(" --out {}", folder.display()),
-                None => String::new(),
-            }
-        )?;
-        return Err(Stop::Code(USAGE_OR_SYSTEM));
-    }
-    let in_time = read.len();
-    read.append(&mut of_modes);
-    let results: Vec<&Results> = read.iter().map(|(results, ..)| results).collect();
+    let mut found = read(&names, &folder, console)?;
+    refuse_missing(&found, arguments, &folder, console)?;
+    let in_time = found.in_time.len();
+    found.in_time.append(&mut found.of_modes);
+    let results: Vec<&Results> = found.in_time.iter().map(|read| &read.results).collect();
     let described = program
         .describe(&results)
         .map_err(|error| Refusal::from(error).show(program.texts(), console))?;
-    let mut entries: Vec<Entry> = read
+    let mut entries: Vec<Entry> = found
+        .in_time
         .into_iter()
         .zip(described)
-        .map(|((results, motion, files), described)| Entry::new(results, motion, described, files))
+        .map(|(read, described)| Entry::new(read.results, read.motion, described, read.files))
         .collect();
     let modes = entries.split_off(in_time);
     let file = arguments
@@ -118,7 +49,7 @@ pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) ->
             file: &file,
             entries: &entries,
             modes: &modes,
-            missing: &missing,
+            missing: &found.missing,
             reports: program.reports(),
             command: &command(arguments),
             stress_at: &moments,
@@ -129,6 +60,120 @@ pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) ->
     for warning in &made.warnings {
         writeln!(console.errors, "warning: {warning}")?;
     }
+    let written = write_all(&made, &entries, arguments, &folder, console)?;
+    if !arguments.quiet {
+        for path in written {
+            writeln!(console.output, "wrote {}", path.display())?;
+        }
+    }
+    Ok(())
+}
+
+/// The results of an analysis as they were read.
+struct Read {
+    results: Results,
+    motion: Option<Results>,
+    /// Name and hash of each file.
+    files: Vec<(String, String)>,
+}
+
+/// The results that a folder holds of some analyses.
+#[derive(Default)]
+struct Found {
+    in_time: Vec<Read>,
+    of_modes: Vec<Read>,
+    /// Names of the analyses without results.
+    missing: Vec<String>,
+}
+
+fn read(names: &[&str], folder: &Path, console: &mut Terminal<'_>) -> Result<Found, Stop> {
+    let mut found = Found::default();
+    for name in names {
+        let file = |suffix: &str| folder.join(format!("{}{suffix}.parquet", file_stem(name)));
+        let path = file("");
+        if !path.is_file() {
+            found.missing.push((*name).to_owned());
+            continue;
+        }
+        let results = told_of(Results::read_parquet(&path), console)?;
+        let mut read = Read {
+            results,
+            motion: None,
+            files: vec![told_of(hashed(&path), console)?],
+        };
+        if read.results.are_modes() {
+            writeln!(
+                console.errors,
+                "note: {name} holds modes: the page shows what reports of the text make of them, and natural frequencies in Campbell diagrams; `eng results {}` lists them",
+                path.display()
+            )?;
+            found.of_modes.push(read);
+            continue;
+        }
+        let path = file(SUFFIX);
+        if path.is_file() {
+            read.files.push(told_of(hashed(&path), console)?);
+            read.motion = Some(told_of(Results::read_parquet(&path), console)?);
+        }
+        found.in_time.push(read);
+    }
+    Ok(found)
+}
+
+/// Refuses a page without results in time, and one that lacks an analysis that was asked for by its name.
+fn refuse_missing(
+    found: &Found,
+    arguments: &ReportArguments,
+    folder: &Path,
+    console: &mut Terminal<'_>,
+) -> Result<(), Stop> {
+    let missing = &found.missing;
+    if found.in_time.is_empty() && missing.is_empty() {
+        writeln!(
+            console.errors,
+            "error: {} has nothing for a page: run an analysis in time",
+            folder.display()
+        )?;
+        return Err(Stop::Code(USAGE_OR_SYSTEM));
+    }
+    if !found.in_time.is_empty() && (missing.is_empty() || arguments.analysis.is_empty()) {
+        return Ok(());
+    }
+    let begun: Vec<&str> = missing
+        .iter()
+        .map(String::as_str)
+        .filter(|name| interrupted(folder, name))
+        .collect();
+    if !begun.is_empty() {
+        writeln!(
+            console.errors,
+            "note: {} was interrupted: `--resume` goes on where it stopped",
+            begun.join(", ")
+        )?;
+    }
+    writeln!(
+        console.errors,
+        "error: {} has no results of {}; run first: eng run {}{}{}",
+        folder.display(),
+        missing.join(", "),
+        arguments.model.display(),
+        if begun.is_empty() { "" } else { " --resume" },
+        match &arguments.results {
+            Some(folder) => format!(" --out {}", folder.display()),
+            None => String::new(),
+        }
+    )?;
+    Err(Stop::Code(USAGE_OR_SYSTEM))
+}
+
+/// Writes the page and the files that were asked for besides; gives their paths.
+fn write_all(
+    made: &Made,
+    entries: &[Entry],
+    arguments: &ReportArguments,
+    folder: &Path,
+    console: &mut Terminal<'_>,
+) -> Result<Vec<PathBuf>, Stop> {
     let out = arguments
         .out
         .clone()
@@ -166,12 +211,7 @@ pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) ->
             )?,
         }
     }
-    if !arguments.quiet {
-        for path in written {
-            writeln!(console.output, "wrote {}", path.display())?;
-        }
-    }
-    Ok(())
+    Ok(written)
 }
 
 /// Angles and times as they were typed.

@@ -2,13 +2,13 @@
 
 use super::diagnostic;
 use crate::codes;
-use crate::places::{place, span};
+use crate::places::{place, related, span};
 use crate::significant::{fixed, short};
 use eng_grammar::Diagnostic;
-use eng_runtime::RuntimeError;
 use eng_runtime::error::Chain;
 use eng_runtime::joint::Joint;
 use eng_runtime::start::hanging::Hanging;
+use eng_runtime::{NamedRow, RuntimeError};
 use eng_system::system::{Origin, System};
 
 /// The warning of bodies that hang loose.
@@ -43,8 +43,91 @@ pub(crate) fn does_not_turn(locked: &RuntimeError, system: &System) -> Diagnosti
     message
 }
 
+/// A loop that does not close.
+pub(super) fn open_loop(
+    mut message: Diagnostic,
+    rows: &[NamedRow],
+    chain: Option<&Chain>,
+    system: &System,
+) -> Diagnostic {
+    for (i, row) in rows.iter().take(3).enumerate() {
+        message = if i == 0 {
+            place(message, &row.origin, "stays open here")
+        } else {
+            related(message, &row.origin, "and here")
+        };
+    }
+    let message = with_lengths(message, chain, system);
+    let message = match rows.first() {
+        Some(row) => with_markers(message, &row.origin, system),
+        None => message,
+    };
+    with_angle(message, chain, system).with_help(PLACING)
+}
+
+/// A loop that closes on the other side.
+pub(super) fn wrong_branch(
+    message: Diagnostic,
+    origin: &Origin,
+    chain: Option<&Chain>,
+    system: &System,
+) -> Diagnostic {
+    let message = place(message, origin, "assembled the other way round");
+    let message = with_markers(message, origin, system);
+    let message = with_lengths(message, chain, system);
+    with_angle(message, chain, system)
+        .with_help(PLACING)
+        .with_help("or ask for another `branch` at the use")
+}
+
+/// Velocities of the start that contradict each other.
+pub(super) fn start_velocity(
+    mut message: Diagnostic,
+    rows: &[NamedRow],
+    chain: Option<&Chain>,
+    system: &System,
+) -> Diagnostic {
+    for row in rows.iter().take(3) {
+        message = place(message, &row.origin, "cannot hold together with the others");
+    }
+    // the guide or the drive: rows of the start have no markers of their own
+    if let Some(row) = rows.first() {
+        message = with_markers(message, &row.origin, system);
+        message = with_angle(message, chain, system);
+    }
+    let message = match chain {
+        Some(chain) => with_axes(message, chain).with_help(format!(
+            "see whether the joints of {chain} let them follow: an axis that stands across, a bore along the crank"
+        )),
+        None => message,
+    };
+    message.with_help("a driven part and its start velocity must agree; leave one of them out")
+}
+
+/// A mechanism that comes to the end of its reach.
+pub(super) fn locked(
+    mut message: Diagnostic,
+    rows: &[NamedRow],
+    chain: Option<&Chain>,
+    system: &System,
+) -> Diagnostic {
+    let mut told: Vec<&Origin> = Vec::new();
+    for row in rows {
+        if !told.contains(&&row.origin) && told.len() < 3 {
+            told.push(&row.origin);
+            message = place(message, &row.origin, "holds against the others here");
+        }
+    }
+    let message = with_lengths(message, chain, system);
+    match chain {
+        Some(chain) => with_axes(message, chain),
+        None => message,
+    }
+    .with_help("no force is at fault: change a length or an axis, or let a joint hold less")
+}
+
 /// What to do where no position is found.
-pub(super) const PLACING: &str = "check lengths, sides and axes of the loop (`at(…, z:)` finds an x of its own, `x:` states it), or state a `start` or `guess` near the position";
+const PLACING: &str = "check lengths, sides and axes of the loop (`at(…, z:)` finds an x of its own, `x:` states it), or state a `start` or `guess` near the position";
 
 /// Most parameters that a message points to.
 pub(super) const MOST_PARAMETERS: usize = 3;
@@ -53,11 +136,7 @@ pub(super) const MOST_PARAMETERS: usize = 3;
 const MOST_MARKERS: usize = 6;
 
 /// Lengths of a loop, and the parameters that they are made of.
-pub(super) fn with_lengths(
-    message: Diagnostic,
-    chain: Option<&Chain>,
-    system: &System,
-) -> Diagnostic {
+fn with_lengths(message: Diagnostic, chain: Option<&Chain>, system: &System) -> Diagnostic {
     let Some(chain) = chain else {
         return message;
     };
@@ -133,7 +212,7 @@ pub(super) fn with_markers(message: Diagnostic, element: &Origin, system: &Syste
 }
 
 /// The z axes of the joints of a loop.
-pub(super) fn with_axes(message: Diagnostic, chain: &Chain) -> Diagnostic {
+fn with_axes(message: Diagnostic, chain: &Chain) -> Diagnostic {
     let axes: Vec<String> = chain
         .joints
         .iter()
@@ -162,11 +241,7 @@ fn joint(of: &Origin, system: &System) -> Joint {
 
 /// A guide that is not square to the hinges of its loop, or a hinge that is not parallel to them, with the angle between the
 /// axes: the axis that most hinges share is taken for theirs.
-pub(super) fn with_angle(
-    message: Diagnostic,
-    chain: Option<&Chain>,
-    system: &System,
-) -> Diagnostic {
+fn with_angle(message: Diagnostic, chain: Option<&Chain>, system: &System) -> Diagnostic {
     let joints: Vec<(&str, &[f64; 3], Joint)> = chain
         .into_iter()
         .flat_map(|chain| &chain.joints)

@@ -64,13 +64,7 @@ pub(super) fn assembled(start: &Start<'_>) -> Vec<Finding> {
 
 /// A fixed step that turns the cycle too far.
 pub(super) fn step(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) -> Option<Finding> {
-    let control = match kind {
-        AnalysisKind::Transient(transient) => transient.step,
-        AnalysisKind::Periodic(periodic) => periodic.step,
-        AnalysisKind::Linear(linear) if linear.after.is_some() => linear.step,
-        AnalysisKind::Linear(_) | AnalysisKind::Assemble => return None,
-    };
-    let StepControl::Fixed(step) = control else {
+    let Some(StepControl::Fixed(step)) = kind.step() else {
         return None;
     };
     let speed = start.cycle_speed()?;
@@ -104,9 +98,10 @@ pub(super) fn sampling(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin
         help: help.to_owned(),
         decided_by: Vec::new(),
     };
-    if let AnalysisKind::Transient(transient) = kind
-        && let (Extent::Time(sample), Extent::Time(duration)) =
-            (transient.sample, transient.duration)
+    let Some((sample, duration)) = kind.sampling() else {
+        return Vec::new();
+    };
+    if let (Extent::Time(sample), Some(Extent::Time(duration))) = (sample, duration)
         && sample > duration
     {
         let [sample, duration] = [sample, duration].map(|time| short(time, 4));
@@ -121,13 +116,10 @@ pub(super) fn sampling(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin
         Extent::Angle(angle) => angle,
     };
     // a few milliseconds may be meant, a few degrees are `4 rev`
-    let (sample, duration) = match kind {
-        AnalysisKind::Transient(transient) => match transient.duration {
-            Extent::Angle(duration) => (angle(transient.sample), Some(duration)),
-            Extent::Time(_) => (angle(transient.sample), None),
-        },
-        AnalysisKind::Periodic(periodic) => (periodic.sample, None),
-        AnalysisKind::Linear(_) | AnalysisKind::Assemble => return Vec::new(),
+    let sample = angle(sample);
+    let duration = match duration {
+        Some(Extent::Angle(duration)) => Some(duration),
+        Some(Extent::Time(_)) | None => None,
     };
     let deg = |angle: f64| short(angle.to_degrees(), 3);
     let mut found = Vec::new();

@@ -112,7 +112,7 @@ pub(super) fn scene(
                     .max_by(|a, b| a.stress.total_cmp(&b.stress))
                     .and_then(|peak| times.iter().position(|t| *t == peak.time));
                 chosen.extend(largest);
-                coverings.push((&reduction.stored, own.amplitudes, made.covering));
+                coverings.push((&*reduction.stored, own.amplitudes, made.covering));
                 flexible.push(made.body);
             }
             Matter::Rigid {
@@ -129,8 +129,51 @@ pub(super) fn scene(
     }
     chosen.sort_unstable();
     chosen.dedup();
-    for (body, (stored, amplitudes, covering)) in flexible.iter_mut().zip(&coverings) {
-        for index in &chosen {
+    stresses(&mut flexible, &coverings, &chosen, (&times, &angles))?;
+    let length = flexible
+        .iter()
+        .flat_map(|b| &b.surface.nodes)
+        .flatten()
+        .fold(0.0f64, |most, x| most.max(x.abs()));
+    for body in &mut rigid {
+        let parts = body.parts.drain(..);
+        body.parts = parts
+            .flat_map(|part| outlined(part, LARGE * length))
+            .collect();
+    }
+    if let Some(text) = motion.metadata().get("motion") {
+        notes.push(format!("The motion is that of {text}."));
+    }
+    Ok(Scene {
+        animation: Animation {
+            title: format!("Motion, {}", entry.outcome.results.analysis()),
+            angles,
+            up: entry.described.up,
+            scale: magnification(&flexible, length),
+            slowdown: slowdown(&times),
+            times,
+            flexible,
+            rigid,
+        },
+        held,
+        notes,
+        warnings,
+        maxima,
+    })
+}
+
+/// A flexible body as it was reduced, its amplitudes at each time, and its surface as it is drawn.
+type Covered<'a> = (&'a StoredBody, Vec<Vec<f64>>, Covering);
+
+/// Gives each flexible body its stresses at the chosen moments, an index into times (s) and angles (°).
+fn stresses(
+    flexible: &mut [FlexibleBody],
+    coverings: &[Covered<'_>],
+    chosen: &[usize],
+    (times, angles): (&[f64], &[f64]),
+) -> Result<(), ReportError> {
+    for (body, (stored, amplitudes, covering)) in flexible.iter_mut().zip(coverings) {
+        for index in chosen {
             let Some(amplitudes) = amplitudes.get(*index) else {
                 continue;
             };
@@ -146,48 +189,27 @@ pub(super) fn scene(
             }
         }
     }
+    Ok(())
+}
+
+/// How many times slower than the machine an animation plays that shows a motion of these times (s).
+fn slowdown(times: &[f64]) -> f64 {
+    match (times.first(), times.last()) {
+        (Some(first), Some(last)) if last > first => round(PLAYED / (last - first)),
+        _ => 1.0,
+    }
+}
+
+/// Factor on displacements that shows the largest one as a share of the scene; never below 1. `length`: the scene's reach (m).
+fn magnification(flexible: &[FlexibleBody], length: f64) -> f64 {
     let largest = flexible
         .iter()
         .map(FlexibleBody::largest_displacement)
         .fold(0.0, f64::max);
-    let length = flexible
-        .iter()
-        .flat_map(|b| &b.surface.nodes)
-        .flatten()
-        .fold(0.0f64, |most, x| most.max(x.abs()));
-    for body in &mut rigid {
-        let parts = body.parts.drain(..);
-        body.parts = parts
-            .flat_map(|part| outlined(part, LARGE * length))
-            .collect();
+    match largest > 0.0 {
+        true => round(2.0 * SHOWN * length / largest).max(1.0),
+        false => 1.0,
     }
-    let duration = match (times.first(), times.last()) {
-        (Some(first), Some(last)) if last > first => last - first,
-        _ => PLAYED,
-    };
-    if let Some(text) = motion.metadata().get("motion") {
-        notes.push(format!("The motion is that of {text}."));
-    }
-    Ok(Scene {
-        animation: Animation {
-            title: format!("Motion, {}", entry.outcome.results.analysis()),
-            times,
-            angles,
-            up: entry.described.up,
-            scale: if largest > 0.0 {
-                round(2.0 * SHOWN * length / largest).max(1.0)
-            } else {
-                1.0
-            },
-            slowdown: round(PLAYED / duration),
-            flexible,
-            rigid,
-        },
-        held,
-        notes,
-        warnings,
-        maxima,
-    })
 }
 
 impl Scene {

@@ -102,10 +102,7 @@ pub fn run(
     };
     let ran = analysis.run_watched(&mut watch);
     match (ran, watch.lost) {
-        (Ok(outcome), _) => run_outcome(analysis, outcome).map_err(|error| Failed {
-            error: Box::new(error),
-            partial: None,
-        }),
+        (Ok(outcome), _) => Ok(run_outcome(analysis, outcome)?),
         (Err(Failed { error, .. }), Some((passed, now, left))) if error.is_stopped() => {
             let note = format!(
                 "{} steps in {} s of computing were {:.1e} % of the run; at this pace the rest takes {}",
@@ -114,10 +111,7 @@ pub fn run(
                 100.0 * now.fraction,
                 in_words(left)
             );
-            Err(Failed {
-                error: Box::new(error.with_note(&note)),
-                partial: None,
-            })
+            Err(error.with_note(&note).into())
         }
         (Err(Failed { error, partial }), _) => Err(Failed {
             error,

@@ -6,6 +6,7 @@
 // tests compare with the standard library's functions
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+pub mod analysis;
 pub mod code;
 pub mod dimension;
 pub mod flexible;

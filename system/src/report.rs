@@ -3,7 +3,8 @@
 //! Contains no names to be looked up and no units to be converted: numbers are SI, dimensions fit, lists are written out.
 
 use crate::DisplayUnit;
-use crate::system::{Extent, Location};
+use crate::analysis::Extent;
+use crate::place::Location;
 
 /// `report name "title" { … }`.
 #[derive(Clone, Debug, PartialEq)]

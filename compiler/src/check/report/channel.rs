@@ -14,7 +14,6 @@ use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
 use eng_system::host::Host;
 use eng_system::recorded::{Recorded, of_modes, recorded};
 use eng_system::report::Expression;
-use eng_system::system::AnalysisKind;
 use std::rc::Rc;
 
 /// Indices written out in a message.
@@ -204,7 +203,7 @@ impl Found<'_> {
 
 /// Whether an analysis gives modes instead of samples.
 pub(super) fn are_modes(plan: &AnalysisPlan) -> bool {
-    matches!(plan.analysis.kind, AnalysisKind::Linear(_))
+    plan.analysis.kind.gives_modes()
 }
 
 /// Places of several analyses, and what tells them apart.

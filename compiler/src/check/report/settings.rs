@@ -11,7 +11,7 @@ use crate::elaborate::AnalysisPlan;
 use eng_grammar::Diagnostic;
 use eng_grammar::ast::Expr;
 use eng_system::report::{Averaging, Axis, Expression, Limit, SpectrumSettings, Window};
-use eng_system::system::{AnalysisKind, Extent};
+use eng_system::system::Extent;
 use eng_system::{Dimension, DisplayUnit};
 
 pub(super) const WINDOWS: [(&str, Window); 4] = [
@@ -186,7 +186,7 @@ impl<'a> Reporter<'a, '_> {
                 && self
                     .models
                     .plan(&member.label.analysis)
-                    .is_some_and(|p| matches!(p.analysis.kind, AnalysisKind::Periodic(_)))
+                    .is_some_and(|p| p.analysis.kind.repeats())
         })
     }
 

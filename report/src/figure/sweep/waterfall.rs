@@ -123,26 +123,31 @@ impl Waterfall {
             &ticks,
             &figure.unit,
         );
-        svg.text(
-            area.right(),
-            area.top - 10.0,
-            &format!("upwards from each line: {}", figure.value_label()),
-            TextStyle::new(SMALL + 1.0, Anchor::End),
-        );
-        svg.text(
-            area.left + area.width / 2.0,
-            area.bottom() + 56.0,
-            &format!("{name} ({unit})"),
-            TextStyle::new(LABEL, Anchor::Middle),
-        );
-        svg.text(
-            40.0,
-            area.top + area.height / 2.0,
-            "Speed (rpm)",
-            TextStyle::new(LABEL, Anchor::Middle).upwards(),
-        );
+        draw_labels(&mut svg, &area, (name, unit), &figure.value_label());
         svg.finish()
     }
+}
+
+/// The names of the axes, and of what rises from each line.
+fn draw_labels(svg: &mut Svg<'_>, area: &Area, (name, unit): (&str, &str), value: &str) {
+    svg.text(
+        area.right(),
+        area.top - 10.0,
+        &format!("upwards from each line: {}", value),
+        TextStyle::new(SMALL + 1.0, Anchor::End),
+    );
+    svg.text(
+        area.left + area.width / 2.0,
+        area.bottom() + 56.0,
+        &format!("{name} ({unit})"),
+        TextStyle::new(LABEL, Anchor::Middle),
+    );
+    svg.text(
+        40.0,
+        area.top + area.height / 2.0,
+        "Speed (rpm)",
+        TextStyle::new(LABEL, Anchor::Middle).upwards(),
+    );
 }
 
 /// A bar as long as one step of the amplitudes.

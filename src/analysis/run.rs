@@ -1,0 +1,413 @@
+//! Runs of analyses: what each kind solves, and what is kept of it.
+
+use super::motion::Motion;
+use super::{Analysis, Failed, Outcome, Progress, Watch};
+use crate::error::Error;
+use crate::repetition::Repetition;
+use crate::results::{Begun, Column, KeptWarning, Results, ResultsError, Table};
+use eng_runtime::{
+    Advance, CycleReport, LinearModes, Moment, Observer, PeriodicSummary, RunSummary, RuntimeError,
+    Sample, Slow, StartReport, Verdict, Warning, run_linear, run_periodic, run_transient,
+};
+use eng_system::recorded::recorded;
+use eng_system::system::{AnalysisKind, Location, Origin};
+use std::ops::ControlFlow;
+
+/// What was solved, besides the samples that the recorder has taken.
+#[derive(Default)]
+struct Solved {
+    summary: Option<RunSummary>,
+    periodic: Option<PeriodicSummary>,
+    modes: Option<LinearModes>,
+}
+
+impl Analysis {
+    /// Runs. `progress` is called after every step.
+    pub fn run(&self, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, Failed> {
+        self.run_watched(&mut |now: Progress| {
+            progress(now);
+            Verdict::GoOn
+        })
+    }
+
+    /// Runs as long as a watch, which is asked after every step, wants it. One that is stopped ends with [`RuntimeError::Stopped`], which
+    /// tells what makes its steps as short as they are; what a recording has on disk then stays, to go on from. A run that ends has the
+    /// same bits as without being watched.
+    pub fn run_watched(&self, watch: &mut dyn Watch) -> Result<Outcome, Failed> {
+        let begun = self
+            .header()
+            .and_then(|header| Ok(Table::begin(header, &self.recording, self.identity()?)?));
+        let (table, point) = match begun? {
+            Begun::Fresh(table) => (table, None),
+            Begun::Resumed(table, point) => (table, Some(point)),
+            Begun::Complete(results) => return Ok(self.made_before(results)?),
+        };
+        let mut recorder = Recorder {
+            table,
+            refused: None,
+            resumed: point.is_some(),
+            warnings: point.iter().flat_map(|p| &p.warnings).map(given).collect(),
+            motion: Motion::begin(self, point.as_ref().map(|p| p.samples))?,
+            start: None,
+            cycles: None,
+            last: None,
+            watch,
+        };
+        let state = point.as_ref().map(|p| p.state.as_slice());
+        let solved = self.solve(&mut recorder, state);
+        self.finish(recorder, solved)
+    }
+
+    /// Solves what the kind of the analysis asks for.
+    fn solve(
+        &self,
+        recorder: &mut Recorder<'_>,
+        state: Option<&[u8]>,
+    ) -> Result<Solved, RuntimeError> {
+        let (compiled, overrides) = (self.model.compiled(), &self.overrides);
+        let mut solved = Solved::default();
+        match &self.plan.kind {
+            AnalysisKind::Transient(transient) => {
+                let summary = run_transient(compiled, overrides, transient, recorder, state)?;
+                solved.summary = Some(summary);
+            }
+            AnalysisKind::Periodic(periodic) => {
+                let found = run_periodic(compiled, overrides, periodic, recorder)?;
+                solved.summary = Some(found.run.clone());
+                solved.periodic = Some(found);
+            }
+            AnalysisKind::Linear(linear) => {
+                let found = run_linear(compiled, overrides, linear, recorder)?;
+                recorder.modes(&found);
+                solved.modes = Some(found);
+            }
+            AnalysisKind::Assemble => self.assembled(recorder)?,
+        }
+        Ok(solved)
+    }
+
+    /// The outcome of an analysis that an earlier run has completed.
+    fn made_before(&self, results: Results) -> Result<Outcome, Error> {
+        // its motion is on disk beside it, unless the run was killed just then
+        let motion = Motion::left(self, results.metadata())?;
+        Ok(Outcome {
+            motion: motion.unwrap_or_else(|| Results::new(self.name(), self.model.name())),
+            results,
+            warnings: Vec::new(),
+            summary: None,
+            start: None,
+            periodic: None,
+            modes: None,
+            made_before: true,
+        })
+    }
+
+    /// Completes table and motion of a run that has ended, well or with a failure.
+    fn finish(
+        &self,
+        mut recorder: Recorder<'_>,
+        solved: Result<Solved, RuntimeError>,
+    ) -> Result<Outcome, Failed> {
+        // what the disk refused ended the run; its samples stay as they are, to go on from
+        if let Some(refused) = recorder.refused {
+            return Err(Error::from(refused).into());
+        }
+        let (solved, cause) = match solved {
+            Ok(solved) => (solved, None),
+            Err(cause @ RuntimeError::Stopped(_)) if self.recorded_to().is_some() => {
+                return Err(self.error(cause).into());
+            }
+            Err(cause) => (Solved::default(), Some(cause)),
+        };
+        if let Some(found) = &solved.periodic {
+            let found = Repetition::new(found, &self.model.compiled().system);
+            for (key, value) in found.metadata() {
+                let stated = recorder.table.set_metadata(key, value);
+                stated.map_err(Error::from)?;
+            }
+        }
+        let failure = cause.as_ref().map(ToString::to_string);
+        // a run that is killed between its results and its motion has all of the motion on disk
+        let saved = recorder.motion.save();
+        if cause.is_none() {
+            saved.map_err(Error::from)?;
+        }
+        let finished = recorder.table.finish(failure.as_deref());
+        let stands = recorder.last.and_then(|last| self.stands(&last));
+        let cause = cause.map(|cause| self.error_with(cause, stands));
+        let results = match finished {
+            Ok(results) => results,
+            // the failure of the run says more than that its table could not be completed
+            Err(error) => return Err(cause.unwrap_or_else(|| error.into()).into()),
+        };
+        let motion = recorder.motion.results(self, results.metadata())?;
+        let outcome = Outcome {
+            results,
+            motion,
+            warnings: recorder.warnings,
+            summary: solved.summary,
+            start: recorder.start,
+            periodic: solved.periodic,
+            modes: solved.modes,
+            made_before: false,
+        };
+        match cause {
+            None => Ok(outcome),
+            Some(error) => Err(Failed {
+                error: Box::new(error),
+                partial: (outcome.results.samples() > 0).then(|| Box::new(outcome)),
+            }),
+        }
+    }
+
+    /// All columns without values, in the order of [`Recorder::sample`], with what is known before the run.
+    fn header(&self) -> Result<Results, Error> {
+        let system = &self.model.compiled().system;
+        let mut results = Results::new(self.name(), self.model.name());
+        if self.plan.kind.gives_modes() {
+            let bound = eng_runtime::model::Model::bind(self.model.compiled(), &self.overrides)
+                .map_err(|cause| self.error(cause))?;
+            crate::modes::push_columns(&mut results, &bound)?;
+        } else {
+            self.push_samples(&mut results)?;
+        }
+        results.set_metadata("version", env!("CARGO_PKG_VERSION"));
+        results.set_metadata("file", self.program.file());
+        results.set_metadata("source_hash", self.program.source_hash());
+        if let Some((name, value)) = &self.stepped_here {
+            results.set_metadata(format!("override.{name}"), value);
+        }
+        for point in self.point() {
+            results.set_metadata(
+                format!("point.{}", point.name),
+                point.display.exact_text(point.value),
+            );
+        }
+        let bound = self.bound()?;
+        for (parameter, value) in system.parameters.iter().zip(&bound.parameters) {
+            let d = &parameter.display;
+            results.set_metadata(
+                format!("parameter.{}", parameter.origin.path),
+                d.exact_text(*value),
+            );
+        }
+        Ok(results)
+    }
+
+    /// Columns of samples: time, cycle, channels, energy.
+    fn push_samples(&self, results: &mut Results) -> Result<(), Error> {
+        let system = &self.model.compiled().system;
+        for column in recorded(system) {
+            results.push(Column {
+                path: column.path,
+                dimension: column.dimension,
+                display: column.display,
+                frame: column.frame,
+                values: Vec::new(),
+            })?;
+        }
+        Ok(())
+    }
+
+    /// What tells this run from others: program's version, texts, plan, bound model, reduced bodies, kept channels.
+    fn identity(&self) -> Result<String, Error> {
+        use sha2::Digest;
+        use std::fmt::Write;
+        if self.recording.folder.is_none() {
+            return Ok(String::new());
+        }
+        let mut text = format!(
+            "{} {} {:?} {:?} {:?}",
+            env!("CARGO_PKG_VERSION"),
+            self.program.source_hash(),
+            self.plan,
+            self.recording.channels,
+            self.model.compiled().system,
+        );
+        let bound = self.bound()?;
+        for value in bound.parameters.iter().chain(&bound.slots) {
+            // a text takes all that is written to it
+            let _ = write!(text, " {:x}", value.to_bits());
+        }
+        for reduction in self.model.reductions() {
+            let _ = write!(text, " {}", reduction.key());
+        }
+        Ok(sha2::Sha256::digest(text.as_bytes())
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect())
+    }
+
+    fn assembled(&self, recorder: &mut Recorder<'_>) -> Result<(), RuntimeError> {
+        let mut simulation = eng_runtime::Simulation::new(
+            self.model.compiled(),
+            &self.overrides,
+            eng_runtime::Options::default(),
+        )?;
+        let mut values = vec![0.0; self.model.compiled().system.channels.len()];
+        simulation.evaluate_channels(&mut values)?;
+        let _ = recorder.sample(&Sample {
+            time: simulation.time(),
+            cycle_angle: simulation.cycle_angle(),
+            cycle_rate: simulation.cycle_rate(),
+            values: &values,
+            energy: simulation.energy(),
+            eccentricities: &[],
+            pose: simulation.sampled_pose(),
+            velocity: &simulation.sampled_state().velocity,
+            states: &simulation.sampled_state().states,
+        });
+        Ok(())
+    }
+}
+
+/// What a run gives on its way to a table.
+struct Recorder<'a> {
+    table: Table,
+    /// Why samples or checkpoints could not be kept.
+    refused: Option<ResultsError>,
+    /// Whether an earlier run told of the start.
+    resumed: bool,
+    warnings: Vec<Warning>,
+    motion: Motion,
+    start: Option<StartReport>,
+    cycles: Option<(u32, Option<f64>)>,
+    /// How far the run is.
+    last: Option<Advance>,
+    watch: &'a mut dyn Watch,
+}
+
+impl Recorder<'_> {
+    fn modes(&mut self, modes: &LinearModes) {
+        for (key, value) in crate::modes::metadata(modes) {
+            let stated = self.table.set_metadata(key, value);
+            if self.keep(stated).is_break() {
+                return;
+            }
+        }
+        for (index, mode) in modes.modes.iter().enumerate() {
+            let kept = self
+                .table
+                .push(crate::modes::row(modes, index, mode).into_iter());
+            if self.keep(kept).is_break() {
+                return;
+            }
+        }
+    }
+
+    fn keep(&mut self, kept: Result<(), ResultsError>) -> ControlFlow<()> {
+        match kept {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                self.refused.get_or_insert(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+}
+
+/// A warning for a checkpoint.
+fn kept(warning: &Warning) -> KeptWarning {
+    let place = |at: Location| (at.source, at.start, at.end);
+    KeptWarning {
+        path: warning.origin.path.clone(),
+        used_at: warning.origin.used_at.map(place),
+        defined_at: warning.origin.defined_at.map(place),
+        name: warning.name.clone(),
+        message: warning.message.clone(),
+        time: warning.moment.time.to_bits(),
+        cycle_angle: warning.moment.cycle_angle.map(f64::to_bits),
+    }
+}
+
+/// A warning from a checkpoint.
+fn given(kept: &KeptWarning) -> Warning {
+    let place = |(source, start, end)| Location { source, start, end };
+    Warning {
+        origin: Origin {
+            path: kept.path.clone(),
+            used_at: kept.used_at.map(place),
+            defined_at: kept.defined_at.map(place),
+        },
+        name: kept.name.clone(),
+        message: kept.message.clone(),
+        moment: Moment {
+            time: f64::from_bits(kept.time),
+            cycle_angle: kept.cycle_angle.map(f64::from_bits),
+        },
+    }
+}
+
+impl Observer for Recorder<'_> {
+    fn started(&mut self, report: &StartReport) {
+        if !self.resumed {
+            let stated = self.table.set_metadata("start", report.to_string());
+            // the first sample ends the run
+            let _ = self.keep(stated);
+            self.start = Some(report.clone());
+        }
+    }
+
+    fn cycle(&mut self, cycle: &CycleReport) {
+        self.cycles = Some((cycle.cycles, cycle.slowest.as_ref().map(|s| s.change)));
+    }
+
+    fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
+        if self.refused.is_some() {
+            return ControlFlow::Break(());
+        }
+        if let Err(error) = self.motion.push(sample) {
+            return self.keep(Err(error));
+        }
+        let e = &sample.energy;
+        let audit = [
+            e.kinetic,
+            e.gravity,
+            e.strain,
+            e.damping,
+            e.loads,
+            e.constraints,
+            e.imbalance(),
+        ];
+        let row = std::iter::once(sample.time)
+            .chain(sample.cycle_angle)
+            .chain(sample.cycle_rate)
+            .chain(sample.values.iter().copied())
+            .chain(audit);
+        let kept = self.table.push(row);
+        self.keep(kept)
+    }
+
+    fn wants_checkpoint(&mut self) -> bool {
+        self.refused.is_none() && self.table.wants_checkpoint()
+    }
+
+    fn checkpoint(&mut self, bytes: Vec<u8>) {
+        let warnings = self.warnings.iter().map(kept).collect();
+        let saved = self
+            .motion
+            .save()
+            .and_then(|()| self.table.save(bytes, warnings));
+        // the next sample ends the run
+        let _ = self.keep(saved);
+    }
+
+    fn progress(&mut self, advance: &Advance) -> Verdict {
+        self.last = Some(*advance);
+        self.watch.progress(Progress {
+            fraction: advance.fraction,
+            time: advance.time,
+            steps: advance.steps,
+            cycle_angle: advance.cycle_angle,
+            cycles: self.cycles,
+        })
+    }
+
+    fn paced(&mut self, slow: &Slow) {
+        self.watch.paced(slow);
+    }
+
+    fn warning(&mut self, warning: &Warning) {
+        self.warnings.push(warning.clone());
+    }
+}
