@@ -19,14 +19,8 @@ const CRATES: [(&str, &str); 7] = [
 /// Most lines of a function.
 const LONGEST: usize = 120;
 
-/// Circles that are left: a crate, and modules of which each reaches all others. Who mends one takes it away.
-const CIRCLES: [(&str, &[&str]); 2] = [
-    ("eng-compiler", &["generate", "jit"]),
-    ("eng-compiler", &["program", "resolve"]),
-];
-
 /// Functions that are left longer than [`LONGEST`]: file and name. Who splits one takes it away.
-const LONG: [(&str, &str); 19] = [
+const LONG: [(&str, &str); 17] = [
     ("compiler/src/check/analysis.rs", "model_and_options"),
     ("compiler/src/check/class.rs", "placing"),
     ("compiler/src/check/field.rs", "field_of"),
@@ -39,9 +33,7 @@ const LONG: [(&str, &str); 19] = [
     ("compiler/src/elaborate/flexible/mod.rs", "flexible_body"),
     ("compiler/src/elaborate/output.rs", "finish_element"),
     ("compiler/src/elaborate/table.rs", "table_value"),
-    ("flexible/src/markers.rs", "select"),
     ("flexible/src/reduce.rs", "reduce"),
-    ("flexible/src/solve/lanczos.rs", "append"),
     ("runtime/src/dynamics/matrix.rs", "fill"),
     ("runtime/src/dynamics/matrix.rs", "new"),
     ("runtime/src/flexible.rs", "add_inertia_matrix"),
@@ -324,15 +316,7 @@ fn modules_of_a_crate_have_no_circles() {
             found.insert((name.to_owned(), circle));
         }
     }
-    let known = CIRCLES.map(|(name, circle)| {
-        let circle = circle.iter().map(ToString::to_string).collect();
-        (name.to_owned(), circle)
-    });
-    assert_eq!(
-        found,
-        BTreeSet::from(known),
-        "left: found, right: known to be left"
-    );
+    assert!(found.is_empty(), "{found:?}");
 }
 
 #[test]

@@ -1,28 +1,10 @@
 //! From a class's functions to something callable: machine code where there is a generator, else the interpreter.
 
+pub use crate::codegen_error::CodegenError;
 use crate::ir::{ClassFunctions, InterpretedClass};
 use eng_system::code::ElementCode;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};
-
-/// Machine code that could not be made.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum CodegenError {
-    /// There is no generator for this kind of machine.
-    #[error("no code can be generated for this machine: {0}")]
-    Machine(String),
-    /// The generator refused a function.
-    #[error("no code can be generated for {function}: {message}")]
-    Function {
-        /// `Revolute.residual`.
-        function: String,
-        /// The generator's words.
-        message: String,
-    },
-    /// Memory for the code could not be had or made executable.
-    #[error("no memory for machine code: {0}")]
-    Memory(String),
-}
 
 /// Makes a class callable. Without the feature `jit`, or if it is not asked for, the class is interpreted: the same
 /// numbers to the bit, 3 to 25 times slower.

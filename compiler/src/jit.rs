@@ -10,7 +10,7 @@
 mod addresses;
 mod plan;
 
-use crate::generate::CodegenError;
+use crate::codegen_error::CodegenError;
 use crate::ir::interpret::{Interpreter, look_up};
 use crate::ir::{ClassFunctions, Function, Node, Op};
 use addresses::Addresses;

@@ -6,6 +6,7 @@
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod check;
+mod codegen_error;
 pub mod codes;
 pub mod elaborate;
 mod functions;

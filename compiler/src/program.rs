@@ -11,6 +11,13 @@ use eng_grammar::{SourceId, Span};
 use eng_system::{Dimension, DisplayUnit};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Module and class with which a flexible body that has supports stands on the ground.
+pub const WELD: (&str, &str) = ("std.joints", "Fixed");
+/// Module and interface of film laws: what fills it is a journal for the start, the tolerance, tables and figures.
+pub const JOURNAL_LAW: (&str, &str) = ("std.journals", "JournalLaw");
+/// Module and interface of the gas in a cylinder: what fills it tells when the cylinder fires.
+pub const GAS_LAW: (&str, &str) = ("std.forces", "GasLaw");
+
 /// An item of a module at its top level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct DefinitionId {
@@ -106,17 +113,17 @@ impl Program {
 
     /// The class that holds a flexible body with supports on the ground, if a text has one.
     pub fn weld(&self) -> Option<DefinitionId> {
-        self.of_library(crate::resolve::WELD)
+        self.of_library(WELD)
     }
 
     /// The interface of film laws; `None` where nothing uses it.
     pub fn journal_law(&self) -> Option<DefinitionId> {
-        self.of_library(crate::resolve::JOURNAL_LAW)
+        self.of_library(JOURNAL_LAW)
     }
 
     /// The interface of the gas in a cylinder; `None` where nothing uses it.
     pub fn gas_law(&self) -> Option<DefinitionId> {
-        self.of_library(crate::resolve::GAS_LAW)
+        self.of_library(GAS_LAW)
     }
 
     fn of_library(&self, (path, name): (&str, &str)) -> Option<DefinitionId> {

@@ -10,18 +10,12 @@ pub(crate) mod suggest;
 mod units;
 
 use crate::program::Program;
+pub use crate::program::{GAS_LAW, JOURNAL_LAW, WELD};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::host::Host;
 
 /// The module that every file uses.
 pub const PRELUDE: &str = "std.prelude";
-/// Module and class with which a flexible body that has supports stands on the ground.
-pub const WELD: (&str, &str) = ("std.joints", "Fixed");
-/// Module and interface of film laws: what fills it is a journal for the start, the tolerance, tables and figures.
-pub const JOURNAL_LAW: (&str, &str) = ("std.journals", "JournalLaw");
-/// Module and interface of the gas in a cylinder: what fills it tells when the cylinder fires.
-pub const GAS_LAW: (&str, &str) = ("std.forces", "GasLaw");
-
 /// Reads the root file and every module it uses. `root` is a file's name for `host`; `library` maps the paths of
 /// modules (`std.joints`) to their texts. Modules come before those that use them; the root is the last.
 pub fn resolve(
