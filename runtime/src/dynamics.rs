@@ -5,7 +5,10 @@
 
 mod energy;
 mod levels;
-pub mod matrix;
+mod matrix;
+mod plan;
+
+pub use plan::MatrixPlan;
 
 use crate::body::{BodyFrame, BodyModel};
 use crate::chain::{self, CURVED_REACH, MarkerKinematics, Motion, Placed, REACH};

@@ -337,7 +337,7 @@ impl Flexible {
     }
 
     /// Adds the derivative of [`Flexible::add_inertia`] along the step's unknown; see
-    /// `BodyModel::add_inertia_matrix`.
+    /// [`crate::body::BodyModel::add_inertia_matrix`].
     #[allow(clippy::too_many_arguments)]
     pub fn add_inertia_matrix(
         &self,
@@ -359,9 +359,10 @@ impl Flexible {
         );
         let (rates, second) = (&v[6..6 + n], &rate[6..6 + n]);
         self.add_mass(frame, weights.acceleration, work, out);
+        self.shape(a, rates, &mut work.shape);
+        self.torque_by_shape(&omega, &alpha, rates, second, work);
         let Work {
             shape,
-            modal: product,
             along_alpha: by_shape,
             along_omega,
             by_rates,
@@ -370,7 +371,6 @@ impl Flexible {
             coriolis,
             ..
         } = work;
-        self.shape(a, rates, shape);
         let acceleration = V3::new(rate[0], rate[1], rate[2]) - gravity;
         let rotation = &frame.rotation;
         let beta = rotation.transpose() * acceleration;
@@ -427,8 +427,77 @@ impl Flexible {
             );
         }
         // torque by a and ȧ
-        self.inertia_by_shape(shape, &alpha, by_shape);
-        self.inertia_by_shape(shape, &omega, along_omega);
+        let beta_cross = skew(&beta);
+        for i in 0..3 {
+            let line = &mut out[(3 + i) * width + 6..(4 + i) * width];
+            add_scaled(line, 1.0, &by_shape[i * n..(i + 1) * n]);
+            add_scaled(line, speed, &by_rates[i * n..(i + 1) * n]);
+            for k in 0..3 {
+                let range = k * n..(k + 1) * n;
+                add_scaled(line, w[(i, k)], &turned[range.clone()]);
+                add_scaled(line, speed * w[(i, k)], &shape.coupling[range.clone()]);
+                add_scaled(line, -beta_cross[(i, k)], &shape.translation[range]);
+            }
+        }
+        // modal by the frame's turn and ω
+        let by_turn = beta_cross * turn;
+        for (row, line) in out[6 * width..].chunks_exact_mut(width).enumerate() {
+            for i in 0..3 {
+                let mut x = speed * (coriolis[i * n + row] - along_omega[i * n + row]);
+                for k in 0..3 {
+                    x += shape.translation[k * n + row] * by_turn[(k, i)];
+                }
+                line[3 + i] += x;
+            }
+        }
+        self.add_modal_by_shape(&omega, &alpha, speed, out);
+    }
+
+    /// Adds the derivative of the modal rows by a and ȧ.
+    fn add_modal_by_shape(&self, omega: &V3, alpha: &V3, speed: f64, out: &mut [f64]) {
+        let c = &*self.constants;
+        let n = c.modes;
+        let width = 6 + n;
+        for row in 0..n {
+            let range = row * n..(row + 1) * n;
+            let line = &mut out[(6 + row) * width + 6..(7 + row) * width];
+            add_scaled(line, 1.0, &c.stiffness[range.clone()]);
+            add_scaled(line, speed, &c.damping[range.clone()]);
+            for k in 0..3 {
+                add_scaled(line, alpha[k], &c.coriolis[k][range.clone()]);
+                add_scaled(line, speed * omega[k], &self.gyroscopic[k][range.clone()]);
+            }
+            for (p, (i, k)) in PAIRS.into_iter().enumerate() {
+                let factor = if i == k { 1.0 } else { 2.0 } * omega[i] * omega[k];
+                add_scaled(line, -factor, &c.centrifugal[p][range.clone()]);
+            }
+        }
+    }
+
+    /// Derivatives of the torque along the shape that do not depend on β, 3 × n each: by a in `along_alpha`, by ȧ in `by_rates`; in
+    /// `turned` of `Jω + Bȧ` by a, in `along_omega` of `J(a) ω`, in `coriolis` `(G_k − G_kᵀ) ȧ`.
+    fn torque_by_shape(
+        &self,
+        omega: &V3,
+        alpha: &V3,
+        rates: &[f64],
+        second: &[f64],
+        work: &mut Work,
+    ) {
+        let c = &*self.constants;
+        let n = c.modes;
+        let Work {
+            shape,
+            modal: product,
+            along_alpha: by_shape,
+            along_omega,
+            by_rates,
+            turned,
+            coriolis,
+            ..
+        } = work;
+        self.inertia_by_shape(shape, alpha, by_shape);
+        self.inertia_by_shape(shape, omega, along_omega);
         // ∂(J̇ω)/∂ȧ, and ∂(Jω + Bȧ)/∂a
         by_rates.clear();
         by_rates.extend_from_slice(along_omega);
@@ -459,44 +528,6 @@ impl Flexible {
                 if i != k {
                     by_shape[k * n + j] += omega[i] * x;
                 }
-            }
-        }
-        let beta_cross = skew(&beta);
-        for i in 0..3 {
-            let line = &mut out[(3 + i) * width + 6..(4 + i) * width];
-            add_scaled(line, 1.0, &by_shape[i * n..(i + 1) * n]);
-            add_scaled(line, speed, &by_rates[i * n..(i + 1) * n]);
-            for k in 0..3 {
-                let range = k * n..(k + 1) * n;
-                add_scaled(line, w[(i, k)], &turned[range.clone()]);
-                add_scaled(line, speed * w[(i, k)], &shape.coupling[range.clone()]);
-                add_scaled(line, -beta_cross[(i, k)], &shape.translation[range]);
-            }
-        }
-        // modal by the frame's turn and ω
-        let by_turn = beta_cross * turn;
-        for (row, line) in out[6 * width..].chunks_exact_mut(width).enumerate() {
-            for i in 0..3 {
-                let mut x = speed * (coriolis[i * n + row] - along_omega[i * n + row]);
-                for k in 0..3 {
-                    x += shape.translation[k * n + row] * by_turn[(k, i)];
-                }
-                line[3 + i] += x;
-            }
-        }
-        // modal by a and ȧ
-        for row in 0..n {
-            let range = row * n..(row + 1) * n;
-            let line = &mut out[(6 + row) * width + 6..(7 + row) * width];
-            add_scaled(line, 1.0, &c.stiffness[range.clone()]);
-            add_scaled(line, speed, &c.damping[range.clone()]);
-            for k in 0..3 {
-                add_scaled(line, alpha[k], &c.coriolis[k][range.clone()]);
-                add_scaled(line, speed * omega[k], &self.gyroscopic[k][range.clone()]);
-            }
-            for (p, (i, k)) in PAIRS.into_iter().enumerate() {
-                let factor = if i == k { 1.0 } else { 2.0 } * omega[i] * omega[k];
-                add_scaled(line, -factor, &c.centrifugal[p][range.clone()]);
             }
         }
     }

@@ -37,7 +37,7 @@ pub use tangents::constraints_along;
 
 use crate::body::Weights;
 use crate::dynamics::Dynamics;
-use crate::dynamics::matrix::MatrixPlan;
+use crate::dynamics::MatrixPlan;
 use crate::error::RuntimeError;
 use crate::linear::{BlockLu, LinearSolver};
 use crate::model::Model;

@@ -233,14 +233,13 @@ pub(crate) fn run_by_cycles(
     run(compiled, overrides, transient, observer, None, Some(period))
 }
 
-fn run(
+/// The simulation at its begin, or as a checkpoint left it, and the sense in which its cycle turns.
+fn begin(
     compiled: &Compiled,
     overrides: &[Option<f64>],
     transient: &Transient,
-    observer: &mut dyn Observer,
     resume: Option<&[u8]>,
-    period: Option<f64>,
-) -> Result<(RunSummary, Simulation), RuntimeError> {
+) -> Result<(Simulation, f64), RuntimeError> {
     countable(transient)?;
     let options = Options {
         step: transient.step,
@@ -252,14 +251,13 @@ fn run(
         Some(bytes) => Simulation::resume(compiled, overrides, options, bytes)?,
         None => Simulation::new(compiled, overrides, options)?,
     };
-    let by_angle = matches!(transient.duration, Extent::Angle(_))
-        || matches!(transient.sample, Extent::Angle(_));
+    let ends_by_angle = matches!(transient.duration, Extent::Angle(_));
+    let by_angle = ends_by_angle || matches!(transient.sample, Extent::Angle(_));
     if by_angle && simulation.cycle_angle().is_none() {
         return Err(RuntimeError::NoCycle);
     }
     let start = simulation.cycle_start();
-    let fresh = resume.is_none() && matches!(transient.duration, Extent::Angle(_));
-    if fresh && simulation.cycle_stands()? {
+    if resume.is_none() && ends_by_angle && simulation.cycle_stands()? {
         return Err(RuntimeError::CycleStands {
             moment: Moment {
                 time: simulation.time(),
@@ -268,7 +266,6 @@ fn run(
             angle: start,
         });
     }
-    // The grid runs in the sense in which the machine turns.
     let turned = simulation.cycle_angle().unwrap_or(start) - start;
     let sense = if turned != 0.0 {
         turned.signum()
@@ -277,6 +274,65 @@ fn run(
     } else {
         1.0
     };
+    Ok((simulation, sense))
+}
+
+/// How far a run has come on the way to its end.
+struct Way {
+    duration: Extent,
+    start: f64,
+    sense: f64,
+    /// The farthest angle so far (rad), and the steps since that came no farther.
+    farthest: f64,
+    standing: u64,
+}
+
+impl Way {
+    /// The time of the end, if it lies in the last step (s), and the share of the run that is done.
+    fn end(&mut self, simulation: &mut Simulation) -> Result<(Option<f64>, f64), RuntimeError> {
+        let duration = match self.duration {
+            Extent::Time(duration) => {
+                let done = simulation.time();
+                return Ok(((done >= duration).then_some(duration), done / duration));
+            }
+            Extent::Angle(duration) => duration,
+        };
+        let done = (simulation.cycle_angle().unwrap_or(self.start) - self.start) * self.sense;
+        if done > self.farthest + 1e-9 {
+            self.farthest = done;
+            self.standing = 0;
+        } else {
+            self.standing += 1;
+            if self.standing > PATIENCE {
+                return Err(RuntimeError::CycleStands {
+                    moment: Moment {
+                        time: simulation.time(),
+                        cycle_angle: simulation.cycle_angle(),
+                    },
+                    angle: self.start + self.sense * self.farthest,
+                });
+            }
+        }
+        let end = if done >= duration {
+            Some(simulation.locate_angle(self.start + self.sense * duration)?)
+        } else {
+            None
+        };
+        Ok((end, done / duration))
+    }
+}
+
+fn run(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    transient: &Transient,
+    observer: &mut dyn Observer,
+    resume: Option<&[u8]>,
+    period: Option<f64>,
+) -> Result<(RunSummary, Simulation), RuntimeError> {
+    // The grid runs in the sense in which the machine turns.
+    let (mut simulation, sense) = begin(compiled, overrides, transient, resume)?;
+    let start = simulation.cycle_start();
     let points = match transient.sample {
         Extent::Time(distance) => Points::Time { distance },
         Extent::Angle(distance) => Points::Angle {
@@ -287,13 +343,13 @@ fn run(
     let mut run = Run {
         values: vec![0.0; simulation.model().compiled.system.channels.len()],
         observer,
+        points,
+        next: 1,
         samples: 0,
         last: f64::NAN,
     };
-    let mut next = 1;
     run.observer.started(simulation.start());
     if resume.is_none() {
-        run.values.fill(0.0);
         simulation.evaluate_channels(&mut run.values)?;
         let cycle = simulation.cycle_angle().zip(simulation.cycle_rate());
         run.give_warnings(&mut simulation);
@@ -302,19 +358,24 @@ fn run(
         }
     } else {
         // Points up to the checkpoint were given before it.
-        while points.passed(next, &simulation) >= 0.0 {
-            next += 1;
+        while points.passed(run.next, &simulation) >= 0.0 {
+            run.next += 1;
         }
     }
 
     let mut renewal = period.map(|period| Renewal::new(start, sense * period));
-    let mut farthest = f64::NEG_INFINITY;
-    let mut standing = 0;
+    let mut way = Way {
+        duration: transient.duration,
+        start,
+        sense,
+        farthest: f64::NEG_INFINITY,
+        standing: 0,
+    };
+    let limit = match transient.duration {
+        Extent::Time(duration) => duration,
+        Extent::Angle(_) => f64::INFINITY,
+    };
     loop {
-        let limit = match transient.duration {
-            Extent::Time(duration) => duration,
-            Extent::Angle(_) => f64::INFINITY,
-        };
         if simulation.time() < limit {
             let end = renewal
                 .as_mut()
@@ -326,70 +387,9 @@ fn run(
             }
         }
         run.give_warnings(&mut simulation);
-        // The end, if it lies in this step.
-        let (end, fraction) = match transient.duration {
-            Extent::Time(duration) => (
-                (simulation.time() >= duration).then_some(duration),
-                simulation.time() / duration,
-            ),
-            Extent::Angle(duration) => {
-                let done = (simulation.cycle_angle().unwrap_or(start) - start) * sense;
-                if done > farthest + 1e-9 {
-                    farthest = done;
-                    standing = 0;
-                } else {
-                    standing += 1;
-                    if standing > PATIENCE {
-                        return Err(RuntimeError::CycleStands {
-                            moment: Moment {
-                                time: simulation.time(),
-                                cycle_angle: simulation.cycle_angle(),
-                            },
-                            angle: start + sense * farthest,
-                        });
-                    }
-                }
-                let end = if done >= duration {
-                    Some(simulation.locate_angle(start + sense * duration)?)
-                } else {
-                    None
-                };
-                (end, done / duration)
-            }
-        };
-        while points.passed(next, &simulation) >= 0.0 {
-            let time = match points {
-                Points::Time { .. } => points.at(next),
-                Points::Angle { .. } => simulation.locate_angle(points.at(next))?,
-            };
-            if let Some(end) = end {
-                // The end itself comes below, exactly.
-                let near = match points {
-                    Points::Time { distance } => SAME * distance,
-                    Points::Angle { .. } => {
-                        let rate = simulation.cycle_rate().unwrap_or(0.0).abs().max(1e-12);
-                        SAME * points.distance().abs() / rate
-                    }
-                };
-                if time >= end - near {
-                    break;
-                }
-            }
-            let (time, cycle) = match points {
-                Points::Time { .. } => (time, simulation.sample_at(time, &mut run.values)?),
-                Points::Angle { .. } => {
-                    let (time, cycle) =
-                        simulation.sample_at_angle(points.at(next), &mut run.values)?;
-                    (time, Some(cycle))
-                }
-            };
-            next += 1;
-            if run
-                .give(&simulation, time, cycle.map(|c| (c[0], c[1])))
-                .is_break()
-            {
-                return Ok((run.summary(&simulation, true), simulation));
-            }
+        let (end, fraction) = way.end(&mut simulation)?;
+        if run.give_passed(&mut simulation, end)?.is_break() {
+            return Ok((run.summary(&simulation, true), simulation));
         }
         let advance = Advance::new(&simulation, fraction);
         follow(&simulation, run.observer, &advance, end.is_some())?;
@@ -402,6 +402,7 @@ fn run(
                     (time, Some(cycle))
                 }
             };
+            // the last sample: whether the observer wants to stop makes no difference
             let _ = run.give(&simulation, end, cycle.map(|c| (c[0], c[1])));
             return Ok((run.summary(&simulation, false), simulation));
         }
@@ -430,11 +431,57 @@ pub(crate) fn follow(
 struct Run<'a> {
     values: Vec<f64>,
     observer: &'a mut dyn Observer,
+    points: Points,
+    /// The next point.
+    next: u64,
     samples: u64,
     last: f64,
 }
 
 impl Run<'_> {
+    /// Gives the samples that the last step has passed, but for one at the end: that is taken exactly there.
+    fn give_passed(
+        &mut self,
+        simulation: &mut Simulation,
+        end: Option<f64>,
+    ) -> Result<ControlFlow<()>, RuntimeError> {
+        let points = self.points;
+        while points.passed(self.next, simulation) >= 0.0 {
+            let time = match points {
+                Points::Time { .. } => points.at(self.next),
+                Points::Angle { .. } => simulation.locate_angle(points.at(self.next))?,
+            };
+            if let Some(end) = end {
+                let near = match points {
+                    Points::Time { distance } => SAME * distance,
+                    Points::Angle { .. } => {
+                        let rate = simulation.cycle_rate().unwrap_or(0.0).abs().max(1e-12);
+                        SAME * points.distance().abs() / rate
+                    }
+                };
+                if time >= end - near {
+                    break;
+                }
+            }
+            let (time, cycle) = match points {
+                Points::Time { .. } => (time, simulation.sample_at(time, &mut self.values)?),
+                Points::Angle { .. } => {
+                    let (time, cycle) =
+                        simulation.sample_at_angle(points.at(self.next), &mut self.values)?;
+                    (time, Some(cycle))
+                }
+            };
+            self.next += 1;
+            if self
+                .give(simulation, time, cycle.map(|c| (c[0], c[1])))
+                .is_break()
+            {
+                return Ok(ControlFlow::Break(()));
+            }
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
     fn give(
         &mut self,
         simulation: &Simulation,

@@ -1,198 +1,71 @@
-//! The exact matrix of a step: where its blocks lie, and how they are filled.
+//! The exact matrix of a step, filled at the places of its plan.
 
+use super::plan::{MatrixPlan, Place};
 use super::{Dynamics, frame_of, not_finite, shape_rows};
 use crate::body::Weights;
 use crate::chain::{self, CURVED_REACH, Motion, Placed, REACH};
 use crate::dense::{add_product_of_six, add_scaled};
-use crate::elements;
+use crate::elements::{self, Batch, Scratch};
 use crate::error::RuntimeError;
-use crate::linear::{BlockTable, Pattern, PatternBuilder, Runs};
-use crate::model::Model;
+use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
 use eng_system::code::Pair;
-use std::collections::BTreeMap;
 
-/// Where the blocks of the step's matrix lie. Unknowns: velocities' increments, states, multipliers.
-#[derive(Clone, Debug)]
-pub struct MatrixPlan {
-    /// The pattern.
-    pub pattern: Pattern,
-    /// Its runs.
-    pub runs: Runs,
-    table: BlockTable,
-    bodies: Vec<usize>,
-    /// Blocks of each dynamic element, in the order in which [`MatrixPlan::fill`] visits them.
-    elements: Vec<ElementPlan>,
-    /// Pairs of bodies whose markers' blocks are summed before they are expanded by the modes.
-    couplings: Vec<Coupling>,
-    /// Numbers of these sums.
-    sums: usize,
-    diagonal: Vec<usize>,
-}
+/// Bodies' tangents T: the turn of a body by its increment.
+type Turn<'a> = &'a dyn Fn(usize) -> M3;
 
-/// Where an element's block between two markers goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
-    /// Both see six numbers of their bodies: into the matrix.
-    Matrix(usize),
-    /// To the sum that begins here.
-    Sum(usize),
-}
-
-/// Blocks between the markers of two bodies, of which one is flexible.
-#[derive(Clone, Debug)]
-struct Coupling {
-    block: usize,
+/// The numbers of a class, and one of its elements in a lane.
+#[derive(Clone, Copy)]
+struct Lane {
+    index: usize,
+    lane: usize,
+    markers: usize,
     rows: usize,
-    columns: usize,
-    /// Markers of both, and the begin of their sum.
-    markers: Vec<(usize, usize, usize)>,
+    states: usize,
+    length: usize,
+    uses_twist: bool,
 }
 
-#[derive(Clone, Debug, Default)]
-struct ElementPlan {
-    /// markers × markers, where both are on bodies.
-    force: Vec<Option<Place>>,
-    /// rows by body of marker; body of marker by rows.
-    constraint: Vec<Option<(usize, usize)>>,
-    /// states by body of marker; body of marker by states.
-    state: Vec<Option<(usize, usize)>>,
-    /// states by states.
-    own: Option<usize>,
+/// One marker of an element, on a body.
+#[derive(Clone, Copy)]
+struct Seen<'a> {
+    /// Which of the element's markers it is, and which of the model's.
+    own: usize,
+    marker: usize,
+    model: &'a MarkerModel,
+    body: usize,
+    /// Numbers of the body's motion that it sees, and those that there are.
+    reach: usize,
+    width: usize,
+}
+
+/// The matrix while elements are added to it: what is read and what is written of the dynamics.
+struct Filling<'a> {
+    plan: &'a MatrixPlan,
+    model: &'a Model,
+    turn: Turn<'a>,
+    time: f64,
+    values: &'a mut [f64],
+    scratch: &'a mut Scratch,
+    /// Room for a block, for all outputs of an element along a marker's reach, and for rows over a body's velocities.
+    block: &'a mut [f64],
+    columns: &'a mut [f64],
+    line: &'a mut Vec<f64>,
+    sums: &'a mut [f64],
+    pulls: &'a mut [[f64; 6]],
+    placed: &'a [Option<(Placed, Motion)>],
+    shapes: &'a [f64],
+    shape_at: &'a [usize],
+    pose: &'a [f64],
+    frames: &'a [(V3, M3)],
+    jacobians: &'a [f64],
+    jacobian_at: &'a [usize],
+    pose_columns: &'a [f64],
+    twist_columns: &'a [f64],
+    wrenches: &'a [f64],
 }
 
 impl MatrixPlan {
-    /// Plans the matrix of a step.
-    pub fn new(model: &Model) -> MatrixPlan {
-        let states_at = model.velocities;
-        let rows_at = model.velocities + model.states;
-        let size = rows_at + model.rows;
-        let mut builder = PatternBuilder::new(size);
-        let body_range = |marker: usize| {
-            model.markers[marker].body.map(|b| {
-                let body = &model.bodies[b];
-                body.velocity..body.velocity + body.width()
-            })
-        };
-        for body in &model.bodies {
-            let range = body.velocity..body.velocity + body.width();
-            builder.reserve(range.clone(), range);
-        }
-        let ranges = |index: usize| {
-            let element = &model.elements[index];
-            let layout = model.compiled.system.classes[element.class].layout;
-            let rows = rows_at + element.row..rows_at + element.row + layout.rows as usize;
-            let states =
-                states_at + element.state..states_at + element.state + layout.states as usize;
-            (rows, states)
-        };
-        let loads = |index: usize| {
-            // Rows alone couple the bodies as well, through the second derivatives of Φ.
-            let class = model.class(index);
-            class.applies_load || !class.rows.is_empty()
-        };
-        for (index, element) in model.elements.iter().enumerate().filter(|(_, e)| e.dynamic) {
-            let (rows, states) = ranges(index);
-            builder.reserve(states.clone(), states.clone());
-            for i in element.markers.iter().filter_map(|m| body_range(*m)) {
-                builder.reserve(rows.clone(), i.clone());
-                builder.reserve(i.clone(), rows.clone());
-                builder.reserve(states.clone(), i.clone());
-                builder.reserve(i.clone(), states.clone());
-                if loads(index) {
-                    for j in element.markers.iter().filter_map(|m| body_range(*m)) {
-                        builder.reserve(i.clone(), j);
-                    }
-                }
-            }
-        }
-        let pattern = builder.finish();
-        let mut table = BlockTable::default();
-        let bodies = model
-            .bodies
-            .iter()
-            .map(|b| table.find(&pattern, b.velocity, b.velocity..b.velocity + b.width()))
-            .collect();
-        let mut plans = Vec::new();
-        let mut sums = 0;
-        let mut summed: BTreeMap<(usize, usize), BTreeMap<(usize, usize), usize>> = BTreeMap::new();
-        for (index, element) in model.elements.iter().enumerate() {
-            let mut plan = ElementPlan::default();
-            if element.dynamic {
-                let (rows, states) = ranges(index);
-                for m in &element.markers {
-                    for n in &element.markers {
-                        let (first, second) = (&model.markers[*m], &model.markers[*n]);
-                        let block = match (first.body, second.body) {
-                            (Some(i), Some(j)) if loads(index) => {
-                                let (height, width) = (first.reach(), second.reach());
-                                Some(if height.max(width) == 6 {
-                                    let (i, j) =
-                                        (model.bodies[i].velocity, model.bodies[j].velocity);
-                                    Place::Matrix(table.find(&pattern, i, j..j + 6))
-                                } else {
-                                    let sum = summed
-                                        .entry((i, j))
-                                        .or_default()
-                                        .entry((*m, *n))
-                                        .or_insert(sums);
-                                    if *sum == sums {
-                                        sums += height * width;
-                                    }
-                                    Place::Sum(*sum)
-                                })
-                            }
-                            _ => None,
-                        };
-                        plan.force.push(block);
-                    }
-                    let range = body_range(*m);
-                    let pair = |other: &std::ops::Range<usize>, table: &mut BlockTable| {
-                        let i = range.clone()?;
-                        (!other.is_empty()).then(|| {
-                            (
-                                table.find(&pattern, other.start, i.clone()),
-                                table.find(&pattern, i.start, other.clone()),
-                            )
-                        })
-                    };
-                    plan.constraint.push(pair(&rows, &mut table));
-                    plan.state.push(pair(&states, &mut table));
-                }
-                if !states.is_empty() {
-                    plan.own = Some(table.find(&pattern, states.start, states));
-                }
-            }
-            plans.push(plan);
-        }
-        let couplings = summed
-            .into_iter()
-            .map(|((i, j), markers)| {
-                let (rows, columns) = (&model.bodies[i], &model.bodies[j]);
-                let range = columns.velocity..columns.velocity + columns.width();
-                Coupling {
-                    block: table.find(&pattern, rows.velocity, range),
-                    rows: i,
-                    columns: j,
-                    markers: markers.into_iter().map(|((m, n), at)| (m, n, at)).collect(),
-                }
-            })
-            .collect();
-        let diagonal = (0..size)
-            .map(|i| pattern.block(i, i..i + 1).starts[0])
-            .collect();
-        MatrixPlan {
-            runs: Runs::new(&pattern),
-            pattern,
-            table,
-            bodies,
-            elements: plans,
-            couplings,
-            sums,
-            diagonal,
-        }
-    }
-
     /// Fills the unscaled matrix of a step: `∂/∂(u, y, λ)` of `[M v̇ − Q − ΣJᵀW; ẏ − f; Φ]`, with `δq = T(u) δu`,
     /// `δv = weights.velocity δu`, `δv̇ = weights.acceleration δu` and `δẏ = state_weight δy`. Exact at the gathered inputs and
     /// the wrenches of the last evaluation.
@@ -226,197 +99,37 @@ impl MatrixPlan {
         dynamics.sums.clear();
         dynamics.sums.resize(self.sums, 0.0);
         dynamics.pulls.fill([0.0; 6]);
-        let Dynamics {
-            batches,
-            scratch,
-            block,
-            columns,
-            sums,
-            pulls,
-            line,
-            placed,
-            shapes,
-            shape_at,
-            pose,
-            frames,
-            jacobians,
-            jacobian_at,
-            pose_columns,
-            twist_columns,
-            wrenches,
-            time,
-            ..
-        } = dynamics;
-        for batch in batches.iter() {
-            let class = &model.compiled.system.classes[batch.class];
-            let layout = &class.layout;
-            let count = layout.markers as usize;
-            let rows = layout.rows as usize;
-            let states = layout.states as usize;
-            let length = layout.residual_len() as usize;
-            let poses = 0..6 * count;
-            let twists = if class.uses_twist {
-                6 * count..12 * count
-            } else {
-                0..0
-            };
-            let own = 12 * count..12 * count + states;
-            for pair in 0..batch.pairs.len() {
-                elements::differentiate(
-                    model,
-                    batch,
-                    pair,
-                    &[poses.clone(), twists.clone(), own.clone()],
-                    scratch,
-                )?;
-                for lane in 0..batch.lanes(pair) {
-                    let index = batch.pairs[pair][lane];
-                    let element = &model.elements[index];
-                    let plan = &self.elements[index];
-                    let tangents = &scratch.tangents[..];
-                    let tangent = |direction: usize, output: usize| {
-                        tangents[direction * length + output][lane]
-                    };
-                    for (j, marker) in element.markers.iter().enumerate() {
-                        let own = &model.markers[*marker];
-                        let Some(b) = own.body else {
-                            continue;
-                        };
-                        let (width, reach) = (model.bodies[b].width(), own.reach());
-                        let rows_of_own = shape_rows(own, shapes, shape_at[*marker]);
-                        let at = jacobian_at[*marker];
-                        let range = at..at + 6 * reach;
-                        let jacobian = &jacobians[range.clone()];
-                        // All outputs along this marker's reach: length × reach.
-                        let columns = &mut columns[..length * reach];
-                        columns.fill(0.0);
-                        let seen = Along {
-                            tangents,
-                            lane,
-                            length,
-                        };
-                        seen.add(6 * j, 0, &pose_columns[range.clone()], reach, columns);
-                        if class.uses_twist {
-                            let first = 6 * count + 6 * j;
-                            seen.add(first, rows, &twist_columns[range], reach, columns);
-                        }
-                        if columns.iter().any(|x| !x.is_finite()) {
-                            return Err(not_finite(model, index, *time));
-                        }
-                        if let Some((by_body, by_rows)) = plan.constraint[j] {
-                            expanded(rows_of_own, &columns[..rows * reach], reach, width, line);
-                            self.table.get(by_body).add(values, line, 1.0);
-                            // ∂/∂λ of the wrench is −Gᵀ: Jᵀ Gᵀ, without T.
-                            let block = &mut block[..rows * reach];
-                            block.fill(0.0);
-                            seen.add(6 * j, 0, jacobian, reach, block);
-                            expanded(rows_of_own, block, reach, width, line);
-                            self.table.get(by_rows).add_transposed(values, line, 1.0);
-                        }
-                        if let Some((by_body, by_states)) = plan.state[j] {
-                            let own_rates = &columns[(rows + 6 * count) * reach..];
-                            expanded(rows_of_own, own_rates, reach, width, line);
-                            self.table.get(by_body).add(values, line, -1.0);
-                            let block = &mut block[..states * reach];
-                            block.fill(0.0);
-                            for (s, row) in block.chunks_exact_mut(reach).enumerate() {
-                                for (d, jacobian) in jacobian.chunks_exact(reach).enumerate() {
-                                    let g = tangent(12 * count + s, rows + 6 * j + d);
-                                    add_scaled(row, g, jacobian);
-                                }
-                            }
-                            expanded(rows_of_own, block, reach, width, line);
-                            self.table.get(by_states).add_transposed(values, line, -1.0);
-                        }
-                        for (i, other) in element.markers.iter().enumerate() {
-                            let Some(place) = plan.force[i * count + j] else {
-                                continue;
-                            };
-                            let height = model.markers[*other].reach();
-                            let to = jacobian_at[*other];
-                            let block = &mut block[..height * reach];
-                            block.fill(0.0);
-                            let first = (rows + 6 * i) * reach;
-                            add_product_of_six(
-                                block,
-                                &jacobians[to..to + 6 * height],
-                                &columns[first..first + 6 * reach],
-                            );
-                            self.put(place, block, values, sums);
-                        }
-                        // The chain's own second-order term: the frozen wrench turns with the body.
-                        if let Some(place) = plan.force[j * count + j] {
-                            let frame = frame_of(pose, frames, &model.bodies[b], b);
-                            let placed = match &placed[*marker] {
-                                Some((placed, _)) => *placed,
-                                None => Placed::new(&frame, own),
-                            };
-                            let block = &mut block[..reach * reach];
-                            chain::force_by_pose(
-                                &frame.rotation,
-                                &placed,
-                                &wrenches[element.wrench + 6 * j..element.wrench + 6 * j + 6],
-                                block,
-                            );
-                            chain::turn_columns(block, reach, reach, &turn(b));
-                            self.put(place, block, values, sums);
-                            if reach == CURVED_REACH {
-                                let wrench = &wrenches[element.wrench + 6 * j..];
-                                for (w, row) in wrench.iter().zip(jacobian.chunks_exact(reach)) {
-                                    add_scaled(&mut pulls[*marker], *w, &row[6..]);
-                                }
-                            }
-                        }
-                    }
-                    if let Some(place) = plan.own {
-                        let block = &mut block[..states * states];
-                        for r in 0..states {
-                            for s in 0..states {
-                                block[r * states + s] =
-                                    tangent(12 * count + s, rows + 6 * count + r);
-                            }
-                        }
-                        if block.iter().any(|x| !x.is_finite()) {
-                            return Err(not_finite(model, index, *time));
-                        }
-                        self.table.get(place).add(values, block, -1.0);
-                    }
-                }
-            }
+        let mut filling = Filling {
+            plan: self,
+            model,
+            turn: &turn,
+            time: dynamics.time,
+            values,
+            scratch: &mut dynamics.scratch,
+            block: &mut dynamics.block,
+            columns: &mut dynamics.columns,
+            line: &mut dynamics.line,
+            sums: &mut dynamics.sums,
+            pulls: &mut dynamics.pulls,
+            placed: &dynamics.placed,
+            shapes: &dynamics.shapes,
+            shape_at: &dynamics.shape_at,
+            pose: &dynamics.pose,
+            frames: &dynamics.frames,
+            jacobians: &dynamics.jacobians,
+            jacobian_at: &dynamics.jacobian_at,
+            pose_columns: &dynamics.pose_columns,
+            twist_columns: &dynamics.twist_columns,
+            wrenches: &dynamics.wrenches,
+        };
+        for batch in &dynamics.batches {
+            filling.batch(batch)?;
         }
-        for coupling in &self.couplings {
-            let (height, width) = (
-                model.bodies[coupling.rows].width(),
-                model.bodies[coupling.columns].width(),
-            );
-            let block = &mut block[..height * width];
-            block.fill(0.0);
-            for (first, second, at) in &coupling.markers {
-                let [left, right] = [*first, *second].map(|m| &model.markers[m]);
-                let sum = &sums[*at..*at + left.reach() * right.reach()];
-                let rows = shape_rows(right, shapes, shape_at[*second]);
-                expanded(rows, sum, right.reach(), width, line);
-                let rows = shape_rows(left, shapes, shape_at[*first]);
-                expand_rows(rows, line, width, block);
-                // markers of one body meet themselves once
-                if let (Some(shape), true) = (&left.shape, first == second) {
-                    shape.add_pull(&pulls[*first], width, 6, &mut block[6 * width..]);
-                }
-            }
-            self.table.get(coupling.block).add(values, block, -1.0);
-        }
+        filling.couplings();
         for k in 0..model.states {
             values[self.diagonal[model.velocities + k]] += state_weight;
         }
         Ok(())
-    }
-
-    /// An element's block between two markers, to be subtracted.
-    fn put(&self, place: Place, block: &[f64], values: &mut [f64], sums: &mut [f64]) {
-        match place {
-            Place::Matrix(index) => self.table.get(index).add(values, block, -1.0),
-            Place::Sum(at) => add_scaled(&mut sums[at..at + block.len()], 1.0, block),
-        }
     }
 
     /// Inertia of the bodies.
@@ -447,6 +160,248 @@ impl MatrixPlan {
                 block,
             );
             self.table.get(self.bodies[index]).add(values, block, 1.0);
+        }
+    }
+}
+
+impl Filling<'_> {
+    fn batch(&mut self, batch: &Batch) -> Result<(), RuntimeError> {
+        let class = &self.model.compiled.system.classes[batch.class];
+        let layout = &class.layout;
+        let markers = layout.markers as usize;
+        let states = layout.states as usize;
+        let twists = if class.uses_twist {
+            6 * markers..12 * markers
+        } else {
+            0..0
+        };
+        let directions = [0..6 * markers, twists, 12 * markers..12 * markers + states];
+        for pair in 0..batch.pairs.len() {
+            elements::differentiate(self.model, batch, pair, &directions, self.scratch)?;
+            for lane in 0..batch.lanes(pair) {
+                self.element(Lane {
+                    index: batch.pairs[pair][lane],
+                    lane,
+                    markers,
+                    rows: layout.rows as usize,
+                    states,
+                    length: layout.residual_len() as usize,
+                    uses_twist: class.uses_twist,
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn element(&mut self, lane: Lane) -> Result<(), RuntimeError> {
+        let model = self.model;
+        for (own, marker) in model.elements[lane.index].markers.iter().enumerate() {
+            let seen = &model.markers[*marker];
+            let Some(body) = seen.body else {
+                continue;
+            };
+            let seen = Seen {
+                own,
+                marker: *marker,
+                model: seen,
+                body,
+                reach: seen.reach(),
+                width: model.bodies[body].width(),
+            };
+            self.outputs_along(lane, seen)?;
+            self.rows(lane, seen);
+            self.states_by_body(lane, seen);
+            self.forces(lane, seen);
+            self.turning_wrench(lane, seen);
+        }
+        self.states_by_states(lane)
+    }
+
+    /// All outputs of the element along the reach of a marker, length × reach, into `columns`.
+    fn outputs_along(&mut self, lane: Lane, seen: Seen) -> Result<(), RuntimeError> {
+        let reach = seen.reach;
+        let at = self.jacobian_at[seen.marker];
+        let range = at..at + 6 * reach;
+        let columns = &mut self.columns[..lane.length * reach];
+        columns.fill(0.0);
+        let along = Along::new(&self.scratch.tangents, lane);
+        let pose = &self.pose_columns[range.clone()];
+        along.add(6 * seen.own, 0, pose, reach, columns);
+        if lane.uses_twist {
+            let first = 6 * lane.markers + 6 * seen.own;
+            let twist = &self.twist_columns[range];
+            along.add(first, lane.rows, twist, reach, columns);
+        }
+        if columns.iter().any(|x| !x.is_finite()) {
+            return Err(not_finite(self.model, lane.index, self.time));
+        }
+        Ok(())
+    }
+
+    /// Constraints by the body, and the body's balance by the multipliers.
+    fn rows(&mut self, lane: Lane, seen: Seen) {
+        let Some((by_body, by_rows)) = self.plan.elements[lane.index].constraint[seen.own] else {
+            return;
+        };
+        let Seen { reach, width, .. } = seen;
+        let shape = shape_rows(seen.model, self.shapes, self.shape_at[seen.marker]);
+        let table = &self.plan.table;
+        let line = &mut *self.line;
+        expanded(
+            shape,
+            &self.columns[..lane.rows * reach],
+            reach,
+            width,
+            line,
+        );
+        table.get(by_body).add(self.values, line, 1.0);
+        // ∂/∂λ of the wrench is −Gᵀ: Jᵀ Gᵀ, without T.
+        let block = &mut self.block[..lane.rows * reach];
+        block.fill(0.0);
+        let at = self.jacobian_at[seen.marker];
+        let along = Along::new(&self.scratch.tangents, lane);
+        along.add(
+            6 * seen.own,
+            0,
+            &self.jacobians[at..at + 6 * reach],
+            reach,
+            block,
+        );
+        expanded(shape, block, reach, width, line);
+        table.get(by_rows).add_transposed(self.values, line, 1.0);
+    }
+
+    /// Rates of the states by the body, and the body's balance by the states.
+    fn states_by_body(&mut self, lane: Lane, seen: Seen) {
+        let Some((by_body, by_states)) = self.plan.elements[lane.index].state[seen.own] else {
+            return;
+        };
+        let Seen { reach, width, .. } = seen;
+        let shape = shape_rows(seen.model, self.shapes, self.shape_at[seen.marker]);
+        let table = &self.plan.table;
+        let rates = (lane.rows + 6 * lane.markers) * reach..lane.length * reach;
+        expanded(shape, &self.columns[rates], reach, width, self.line);
+        table.get(by_body).add(self.values, self.line, -1.0);
+        let at = self.jacobian_at[seen.marker];
+        let jacobian = &self.jacobians[at..at + 6 * reach];
+        let tangents = &self.scratch.tangents;
+        let block = &mut self.block[..lane.states * reach];
+        block.fill(0.0);
+        for (s, row) in block.chunks_exact_mut(reach).enumerate() {
+            let direction = (12 * lane.markers + s) * lane.length + lane.rows + 6 * seen.own;
+            for (d, jacobian) in jacobian.chunks_exact(reach).enumerate() {
+                add_scaled(row, tangents[direction + d][lane.lane], jacobian);
+            }
+        }
+        expanded(shape, block, reach, width, self.line);
+        table
+            .get(by_states)
+            .add_transposed(self.values, self.line, -1.0);
+    }
+
+    /// Forces on all markers of the element by the body of this one.
+    fn forces(&mut self, lane: Lane, seen: Seen) {
+        let reach = seen.reach;
+        let plan = &self.plan.elements[lane.index];
+        for (i, other) in self.model.elements[lane.index].markers.iter().enumerate() {
+            let Some(place) = plan.force[i * lane.markers + seen.own] else {
+                continue;
+            };
+            let height = self.model.markers[*other].reach();
+            let to = self.jacobian_at[*other];
+            let block = &mut self.block[..height * reach];
+            block.fill(0.0);
+            let first = (lane.rows + 6 * i) * reach;
+            add_product_of_six(
+                block,
+                &self.jacobians[to..to + 6 * height],
+                &self.columns[first..first + 6 * reach],
+            );
+            self.put(place, height * reach);
+        }
+    }
+
+    /// The chain's own term of second order: the frozen wrench turns with the body.
+    fn turning_wrench(&mut self, lane: Lane, seen: Seen) {
+        let Seen {
+            own, marker, reach, ..
+        } = seen;
+        let Some(place) = self.plan.elements[lane.index].force[own * lane.markers + own] else {
+            return;
+        };
+        let body = &self.model.bodies[seen.body];
+        let frame = frame_of(self.pose, self.frames, body, seen.body);
+        let placed = match &self.placed[marker] {
+            Some((placed, _)) => *placed,
+            None => Placed::new(&frame, seen.model),
+        };
+        let first = self.model.elements[lane.index].wrench + 6 * own;
+        let wrench = &self.wrenches[first..first + 6];
+        let block = &mut self.block[..reach * reach];
+        chain::force_by_pose(&frame.rotation, &placed, wrench, block);
+        chain::turn_columns(block, reach, reach, &(self.turn)(seen.body));
+        self.put(place, reach * reach);
+        if reach == CURVED_REACH {
+            let jacobian = &self.jacobians[self.jacobian_at[marker]..];
+            for (w, row) in wrench.iter().zip(jacobian.chunks_exact(reach)) {
+                add_scaled(&mut self.pulls[marker], *w, &row[6..]);
+            }
+        }
+    }
+
+    /// Rates of an element's states by its states.
+    fn states_by_states(&mut self, lane: Lane) -> Result<(), RuntimeError> {
+        let Some(place) = self.plan.elements[lane.index].own else {
+            return Ok(());
+        };
+        let n = lane.states;
+        let tangents = &self.scratch.tangents;
+        let block = &mut self.block[..n * n];
+        for r in 0..n {
+            for s in 0..n {
+                let direction = (12 * lane.markers + s) * lane.length;
+                let output = lane.rows + 6 * lane.markers + r;
+                block[r * n + s] = tangents[direction + output][lane.lane];
+            }
+        }
+        if block.iter().any(|x| !x.is_finite()) {
+            return Err(not_finite(self.model, lane.index, self.time));
+        }
+        self.plan.table.get(place).add(self.values, block, -1.0);
+        Ok(())
+    }
+
+    /// Subtracts the first numbers of `block`, an element's block between two markers.
+    fn put(&mut self, place: Place, count: usize) {
+        let block = &self.block[..count];
+        match place {
+            Place::Matrix(index) => self.plan.table.get(index).add(self.values, block, -1.0),
+            Place::Sum(at) => add_scaled(&mut self.sums[at..at + count], 1.0, block),
+        }
+    }
+
+    /// The summed blocks of markers, expanded by the modes of their bodies.
+    fn couplings(&mut self) {
+        let model = self.model;
+        for coupling in &self.plan.couplings {
+            let height = model.bodies[coupling.rows].width();
+            let width = model.bodies[coupling.columns].width();
+            let block = &mut self.block[..height * width];
+            block.fill(0.0);
+            for (first, second, at) in &coupling.markers {
+                let [left, right] = [*first, *second].map(|m| &model.markers[m]);
+                let sum = &self.sums[*at..*at + left.reach() * right.reach()];
+                let rows = shape_rows(right, self.shapes, self.shape_at[*second]);
+                expanded(rows, sum, right.reach(), width, self.line);
+                let rows = shape_rows(left, self.shapes, self.shape_at[*first]);
+                expand_rows(rows, self.line, width, block);
+                // markers of one body meet themselves once
+                if let (Some(shape), true) = (&left.shape, first == second) {
+                    shape.add_pull(&self.pulls[*first], width, 6, &mut block[6 * width..]);
+                }
+            }
+            let table = &self.plan.table;
+            table.get(coupling.block).add(self.values, block, -1.0);
         }
     }
 }
@@ -493,6 +448,14 @@ struct Along<'a> {
 }
 
 impl Along<'_> {
+    fn new(tangents: &[Pair], lane: Lane) -> Along<'_> {
+        Along {
+            tangents,
+            lane: lane.lane,
+            length: lane.length,
+        }
+    }
+
     /// `out += ∂(outputs from `from` on)/∂(six directions from `first` on) · six rows`, rows of `reach` numbers.
     fn add(&self, first: usize, from: usize, six: &[f64], reach: usize, out: &mut [f64]) {
         match reach {

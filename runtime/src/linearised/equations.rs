@@ -7,7 +7,7 @@ use super::axes::GroundAxes;
 use crate::acceleration::AccelerationSystem;
 use crate::body::{BodyFrame, Weights};
 use crate::dynamics::Dynamics;
-use crate::dynamics::matrix::MatrixPlan;
+use crate::dynamics::MatrixPlan;
 use crate::error::{Moment, RuntimeError};
 use crate::flexible::Work;
 use crate::linear::Pattern;

@@ -23,7 +23,7 @@ use super::{Equilibrium, JournalStart, Obstacle};
 use crate::assembly::rows::Rows;
 use crate::body::Weights;
 use crate::dynamics::Dynamics;
-use crate::dynamics::matrix::MatrixPlan;
+use crate::dynamics::MatrixPlan;
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::state::{State, move_pose};

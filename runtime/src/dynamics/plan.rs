@@ -1,0 +1,243 @@
+//! Where the blocks of a step's matrix lie.
+
+use crate::linear::{BlockTable, Pattern, PatternBuilder, Runs};
+use crate::model::Model;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Where the blocks of the step's matrix lie. Unknowns: velocities' increments, states, multipliers.
+#[derive(Clone, Debug)]
+pub struct MatrixPlan {
+    /// The pattern.
+    pub pattern: Pattern,
+    /// Its runs.
+    pub runs: Runs,
+    pub(super) table: BlockTable,
+    pub(super) bodies: Vec<usize>,
+    /// Blocks of each element; empty of those that are not dynamic.
+    pub(super) elements: Vec<ElementPlan>,
+    /// Pairs of bodies whose markers' blocks are summed before they are expanded by the modes.
+    pub(super) couplings: Vec<Coupling>,
+    /// Numbers of these sums.
+    pub(super) sums: usize,
+    pub(super) diagonal: Vec<usize>,
+}
+
+/// Where an element's block between two markers goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// Both see six numbers of their bodies: into the matrix.
+    Matrix(usize),
+    /// To the sum that begins here.
+    Sum(usize),
+}
+
+/// Blocks between the markers of two bodies, of which one is flexible.
+#[derive(Clone, Debug)]
+pub(super) struct Coupling {
+    pub block: usize,
+    pub rows: usize,
+    pub columns: usize,
+    /// Markers of both, and the begin of their sum.
+    pub markers: Vec<(usize, usize, usize)>,
+}
+
+#[derive(Clone, Debug, Default)]
+pub(super) struct ElementPlan {
+    /// markers × markers, where both are on bodies.
+    pub force: Vec<Option<Place>>,
+    /// rows by body of marker; body of marker by rows.
+    pub constraint: Vec<Option<(usize, usize)>>,
+    /// states by body of marker; body of marker by states.
+    pub state: Vec<Option<(usize, usize)>>,
+    /// states by states.
+    pub own: Option<usize>,
+}
+
+/// Where the unknowns of a model lie in the matrix: increments of velocities, states, multipliers.
+#[derive(Clone, Copy)]
+struct Unknowns<'a> {
+    model: &'a Model,
+}
+
+impl Unknowns<'_> {
+    fn size(self) -> usize {
+        self.model.velocities + self.model.states + self.model.rows
+    }
+
+    fn of_body(self, body: usize) -> Range<usize> {
+        let body = &self.model.bodies[body];
+        body.velocity..body.velocity + body.width()
+    }
+
+    /// Of the body of a marker; `None` on the ground.
+    fn of_marker(self, marker: usize) -> Option<Range<usize>> {
+        self.model.markers[marker]
+            .body
+            .map(|body| self.of_body(body))
+    }
+
+    /// Multipliers and states of an element.
+    fn of_element(self, index: usize) -> (Range<usize>, Range<usize>) {
+        let model = self.model;
+        let element = &model.elements[index];
+        let layout = model.class(index).layout;
+        let states = model.velocities + element.state;
+        let rows = model.velocities + model.states + element.row;
+        (
+            rows..rows + layout.rows as usize,
+            states..states + layout.states as usize,
+        )
+    }
+
+    /// Whether an element couples the bodies of its markers. Rows alone do so as well, through the second derivatives of Φ.
+    fn couples(self, index: usize) -> bool {
+        let class = self.model.class(index);
+        class.applies_load || !class.rows.is_empty()
+    }
+
+    fn pattern(self) -> Pattern {
+        let model = self.model;
+        let mut builder = PatternBuilder::new(self.size());
+        for body in 0..model.bodies.len() {
+            builder.reserve(self.of_body(body), self.of_body(body));
+        }
+        for (index, element) in model.elements.iter().enumerate().filter(|(_, e)| e.dynamic) {
+            let (rows, states) = self.of_element(index);
+            builder.reserve(states.clone(), states.clone());
+            for i in element.markers.iter().filter_map(|m| self.of_marker(*m)) {
+                builder.reserve(rows.clone(), i.clone());
+                builder.reserve(i.clone(), rows.clone());
+                builder.reserve(states.clone(), i.clone());
+                builder.reserve(i.clone(), states.clone());
+                if self.couples(index) {
+                    for j in element.markers.iter().filter_map(|m| self.of_marker(*m)) {
+                        builder.reserve(i.clone(), j);
+                    }
+                }
+            }
+        }
+        builder.finish()
+    }
+}
+
+/// A plan in the making.
+struct Planner<'a> {
+    unknowns: Unknowns<'a>,
+    pattern: Pattern,
+    table: BlockTable,
+    /// Begins of the sums, by bodies and by markers.
+    summed: BTreeMap<(usize, usize), BTreeMap<(usize, usize), usize>>,
+    sums: usize,
+}
+
+impl Planner<'_> {
+    fn element(&mut self, index: usize) -> ElementPlan {
+        let unknowns = self.unknowns;
+        let element = &unknowns.model.elements[index];
+        let mut plan = ElementPlan::default();
+        if !element.dynamic {
+            return plan;
+        }
+        let (rows, states) = unknowns.of_element(index);
+        for m in &element.markers {
+            for n in &element.markers {
+                let place = unknowns.couples(index).then(|| self.between(*m, *n));
+                plan.force.push(place.flatten());
+            }
+            plan.constraint.push(self.both(*m, &rows));
+            plan.state.push(self.both(*m, &states));
+        }
+        if !states.is_empty() {
+            plan.own = Some(self.table.find(&self.pattern, states.start, states));
+        }
+        plan
+    }
+
+    /// The block between two markers, if both are on bodies.
+    fn between(&mut self, first: usize, second: usize) -> Option<Place> {
+        let model = self.unknowns.model;
+        let [left, right] = [first, second].map(|m| &model.markers[m]);
+        let (i, j) = (left.body?, right.body?);
+        let (height, width) = (left.reach(), right.reach());
+        if height.max(width) == 6 {
+            let (i, j) = (model.bodies[i].velocity, model.bodies[j].velocity);
+            return Some(Place::Matrix(self.table.find(&self.pattern, i, j..j + 6)));
+        }
+        let sum = *self
+            .summed
+            .entry((i, j))
+            .or_default()
+            .entry((first, second))
+            .or_insert(self.sums);
+        if sum == self.sums {
+            self.sums += height * width;
+        }
+        Some(Place::Sum(sum))
+    }
+
+    /// The blocks of some rows by the body of a marker, and of that body by these rows as columns.
+    fn both(&mut self, marker: usize, other: &Range<usize>) -> Option<(usize, usize)> {
+        let body = self.unknowns.of_marker(marker)?;
+        (!other.is_empty()).then(|| {
+            (
+                self.table.find(&self.pattern, other.start, body.clone()),
+                self.table.find(&self.pattern, body.start, other.clone()),
+            )
+        })
+    }
+
+    fn couplings(&mut self) -> Vec<Coupling> {
+        let unknowns = self.unknowns;
+        std::mem::take(&mut self.summed)
+            .into_iter()
+            .map(|((rows, columns), markers)| {
+                let first = unknowns.model.bodies[rows].velocity;
+                let range = unknowns.of_body(columns);
+                Coupling {
+                    block: self.table.find(&self.pattern, first, range),
+                    rows,
+                    columns,
+                    markers: markers.into_iter().map(|((m, n), at)| (m, n, at)).collect(),
+                }
+            })
+            .collect()
+    }
+}
+
+impl MatrixPlan {
+    /// Plans the matrix of a step.
+    pub fn new(model: &Model) -> MatrixPlan {
+        let unknowns = Unknowns { model };
+        let mut planner = Planner {
+            unknowns,
+            pattern: unknowns.pattern(),
+            table: BlockTable::default(),
+            summed: BTreeMap::new(),
+            sums: 0,
+        };
+        let bodies = (0..model.bodies.len())
+            .map(|body| {
+                let range = unknowns.of_body(body);
+                planner.table.find(&planner.pattern, range.start, range)
+            })
+            .collect();
+        let elements = (0..model.elements.len())
+            .map(|index| planner.element(index))
+            .collect();
+        let couplings = planner.couplings();
+        let diagonal = (0..unknowns.size())
+            .map(|i| planner.pattern.block(i, i..i + 1).starts[0])
+            .collect();
+        MatrixPlan {
+            runs: Runs::new(&planner.pattern),
+            pattern: planner.pattern,
+            table: planner.table,
+            bodies,
+            elements,
+            couplings,
+            sums: planner.sums,
+            diagonal,
+        }
+    }
+}
