@@ -111,6 +111,10 @@ eng_grammar::codes! {
         "A `guess` is where the search for the assembled position begins. From a thousand times the size of the model it does not end near what is meant: a unit is wrong.",
         "body crank { mass = 20 kg; inertia = [1, 1, 1] kg*m^2; guess position = [10, 1e9, 0] um }",
         "body crank { mass = 20 kg; inertia = [1, 1, 1] kg*m^2; guess position = [10, 10, 0] um }";
+    ASTRAY = "E0773", "a body runs away from the model",
+        "It is a million times the model's size away from the ground's origin, and came there ever faster: a force with the wrong sign drives it on, or a table holds a number in a wrong unit. A body that flies, or that a constant force drives, is not meant, nor a run that begins far away.",
+        "let push = if place < 0 mm then stiffness*place else 0 N",
+        "let push = if place < 0 mm then -stiffness*place else 0 N";
     ADVISED = "W0711", "an `advise` fails during the run",
         "The run goes on, but its class takes this for doubtful. It is said once for each element, at the first moment. The text is its author's.",
         "", "";
@@ -235,6 +239,9 @@ eng_grammar::codes! {
         "The motion stays where a value by `if` changes at once, and is driven back to that place from both sides. The run is right but slow; a slope in place of the jump makes it fast.",
         "apply force (if v > 0 m/s then -20 N else 20 N)*b.y on a against b",
         "apply force -20 N*tanh(v/(1 mm/s))*b.y on a against b";
+    SLOWING = "W0771", "a run slows down",
+        "Its rest takes more than ten minutes at the pace of its last steps, and ten times as long as it seemed to take before: steps become shorter as the motion goes on. The message names what makes them short. The run goes on and is right, unless something grows without bound.",
+        "", "";
     USAGE = "E9902", "the command line cannot be followed",
         "A word that no command takes, a value that is none, a parameter that is not there. `eng help` and `eng help COMMAND` tell what there is.",
         "", "";

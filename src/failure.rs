@@ -61,6 +61,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Stopped(slow) => paced(d(codes::STOPPED), &slow.pace),
         R::TurnsTooFar { origin, step, degrees, .. } => place(d(codes::OPTIONS), origin, "turns this fast")
             .with_help(format!("state a `step` below {} s, or none: then the error decides", significant(step * 90.0 / degrees, 2))),
+        R::Astray { origin, .. } => place(d(codes::ASTRAY), origin, "moves away ever faster")
+            .with_help("a force drives it on: look at the signs of the forces on this body and at the units of what they read"),
         R::Require { origin, value, .. } => {
             condition(d(codes::REQUIRED), origin, "this must hold at every step")
                 .with_note(format!("it is missed by {:.3e} in SI units", -value))
@@ -130,16 +132,23 @@ fn unsteady(message: Diagnostic, body: &eng_runtime::LeavingBody) -> Diagnostic 
 /// What to do about a load that jumps.
 const UNJUMPED: &str = "the motion comes to the jump from both sides, and no step passes it: join the branches of the `if` by a slope, such as `tanh(v/(1 mm/s))` in place of a sign";
 
-/// What is told of a run that goes on in short steps because something jumps; nothing of other reasons.
-pub(crate) fn slow(slow: &Slow, analysis: &str) -> Option<Diagnostic> {
-    let Pace::Jump(_) = &*slow.pace else {
-        return None;
+/// What is told of a run that goes on in short steps: because something jumps, or because it slows down and its rest takes so long (in words).
+pub(crate) fn slow(slow: &Slow, analysis: &str, rest: Option<&str>) -> Option<Diagnostic> {
+    let (code, title) = match (&*slow.pace, rest) {
+        (Pace::Jump(_), _) => (
+            codes::JUMPING,
+            format!("{analysis} goes on slowly at {}; its {slow}", slow.moment),
+        ),
+        (_, Some(rest)) => (
+            codes::SLOWING,
+            format!(
+                "{analysis} slows down at {}: at this pace the rest takes {rest}; its {slow}",
+                slow.moment
+            ),
+        ),
+        (_, None) => return None,
     };
-    let title = format!("{analysis} goes on slowly at {}; its {slow}", slow.moment);
-    Some(paced(
-        Diagnostic::warning(codes::JUMPING, title),
-        &slow.pace,
-    ))
+    Some(paced(Diagnostic::warning(code, title), &slow.pace))
 }
 
 /// Who makes the steps short, and what can be done.

@@ -474,6 +474,20 @@ pub enum RuntimeError {
         /// The body.
         origin: Box<Origin>,
     },
+    /// A body runs away from the model: its distance grows without bound.
+    #[error(
+        "{} has run away at {moment}: it is {distance:.1e} m from the origin, {lengths:.0e} times the size of the model", origin.path
+    )]
+    Astray {
+        /// When.
+        moment: Moment,
+        /// The body.
+        origin: Box<Origin>,
+        /// How far it is from the ground's origin (m).
+        distance: f64,
+        /// The same in lengths of the model.
+        lengths: f64,
+    },
     /// A condition that must hold at every state does not.
     #[error("{}: {message} at {moment}", origin.path)]
     Require {

@@ -1,5 +1,6 @@
 //! A simulation: one parameter set of a compiled model, its state, and everything to move it on.
 
+mod astray;
 mod pace;
 mod sampling;
 mod saving;
@@ -20,6 +21,7 @@ use crate::rotation::{M3, V3};
 use crate::start::{self, StartReport};
 use crate::state::State;
 use crate::topology;
+use astray::Astray;
 use eng_system::code::Compiled;
 use eng_system::system::{Origin, Start, StepControl};
 use pace::Limit;
@@ -155,6 +157,7 @@ pub struct Simulation {
     earlier_step: f64,
     cycle_now: Option<[f64; 2]>,
     cycle_start: f64,
+    astray: Astray,
     advised: Vec<bool>,
     warnings: Vec<Warning>,
     fingerprint: u64,
@@ -249,6 +252,7 @@ impl Simulation {
             earlier_step: 0.0,
             cycle_now: None,
             cycle_start: 0.0,
+            astray: Astray::begin(&model, &state),
             advised: vec![false; conditions],
             warnings,
             evaluated: None,

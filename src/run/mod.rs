@@ -98,6 +98,7 @@ pub fn run(
         began: Instant::now(),
         patience: Patience::default(),
         told: false,
+        slowing: None,
         lost: None,
     };
     let ran = analysis.run_watched(&mut watch);
@@ -131,6 +132,8 @@ struct Watching<'a> {
     patience: Patience,
     /// Whether it was told what slows the run down.
     told: bool,
+    /// Seconds that the rest would take of a run that slows down.
+    slowing: Option<f64>,
     /// Where it was stopped: time since it began, progress, seconds that the rest would take.
     lost: Option<(Duration, Progress, f64)>,
 }
@@ -144,13 +147,18 @@ impl Watch for Watching<'_> {
                 self.lost = Some((passed, now, left));
                 Verdict::Stop
             }
+            Look::Slowing(left) if !self.told => {
+                self.slowing = Some(left);
+                Verdict::Explain
+            }
             Look::Now | Look::Lost(_) if !self.told => Verdict::Explain,
             _ => Verdict::GoOn,
         }
     }
 
     fn paced(&mut self, slow: &Slow) {
-        if let Some(message) = crate::failure::slow(slow, self.analysis.name()) {
+        let rest = self.slowing.map(in_words);
+        if let Some(message) = crate::failure::slow(slow, self.analysis.name(), rest.as_deref()) {
             self.told = true;
             (self.tell)(Event::Slow(Box::new(message)));
         }

@@ -9,6 +9,11 @@ const FIRST: Duration = Duration::from_secs(5);
 /// Time from one look to the next, as a part of what has passed.
 const LATER: f64 = 0.2;
 
+/// A rest (s) that is worth a word where it grew,
+const LONG: f64 = 600.0;
+/// and by how much it must be above what it was once.
+const GROWN: f64 = 10.0;
+
 /// What a look at a run finds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Look {
@@ -16,17 +21,22 @@ pub(crate) enum Look {
     Soon,
     /// The run goes on.
     Now,
+    /// It slows down: the rest would take so many seconds, many times what it seemed to take once.
+    Slowing(f64),
     /// Nobody waits for the rest: it would take so many seconds (infinite where nothing goes on).
     Lost(f64),
 }
 
-/// Watches the pace of a run: two looks one after the other must find it hopeless.
+/// Watches the pace of a run: two looks one after the other must find it hopeless, or slow.
 #[derive(Clone, Debug)]
 pub(crate) struct Patience {
     /// Time and done part at the last look.
     last: (Duration, f64),
     next: Duration,
     hopeless: bool,
+    /// The shortest rest (s) that any look found.
+    shortest: f64,
+    slowing: bool,
 }
 
 impl Default for Patience {
@@ -35,6 +45,8 @@ impl Default for Patience {
             last: (Duration::ZERO, 0.0),
             next: FIRST,
             hopeless: false,
+            shortest: f64::INFINITY,
+            slowing: false,
         }
     }
 }
@@ -47,23 +59,33 @@ impl Patience {
         }
         let seconds = (passed - self.last.0).as_secs_f64();
         let rest = (1.0 - done) * seconds / (done - self.last.1).max(0.0);
-        let was = self.hopeless;
+        let (was, was_slowing) = (self.hopeless, self.slowing);
+        self.shortest = self.shortest.min(rest);
+        self.slowing = rest > LONG.max(GROWN * self.shortest);
         self.hopeless = rest > LONGEST.as_secs_f64();
         self.last = (passed, done);
         self.next = passed + FIRST.max(passed.mul_f64(LATER));
-        match was && self.hopeless {
-            true => Look::Lost(rest),
-            false => Look::Now,
+        if was && self.hopeless {
+            Look::Lost(rest)
+        } else if was_slowing && self.slowing {
+            Look::Slowing(rest)
+        } else {
+            Look::Now
         }
     }
 }
 
-/// A time in words: `3 days`, `2.7e4 years`, `for ever`.
+/// A time in words: `40 minutes`, `3 days`, `2.7e4 years`, `for ever`.
 pub(crate) fn in_words(seconds: f64) -> String {
-    const DAY: f64 = 24.0 * 3600.0;
+    const HOUR: f64 = 3600.0;
+    const DAY: f64 = 24.0 * HOUR;
     const YEAR: f64 = 365.25 * DAY;
     if !seconds.is_finite() {
         "for ever".to_owned()
+    } else if seconds < 2.0 * HOUR {
+        format!("about {:.0} minutes", seconds / 60.0)
+    } else if seconds < 2.0 * DAY {
+        format!("about {:.0} hours", seconds / HOUR)
     } else if seconds < 2.0 * YEAR {
         format!("about {:.0} days", seconds / DAY)
     } else if seconds < 1e4 * YEAR {
@@ -84,9 +106,32 @@ mod tests {
             let passed = f64::from(half) * 0.5;
             match patience.look(Duration::from_secs_f64(passed), done(passed)) {
                 Look::Lost(left) => Some((passed, left)),
-                Look::Soon | Look::Now => None,
+                Look::Soon | Look::Now | Look::Slowing(_) => None,
             }
         })
+    }
+
+    /// When a run is first told to slow down.
+    fn slowed(done: impl Fn(f64) -> f64) -> Option<f64> {
+        let mut patience = Patience::default();
+        (1..20_000).find_map(|half| {
+            let passed = f64::from(half) * 0.5;
+            let look = patience.look(Duration::from_secs_f64(passed), done(passed));
+            matches!(look, Look::Slowing(_)).then_some(passed)
+        })
+    }
+
+    /// The pace falls e-fold every half minute, and the end is never reached.
+    #[test]
+    fn runs_whose_steps_shrink_are_told() {
+        let shrinking = |t: f64| 0.25 * (1.0 - libm::exp(-t / 30.0));
+        assert!(slowed(shrinking).is_some_and(|passed| passed < 150.0));
+        // at one pace, however long it takes; and with a phase that is slow, but no minute long
+        assert_eq!(slowed(|t| t / 36_000.0), None);
+        assert_eq!(
+            slowed(|t| (t.min(20.0) + (t - 29.0).max(0.0)) / 300.0),
+            None
+        );
     }
 
     #[test]
@@ -117,6 +162,8 @@ mod tests {
     #[test]
     fn times_in_words() {
         for (seconds, words) in [
+            (900.0, "about 15 minutes"),
+            (4.0 * 3600.0, "about 4 hours"),
             (3.0 * 86400.0, "about 3 days"),
             (3.2e9, "about 101 years"),
             (1e20, "about 3e12 years"),

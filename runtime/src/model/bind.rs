@@ -187,6 +187,12 @@ impl Model {
             };
             (position, slots.matrix(&marker.orientation)?)
         };
+        if let (Some(body), false) = (body, is_measurable(&position)) {
+            return Err(RuntimeError::Body {
+                origin: Box::new(self.bodies[body].origin.clone()),
+                message: format!("its marker {path} is farther away than can be counted"),
+            });
+        }
         Ok(MarkerModel {
             body,
             position,
@@ -361,6 +367,11 @@ fn check_shapes(
     Ok(())
 }
 
+/// Whether squares of a place (m), and their products with masses and stiffnesses, are numbers.
+fn is_measurable(place: &V3) -> bool {
+    place.amax() < 1e100
+}
+
 /// Mass properties of a body, checked.
 fn body_kind(
     body: &Body,
@@ -390,6 +401,11 @@ fn body_kind(
     };
     let mass = slots.get(*mass)?;
     let center = slots.vector(center_of_mass)?;
+    if !is_measurable(&center) {
+        return Err(refuse(
+            "the centre of mass is farther away than can be counted",
+        ));
+    }
     let mut j = [0.0; 6];
     for (value, slot) in j.iter_mut().zip(inertia) {
         *value = slots.get(*slot)?;

@@ -1,5 +1,6 @@
 //! Checkpoints of a simulation.
 
+use super::astray::Astray;
 use super::{Energy, Options, Simulation, check};
 use crate::checkpoint::{self, Reader, Writer};
 use crate::control::{FixedGrid, StepSize};
@@ -88,7 +89,7 @@ impl Simulation {
         ]);
         w.numbers(&self.powers);
         w.numbers(&self.earlier_powers);
-        w.numbers(&[self.earlier_step, self.cycle_start]);
+        w.numbers(&[self.earlier_step, self.cycle_start, self.astray.number()]);
         w.integer(u64::from(self.cycle_now.is_some()));
         w.numbers(&self.cycle_now.unwrap_or_default());
         let advised: Vec<f64> = self
@@ -197,9 +198,12 @@ impl Simulation {
         };
         r.numbers(&mut simulation.powers)?;
         r.numbers(&mut simulation.earlier_powers)?;
-        let mut rest = [0.0; 2];
+        let mut rest = [0.0; 3];
         r.numbers(&mut rest)?;
-        [simulation.earlier_step, simulation.cycle_start] = rest;
+        let [earlier_step, cycle_start, astray] = rest;
+        simulation.earlier_step = earlier_step;
+        simulation.cycle_start = cycle_start;
+        simulation.astray = Astray::from_number(astray);
         let has_cycle = r.integer()? == 1;
         let mut cycle = [0.0; 2];
         r.numbers(&mut cycle)?;

@@ -330,6 +330,15 @@ impl Simulation {
         let (h, time) = stepped.map_err(|error| self.explained(self.or_locked(error)))?;
         self.integrator.accept(&self.model, h, time);
         self.evaluated = None;
+        let current = &self.integrator.current;
+        if let Some((body, distance)) = self.astray.after_step(&self.model, current) {
+            return Err(RuntimeError::Astray {
+                moment: self.moment(),
+                origin: Box::new(self.model.bodies[body].origin.clone()),
+                distance,
+                lengths: distance / self.model.length,
+            });
+        }
         let old = self.powers;
         self.observe_state()
             .map_err(|error| self.at_moment(error))?;

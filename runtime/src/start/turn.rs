@@ -42,7 +42,7 @@ pub struct Place<'a> {
 }
 
 /// Turns a model through one period and shows each place to `visit`, the start first. Without a cycle it is a turn of what a drive
-/// turns fastest, its angle counted from the start. `false` where there is nothing to turn: no cycle and no drive, or a cycle that stands at the start.
+/// turns fastest, its angle counted from the start. `false` where there is nothing to turn: no body, no cycle and no drive, or a cycle that stands at the start.
 ///
 /// # Errors
 ///
@@ -53,6 +53,10 @@ pub fn turn(
     visit: &mut dyn FnMut(&Place<'_>) -> Result<(), RuntimeError>,
 ) -> Result<bool, RuntimeError> {
     let mut model = Model::bind(compiled, overrides)?;
+    if model.velocities == 0 {
+        // a model without a body: the equations of its motion are empty
+        return Ok(false);
+    }
     let mut state = assemble(&mut model)?;
     let Ok(motion) = SteadyMotion::new(&model, &state) else {
         return Ok(false);
