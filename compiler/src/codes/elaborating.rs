@@ -133,6 +133,10 @@ eng_grammar::codes! {
         "A function is put in where it is called, and a value of the motion where it is used. Thirty functions that call each other twice would be put in a billion times. Give what is used twice a name with `let`.",
         "fn a(x: 1) -> 1 = x*x\nfn b(x: 1) -> 1 = a(x)*a(x)\nfn c(x: 1) -> 1 = b(x)*b(x)",
         "fn a(x: 1) -> 1 = x*x\nfn b(x: 1) -> 1 { let y = a(x); y*y }\nfn c(x: 1) -> 1 { let y = b(x); y*y }";
+    BELOW_ZERO = "E0534", "a table holds an absolute pressure or a temperature below zero",
+        "Absolute pressures count from vacuum and temperatures from 0 K: nothing lies below. The numbers are gauge pressures (`barg`), differences, or have another unit or sign.",
+        "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 180, 360] deg, [-0.2, 30, -0.2] bar, periodic: 360 deg)",
+        "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 180, 360] deg, [-0.2, 30, -0.2] barg, periodic: 360 deg)";
     OTHER_AXES = "E0540", "components along different axes are taken together",
         "Components along a marker's axes are numbers: they are added to, multiplied with and shown as those along the same axes only. Vectors carry no axes and are added in space.",
         "output both = film[1].eccentricity + film[2].eccentricity in shell",

@@ -90,6 +90,17 @@ impl<'a> Elaborator<'a, '_> {
                     ));
                 }
             };
+            if header.iter().filter(|h| *h == wanted).count() > 1 {
+                return Err(self.report(
+                    Diagnostic::error(
+                        codes::FILE_CONTENT,
+                        format!("{path} has several columns {wanted:?}"),
+                    )
+                    .at(*span, "its first row names it more than once")
+                    .with_note(format!("its first row is: {}", header.join(" | ")))
+                    .with_help("give each column of the file a name of its own"),
+                ));
+            }
             units.push(self.column_unit(wanted, *span, &due[k])?);
         }
         let [x_unit, y_unit] = units.as_slice() else {

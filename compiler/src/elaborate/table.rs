@@ -107,6 +107,7 @@ impl<'a> Elaborator<'a, '_> {
         if let ([xs, ys], true) = (plain.as_slice(), x.len() != y.len()) {
             return Err(self.lengths(x.len(), xs.span, y.len(), ys.span));
         }
+        self.refuse_below_zero(table, (result, &y, &units.1), (&plain, file.as_ref()))?;
         let pressure = Dimension::MASS
             .over(Dimension::LENGTH)
             .over(Dimension::TIME)
@@ -178,6 +179,51 @@ impl<'a> Elaborator<'a, '_> {
                 .at(source.span, points_text(&error, &units, file.as_ref())),
             )),
         }
+    }
+
+    /// Refuses a value below zero of what counts from zero: absolute pressures, temperatures. Cycle angles are points, too, but have no such
+    /// end.
+    fn refuse_below_zero(
+        &mut self,
+        table: &ast::Table,
+        (result, values, unit): (Dimension, &[f64], &DisplayUnit),
+        (arguments, file): (&[&ast::Expr], Option<&(String, Vec<usize>)>),
+    ) -> Eval<()> {
+        let declared = table.result.as_ref().map(|t| self.sources.text(t.span));
+        let named = declared.and_then(|name| self.program.dimensions.get(name));
+        let is_point = named.is_some_and(|named| named.point_of.is_some());
+        // the zero itself may be written in a unit that counts from elsewhere, and is rounded
+        let largest = values
+            .iter()
+            .fold(0.0_f64, |most, value| most.max(value.abs()));
+        let below = values.iter().position(|value| *value < -1e-9 * largest);
+        let (true, Some(index)) = (is_point && result != Dimension::ANGLE, below) else {
+            return Ok(());
+        };
+        let value = unit.text(values.get(index).copied().unwrap_or_default());
+        let span = match arguments.get(1).map(|list| (&list.kind, list.span)) {
+            Some((ExprKind::List { items, .. }, span)) => {
+                items.get(index).map_or(span, |item| item.span)
+            }
+            Some((_, span)) => span,
+            None => arguments.first().map_or(table.source.span, |e| e.span),
+        };
+        let place = match file.and_then(|(path, lines)| Some((path, lines.get(index)?))) {
+            Some((path, line)) => format!("{path}:{line} holds {value}"),
+            None => format!("this is {value}"),
+        };
+        Err(self.report(
+            Diagnostic::error(
+                codes::BELOW_ZERO,
+                format!(
+                    "table `{}` of {} goes below zero",
+                    table.name.text,
+                    declared.unwrap_or_default()
+                ),
+            )
+            .at(span, place)
+            .with_help("for gauge pressures name `barg`; for differences declare `Pressure` or `TemperatureDifference`"),
+        ))
     }
 
     pub fn not_a_source(&mut self, span: Span) -> super::Reported {
