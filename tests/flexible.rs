@@ -66,6 +66,34 @@ fn a_free_bar_has_the_mass_and_frequencies_of_a_beam() {
     );
 }
 
+/// A cube of one element, as CalculiX would have it.
+const CUBE: &str = "*NODE
+1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n4, 0., 1., 0.
+5, 0., 0., 1.\n6, 1., 0., 1.\n7, 1., 1., 1.\n8, 0., 1., 1.
+*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8
+*MATERIAL, NAME=M\n*ELASTIC\n2.1E11, 0.3\n*DENSITY\n7850.
+*SOLID SECTION, ELSET=E, MATERIAL=M
+";
+
+#[test]
+fn a_mesh_of_calculix_without_rules_says_that_its_mass_is_another() {
+    let reduced = |rules: &str| {
+        let text = format!(
+            "model M {{ flexible cube {{ mesh = calculix(\"cube.inp\", units: si); modes = normal(2); damping = 1 %; {rules} marker m = node(1) }} }}"
+        );
+        let sources = Sources::from_texts([
+            ("cube.eng".to_owned(), text),
+            ("cube.inp".to_owned(), CUBE.to_owned()),
+        ]);
+        let checked = eng::check(&sources, "cube.eng").into_program();
+        let model = checked.expect("a program").model("M").expect("a model");
+        model.reductions()[0].text()
+    };
+    let noted = |rules: &str| reduced(rules).contains("`element_rules = calculix` computes");
+    assert!(noted(""));
+    assert!(!noted("element_rules = calculix;") && !noted("element_rules = exact;"));
+}
+
 /// A symmetric matrix as a text OP4, one column after the other from its first row.
 fn op4(name: &str, matrix: &eng_flexible::sparse::SymmetricMatrix) -> String {
     let size = matrix.size();

@@ -591,6 +591,16 @@ fn a_material_may_hold_what_is_not_known() {
 }
 
 #[test]
+fn a_missing_poissons_ratio_is_listed() {
+    let mesh = mesh(&format!(
+        "{CUBES}*MATERIAL, NAME=M\n*ELASTIC\n2.E11\n*DENSITY\n2.\n*SOLID SECTION, ELSET=LOW, MATERIAL=M\n"
+    ));
+    let name = "*ELASTIC without Poisson's ratio";
+    assert_eq!(unread(&mesh), [(name, 1, Carries::Structure)]);
+    assert_eq!(mesh.materials[0].poisson, 0.0);
+}
+
+#[test]
 fn systems_of_nodes() {
     let mesh = mesh(
         "*SYSTEM

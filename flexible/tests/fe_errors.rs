@@ -153,7 +153,7 @@ fn masses_need_something_that_holds_them() {
         });
     });
     assert!(
-        message.contains("1 nodes have mass but no stiffness: 46"),
+        message.contains("a node has mass but no stiffness: 46"),
         "{message}"
     );
 }

@@ -34,6 +34,8 @@ pub struct Reduction {
     pub(crate) stored: Arc<StoredBody>,
     /// Place of its mode set in the text.
     at: Location,
+    /// Whether its mass differs from that of the code that its file names, for the text names no rules.
+    own_mass: bool,
 }
 
 impl Reduction {
@@ -193,7 +195,9 @@ impl Reducer {
         sense::bare_markers(&turns, source, turned)?;
         let mut body = stored.body.clone();
         body.damp(&source.damping);
+        let by_default = source.element_rules.is_none() && source.stiffness.is_none();
         Ok(Reduction {
+            own_mass: by_default && sense::mass_is_not_calculix(&stored.mesh),
             path: source.origin.path.clone(),
             body: Arc::new(body),
             stored,

@@ -4,7 +4,7 @@ use super::{failed, span};
 use crate::codes;
 use crate::significant::short;
 use eng_flexible::FlexibleError;
-use eng_flexible::mesh::{Carries, Mesh};
+use eng_flexible::mesh::{Carries, Code, Element, ElementKind, Mesh, Variant};
 use eng_grammar::Diagnostic;
 use eng_system::flexible::{FlexibleSource, MarkerPlace};
 use eng_system::reduced::ReducedMarker;
@@ -82,6 +82,19 @@ pub(super) fn doubts(mesh: &Mesh, source: &FlexibleSource) -> Vec<Diagnostic> {
     }
     found.extend(ignored_for_nothing(mesh, source));
     found
+}
+
+/// Whether a mesh of CalculiX has solids whose mass it takes at fewer points than an exact one: all but C3D20R.
+pub(super) fn mass_is_not_calculix(mesh: &Mesh) -> bool {
+    use ElementKind::{Beam2, Hexahedron20, Quadrilateral4, Quadrilateral8, Triangle3, Triangle6};
+    let no_solids = [Beam2, Quadrilateral4, Quadrilateral8, Triangle3, Triangle6];
+    let plain =
+        |element: &Element| element.kind != Hexahedron20 || element.variant == Variant::Plain;
+    let mut solids = mesh
+        .elements
+        .iter()
+        .filter(|e| !no_solids.contains(&e.kind));
+    mesh.code == Code::CalculiX && solids.any(plain)
 }
 
 /// Whether a text of `ignore` means a card or keyword: its name without asterisk, in any case, and what is told of it behind the name.

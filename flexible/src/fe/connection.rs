@@ -89,8 +89,11 @@ impl Pieces {
         if !loose.is_empty() {
             return Err(wrong(
                 format!(
-                    "{} nodes have mass but no stiffness: {}",
-                    loose.len(),
+                    "{} mass but no stiffness: {}",
+                    match loose.len() {
+                        1 => "a node has".to_owned(),
+                        count => format!("{count} nodes have"),
+                    },
                     list(loose.iter().map(|node| id(*node)))
                 ),
                 advice,
@@ -106,11 +109,10 @@ impl Pieces {
                 format!(
                     "the structure falls into {} parts that nothing connects: {}",
                     parts.len(),
-                    list(parts.iter().map(|node| format!(
-                        "{} nodes with node {}",
-                        size[*node],
-                        id(*node)
-                    )))
+                    list(parts.iter().map(|node| match size[*node] {
+                        1 => format!("node {} alone", id(*node)),
+                        size => format!("{size} nodes with node {}", id(*node)),
+                    }))
                 ),
                 "merge coincident nodes or tie the parts; a body is one piece",
             ));

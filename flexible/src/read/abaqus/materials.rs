@@ -98,7 +98,13 @@ impl Materials {
                     entry.density = Some(row.real(0, "the density")?);
                 } else if matches!(keyword.choice("TYPE").as_str(), "" | "ISO" | "ISOTROPIC") {
                     let young = row.real(0, "Young's modulus")?;
-                    entry.elastic = Some((young, row.real_or_zero(1, "Poisson's ratio")?));
+                    let poisson = row.optional_real(1, "Poisson's ratio")?;
+                    if poisson.is_none() {
+                        // the codes take zero; of a metal shear and torsion then come out 30 % too stiff
+                        let name = "*ELASTIC without Poisson's ratio";
+                        unread.note(name, &keyword.at, Carries::Structure);
+                    }
+                    entry.elastic = Some((young, poisson.unwrap_or(0.0)));
                 }
             }
             known if entry.is_some() && HARMLESS.contains(&known) => {
