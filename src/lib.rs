@@ -51,6 +51,7 @@ mod places;
 mod program;
 mod quantity;
 mod reduction;
+mod regular;
 mod repetition;
 pub mod report;
 pub mod run;

@@ -10,6 +10,7 @@ use eng_compiler::typed::TypedProgram;
 use eng_grammar::ast::{BindingKind, Block, Declaration, Form, ItemKind, Kind};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::code::Compiled;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The outcome of a check: messages, and the program if it has no errors.
@@ -202,6 +203,11 @@ impl Program {
         &self.inner.file
     }
 
+    /// The real places of the files on disk that were opened so far: the model, what it uses, its data.
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
+        self.inner.sources.opened()
+    }
+
     /// The texts that messages point into.
     pub fn texts(&self) -> &Arc<SourceMap> {
         &self.inner.texts
@@ -212,9 +218,8 @@ impl Program {
     pub fn source_hash(&self) -> String {
         use sha2::Digest;
         let mut hash = sha2::Sha256::new();
+        // without the names of the files: a copy under another name is the same model
         for (id, source) in self.inner.texts.iter() {
-            hash.update(source.name.as_bytes());
-            hash.update([0]);
             let modules = self.inner.typed.program.modules.iter();
             let mut at = 0;
             for item in modules

@@ -1,15 +1,18 @@
 //! Where model texts and data files come from.
 
+use crate::regular::regular;
 use eng_system::host::{Host, HostError};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The files of a model: a folder, or texts in memory. Nothing outside is ever read.
 #[derive(Clone, Debug)]
 pub struct Sources {
     kind: Kind,
     cache: Option<PathBuf>,
+    /// The files of the folder that were opened: no output may replace one.
+    opened: Arc<Mutex<BTreeSet<PathBuf>>>,
 }
 
 #[derive(Clone, Debug)]
@@ -35,6 +38,7 @@ impl Sources {
         Ok(Sources {
             kind: Kind::Folder(canonical),
             cache: None,
+            opened: Arc::default(),
         })
     }
 
@@ -48,6 +52,7 @@ impl Sources {
         Sources {
             kind: Kind::Texts(Arc::new(texts.into_iter().collect())),
             cache: None,
+            opened: Arc::default(),
         }
     }
 }
@@ -64,6 +69,23 @@ impl Sources {
         self.cache.as_deref()
     }
 
+    /// The real places of the files on disk that were opened so far.
+    pub(crate) fn opened(&self) -> Vec<PathBuf> {
+        self.list().iter().cloned().collect()
+    }
+
+    fn list(&self) -> MutexGuard<'_, BTreeSet<PathBuf>> {
+        // a thread that panicked left whole paths
+        self.opened.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The real place of a file of a folder, which is about to be opened.
+    fn place(&self, folder: &Path, path: &str) -> Result<PathBuf, HostError> {
+        let real = inside(folder, path)?;
+        self.list().insert(real.clone());
+        Ok(real)
+    }
+
     /// Opens a data file of any kind, under the rules of [`Host::read_text`].
     pub(crate) fn open_data(&self, path: &str) -> Result<Box<dyn std::io::Read>, HostError> {
         match &self.kind {
@@ -72,7 +94,7 @@ impl Sources {
                 None => Err(HostError::NotFound(path.into())),
             },
             Kind::Folder(folder) => {
-                let file = std::fs::File::open(inside(folder, path)?)
+                let file = std::fs::File::open(self.place(folder, path)?)
                     .map_err(|error| refused(path, &error))?;
                 Ok(Box::new(file))
             }
@@ -97,18 +119,7 @@ fn inside(folder: &Path, path: &str) -> Result<PathBuf, HostError> {
     if !real.starts_with(folder) {
         return Err(HostError::Outside(path.into()));
     }
-    // a pipe would be waited for, a device has no end
-    match std::fs::metadata(&real) {
-        Ok(found) if found.is_file() => Ok(real),
-        Ok(found) => Err(HostError::System {
-            path: path.into(),
-            message: match found.is_dir() {
-                true => "this is a folder, not a file".into(),
-                false => "this is no file, but a pipe or a device".into(),
-            },
-        }),
-        Err(error) => Err(refused(path, &error)),
-    }
+    regular(&real).map_err(|error| refused(path, &error))
 }
 
 fn refused(path: &str, error: &std::io::Error) -> HostError {
@@ -129,8 +140,8 @@ impl Host for Sources {
                 .cloned()
                 .ok_or_else(|| HostError::NotFound(path.into())),
             Kind::Folder(folder) => {
-                let bytes =
-                    std::fs::read(inside(folder, path)?).map_err(|error| refused(path, &error))?;
+                let bytes = std::fs::read(self.place(folder, path)?)
+                    .map_err(|error| refused(path, &error))?;
                 String::from_utf8(bytes).map_err(|_| HostError::System {
                     path: path.into(),
                     message: "the file is not UTF-8 text".into(),

@@ -285,6 +285,229 @@ fn steps_and_tolerance_are_stated_on_the_command_line() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn what_runs_left_is_read_from_files_alone() {
+    let folder = Folder::with("left", SWING);
+    let run = ["run", "model.eng", "--no-plots", "--resume"];
+    for name in ["swing.checkpoint", "swing.partial.arrows"] {
+        let left = folder.path("results/model").join(name);
+        std::fs::create_dir_all(left.parent().unwrap()).unwrap();
+        pipe(&left);
+        let output = folder.eng(&run);
+        assert_eq!(output.status.code(), Some(2), "{name}");
+        let said = said(&output);
+        assert!(
+            said.contains(name) && said.contains("a pipe or a device"),
+            "{said}"
+        );
+        std::fs::remove_file(&left).unwrap();
+    }
+    let meshes = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mesh");
+    for name in ["bar.eng", "bar.bdf"] {
+        std::fs::copy(meshes.join(name), folder.path(name)).unwrap();
+    }
+    let reduce = || {
+        Command::new(env!("CARGO_BIN_EXE_eng"))
+            .current_dir(&folder.0)
+            .env("ENG_CACHE", folder.path("cache"))
+            .args(["reduce", "bar.eng"])
+            .output()
+            .unwrap()
+    };
+    let first = reduce();
+    assert!(first.status.success(), "{}", said(&first));
+    let kept = std::fs::read_dir(folder.path("cache")).unwrap().next();
+    let kept = kept.unwrap().unwrap().path();
+    std::fs::remove_file(&kept).unwrap();
+    pipe(&kept);
+    assert_eq!(said(&reduce()), said(&first));
+}
+
+#[test]
+fn models_without_a_body_are_checked() {
+    let model = "model Empty { gravity = [0, 0, 0] m/s^2; param q: Length = 1 mm; output a = q*2 }
+analysis t = transient(Empty(), duration: 1 s)
+analysis s = assemble(Empty())
+";
+    let folder = Folder::with("empty", model);
+    let output = folder.eng(&["check", "model.eng"]);
+    assert!(output.status.success(), "{}", said(&output));
+    assert!(said(&output).contains("t: assembles; 0 velocities"));
+    assert!(
+        folder
+            .eng(&["run", "model.eng", "--no-plots"])
+            .status
+            .success()
+    );
+}
+
+#[test]
+fn outputs_replace_no_input_and_no_other_output() {
+    let tabled =
+        "table given(t: Time) -> Force = csv(\"push.csv\", columns: [\"t [s]\", \"F [N]\"])
+model Pushed { gravity = [0, 0, 0] m/s^2; output thrust = given(time) as N }
+analysis push = transient(Pushed(), duration: 1 s)
+";
+    let folder = Folder::with("outputs", SWING);
+    std::fs::write(folder.path("tabled.eng"), tabled).unwrap();
+    std::fs::write(folder.path("push.csv"), "t [s],F [N]\n0,1\n1,2\n").unwrap();
+    let ok = folder.eng(&["run", "model.eng", "--no-plots"]);
+    assert!(ok.status.success(), "{}", said(&ok));
+    let results = "results/model/swing.parquet";
+    let kept = ["model.eng", "push.csv", "tabled.eng", results].map(|name| {
+        let path = folder.path(name);
+        (std::fs::read(&path).unwrap(), path)
+    });
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("model.eng", folder.path("page.html")).unwrap();
+    #[cfg(not(unix))]
+    std::fs::copy(folder.path("model.eng"), folder.path("page.html")).unwrap();
+    for (arguments, says) in [
+        (
+            &["report", "model.eng", "--out", "./model.eng"][..],
+            "the command reads this file",
+        ),
+        (
+            &["report", "model.eng", "--out", "page.html"],
+            "the command reads this file",
+        ),
+        (
+            &["report", "model.eng", "--gltf", "tabled.eng"],
+            "the ending of models",
+        ),
+        (
+            &["report", "model.eng", "--out", results],
+            "the command reads this file",
+        ),
+        (
+            &["report", "model.eng", "--out", "old.parquet"],
+            "the ending of results",
+        ),
+        (
+            &["report", "model.eng", "--gltf", "x.html", "--out", "x.html"],
+            "are one file",
+        ),
+        (
+            &["report", "model.eng", "--figures", "push.csv"],
+            "push.csv is a file, not a folder",
+        ),
+        (
+            &["export", results, "--to", "csv", "--out", results],
+            "the command reads this file",
+        ),
+        (
+            &["export", results, "--to", "csv", "--out", "model.eng"],
+            "the ending of models",
+        ),
+        (
+            &["run", "tabled.eng", "--csv", "--out", "."],
+            "the command reads this file",
+        ),
+        (
+            &["run", "model.eng", "--out", "model.eng"],
+            "model.eng is a file, not a folder",
+        ),
+        (
+            &["run", "model.eng", "--out", "push.csv/below"],
+            "push.csv is a file, not a folder",
+        ),
+    ] {
+        if cfg!(not(unix)) && arguments.contains(&"page.html") {
+            continue;
+        }
+        let output = folder.eng(arguments);
+        assert_eq!(
+            output.status.code(),
+            Some(2),
+            "{arguments:?}: {}",
+            said(&output)
+        );
+        let said = said(&output);
+        assert!(said.contains(says), "{arguments:?}: {said}");
+        assert!(!said.contains("wrote"), "{arguments:?}: {said}");
+        for (bytes, path) in &kept {
+            assert!(
+                &std::fs::read(path).unwrap() == bytes,
+                "{arguments:?}: {}",
+                path.display()
+            );
+        }
+        assert!(!folder.path("x.html").exists(), "{arguments:?}");
+    }
+    let page = folder.eng(&["report", "model.eng", "--out", "x.html", "--gltf", "x.glb"]);
+    assert!(page.status.success(), "{}", said(&page));
+}
+
+#[test]
+fn a_copy_under_another_name_is_the_same_model() {
+    let folder = Folder::with("copy", SWING);
+    assert!(
+        folder
+            .eng(&["run", "model.eng", "--no-plots"])
+            .status
+            .success()
+    );
+    std::fs::copy(folder.path("model.eng"), folder.path("copy.eng")).unwrap();
+    let left = "results/model";
+    let report = folder.eng(&["report", "copy.eng", "--results", left]);
+    assert!(
+        report.status.success() && !said(&report).contains("warning"),
+        "{}",
+        said(&report)
+    );
+    let resumed = folder.eng(&["run", "copy.eng", "--no-plots", "--resume", "--out", left]);
+    assert!(
+        said(&resumed).contains("was complete"),
+        "{}",
+        said(&resumed)
+    );
+}
+
+#[test]
+fn names_of_points_alone_keep_their_results_apart() {
+    let folder = Folder::with("points", SWING);
+    for name in ["...eng", "..eng"] {
+        std::fs::copy(folder.path("model.eng"), folder.path(name)).unwrap();
+        let output = folder.eng(&["run", name, "--no-plots"]);
+        assert!(output.status.success(), "{}", said(&output));
+        let results = Path::new("results").join(name).join("swing.parquet");
+        assert!(
+            folder.path(".").join(results).is_file(),
+            "{}",
+            said(&output)
+        );
+    }
+}
+
+#[test]
+fn an_argument_is_one_line_of_a_message_and_says_something() {
+    let folder = Folder::with("line", SWING);
+    let output = folder.eng(&["run", "model.eng", "--analysis", "a\nerror: b"]);
+    assert_eq!(text(&output.stderr).lines().count(), 1, "{}", said(&output));
+    for channels in ["", " , ", "height,"] {
+        let output = folder.eng(&["run", "model.eng", "--channels", channels]);
+        assert_eq!(output.status.code(), Some(2), "{channels:?}");
+        assert!(
+            said(&output).contains("a pattern of several"),
+            "{}",
+            said(&output)
+        );
+    }
+    let whirl = SWING.replace(
+        "analysis swing = transient(Swing(), duration: 100 ms, sample: 10 ms)",
+        "analysis swing = linear(Swing(), frozen: true)",
+    );
+    std::fs::write(folder.path("whirl.eng"), whirl).unwrap();
+    let output = folder.eng(&["run", "whirl.eng", "--last", "1 rev"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        said(&output).contains("its rows are modes"),
+        "{}",
+        said(&output)
+    );
+}
+
 #[test]
 fn of_very_many_mistakes_a_hundred_are_shown() {
     let wrong: String = (0..100_000)
@@ -299,6 +522,15 @@ fn of_very_many_mistakes_a_hundred_are_shown() {
         said.ends_with("… and 99900 more messages\n100000 errors, 0 warnings\n"),
         "{}",
         said.lines().last().unwrap()
+    );
+    let thousand: String = wrong.lines().take(1000).flat_map(|l| [l, "\n"]).collect();
+    std::fs::write(folder.path("model.eng"), thousand).unwrap();
+    let output = folder.eng(&["check", "model.eng", "--format", "json"]);
+    let document: Value = serde_json::from_str(&text(&output.stdout)).unwrap();
+    assert_eq!(document["diagnostics"].as_array().unwrap().len(), 100);
+    assert_eq!(
+        (&document["errors"], &document["more"]),
+        (&1000.into(), &900.into())
     );
 }
 

@@ -278,14 +278,15 @@ fn damaged_and_foreign_leftovers_are_told_of() {
 
     // another run's leftovers
     std::fs::write(&checkpoint, &state).unwrap();
-    for other in [["--channels", "height"], ["--set", "load=1kg"]] {
+    for (other, says) in [
+        (["--channels", "height"], "other channels are kept"),
+        (["--set", "load=1kg"], "load was 1.2 kg and is 1 kg"),
+    ] {
         let output = place.run("out", &["--resume", other[0], other[1]]);
         assert_eq!(output.status.code(), Some(2), "{other:?}");
         let errors = text(&output.stderr);
-        assert!(
-            errors.contains("had another model, other parameters"),
-            "{errors}"
-        );
+        assert!(errors.contains("swing.checkpoint"), "{errors}");
+        assert!(errors.contains(says), "{errors}");
     }
     assert_eq!(
         std::fs::read(&partial).unwrap(),

@@ -59,7 +59,7 @@ pub(super) struct ResultsArguments {
     #[arg(value_name = "DIR|FILE")]
     pub path: PathBuf,
     /// List these channels only, by patterns: `main[*].force.*`
-    #[arg(long, value_name = "PATTERN")]
+    #[arg(long, value_name = "PATTERN", value_parser = pattern)]
     pub channels: Vec<String>,
 }
 
@@ -75,7 +75,7 @@ pub(super) struct ExportArguments {
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Write these channels only, by patterns: `main[*].force.*`
-    #[arg(long, value_name = "PATTERN")]
+    #[arg(long, value_name = "PATTERN", value_parser = pattern)]
     pub channels: Vec<String>,
     /// Separator of the fields of CSV
     #[arg(long, value_name = "CHARACTER", default_value_t = ',')]
@@ -167,7 +167,7 @@ pub(super) struct RunArguments {
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
     /// Keep these channels only, by patterns: `main[*].force.*`; may be given several times [default: all]
-    #[arg(long, value_name = "PATTERN")]
+    #[arg(long, value_name = "PATTERN", value_parser = pattern)]
     pub channels: Vec<String>,
     /// Keep the last part of each analysis only: `"2 rev"`, `720deg`, `50ms` [default: all of it]
     #[arg(long, value_name = "PART")]
@@ -221,6 +221,14 @@ fn setting(text: &str) -> Result<Setting, String> {
             value: value.trim().to_owned(),
         }),
         _ => Err("give a parameter's path and its value: \"speed=5000 rpm\"".to_owned()),
+    }
+}
+
+/// Patterns of channels, commas between them.
+fn pattern(text: &str) -> Result<String, String> {
+    match text.split(',').any(|part| part.trim().is_empty()) {
+        true => Err("give a channel's path, or a pattern of several: `main[*].force.*`".to_owned()),
+        false => Ok(text.to_owned()),
     }
 }
 

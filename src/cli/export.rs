@@ -1,6 +1,7 @@
 //! `eng export`.
 
 use super::arguments::{ExportArguments, Target};
+use super::outputs::{Output, apart};
 use super::terminal::Terminal;
 use super::{Stop, USAGE_OR_SYSTEM};
 use crate::results::{CsvForm, Results, ResultsError, Selection};
@@ -20,7 +21,24 @@ pub(super) fn export(arguments: &ExportArguments, console: &mut Terminal<'_>) ->
     }
 }
 
-fn write(arguments: &ExportArguments) -> Result<PathBuf, ResultsError> {
+/// Why nothing was exported.
+#[derive(Debug, thiserror::Error)]
+enum Refused {
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// The output is an input, or none that may be written.
+    #[error("{0}")]
+    Output(String),
+}
+
+fn write(arguments: &ExportArguments) -> Result<PathBuf, Refused> {
+    if let Some(path) = &arguments.out {
+        let out = Output::new("--out", path);
+        let inputs = std::slice::from_ref(&arguments.file);
+        apart(inputs, std::slice::from_ref(&out))
+            .and_then(|()| out.is_foreign())
+            .map_err(Refused::Output)?;
+    }
     let form = CsvForm::new(arguments.separator, arguments.decimal)?;
     let selection = Selection::new(arguments.channels.iter().map(String::as_str));
     let results = selection.apply(&Results::read(&arguments.file)?)?;

@@ -9,7 +9,13 @@ use std::path::{Path, PathBuf};
 
 /// Where results are kept if nothing else is said.
 pub(super) fn results_folder(model: &Path) -> PathBuf {
-    Path::new("results").join(model.file_stem().unwrap_or_default())
+    let name = model.file_name().unwrap_or_default();
+    let stem = model.file_stem().unwrap_or_default();
+    // `..` is another folder, and `.` the one of all models
+    match stem.to_string_lossy().trim_matches('.').is_empty() {
+        true => Path::new("results").join(name),
+        false => Path::new("results").join(stem),
+    }
 }
 
 /// Writes figures: names (without extension) and SVG texts.

@@ -9,6 +9,7 @@ mod explain;
 mod export;
 mod files;
 mod open;
+mod outputs;
 mod post;
 mod progress;
 mod reduce;

@@ -3,13 +3,14 @@
 use super::arguments::ReportArguments;
 use super::files::{results_folder, told_of};
 use super::open::checked;
+use super::outputs::{self, Output, apart};
 use super::run::chosen;
 use super::terminal::Terminal;
 use super::{Refusal, Stop, USAGE_OR_SYSTEM};
 use crate::Quantity;
 use crate::motion::SUFFIX;
 use crate::plot::write_svg_and_png;
-use crate::report::{At, Entry, Made, Request, make, write_series};
+use crate::report::{At, Drawn, Entry, Made, Request, make, write_series};
 use crate::results::{Results, ResultsError, file_stem, interrupted, replace_file};
 use eng_flexible::store::{content_hash, hexadecimal};
 use eng_system::Dimension;
@@ -24,6 +25,11 @@ pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) ->
         .results
         .clone()
         .unwrap_or_else(|| results_folder(&arguments.model));
+    told_of(
+        outputs::folder("--figures", arguments.figures.as_deref()),
+        console,
+    )?;
+    told_of(outputs::folder("--vtu", arguments.vtu.as_deref()), console)?;
     let mut found = read(&names, &folder, console)?;
     refuse_missing(&found, arguments, &folder, console)?;
     let in_time = found.in_time.len();
@@ -60,6 +66,15 @@ pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) ->
     for warning in &made.warnings {
         writeln!(console.errors, "warning: {warning}")?;
     }
+    let mut inputs = program.files();
+    inputs.append(&mut found.inputs);
+    told_of(
+        refuse_loss(
+            &inputs,
+            &files_of(&page_of(arguments, &folder), arguments, &made.figures),
+        ),
+        console,
+    )?;
     let written = write_all(&made, &entries, arguments, &folder, console)?;
     if !arguments.quiet {
         for path in written {
@@ -84,6 +99,8 @@ struct Found {
     of_modes: Vec<Read>,
     /// Names of the analyses without results.
     missing: Vec<String>,
+    /// The files that were read.
+    inputs: Vec<PathBuf>,
 }
 
 fn read(names: &[&str], folder: &Path, console: &mut Terminal<'_>) -> Result<Found, Stop> {
@@ -96,6 +113,7 @@ fn read(names: &[&str], folder: &Path, console: &mut Terminal<'_>) -> Result<Fou
             continue;
         }
         let results = told_of(Results::read_parquet(&path), console)?;
+        found.inputs.push(path.clone());
         let mut read = Read {
             results,
             motion: None,
@@ -113,6 +131,7 @@ fn read(names: &[&str], folder: &Path, console: &mut Terminal<'_>) -> Result<Fou
         let path = file(SUFFIX);
         if path.is_file() {
             read.files.push(told_of(hashed(&path), console)?);
+            found.inputs.push(path.clone());
             read.motion = Some(told_of(Results::read_parquet(&path), console)?);
         }
         found.in_time.push(read);
@@ -174,10 +193,7 @@ fn write_all(
     folder: &Path,
     console: &mut Terminal<'_>,
 ) -> Result<Vec<PathBuf>, Stop> {
-    let out = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| folder.join("report.html"));
+    let out = page_of(arguments, folder);
     let mut written = vec![told_of(write(&out, made.html.as_bytes()), console)?];
     if let Some(path) = &arguments.gltf {
         match &made.gltf {
@@ -214,6 +230,34 @@ fn write_all(
     Ok(written)
 }
 
+/// Where the page is written.
+fn page_of(arguments: &ReportArguments, folder: &Path) -> PathBuf {
+    let stated = arguments.out.clone();
+    stated.unwrap_or_else(|| folder.join("report.html"))
+}
+
+/// The files that the command will write, but for those of the series, whose names are their own.
+fn files_of(out: &Path, arguments: &ReportArguments, figures: &[Drawn]) -> Vec<Output> {
+    let page = Output::new("--out", out);
+    let scene = arguments.gltf.as_ref();
+    let scene = scene.map(|path| Output::new("--gltf", path));
+    let drawn = arguments.figures.iter().flat_map(|folder| {
+        figures.iter().flat_map(move |drawn| {
+            ["svg", "png"].map(|ending| {
+                let name = format!("{}.{ending}", drawn.name);
+                Output::new("--figures", folder.join(name))
+            })
+        })
+    });
+    std::iter::once(page).chain(scene).chain(drawn).collect()
+}
+
+/// Refuses outputs in place of what is read or of one another.
+fn refuse_loss(inputs: &[PathBuf], files: &[Output]) -> Result<(), String> {
+    apart(inputs, files)?;
+    files.iter().try_for_each(Output::is_foreign)
+}
+
 /// Angles and times as they were typed.
 fn moments(typed: &[String]) -> Result<Vec<At>, String> {
     typed
@@ -234,7 +278,7 @@ fn moments(typed: &[String]) -> Result<Vec<At>, String> {
 
 /// A file's name with the hash of its contents.
 fn hashed(path: &Path) -> Result<(String, String), ResultsError> {
-    let bytes = std::fs::read(path).map_err(|source| ResultsError::File {
+    let bytes = crate::regular::read(path).map_err(|source| ResultsError::File {
         path: path.to_owned(),
         source,
     })?;

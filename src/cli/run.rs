@@ -3,6 +3,7 @@
 use super::arguments::{RunArguments, Setting};
 use super::files::{draw, results_folder, told_of, wrote};
 use super::open::checked;
+use super::outputs::{Output, apart};
 use super::progress::Bars;
 use super::terminal::Terminal;
 use super::told::{Ended, Told};
@@ -12,6 +13,7 @@ use crate::error::Error;
 use crate::figures;
 use crate::program::Program;
 use crate::quantity::{Quantity, QuantityError};
+use crate::render::visible_name;
 use crate::results::{Last, Recording, Selection, stem_of, writable};
 use crate::run::{Event, RunOutcome, run_many};
 use crate::tables::{modes, sweep};
@@ -32,10 +34,12 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
     let recording = told_of(recording(arguments, &folder), console)?;
     // before anything is computed
     for name in &names {
-        let stem = stem_of(name, false);
-        told_of(writable(&folder.join(format!("{stem}.parquet"))), console)?;
+        let file = |ending: &str| folder.join(format!("{}.{ending}", stem_of(name, false)));
+        told_of(writable(&file("parquet")), console)?;
         if arguments.csv {
-            told_of(writable(&folder.join(format!("{stem}.csv"))), console)?;
+            let csv = Output::new("--csv:", file("csv"));
+            told_of(apart(&program.files(), std::slice::from_ref(&csv)), console)?;
+            told_of(writable(&csv.path), console)?;
         }
     }
     let steps = told_of(steps(arguments), console)?;
@@ -298,8 +302,9 @@ pub(super) fn chosen<'a>(
         if found.is_empty() {
             writeln!(
                 console.errors,
-                "error: {} has no analysis {asked}; it has {}",
-                model.display(),
+                "error: {} has no analysis {}; it has {}",
+                visible_name(&model.display().to_string()),
+                visible_name(asked),
                 if known.is_empty() {
                     "none".to_owned()
                 } else {

@@ -69,7 +69,7 @@ fn place(folder: &Path, key: &Key) -> PathBuf {
 
 /// The body of a key, if it is kept and all its files are as they were. One that is damaged is made again.
 pub(super) fn load(sources: &Sources, key: &Key) -> Option<StoredBody> {
-    let bytes = std::fs::read(place(sources.cache()?, key)).ok()?;
+    let bytes = crate::regular::read(&place(sources.cache()?, key)).ok()?;
     let stored = StoredBody::from_bytes(&bytes).ok()?;
     let unchanged = stored.provenance.iter().all(|(name, value)| {
         let Some(file) = name.strip_prefix(FILE) else {

@@ -2,7 +2,7 @@
 
 use super::excerpt::{Excerpt, Excerpts};
 use super::visible::visible;
-use super::{count, inside};
+use super::{count, inside, shown};
 use codespan_reporting::diagnostic as codespan;
 use codespan_reporting::term::termcolor::Buffer;
 use codespan_reporting::term::{self, Config};
@@ -18,9 +18,6 @@ pub enum Colors {
     /// Plain text.
     None,
 }
-
-/// Messages that are shown; the others are counted.
-const MOST: usize = 100;
 
 /// The messages, then a line that counts them; empty without messages. Of more than a hundred a hundred are shown, errors before warnings.
 pub fn human(diagnostics: &Diagnostics, sources: &SourceMap, colors: Colors) -> String {
@@ -52,17 +49,6 @@ pub fn human(diagnostics: &Diagnostics, sources: &SourceMap, colors: Colors) -> 
     text.lines()
         .flat_map(|line| [line.trim_end(), "\n"])
         .collect()
-}
-
-/// Those that are shown, in their order.
-fn shown(diagnostics: &Diagnostics) -> Vec<&Diagnostic> {
-    let mut ranked: Vec<(usize, &Diagnostic)> = diagnostics.iter().enumerate().collect();
-    if ranked.len() > MOST {
-        ranked.sort_by_key(|(at, d)| (d.severity, *at));
-        ranked.truncate(MOST);
-        ranked.sort_by_key(|(at, _)| *at);
-    }
-    ranked.into_iter().map(|(_, d)| d).collect()
 }
 
 /// `2 errors, 1 warning`; notes are not counted.

@@ -1,7 +1,7 @@
 //! Messages for tools.
 
 use super::visible::visible_json;
-use super::{count, inside};
+use super::{count, inside, shown};
 use eng_grammar::{Diagnostic, Diagnostics, Severity, SourceMap, Span};
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ use serde::Serialize;
 ///
 /// ```text
 /// { "version": 1,
-///   "errors": 1, "warnings": 0, "notes": 0,
+///   "errors": 1, "warnings": 0, "notes": 0, "more": 0,
 ///   "diagnostics": [
 ///     { "severity": "error" | "warning" | "note", "code": "E0312", "title": "…",
 ///       PLACE of the first primary label (else of the first label),
@@ -18,7 +18,8 @@ use serde::Serialize;
 ///       "fixes": [ { PLACE, "title": "…", "replacement": "…" } ] } ] }
 /// ```
 ///
-/// `eng check --positions` adds [`"positions"`](crate::assembled::json_with_positions).
+/// `"diagnostics"` holds at most a hundred messages, errors before warnings, and `"more"` is the number of those that it leaves out; the
+/// three counts are of all. `eng check --positions` adds [`"positions"`](crate::assembled::json_with_positions).
 ///
 /// PLACE is `"file"`, `"line"`, `"column"`, `"end_line"`, `"end_column"`, `"start"`, `"end"`: lines and columns count from 1,
 /// columns in characters; start and end are bytes from 0 in UTF-8, the end is exclusive. All are `null` where there is
@@ -29,6 +30,7 @@ pub struct Document<'a> {
     errors: usize,
     warnings: usize,
     notes: usize,
+    more: usize,
     diagnostics: Vec<Message<'a>>,
 }
 
@@ -74,12 +76,14 @@ struct FixEntry<'a> {
 
 /// The messages as a value to serialise.
 pub fn document<'a>(diagnostics: &'a Diagnostics, sources: &'a SourceMap) -> Document<'a> {
+    let shown = shown(diagnostics);
     Document {
         version: 1,
         errors: count(diagnostics, Severity::Error),
         warnings: count(diagnostics, Severity::Warning),
         notes: count(diagnostics, Severity::Note),
-        diagnostics: diagnostics.iter().map(|d| message(d, sources)).collect(),
+        more: diagnostics.len() - shown.len(),
+        diagnostics: shown.into_iter().map(|d| message(d, sources)).collect(),
     }
 }
 

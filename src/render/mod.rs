@@ -10,9 +10,23 @@ mod visible;
 pub use human::{Colors, human};
 pub(crate) use json::text;
 pub use json::{Document, document, json};
-pub(crate) use visible::visible;
+pub(crate) use visible::{visible, visible_name};
 
-use eng_grammar::{Severity, SourceMap, Span};
+use eng_grammar::{Diagnostic, Diagnostics, Severity, SourceMap, Span};
+
+/// Messages that are shown; the others are counted.
+const MOST: usize = 100;
+
+/// The messages that are shown, in their order: of more than [`MOST`] errors before warnings.
+fn shown(diagnostics: &Diagnostics) -> Vec<&Diagnostic> {
+    let mut ranked: Vec<(usize, &Diagnostic)> = diagnostics.iter().enumerate().collect();
+    if ranked.len() > MOST {
+        ranked.sort_by_key(|(at, d)| (d.severity, *at));
+        ranked.truncate(MOST);
+        ranked.sort_by_key(|(at, _)| *at);
+    }
+    ranked.into_iter().map(|(_, d)| d).collect()
+}
 
 /// Moves a span onto character boundaries inside its text; `None` where its source is not of the map.
 fn inside(sources: &SourceMap, span: Span) -> Option<std::ops::Range<usize>> {
@@ -23,7 +37,7 @@ fn inside(sources: &SourceMap, span: Span) -> Option<std::ops::Range<usize>> {
 }
 
 /// How many messages of one severity.
-fn count(diagnostics: &eng_grammar::Diagnostics, severity: Severity) -> usize {
+fn count(diagnostics: &Diagnostics, severity: Severity) -> usize {
     diagnostics
         .iter()
         .filter(|d| d.severity == severity)

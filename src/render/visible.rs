@@ -23,6 +23,11 @@ pub(crate) fn visible(text: &str) -> Cow<'_, str> {
     with(text, shown)
 }
 
+/// A name or an argument within a line of a message: line ends are shown, too.
+pub(crate) fn visible_name(text: &str) -> String {
+    visible(text).replace('\n', "\\n").replace('\t', "\\t")
+}
+
 /// The text of a JSON document: what the writer of JSON left as it is, by JSON's own escapes.
 pub(super) fn visible_json(text: &str) -> Cow<'_, str> {
     with(text, |c| {

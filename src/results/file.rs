@@ -1,32 +1,50 @@
 //! Files that are whole or absent.
 
+use crate::regular::regular;
 use std::fs::{File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Where a path leads: a link to the file that it stands for.
+/// Where something is written: the file that a path leads to, or the path itself where nothing is.
 ///
 /// # Errors
-/// What is there is no file: a device, a pipe.
-fn regular(path: &Path) -> io::Result<PathBuf> {
-    match std::fs::metadata(path) {
-        Ok(found) if found.is_file() => std::fs::canonicalize(path),
-        Ok(found) if found.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
-        Ok(_) => Err(io::Error::new(
-            io::ErrorKind::InvalidInput,
-            "what is there is no file, but a pipe or a device",
-        )),
-        // a link that leads nowhere is replaced
-        Err(_) => Ok(path.to_owned()),
+/// What is there is no file: a folder, a device, a pipe.
+fn target(path: &Path) -> io::Result<PathBuf> {
+    match regular(path) {
+        // a link that leads nowhere is replaced; a file in place of a folder is told of where the folder is made
+        Err(error)
+            if matches!(
+                error.kind(),
+                io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
+            ) =>
+        {
+            Ok(path.to_owned())
+        }
+        found => found,
     }
 }
 
-/// Opens a file to be read.
-///
-/// # Errors
-/// What is there is no file: a pipe would be waited for, a device has no end.
-pub(super) fn open(path: &Path) -> io::Result<File> {
-    File::open(regular(path)?)
+/// Refuses what can be no folder, though nothing is made: something else is in its place, or in that of a folder above. It is named.
+pub(crate) fn may_be_folder(folder: &Path) -> io::Result<()> {
+    let in_the_way = folder
+        .ancestors()
+        .find_map(|above| Some((above, std::fs::symlink_metadata(above).ok()?)));
+    let what = match in_the_way {
+        Some((above, found)) if found.is_symlink() && !above.exists() => {
+            Some((above, "a link that leads nowhere"))
+        }
+        Some((above, _)) if above.is_file() => Some((above, "a file")),
+        _ => None,
+    };
+    what.map_or(Ok(()), |(above, what)| {
+        let message = format!("{} is {what}, not a folder", above.display());
+        Err(io::Error::new(io::ErrorKind::NotADirectory, message))
+    })
+}
+
+/// Makes a folder and those above it.
+pub(super) fn make_folder(folder: &Path) -> io::Result<()> {
+    std::fs::create_dir_all(folder).or_else(|error| may_be_folder(folder).and(Err(error)))
 }
 
 /// Refuses a link: who may put one into the folder of results would choose the file that is overwritten.
@@ -46,12 +64,12 @@ pub fn replace_file<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut File) -> Result<(), E>,
 ) -> Result<(), E> {
-    let path = &regular(path)?;
+    let path = &target(path)?;
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    std::fs::create_dir_all(folder)?;
+    make_folder(folder)?;
     let (mut file, temporary) = create_beside(folder, path)?;
     let written = write(&mut file)
         .and_then(|()| file.sync_all().map_err(E::from))
@@ -88,12 +106,12 @@ pub fn writable(path: &Path) -> Result<(), super::ResultsError> {
         path: path.to_owned(),
         source,
     };
-    let path = &regular(path).map_err(refused)?;
+    let path = &target(path).map_err(refused)?;
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    std::fs::create_dir_all(folder).map_err(refused)?;
+    make_folder(folder).map_err(refused)?;
     let (file, temporary) = create_beside(folder, path).map_err(refused)?;
     drop(file);
     std::fs::remove_file(temporary).map_err(refused)
@@ -207,9 +225,9 @@ mod tests {
         put(&link).unwrap();
         assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(std::fs::read(&file).unwrap(), b"new");
-        assert!(regular(Path::new("/dev/null")).is_err());
-        assert!(open(Path::new("/dev/null")).is_err());
-        assert!(open(&link).is_ok());
+        assert!(target(Path::new("/dev/null")).is_err());
+        assert!(crate::regular::open(Path::new("/dev/null")).is_err());
+        assert!(crate::regular::open(&link).is_ok());
         assert!(refuse_link(&link).is_err());
         assert!(refuse_link(&file).is_ok() && refuse_link(&folder.join("none")).is_ok());
         std::fs::remove_dir_all(&folder).unwrap();

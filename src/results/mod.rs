@@ -20,6 +20,7 @@ mod universal;
 
 pub use column::Column;
 pub use csv::CsvForm;
+pub(crate) use file::may_be_folder;
 pub use file::{file_stem, replace_file, writable};
 pub use listing::{Kind, Listed, listed};
 pub use recording::Recording;

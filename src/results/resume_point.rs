@@ -79,7 +79,7 @@ impl ResumePoint {
 
     /// Reads what [`ResumePoint::write`] wrote; `None` where there is no file.
     pub fn read(path: &Path) -> Result<Option<ResumePoint>, ResultsError> {
-        let bytes = match std::fs::read(path) {
+        let bytes = match crate::regular::read(path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(source) => {

@@ -3,8 +3,9 @@
 //! Columns and metadata are those of the Parquet file; see [`super::schema`]. Every batch is handed to the system in one
 //! piece. What a killed run leaves of a batch is ignored by [`read`], and cut by [`Stream::resume`].
 
-use super::file::{open, refuse_link};
+use super::file::{make_folder, refuse_link};
 use super::{Column, Results, ResultsError, schema};
+use crate::regular::{open, regular};
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_ipc::reader::StreamReader;
 use arrow_ipc::writer::StreamWriter;
@@ -38,7 +39,7 @@ impl Stream {
     /// Begins a stream with the columns and metadata of results, over what was there.
     pub fn create(path: &Path, header: &Results) -> Result<Stream, ResultsError> {
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(at(folder))?;
+            make_folder(folder).map_err(at(folder))?;
         }
         let mut stream = Stream::on(path, locked(path, true)?, header)?;
         // a run that is killed between these two leaves an empty file: they follow each other closely
@@ -141,6 +142,10 @@ impl Stream {
 /// Opens a stream for one writer alone; makes it where that is meant.
 fn locked(path: &Path, make: bool) -> Result<File, ResultsError> {
     refuse_link(path).map_err(at(path))?;
+    match regular(path) {
+        Err(error) if make && error.kind() == io::ErrorKind::NotFound => {}
+        found => drop(found.map_err(at(path))?),
+    }
     let file = OpenOptions::new()
         .read(true)
         .write(true)

@@ -73,10 +73,16 @@ impl Table {
         if let Some(last) = recording.last
             && header.column(last.path()).is_none()
         {
-            return Err(ResultsError::Last(format!(
-                "the last part can't be an angle: {} has no cycle",
-                header.model()
-            )));
+            return Err(ResultsError::Last(match header.are_modes() {
+                true => format!(
+                    "{} has no last part: its rows are modes, not samples; name the analyses in time by --analysis, or leave --last out",
+                    header.analysis()
+                ),
+                false => format!(
+                    "the last part can't be an angle: {} has no cycle",
+                    header.model()
+                ),
+            }));
         }
         let mut table = Table {
             rows: vec![Vec::new(); header.columns().len()],
@@ -105,11 +111,13 @@ impl Table {
         if recording.resume {
             if let Some(point) = ResumePoint::read(&disk.files.checkpoint)? {
                 if point.identity != disk.identity {
+                    let interrupted = Portions::open(&disk.files.partial)?.header();
                     return Err(ResultsError::Foreign {
                         path: disk.files.checkpoint.clone(),
-                        message: "the interrupted run had another model, other parameters, other channels or another \
-                                  version of eng; run again without --resume"
-                            .to_owned(),
+                        message: format!(
+                            "the interrupted run was another one: {}; run again without --resume",
+                            difference(&interrupted, &table.header)
+                        ),
                     });
                 }
                 let (stream, header) = Stream::resume(&disk.files.partial, point.samples)?;
@@ -300,7 +308,7 @@ fn complete(parquet: &Path) -> Result<Option<Results>, ResultsError> {
     }
 }
 
-/// In what complete results and a run that is to begin differ, as far as both say.
+/// In what kept results and a run that is to begin differ, as far as both say.
 fn difference(found: &Results, begun: &Results) -> String {
     let (old, new) = (found.metadata(), begun.metadata());
     let parameters: Vec<String> = new
@@ -323,7 +331,7 @@ fn difference(found: &Results, begun: &Results) -> String {
         [] if differs("version") => "another version of eng made them".to_owned(),
         [] if differs("source_hash") => "the text has changed since".to_owned(),
         [] if paths(found) != paths(begun) => "other channels are kept".to_owned(),
-        [] => "its analysis, a mesh or the part that is kept is another".to_owned(),
+        [] => "its analysis, its steps, a mesh or the part that is kept is another".to_owned(),
     }
 }
 
