@@ -122,7 +122,7 @@ eng_grammar::codes! {
         "A turning engine starts where its films and flexible bodies balance the loads of the steady motion. Here the thing that is named stands in the way: a journal that cannot carry its load, a mechanism that locks. The run starts as assembled, and rings at first. Mend it, or write `start: assembled`.",
         "", "";
     NOT_PERIODIC = "W0713", "the cycle does not repeat",
-        "`periodic` gave up after the stated number of `cycles`. The message names the channel that changes most, and the factor by which deviations of the motion shrink or grow a cycle. With a factor well below 1, allow more cycles; near 1 the motion never repeats: whirl of a lightly loaded journal, a resonance, a speed that creeps. The last cycle is kept.",
+        "`periodic` gave up after the stated number of `cycles`. The message names the channel that changes most, and the factor by which deviations of the motion shrink or grow a cycle. With a factor well below 1, allow more cycles; near 1 the motion never repeats: whirl of a lightly loaded journal, a resonance, a speed that creeps. Where the changes neither shrink nor follow from those before, as with impacts, no factor is told. The last cycle is kept.",
         "", "";
     WHIRL = "W0714", "a journal whirls at about half speed",
         "The pin moves at about half the shaft's speed and does not come back after a cycle: a film that carries little load is unstable so. Load it, widen the clearance, take thinner oil or a shorter bearing, or see whether the load of the model is too small.",

@@ -372,7 +372,8 @@ pub(crate) fn periodic(
         .iter()
         .map(|unstable| upside_down(unstable, "the steady motion"))
         .collect();
-    if let Some((decay, mode)) = found.decay.as_ref().and_then(|d| Some((d, d.mode?))) {
+    let decay = found.decay.as_ref().filter(|_| !found.erratic);
+    if let Some((decay, mode)) = decay.and_then(|d| Some((d, d.mode?))) {
         facts.push(format!(
             "slowest decay: deviations of the motion {}; they show most in {}",
             crate::repetition::pace(mode.factor),

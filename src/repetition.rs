@@ -14,6 +14,7 @@ const SLOWEST: &str = "periodic.slowest";
 const CHANGE: &str = "periodic.change";
 const FACTOR: &str = "periodic.factor";
 const NOISE: &str = "periodic.noise";
+const ERRATIC: &str = "periodic.erratic";
 
 /// Factor a cycle from which on more cycles don't help.
 const HARDLY_SHRINKS: f64 = 0.98;
@@ -31,6 +32,8 @@ pub(crate) struct Repetition {
     pub slowest: Option<Slowest>,
     /// Where the motion repeats and that change is the noise of the steps: the argument of the analysis that would bring it below what is asked for.
     pub noise: Option<String>,
+    /// Whether the differences from cycle to cycle neither shrink nor follow from those before.
+    pub erratic: bool,
 }
 
 /// The channel that changed most from the last cycle but one to the last.
@@ -54,13 +57,18 @@ impl Repetition {
                 Some(Slowest {
                     channel: system.channels.get(slowest.channel)?.path.clone(),
                     change: slowest.change,
-                    factor: found.motion.or(slowest.mode).map(|mode| mode.factor),
+                    factor: found
+                        .motion
+                        .or(slowest.mode)
+                        .filter(|_| !found.erratic)
+                        .map(|mode| mode.factor),
                 })
             }),
             noise: found.noise.map(|remedy| match remedy {
                 Remedy::Tolerance(factor) => format!("tolerance: {}", rounded_down(factor)),
                 Remedy::Step(step) => format!("step: {} s", rounded_down(step)),
             }),
+            erratic: found.erratic,
         }
     }
 
@@ -79,12 +87,13 @@ impl Repetition {
                     factor: number(FACTOR),
                 }),
             noise: metadata.get(NOISE).cloned(),
+            erratic: metadata.contains_key(ERRATIC),
         })
     }
 
     /// Whether a key of the metadata is one of these.
     pub fn is_key(key: &str) -> bool {
-        [CYCLES, REPEATS, SLOWEST, CHANGE, FACTOR, NOISE].contains(&key)
+        [CYCLES, REPEATS, SLOWEST, CHANGE, FACTOR, NOISE, ERRATIC].contains(&key)
     }
 
     /// Keys and values for the metadata; numbers to the last bit.
@@ -99,6 +108,7 @@ impl Repetition {
             pairs.extend(slowest.factor.map(|factor| (FACTOR, factor.to_string())));
         }
         pairs.extend(self.noise.clone().map(|noise| (NOISE, noise)));
+        pairs.extend(self.erratic.then(|| (ERRATIC, true.to_string())));
         pairs
     }
 
@@ -149,6 +159,13 @@ impl Repetition {
             ),
         );
         let message = place(message, analysis, "the last cycle is kept");
+        if self.erratic {
+            return Some(
+                message
+                    .with_note("its changes do not shrink, nor do they follow from those of the cycles before: no two cycles are alike")
+                    .with_help("impacts, stops and dry friction make such motions, and more cycles do not help: look at the forces of this part, take the mean of many cycles of a `transient`, or accept more: `change`"),
+            );
+        }
         let more = "allow more: `cycles: 100`";
         Some(match slowest.factor {
             None => message
@@ -204,6 +221,7 @@ mod tests {
                     repeats,
                     slowest,
                     noise: repeats.then(|| "tolerance: 0.01".to_owned()),
+                    erratic: !repeats,
                 };
                 let kept = found.metadata().into_iter();
                 let kept: BTreeMap<String, String> =

@@ -1,4 +1,5 @@
-//! What `periodic` says of a motion that shrinks, grows, or repeats but for the noise of its steps.
+//! What `periodic` says of a motion that shrinks, grows, repeats but for the noise of its steps, or never
+//! repeats.
 
 use eng::{Program, Sources};
 use std::path::PathBuf;
@@ -121,6 +122,28 @@ fn a_small_difference_of_large_forces_ends_and_is_told() {
         told.contains("warning[W0716]: mount.net changes by ")
             && told.contains("repeats but for the noise of its steps")
             && told.contains("`tolerance: 0.0"),
+        "{told}"
+    );
+}
+
+/// Ueda's oscillator `ẍ + 0.05 ẋ + x³ = 7.5 cos τ` (mm, 62.83 rad/s) is chaotic: no factor is told, and no
+/// advice to wait.
+#[test]
+fn what_never_repeats_is_not_said_to_shrink() {
+    let text = oscillator(
+        "3.1416 N*s/m",
+        "let bent = x/(1 mm)
+    apply force 3.94784 N*(7.5*sin(20*pi*time/(1 s)) - bent*bent*bent)*b.z on a against b",
+        ", cycles: 20",
+    )
+    .replace("k: 5 N/mm", "k: 0 N/mm");
+    let told = told("erratic", &text);
+    assert!(
+        told.contains("warning[W0713]") && told.contains("no two cycles are alike"),
+        "{told}"
+    );
+    assert!(
+        !told.contains("allow more") && !told.contains("by the factor"),
         "{told}"
     );
 }

@@ -41,6 +41,12 @@ const UNFORETOLD: f64 = 0.3;
 const NOISY_CYCLES: usize = 3;
 /// Share of the least change so far above which the changes of the last cycles no longer shrink.
 const STANDSTILL: f64 = 0.5;
+/// Least cycles by which a motion is told to be erratic.
+const ERRATIC_CYCLES: usize = 8;
+/// Ratio up to which the differences of the second half of all cycles are as large as those of the first.
+const ALIKE: f64 = 2.0;
+/// Ratio from which on a factor says that they are not.
+const UNLIKE: f64 = 5.0;
 /// Samples of a cycle, at most.
 const MOST_SAMPLES: f64 = 1e6;
 
@@ -61,6 +67,9 @@ pub struct PeriodicSummary {
     pub motion: Option<Mode>,
     /// Set where the motion repeats and the slowest channel's change is the noise of the steps.
     pub noise: Option<Remedy>,
+    /// Whether the differences from cycle to cycle stay as large as they were, as of impacts, whatever the
+    /// last two say: no factor says how they go on.
+    pub erratic: bool,
     /// Channels that grow by the same amount every cycle: they are not asked to repeat.
     pub growing: Vec<Growth>,
     /// Motion of pins at about half the shaft's speed that does not repeat, by journal; empty after few cycles.
@@ -144,6 +153,7 @@ pub fn run_periodic(
         ),
         moved: Moved::default(),
         changes: Vec::new(),
+        differences: Vec::new(),
         velocities: model.velocities,
         noise: None,
         now: Record::default(),
@@ -172,6 +182,7 @@ pub fn run_periodic(
     } else {
         None
     };
+    let erratic = cycles.erratic();
     Ok(PeriodicSummary {
         run: RunSummary {
             interrupted: false,
@@ -183,6 +194,7 @@ pub fn run_periodic(
         decay: cycles.decay,
         motion: cycles.moved.mode,
         noise: cycles.noise,
+        erratic,
         growing: cycles.growing,
         whirl: whirl::find(cycles.orbits.make_contiguous(), period),
         unstable,
@@ -245,6 +257,12 @@ impl Record {
     }
 }
 
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+}
+
 /// Watches a transient cycle by cycle.
 struct Cycles<'a> {
     samples: usize,
@@ -255,6 +273,9 @@ struct Cycles<'a> {
     moved: Moved,
     /// Of each cycle the largest change, and the share of it that was not foretold.
     changes: Vec<(f64, f64)>,
+    /// Of each cycle from the second on how far the motion is from the cycle before, in what the tolerance
+    /// leaves.
+    differences: Vec<f64>,
     velocities: usize,
     noise: Option<Remedy>,
     now: Record,
@@ -360,6 +381,9 @@ impl Cycles<'_> {
         self.moved = self
             .motion
             .next(&self.now.poses[pose_width..], &self.now.motion[width..]);
+        if self.done > 1 {
+            self.differences.push(self.moved.beyond);
+        }
         if let Some(now) = &self.slowest
             && now.mode.is_some()
             && (now.change > ABOVE * self.limit.change || self.decay.is_none())
@@ -417,6 +441,21 @@ impl Cycles<'_> {
                 .moved
                 .mode
                 .is_some_and(|mode| self.moved.beyond * mode.reach() <= 1.0)
+    }
+
+    /// Whether the motion differs between cycles of the second half by as much as between those of the first,
+    /// though its last two differences say that it should by much less or more. Their factor is chance then.
+    fn erratic(&self) -> bool {
+        let (earlier, later) = self.differences.split_at(self.differences.len() / 2);
+        let enough = !self.repeats && self.differences.len() >= ERRATIC_CYCLES;
+        let Some(mode) = self.moved.mode.filter(|_| enough) else {
+            return false;
+        };
+        let measured = median(later) / median(earlier);
+        let claimed = libm::pow(mode.factor, later.len() as f64);
+        let far = |ratio: f64, most: f64| ratio < 1.0 / most || ratio > most;
+        // what the tolerance leaves is noise
+        median(later) > 1.0 && !far(measured, ALIKE) && far(claimed, UNLIKE)
     }
 
     /// Gives the last whole cycle to the observer, or, of a run that ended within a cycle, that.
