@@ -11,6 +11,7 @@
 //! | [`joint`] | what a class of elements holds |
 //! | [`elements`], [`dynamics`] | calls of element code; residual and exact matrix |
 //! | [`linear`] | sparse factorisation behind a trait |
+//! | [`singular`] | singular values of dense matrices |
 //! | [`assembly`], [`mod@topology`], [`mod@loose`] | start positions and velocities; freedom and redundancy; what nothing holds |
 //! | [`mod@start`] | the quasi-static start of a turning engine |
 //! | [`acceleration`] | projection of outputs, accelerations and reactions |
@@ -48,6 +49,7 @@ pub mod periodic;
 pub mod rotation;
 pub mod shape;
 pub mod simulation;
+pub mod singular;
 pub mod start;
 pub mod state;
 pub mod topology;

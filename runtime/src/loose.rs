@@ -450,7 +450,7 @@ fn groups(model: &Model, rest: &State, motions: &DMatrix<f64>) -> Vec<Loose> {
         };
         let moves = motions.rows(6 * bodies[0], 3).into_owned();
         found.push(Loose {
-            directions: moves.svd(false, false).rank(NO_PART),
+            directions: crate::singular::decompose(moves).map_or(0, |svd| svd.rank(NO_PART)),
             bodies,
             motions: count,
             along,

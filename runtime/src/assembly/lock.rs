@@ -39,7 +39,7 @@ pub fn near(
     {
         return Ok(None);
     }
-    let Some(svd) = matrix.try_svd(true, false, f64::EPSILON, 10_000) else {
+    let Some(svd) = crate::singular::decompose(matrix) else {
         return Ok(None);
     };
     let Some(left) = svd.u else { return Ok(None) };

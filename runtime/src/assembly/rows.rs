@@ -387,10 +387,10 @@ pub fn smallest_solution(matrix: &DMatrix<f64>, rhs: &DVector<f64>) -> Option<DV
     if matrix.nrows() == 0 || matrix.ncols() == 0 {
         return Some(DVector::zeros(matrix.ncols()));
     }
-    if matrix.iter().chain(rhs.iter()).any(|x| !x.is_finite()) {
+    if rhs.iter().any(|x| !x.is_finite()) {
         return None;
     }
-    let svd = matrix.clone().try_svd(true, true, f64::EPSILON, 10_000)?;
+    let svd = crate::singular::decompose(matrix.clone())?;
     let threshold = 1e-9 * svd.singular_values.amax();
     svd.solve(rhs, threshold.max(f64::MIN_POSITIVE)).ok()
 }

@@ -293,7 +293,7 @@ fn towards_balance(
         V3::new(free[first], free[first + 1], free[first + 2]).norm()
     });
     let largest = largest.fold(0.0, f64::max);
-    let decomposed = equations.stiffness.clone().svd(true, true);
+    let decomposed = crate::singular::decompose(equations.stiffness.clone())?;
     let stiffest = decomposed.singular_values.amax();
     let mut way = if stiffest > 0.0 {
         decomposed.solve(&rates, HELD * stiffest).ok()?

@@ -9,6 +9,7 @@ use crate::assembly::rows::{Along, Rows, wishes};
 use crate::assembly::{assemble, at};
 use crate::error::RuntimeError;
 use crate::model::Model;
+use crate::singular::decompose;
 use crate::state::State;
 use eng_system::code::Compiled;
 use eng_system::system::Origin;
@@ -90,7 +91,7 @@ fn found(model: &Model, state: &State) -> Result<Option<Hanging>, RuntimeError> 
         .iter()
         .map(|body| {
             let moves = free.rows(body.velocity, 3).into_owned();
-            moves.ncols() > 0 && moves.svd(false, false).rank(MOVES) == 3
+            moves.ncols() > 0 && decompose(moves).is_some_and(|svd| svd.rank(MOVES) == 3)
         })
         .collect();
     // groups: loose bodies that any element joins
@@ -167,7 +168,7 @@ fn null_space(parts: &[DMatrix<f64>], columns: usize) -> Option<DMatrix<f64>> {
             all.row_mut(i).copy_from(&(row / size));
         }
     }
-    let svd = all.try_svd(false, true, f64::EPSILON, 10_000)?;
+    let svd = decompose(all)?;
     let right = svd.v_t?;
     let weak: Vec<usize> = (0..columns)
         .filter(|i| svd.singular_values[*i] < HOLDS)

@@ -27,12 +27,9 @@ pub(super) fn split_above(matrix: &DMatrix<f64>, least: f64) -> Option<Picked> {
             free: DMatrix::identity(space, space),
         });
     }
-    if matrix.iter().any(|x| !x.is_finite()) {
-        return None;
-    }
     // Rows of zeros make the right vectors complete.
     let padded = matrix.clone().resize(rows.max(space), space, 0.0);
-    let svd = padded.try_svd(true, true, f64::EPSILON, 10_000)?;
+    let svd = crate::singular::decompose(padded)?;
     let (left, right) = (svd.u?, svd.v_t?);
     let determined = |i: &usize| svd.singular_values[*i] > least;
     let strong: Vec<usize> = (0..space).filter(determined).collect();

@@ -197,7 +197,11 @@ impl Round {
         let wanted = DVector::from_fn(size, |i, _| {
             (gap.coordinates[i] + along[i] * given) / weight(i)
         });
-        let decomposed = off.svd(true, true);
+        let decomposed =
+            crate::singular::decompose(off).ok_or_else(|| RuntimeError::Eigenvalues {
+                size,
+                what: "the changes over a period are not finite".to_owned(),
+            })?;
         let largest = decomposed.singular_values.amax();
         let solved = decomposed.solve(&wanted, STAYS * largest).map_err(|what| {
             RuntimeError::Eigenvalues {

@@ -176,13 +176,10 @@ impl Balance<'_> {
         let across = mass.solve(&rows.transpose());
         let wanted = -(across.transpose() * residual);
         // rows that depend on each other leave a choice: the least multipliers
-        let Some(carried) = (&rows * &across)
-            .try_svd(true, true, f64::EPSILON, 10_000)
-            .and_then(|svd| {
-                svd.solve(&wanted, LEAST_ROW * svd.singular_values.amax())
-                    .ok()
-            })
-        else {
+        let Some(carried) = crate::singular::decompose(&rows * &across).and_then(|svd| {
+            svd.solve(&wanted, LEAST_ROW * svd.singular_values.amax())
+                .ok()
+        }) else {
             return Err(not_finite(model));
         };
         for (i, scale) in model.row_scales().iter().enumerate().take(m) {
@@ -212,8 +209,7 @@ impl Balance<'_> {
         // softened at a critical speed a shaft is not free
         self.add_softening(state, -1.0, &mut matrix);
         let free = self.free_stiffness(&place.state, &matrix, free)?;
-        let svd = (free.stiffness / (pace * pace))
-            .try_svd(false, true, f64::EPSILON, 10_000)
+        let svd = crate::singular::decompose(free.stiffness / (pace * pace))
             .ok_or_else(|| not_finite(model))?;
         let right = svd.v_t.ok_or_else(|| not_finite(model))?;
         let weak: Vec<usize> = (0..right.nrows())

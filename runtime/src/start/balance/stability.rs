@@ -104,9 +104,7 @@ impl Balance<'_> {
         }
         let count = free.stiffness.nrows();
         let shifted = &free.stiffness - DMatrix::identity(count, count) * least;
-        let svd = shifted
-            .try_svd(false, true, f64::EPSILON, 10_000)
-            .ok_or_else(|| not_finite(model))?;
+        let svd = crate::singular::decompose(shifted).ok_or_else(|| not_finite(model))?;
         let right = svd.v_t.ok_or_else(|| not_finite(model))?;
         let weakest = (0..count).fold(0, |best, i| {
             if svd.singular_values[i] < svd.singular_values[best] {

@@ -334,7 +334,7 @@ fn ahead(begins: &[Vector], ends: &[Vector], weights: &[f64]) -> Option<Vector> 
     let size = weights.len();
     let changes = DMatrix::from_fn(size, count, |i, k| off(k, i) - off(count, i));
     let wanted = DVector::from_fn(size, |i, _| -weights[i] * (last_end[i] - last_begin[i]));
-    let svd = changes.try_svd(true, true, f64::EPSILON, 10_000)?;
+    let svd = crate::singular::decompose(changes)?;
     let parts = svd.solve(&wanted, SAME * svd.singular_values.amax()).ok()?;
     let mut next = last_end.clone();
     for (end, part) in ends.iter().zip(parts.iter()) {
