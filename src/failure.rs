@@ -63,9 +63,9 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help(format!("state a `step` below {} s, or none: then the error decides", significant(step * 90.0 / degrees, 2))),
         R::Astray { origin, .. } => place(d(codes::ASTRAY), origin, "moves away ever faster")
             .with_help("a force drives it on: look at the signs of the forces on this body and at the units of what they read"),
-        R::Require { origin, value, .. } => {
+        R::Require { origin, value, dimension, .. } => {
             condition(d(codes::REQUIRED), origin, "this must hold at every step")
-                .with_note(format!("it is missed by {:.3e} in SI units", -value))
+                .with_note(format!("it is missed by {}", eng_runtime::error::gap(-value, *dimension)))
         }
         R::Projection { row, .. } => place(d(codes::PROJECTION), &row.origin, "stays open here")
             .with_help("take a smaller step, or a tolerance; if that does not help, the mechanism locks or reaches its end here"),
@@ -279,6 +279,14 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
             message.with_help(
                 "something is divided by zero, a root is taken of a negative number, or a direction has the length zero",
             )
+        }
+        BindError::TooLarge { path, .. } => {
+            let message = Diagnostic::error(codes::PARAMETER_NOT_FINITE, error.to_string());
+            let message = match place_of(path, system) {
+                Some(at) => message.at(span(at), "of this"),
+                None => message,
+            };
+            message.with_help("look at its exponent and its unit")
         }
         BindError::Limits { path, .. } => {
             let message = Diagnostic::error(codes::PARAMETER_LIMITS, error.to_string());

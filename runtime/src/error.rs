@@ -2,10 +2,10 @@
 
 mod pace;
 
-use eng_system::DisplayUnit;
 use eng_system::code::BindError;
 use eng_system::system::Origin;
 use eng_system::table::Outside;
+use eng_system::{Dimension, DisplayUnit};
 pub use pace::{Jump, Pace, Slow};
 
 /// When something happened.
@@ -123,11 +123,24 @@ fn standing(moment: &Moment, angle: f64) -> String {
 }
 
 /// By how much a branch condition is missed.
-fn missed(value: f64) -> String {
+fn missed(value: f64, dimension: Option<Dimension>) -> String {
     if value.abs() <= 1e-9 {
         "the only place found lies on the border of two branches".to_owned()
     } else {
-        format!("it is missed by {} in SI units", digits(-value))
+        format!("it is missed by {}", gap(-value, dimension))
+    }
+}
+
+/// A gap with its unit: lengths in mm, numbers without one, all else in SI units.
+pub fn gap(value: f64, dimension: Option<Dimension>) -> String {
+    match dimension {
+        Some(Dimension::LENGTH) => format!("{} mm", digits(1e3 * value)),
+        Some(Dimension::ONE) => digits(value),
+        Some(dimension) => {
+            let unit = DisplayUnit::si(dimension);
+            format!("{} {}", digits(value), unit.symbol)
+        }
+        None => format!("{} in SI units", digits(value)),
     }
 }
 
@@ -333,12 +346,14 @@ pub enum RuntimeError {
         chain: Option<Box<Chain>>,
     },
     /// The assembled positions are on the wrong branch.
-    #[error("{}: no start position with {condition} was found: {}", origin.path, missed(*value))]
+    #[error("{}: no start position with {condition} was found: {}", origin.path, missed(*value, *dimension))]
     Branch {
         /// The element.
         origin: Box<Origin>,
         /// The condition as written.
         condition: String,
+        /// Its dimension, where all that it compares has one.
+        dimension: Option<Dimension>,
         /// Its value; positive would hold.
         value: f64,
         /// The loop of the element.
@@ -499,6 +514,8 @@ pub enum RuntimeError {
         moment: Moment,
         /// The value that should be positive.
         value: f64,
+        /// Its dimension, where all that is compared has one.
+        dimension: Option<Dimension>,
     },
     /// An output position or velocity does not come back to the constraints.
     #[error(

@@ -9,7 +9,7 @@ use eng_runtime::error::Chain;
 use eng_runtime::joint::Joint;
 use eng_runtime::start::hanging::Hanging;
 use eng_runtime::{NamedRow, RuntimeError};
-use eng_system::system::{Origin, System};
+use eng_system::system::{BodyRef, Location, Origin, Role, System};
 
 /// The warning of bodies that hang loose.
 pub(crate) fn hanging(found: &Hanging) -> Diagnostic {
@@ -62,6 +62,7 @@ pub(super) fn open_loop(
         Some(row) => with_markers(message, &row.origin, system),
         None => message,
     };
+    let message = with_guesses(message, chain, system);
     with_angle(message, chain, system).with_help(PLACING)
 }
 
@@ -75,6 +76,7 @@ pub(super) fn wrong_branch(
     let message = place(message, origin, "assembled the other way round");
     let message = with_markers(message, origin, system);
     let message = with_lengths(message, chain, system);
+    let message = with_guesses(message, chain, system);
     with_angle(message, chain, system)
         .with_help(PLACING)
         .with_help("or ask for another `branch` at the use")
@@ -209,6 +211,39 @@ pub(super) fn with_markers(message: Diagnostic, element: &Origin, system: &Syste
         );
         message.also(span(at), label)
     })
+}
+
+/// Most guesses that a message points to.
+const MOST_GUESSES: usize = 4;
+
+/// Where the text guesses places: of the bodies of the loop, or of any where none of them has a guess. Closing begins there, and a
+/// wrong one leads astray.
+fn with_guesses(message: Diagnostic, chain: Option<&Chain>, system: &System) -> Diagnostic {
+    let guesses = system.elements.iter();
+    let guesses = guesses.filter(|e| e.role == Role::StartPosition { exact: false });
+    let body_of = |marker: u32| match system.markers.get(marker as usize)?.body {
+        BodyRef::Body(body) => Some(body),
+        BodyRef::Ground => None,
+    };
+    let stated: Vec<(Option<&Origin>, Location)> = guesses
+        .filter_map(|guess| {
+            let bodies = guess.markers.iter();
+            let body = bodies
+                .filter_map(|m| body_of(*m))
+                .find_map(|body| system.bodies.get(body as usize));
+            Some((body.map(|body| &body.origin), guess.origin.used_at?))
+        })
+        .collect();
+    let in_loop = |body: &Option<&Origin>| {
+        body.is_some_and(|body| chain.is_some_and(|c| c.bodies.iter().any(|b| b.origin == *body)))
+    };
+    let any = stated.iter().any(|(body, _)| in_loop(body));
+    let told = stated.iter().filter(|(body, _)| !any || in_loop(body));
+    told.take(MOST_GUESSES)
+        .fold(message, |message, (body, at)| {
+            let of = body.map_or(String::new(), |body| format!(" of {}", body.path));
+            message.also(span(*at), format!("a guess{of}: the search begins here"))
+        })
 }
 
 /// The z axes of the joints of a loop.

@@ -143,6 +143,14 @@ pub enum BindError {
         /// A table that is read outside its points.
         outside: Option<Box<Outside>>,
     },
+    /// A value whose square is no number any more: lengths and energies cannot be computed.
+    #[error("a number of {path} is {value:.1e} in SI units: no machine has such a number")]
+    TooLarge {
+        /// Path of the slot.
+        path: String,
+        /// The value (SI).
+        value: f64,
+    },
     /// A parameter leaves its limits.
     #[error("{path} = {value} is outside its limits: it lies between {low} and {high}")]
     Limits {

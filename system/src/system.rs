@@ -158,6 +158,8 @@ pub struct Condition {
     pub text: String,
     /// The message in parts; empty where `text` is all.
     pub message: Vec<MessagePart>,
+    /// Dimension of the value, where all that is compared has one.
+    pub dimension: Option<Dimension>,
     /// Its place in the class.
     pub defined_at: Option<Location>,
 }

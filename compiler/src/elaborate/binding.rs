@@ -14,6 +14,9 @@ use eng_system::table::{Outside, Table};
 use eng_system::{Dimension, DisplayUnit};
 use std::collections::BTreeSet;
 
+/// The largest number that a model may hold (SI): its square is still a number.
+const LARGEST: f64 = 1e150;
+
 /// The node that a parameter takes its value from when it is not set.
 pub type ParameterDefault = Node;
 
@@ -273,6 +276,16 @@ impl BindCode for BindProgram {
                 outside: self.outside(&values, tables),
             });
         }
+        if let Some(i) = slots.iter().position(|v| v.abs() > LARGEST) {
+            return Err(BindError::TooLarge {
+                path: self
+                    .slot_owners
+                    .get(i)
+                    .unwrap_or(&self.function.name)
+                    .clone(),
+                value: slots[i],
+            });
+        }
         Ok(Bound {
             slots,
             parameters,
@@ -317,6 +330,8 @@ pub(crate) struct Message {
     /// With its expressions as written.
     pub text: String,
     pub parts: Vec<Part>,
+    /// Dimension of what its condition compares, where it compares two numbers.
+    pub compared: Option<Dimension>,
 }
 
 /// Part of a message before it is known of which stage its numbers are.
@@ -595,7 +610,8 @@ impl<'a> Elaborator<'a, '_> {
             return Ok(None);
         }
         let truth = self.where_it_counts(truth);
-        let message = self.message(message, scope)?;
+        let mut message = self.message(message, scope)?;
+        message.compared = self.compared(condition, scope)?;
         match truth {
             Truth::Later(flag) if flag.stage == Stage::Motion => Ok(Some((flag, message))),
             Truth::Later(flag) => {
@@ -690,6 +706,24 @@ impl<'a> Elaborator<'a, '_> {
                 },
             })
             .collect()
+    }
+
+    /// The dimension of the two numbers that a condition compares; `None` of any other.
+    pub(super) fn compared(
+        &mut self,
+        condition: &'a ast::Expr,
+        scope: ScopeId,
+    ) -> Eval<Option<Dimension>> {
+        use ast::BinaryOp as B;
+        match &condition.kind {
+            ast::ExprKind::Paren { inner, unit: None } => self.compared(inner, scope),
+            ast::ExprKind::Binary {
+                op: B::Less | B::LessEqual | B::Greater | B::GreaterEqual | B::Equal,
+                left,
+                ..
+            } => self.dimension_at(left.span, scope).map(Some),
+            _ => Ok(None),
+        }
     }
 
     fn message(&mut self, message: &'a ast::Name, scope: ScopeId) -> Eval<Message> {

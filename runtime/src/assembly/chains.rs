@@ -6,6 +6,7 @@ use crate::error::{Chain, ChainBody};
 use crate::model::Model;
 use crate::rotation::V3;
 use crate::state::State;
+use eng_system::Dimension;
 use std::collections::VecDeque;
 
 /// Axes closer than this are one direction (1 − cosine).
@@ -20,7 +21,8 @@ struct Edge {
 
 /// The shortest closed chain of joints and films through an element; `None` where it closes none.
 ///
-/// The length of a body is the distance between the markers of its two joints across the axis that most joints of the chain share (m).
+/// The length of a body is the distance between the markers of its two joints across the axis that most joints of the chain share
+/// (m); in space where both are ball or cardan joints, for then the body may tilt.
 pub fn through(model: &Model, element: usize, state: &State) -> Option<Chain> {
     let ground = model.bodies.len();
     let node = |marker: usize| model.markers[marker].body.unwrap_or(ground);
@@ -57,16 +59,19 @@ pub fn through(model: &Model, element: usize, state: &State) -> Option<Chain> {
     let place = |marker: usize| rows::marker(model, marker, &state.pose, &state.velocity).position;
     // markers of each body of the chain: where it is entered, where it is left
     let mut spans = Vec::new();
-    let mut entered = own.markers[0];
+    let mut entered = (element, own.markers[0]);
     for edge in &path {
-        spans.push([entered, edge.markers[0]]);
-        entered = edge.markers[1];
+        spans.push([entered, (edge.element, edge.markers[0])]);
+        entered = (edge.element, edge.markers[1]);
     }
-    spans.push([entered, own.markers[1]]);
+    spans.push([entered, (element, own.markers[1])]);
     let origins = &model.compiled.system;
     let bodies = spans
         .into_iter()
-        .filter_map(|markers| {
+        .filter_map(|ends| {
+            let tilts = ends.iter().all(|(joint, _)| is_point(model, *joint));
+            let axis = axis.filter(|_| !tilts);
+            let markers = ends.map(|(_, marker)| marker);
             let body = model.markers[markers[0]].body?;
             let along = place(markers[1]) - place(markers[0]);
             let across = axis.map_or(along, |n| along - n * along.dot(&n));
@@ -106,6 +111,13 @@ pub fn through(model: &Model, element: usize, state: &State) -> Option<Chain> {
         })
         .collect();
     Some(Chain { joints, bodies })
+}
+
+/// Whether a joint holds a point alone, or a point and one angle: a ball or cardan joint.
+fn is_point(model: &Model, element: usize) -> bool {
+    let rows = &model.class(element).rows;
+    let lengths = rows.iter().filter(|row| row.dimension == Dimension::LENGTH);
+    lengths.count() == 3 && rows.len() < 5
 }
 
 /// Joints with equations and films between two bodies, or a body and the ground.

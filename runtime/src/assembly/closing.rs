@@ -1,6 +1,6 @@
 //! Closing loops: Gauss–Newton with smallest steps, and shaking where that ends on a wrong branch.
 
-use super::rows::{Along, Centred, Rows, smallest_solution};
+use super::rows::{Along, Rows, Wish, smallest_solution};
 use super::{at, choose_turns, is_closed, violated_branches};
 use crate::body::BodyModel;
 use crate::dynamics::undefined;
@@ -152,7 +152,7 @@ fn offending(
 fn follow_wishes(
     model: &Model,
     all: &[usize],
-    wishes: &[Centred],
+    wishes: &[Wish],
     stated: &[bool],
     state: &mut State,
 ) -> Result<(), RuntimeError> {

@@ -54,7 +54,7 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
             }
         }
     }
-    let mut stated = Vec::with_capacity(model.bodies.len());
+    let mut places = placement::Stated::default();
     for (body, info) in model.bodies.iter().zip(&system.bodies) {
         let p = body.pose;
         if let Some(position) = &info.position {
@@ -66,7 +66,8 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
             let matrix = M3::from_row_slice(&orientation.map(|slot| model.slot(slot)));
             state.pose[p + 3..p + 7].copy_from_slice(&quaternion(&matrix));
         }
-        stated.push(info.position.is_some() || info.orientation.is_some());
+        places.position.push(info.position.is_some());
+        places.orientation.push(info.orientation.is_some());
     }
     if state
         .pose
@@ -87,9 +88,15 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
             .placed_at
             .and_then(|partner| model.markers[partner].body)
         {
-            stated[body] = true;
+            places.position[body] = true;
         }
     }
+    let stated: Vec<bool> = places
+        .position
+        .iter()
+        .zip(&places.orientation)
+        .map(|(position, orientation)| *position || *orientation)
+        .collect();
 
     let has_rows = |e: &usize| !model.class(*e).rows.is_empty();
     let follows = |e: &usize| {
@@ -123,7 +130,7 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
                     .any(|c| c.kind == ConditionKind::Branch)
         })
         .collect();
-    placement::place(model, &all, &mut state, &stated)?;
+    placement::place(model, &exact, &mut state, &places)?;
     closing::close_all(model, &all, &exact, &conditioned, &stated, &mut state)?;
     freeze(model, &state);
     settle_turns(model, &mut state)?;
@@ -222,9 +229,11 @@ fn check_branches(model: &Model, state: &State) -> Result<(), RuntimeError> {
 /// The error of a violated branch condition: (element, condition, value).
 fn wrong_branch(model: &Model, state: &State, violated: (usize, usize, f64)) -> RuntimeError {
     let (element, condition, value) = violated;
+    let condition = &model.class(element).conditions[condition];
     RuntimeError::Branch {
         origin: Box::new(model.compiled.system.elements[element].origin.clone()),
-        condition: model.class(element).conditions[condition].text.clone(),
+        condition: condition.text.clone(),
+        dimension: condition.dimension,
         value,
         chain: chains::through(model, element, state).map(Box::new),
     }

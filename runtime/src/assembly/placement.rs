@@ -1,11 +1,11 @@
 //! Placing bodies one by one along the joints that lead to placed ones.
 
 use super::closing::{bodies_of, close};
-use super::rows::{self, Centred, Rows};
+use super::rows::{self, Rows, Wish};
 use super::{at, is_closed, violated_branches};
 use crate::error::RuntimeError;
 use crate::model::Model;
-use crate::rotation::{M3, V3, quaternion};
+use crate::rotation::{M3, V3, exponential, normalized, product, quaternion};
 use crate::state::State;
 
 /// The 24 rotations of a cube, the identity first.
@@ -42,19 +42,29 @@ pub fn cube_rotations() -> Vec<M3> {
     found
 }
 
-/// Places every body without a stated place that rows connect to placed bodies or ground. The order is that of most rows
-/// to what is placed, then of the bodies; bodies which nothing reaches keep their place and count as placed.
+/// What the text states of the places of bodies, by `start` or `guess`.
+#[derive(Clone, Debug, Default)]
+pub struct Stated {
+    /// Where the body is; a marker that follows it states that, too.
+    pub position: Vec<bool>,
+    /// How it is turned.
+    pub orientation: Vec<bool>,
+}
+
+/// Places every body without a stated position that rows connect to placed bodies or ground. The order is that of most rows
+/// to what is placed, then of the bodies; bodies which nothing reaches keep their place and count as placed. A guess is where a
+/// body is looked for first: its rows are none of `elements`, for they would never close together with the joints.
 pub fn place(
     model: &Model,
     elements: &[usize],
     state: &mut State,
-    stated: &[bool],
+    stated: &Stated,
 ) -> Result<(), RuntimeError> {
     let cubes = cube_rotations();
     let wishes = rows::wishes(model);
     // Stated bodies first obey what ties them to ground alone, say a start angle, from where they are stated.
     let mut placed = vec![false; model.bodies.len()];
-    for body in (0..model.bodies.len()).filter(|b| stated[*b]) {
+    for body in (0..model.bodies.len()).filter(|b| stated.position[*b]) {
         place_one(
             model,
             elements,
@@ -68,7 +78,7 @@ pub fn place(
             state,
         )?;
     }
-    placed.copy_from_slice(stated);
+    placed.copy_from_slice(&stated.position);
     loop {
         let mut next: Option<(usize, usize)> = None;
         for body in (0..model.bodies.len()).filter(|b| !placed[*b]) {
@@ -78,7 +88,7 @@ pub fn place(
                 .sum();
             // films place a body as joints do: a crank before the rods that would hang anywhere
             let wishes = wished(model, &wishes, &[body], &placed).len();
-            let rows = rows + rows::CENTRED_ROWS * wishes;
+            let rows = rows + rows::FILM_ROWS * wishes;
             if rows > 0 && next.is_none_or(|(most, _)| rows > most) {
                 next = Some((rows, body));
             }
@@ -121,7 +131,7 @@ fn connecting(model: &Model, elements: &[usize], body: usize, placed: &[bool]) -
 }
 
 /// Wishes between a body of `moving` and what is placed, or another of them.
-fn wished(model: &Model, wishes: &[Centred], moving: &[usize], placed: &[bool]) -> Vec<Centred> {
+fn wished(model: &Model, wishes: &[Wish], moving: &[usize], placed: &[bool]) -> Vec<Wish> {
     let stands = |m: usize| model.markers[m].body.is_none_or(|b| placed[b]);
     let moves = |m: usize| model.markers[m].body.is_some_and(|b| moving.contains(&b));
     let between = |a: usize, b: usize| moves(a) && (stands(b) || moves(b));
@@ -144,8 +154,8 @@ fn place_one(
 ) -> Result<(), RuntimeError> {
     let near = connecting(model, elements, body, known.placed);
     let alone = vec![body];
-    // a body that is placed by the text follows no wish
-    let wishes_of = |moving: &[usize]| match known.stated[body] {
+    // a body that is placed by the text follows no wish of films
+    let wishes_of = |moving: &[usize]| match known.stated.position[body] {
         true => Vec::new(),
         false => wished(model, known.wishes, moving, known.placed),
     };
@@ -173,6 +183,7 @@ fn place_one(
     let rows = Wanted {
         elements: &near,
         wishes: &wishes,
+        stated: known.stated,
     };
     let mut best = search(model, &rows, &partners, body, &alone, cubes, state)?;
     if best.key != DONE {
@@ -182,7 +193,7 @@ fn place_one(
             .iter()
             .flat_map(|e| bodies_of(model, *e))
             .chain(films)
-            .filter(|b| *b != body && !known.stated[*b])
+            .filter(|b| *b != body && !known.stated.position[*b])
             .collect();
         moving.sort_unstable();
         moving.dedup();
@@ -201,6 +212,7 @@ fn place_one(
             let rows = Wanted {
                 elements: &around,
                 wishes: &wishes,
+                stated: known.stated,
             };
             let together = search(model, &rows, &partners, body, &moving, cubes, state)?;
             if together.key < best.key {
@@ -214,21 +226,26 @@ fn place_one(
 
 /// Which bodies have a place: stated in the text, or found by now.
 struct Known<'a> {
-    stated: &'a [bool],
+    stated: &'a Stated,
     placed: &'a [bool],
-    wishes: &'a [Centred],
+    wishes: &'a [Wish],
 }
 
 /// What a place is looked for with.
 struct Wanted<'a> {
     elements: &'a [usize],
-    wishes: &'a [Centred],
+    wishes: &'a [Wish],
+    stated: &'a Stated,
 }
 
 /// The key of a trial with nothing left to wish.
 const DONE: (bool, bool, bool) = (false, false, false);
+/// The key of a trial that lacks nothing but a wish.
+const UNWISHED: (bool, bool, bool) = (false, false, true);
+/// Turns of a stated place that are tried about the axis of an angle (°): one lies within the reach of any angle's equation.
+const TURNS: [f64; 7] = [45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0];
 
-/// A trial place: (open, wrong branch, a pin outside of its shell), largest scaled row.
+/// A trial place: (open, wrong branch, a pin outside of its shell or a turning axis across), largest scaled row.
 struct Trial {
     key: (bool, bool, bool),
     size: f64,
@@ -237,6 +254,10 @@ struct Trial {
 
 /// Looks for a place of `body` where the rows of `wanted` close, while the bodies of `moving` move, from where it stands
 /// and from the `partners` of its markers.
+///
+/// The equation of an angle is also solved by a body that lies across or upside down. So axes of elements that measure angles are
+/// wished parallel: such a place counts as found only where nothing better is. The wish takes part in closing only where the rows
+/// alone leave it unfulfilled. An orientation that the text states is kept as far as a turn about the axis closes the rows.
 fn search(
     model: &Model,
     wanted: &Wanted<'_>,
@@ -249,21 +270,24 @@ fn search(
     let rows = Rows::new(model, wanted.elements.to_vec());
     let wishes = wanted.wishes;
     let with_wishes = rows.clone().with(model, wishes);
+    let axes = rows::axes(model, wanted.elements);
+    let all_wishes = with_wishes.clone().with(model, &axes);
     let info = &model.bodies[body];
     let mut mobility = vec![0.0; model.velocities];
     for b in moving {
         let moved = &model.bodies[*b];
         super::closing::set_mobility(moved, 1.0, &mut mobility);
     }
-    let consider = |mut trial: State| -> Result<Trial, RuntimeError> {
-        if !wishes.is_empty() {
-            close(model, &with_wishes, &mobility, &mut trial, 40)?;
+    let settle = |mut trial: State, first: &Rows, axes: &[Wish]| -> Result<Trial, RuntimeError> {
+        if first.len() > rows.len() {
+            close(model, first, &mobility, &mut trial, 40)?;
         }
         let size = close(model, &rows, &mobility, &mut trial, 40)?;
         let open = !is_closed(size);
         let wrong = !violated_branches(model, wanted.elements, &trial)?.is_empty();
         let outside = wishes
             .iter()
+            .chain(axes)
             .any(|wish| !wish.is_fulfilled(model, &at(&trial)));
         Ok(Trial {
             key: (open, wrong, outside),
@@ -271,13 +295,43 @@ fn search(
             state: trial,
         })
     };
-    let mut best = consider(state.clone())?;
+    let consider = |trial: State, axes: &[Wish]| -> Result<Trial, RuntimeError> {
+        let found = settle(trial.clone(), &with_wishes, axes)?;
+        let lie_across = axes
+            .iter()
+            .any(|wish| !wish.is_fulfilled(model, &at(&found.state)));
+        if found.key == UNWISHED && lie_across {
+            let again = settle(trial, &all_wishes, axes)?;
+            if again.key < found.key {
+                return Ok(again);
+            }
+        }
+        Ok(found)
+    };
+    let is_turned = wanted.stated.orientation[body];
+    // a stated orientation is meant, across or not
+    let from_here = if is_turned { &[][..] } else { &axes[..] };
+    let mut best = consider(state.clone(), from_here)?;
+    if is_turned || wanted.stated.position[body] {
+        for wish in &axes {
+            for turn in TURNS {
+                if best.key == DONE {
+                    return Ok(best);
+                }
+                let trial = turned(model, body, wish, turn.to_radians(), state);
+                let found = consider(trial, from_here)?;
+                if found.key < best.key {
+                    best = found;
+                }
+            }
+        }
+    }
     for (own, partner) in partners {
         let target = rows::marker(model, *partner, &state.pose, &state.velocity);
         let own = &model.markers[*own];
         // A joint that lets the body slide may ask by a branch for a place to one side: look there too. A film lets none slide.
         let places = offsets(model.length);
-        let places = if wishes.is_empty() {
+        let places = if wishes.is_empty() && best.key != UNWISHED {
             &places[..]
         } else {
             &places[..1]
@@ -294,7 +348,7 @@ fn search(
                     trial.pose[info.pose + i] = position[i];
                 }
                 trial.pose[info.pose + 3..info.pose + 7].copy_from_slice(&quaternion(&rotation));
-                let found = consider(trial)?;
+                let found = consider(trial, &axes)?;
                 let better = found.key < best.key
                     || (found.key == best.key
                         && found.key.0
@@ -306,6 +360,30 @@ fn search(
         }
     }
     Ok(best)
+}
+
+/// The state with a body turned about the axis of a wish's reference, through its own marker.
+fn turned(model: &Model, body: usize, wish: &Wish, angle: f64, state: &State) -> State {
+    let mut trial = state.clone();
+    let is_own = |m: usize| model.markers[m].body == Some(body);
+    let place = |m: usize| rows::marker(model, m, &state.pose, &state.velocity);
+    let about = if is_own(wish.pin) {
+        wish.pin
+    } else {
+        wish.shell
+    };
+    let axis: V3 = place(wish.shell).rotation.column(2) * angle;
+    let turn = exponential(&axis);
+    let pose = model.bodies[body].pose;
+    let old = [3, 4, 5, 6].map(|i| state.pose[pose + i]);
+    let new = normalized(&product(&turn, &old));
+    trial.pose[pose + 3..pose + 7].copy_from_slice(&new);
+    let moved = rows::marker(model, about, &trial.pose, &state.velocity).position;
+    let back = place(about).position - moved;
+    for i in 0..3 {
+        trial.pose[pose + i] += back[i];
+    }
+    trial
 }
 
 /// Where to look around a partner marker, along its axes (m): on it first, then a model's length to each side.

@@ -7,6 +7,7 @@ use crate::model::Model;
 use crate::rotation::{M3, V3};
 use eng_system::code::{Function, Pair};
 use eng_system::layout::InputLayout;
+use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector};
 
 /// Which derivative of the rows is taken.
@@ -18,19 +19,22 @@ pub enum Along {
     Velocity,
 }
 
-/// A wish of the assembly: a pin stands in the middle of its shell, their axes parallel. Nothing of it remains in the motion.
+/// A wish of the assembly: two axes are parallel, and a pin stands in the middle of its shell. Nothing of it remains in the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Centred {
-    /// Marker of the pin.
+pub struct Wish {
+    /// Marker of the pin, or of what turns.
     pub pin: usize,
-    /// Marker of the shell; its z is the axis.
+    /// Marker of the shell, or of the reference; its z is the axis.
     pub shell: usize,
-    /// Distance from the middle up to which the wish counts as fulfilled (m).
-    pub reach: f64,
+    /// Of a film: distance from the middle up to which the wish counts as fulfilled (m). `None` where the axes alone matter, and
+    /// their sense: an angle is measured about the reference's z.
+    pub reach: Option<f64>,
 }
 
-/// Rows of a [`Centred`]: the pin's place in the shell's x and y (m), and the pin's axis in them.
-pub const CENTRED_ROWS: usize = 4;
+/// Rows of a film's wish: the pin's place in the shell's x and y (m), and the pin's axis in them.
+pub const FILM_ROWS: usize = 4;
+/// Rows of a wish for axes alone: the last of a film's.
+const AXIS_ROWS: usize = 2;
 
 /// A list of rows: elements in order, all rows of each; then those of wishes.
 #[derive(Clone, Debug)]
@@ -38,7 +42,7 @@ pub struct Rows {
     /// The elements.
     pub elements: Vec<usize>,
     /// Wishes, after the elements.
-    wishes: Vec<Centred>,
+    wishes: Vec<Wish>,
     /// (element, row) of each row that is of an element.
     pub owners: Vec<(usize, usize)>,
     /// Scale of each row.
@@ -80,10 +84,11 @@ impl Rows {
     }
 
     /// The same rows and those of wishes.
-    pub fn with(mut self, model: &Model, wishes: &[Centred]) -> Rows {
+    pub fn with(mut self, model: &Model, wishes: &[Wish]) -> Rows {
         for wish in wishes {
             self.wishes.push(*wish);
-            self.scales.extend([model.length, model.length, 1.0, 1.0]);
+            let scales = [model.length, model.length, 1.0, 1.0];
+            self.scales.extend(&scales[wish.skipped()..]);
         }
         self
     }
@@ -197,7 +202,7 @@ impl Rows {
         if along == Along::Pose {
             for wish in &self.wishes {
                 wish.add(model, at, first, &mut values, &mut matrix);
-                first += CENTRED_ROWS;
+                first += FILM_ROWS - wish.skipped();
             }
         }
         Ok((values, matrix))
@@ -240,18 +245,29 @@ impl Rows {
     }
 }
 
-impl Centred {
-    /// Where the pin stands in its shell: x, y (m), and x, y of its axis, which may point either way.
+impl Wish {
+    /// How many of a film's rows it leaves out: those of the pin's place.
+    fn skipped(&self) -> usize {
+        match self.reach {
+            Some(_) => 0,
+            None => FILM_ROWS - AXIS_ROWS,
+        }
+    }
+
+    /// Where the pin stands in its shell: x, y (m), and x, y of its axis, which in a film may point either way.
     ///
     /// With the shell's axes S and place s, the pin's P and p: `e = Sᵀ(p − s)`, `a = Sᵀ P z`.
-    fn values(&self, model: &Model, at: &At) -> ([f64; CENTRED_ROWS], [M3; 2], V3, V3, f64) {
+    fn values(&self, model: &Model, at: &At) -> ([f64; FILM_ROWS], [M3; 2], V3, V3, f64) {
         let pin = marker(model, self.pin, at.pose, at.velocity);
         let shell = marker(model, self.shell, at.pose, at.velocity);
         let back = shell.rotation.transpose();
         let arm = back * (pin.position - shell.position);
         let turned = back * pin.rotation;
         let axis: V3 = turned.column(2).into_owned();
-        let sign = if axis.z < 0.0 { -1.0 } else { 1.0 };
+        let sign = match self.reach {
+            Some(_) if axis.z < 0.0 => -1.0,
+            _ => 1.0,
+        };
         (
             [arm.x, arm.y, sign * axis.x, sign * axis.y],
             [back, turned],
@@ -263,8 +279,12 @@ impl Centred {
 
     /// Whether the pin stands inside of its reach, its axis within a hundredth of a radian.
     pub fn is_fulfilled(&self, model: &Model, at: &At) -> bool {
-        let ([x, y, a, b], ..) = self.values(model, at);
-        libm::hypot(x, y) <= self.reach && libm::hypot(a, b) <= 0.01
+        let ([x, y, a, b], .., axis, _) = self.values(model, at);
+        let along = libm::hypot(a, b) <= 0.01;
+        match self.reach {
+            Some(reach) => libm::hypot(x, y) <= reach && along,
+            None => along && axis.z > 0.0,
+        }
     }
 
     /// Values and derivatives from row `first` on: `δe = Sᵀ(δp − δs) − δσ × e`, `δa = Sᵀ P (δπ × z) − δσ × a`, δπ and δσ in the
@@ -278,7 +298,8 @@ impl Centred {
         matrix: &mut DMatrix<f64>,
     ) {
         let (now, [back, turned], arm, axis, sign) = self.values(model, at);
-        for (i, value) in now.iter().enumerate() {
+        let skipped = self.skipped();
+        for (i, value) in now.iter().skip(skipped).enumerate() {
             values[first + i] = *value;
         }
         for (marker, of_shell) in [(self.pin, false), (self.shell, true)] {
@@ -297,7 +318,8 @@ impl Centred {
                     (moves, turned * turns.cross(&V3::z()))
                 };
                 let column = body.velocity + w;
-                for (i, rate) in [e.x, e.y, sign * a.x, sign * a.y].into_iter().enumerate() {
+                let rates = [e.x, e.y, sign * a.x, sign * a.y];
+                for (i, rate) in rates.into_iter().skip(skipped).enumerate() {
                     matrix[(first + i, column)] += rate;
                 }
             }
@@ -306,7 +328,7 @@ impl Centred {
 }
 
 /// The wishes of a model's journals.
-pub fn wishes(model: &Model) -> Vec<Centred> {
+pub fn wishes(model: &Model) -> Vec<Wish> {
     let journals = model.compiled.system.journals.iter();
     journals
         .filter_map(|journal| {
@@ -314,13 +336,37 @@ pub fn wishes(model: &Model) -> Vec<Centred> {
             let pin = *markers.get(journal.pin as usize)?;
             let shell = *markers.get(journal.shell as usize)?;
             let follows = |m: usize| model.markers[m].placed_at.is_some();
-            (!follows(pin) && !follows(shell)).then(|| Centred {
+            (!follows(pin) && !follows(shell)).then(|| Wish {
                 pin,
                 shell,
-                reach: model.slot(journal.radial_clearance).max(0.0),
+                reach: Some(model.slot(journal.radial_clearance).max(0.0)),
             })
         })
         .collect()
+}
+
+/// The wishes of elements that measure angles: about the reference's z an angle means something where the axes are parallel. The
+/// equation of a drive alone is solved as well by a body that lies across or upside down.
+pub fn axes(model: &Model, elements: &[usize]) -> Vec<Wish> {
+    let mut found = Vec::new();
+    for e in elements {
+        let element = &model.compiled.system.elements[*e];
+        if element.role != Role::Dynamic {
+            continue;
+        }
+        let marker = |index: u32| model.elements[*e].markers.get(index as usize).copied();
+        let pairs = element.rotations.iter();
+        found.extend(pairs.filter_map(|rotation| {
+            let wish = Wish {
+                pin: marker(rotation.turning)?,
+                shell: marker(rotation.reference)?,
+                reach: None,
+            };
+            Some(wish)
+        }));
+    }
+    found.dedup();
+    found
 }
 
 /// Kinematics of a marker at a state.

@@ -260,6 +260,7 @@ impl Simulation {
                         message: condition.told(values),
                         moment,
                         value: violation.value,
+                        dimension: condition.dimension,
                     });
                 }
             },

@@ -135,6 +135,7 @@ impl<'a> Elaborator<'a, '_> {
                         let written = Message {
                             text: self.sources.text(expr.span).to_owned(),
                             parts: Vec::new(),
+                            compared: self.compared(expr, scope)?,
                         };
                         self.condition(flag, ConditionKind::Branch, "", written, expr.span, draft);
                     }
@@ -221,6 +222,7 @@ impl<'a> Elaborator<'a, '_> {
                         name: String::new(),
                         text: self.sources.text(span).to_owned(),
                         message: Vec::new(),
+                        dimension: None,
                         defined_at: Some(location(span)),
                     };
                     shown.push((self.bench.lift(value.stage, value.node), entry));
@@ -239,6 +241,7 @@ impl<'a> Elaborator<'a, '_> {
                 name: name.to_owned(),
                 text: message.text,
                 message: parts,
+                dimension: message.compared,
                 defined_at: Some(location(span)),
             },
         ));

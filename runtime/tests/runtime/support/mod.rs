@@ -569,6 +569,7 @@ pub fn condition(kind: ConditionKind, text: &str) -> Condition {
         kind,
         text: text.into(),
         message: Vec::new(),
+        dimension: None,
         defined_at: None,
     }
 }
