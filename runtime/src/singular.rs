@@ -51,7 +51,8 @@ fn jacobi(matrix: &DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
     let (rows, columns) = work.shape();
     let mut turned = DMatrix::identity(columns, columns);
     // products below this are rounding of the whole
-    let floor = (f64::EPSILON * work.norm()).powi(2);
+    let rounding = f64::EPSILON * work.norm();
+    let floor = rounding * rounding;
     let mut is_done = false;
     for _ in 0..SWEEPS {
         is_done = true;
