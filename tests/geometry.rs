@@ -357,7 +357,9 @@ fn told(text: &str) -> String {
     let checked = eng::check(&Sources::from_text("model.eng", text), "model.eng");
     let program = checked.program().expect("a sound text");
     let assembled = program.assemble().expect("a sound text");
-    let (diagnostics, texts) = (assembled.diagnostics, checked.report().texts());
+    let diagnostics = assembled.diagnostics;
+    let report = checked.report();
+    let texts = report.texts();
     eng::render::human(&diagnostics, texts, eng::render::Colors::None)
 }
 
