@@ -106,9 +106,12 @@ impl Program {
                     let geometry = (model, analysis.geometry()?);
                     if !bends && !geometries.contains(&geometry) {
                         geometries.push(geometry);
-                        let turned = analysis.dry_turn()?;
                         let hanging = analysis.hanging()?;
-                        found.tell(hanging.iter().chain(&turned));
+                        found.tell(hanging.iter());
+                        // what falls tumbles, and a turn of it comes to no lock that is one of its lengths
+                        if hanging.is_none() {
+                            found.tell(analysis.dry_turn()?.iter());
+                        }
                     }
                     found.facts.push(assembles(&analysis, &report, bends));
                 }

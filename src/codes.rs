@@ -138,7 +138,7 @@ eng_grammar::codes! {
         "joint big_end = Revolute(rod.big, crank.pin) { accept loose }",
         "joint big_end = Revolute(rod.big, crank.pin)";
     INERTIA = "W0751", "the inertia of a body does not fit its mass and size",
-        "The radius of gyration, the root of inertia over mass, is compared with the way from the centre of mass to the markers (0.13 to 2.6 of it; the lower limit where markers stand on both sides, the upper one above three radii of a ball of steel), with that of all bodies, and with a ball of tungsten, which has the least inertia of all bodies of a mass. Outside, a unit is probably wrong. Of a body with its markers in line the moments across that line are the large ones. `accept inertia` in the body takes it for meant.",
+        "The radius of gyration, the root of inertia over mass, is compared with the way from the centre of mass to the markers (0.13 to 2.6 of it; the lower limit where markers stand on both sides, the upper one above three radii of a ball of steel; both where the farthest marker is 20 mm away or more), with that of all bodies, with a ball of tungsten, which has the least inertia of all bodies of a mass, and with twenty radii of a ball of steel. Outside, a unit is probably wrong; so is a centre of mass that is far from all markers. Of a body with its markers in line the moments across that line are the large ones. The centre of mass of a rod is between its ends. `accept inertia` in the body takes it for meant.",
         "body rod { mass = 0.62 kg; inertia = [0.12, 3.0, 3.1] kg*m^2 }",
         "body rod { mass = 0.62 kg; inertia = [0.12, 3.0, 3.1] g*m^2 }";
     GRAVITY = "W0752", "gravity is neither 0 nor that of the earth",
@@ -150,11 +150,11 @@ eng_grammar::codes! {
         "cycle angle = rotation(crank.flange, ground) { period = 360 deg }",
         "cycle angle = rotation(crank.flange, ground) { period = 720 deg }";
     LOOSE = "W0754", "nothing holds a body in some direction",
-        "No joint holds it, and no force answers its displacement or its velocity, while the machine has a cycle or films, or while it turns and falls along its axis. Gas, gravity and loads hold nothing. The turning of the cycle is left out. `accept loose` in the body takes it for meant.",
+        "No joint holds it, and no force answers its displacement or its velocity, while the machine has a cycle or films, or while it turns and falls along its axis. The turning of a body that starts with a spin is not asked. Gas, gravity and loads hold nothing. The turning of the cycle is left out. `accept loose` in the body takes it for meant.",
         "journal main[j in 1..5] = Impedance(pin: crank.main[j], shell: block.main[j], diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)",
         "journal main[j in 1..5] = Impedance(pin: crank.main[j], shell: block.main[j], diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)\njoint thrust = PointOnPlane(crank.main[3], block.main[3])";
     APART = "W0755", "markers of an element stand far apart",
-        "A point on a line that stands two radii of gyration beside the other marker and does not move along the line: a rod and a piston of different cylinders. Or a slide that nothing but its guide places: it stands where the model's origin is, 10 mm or more from the other marker. State where it begins. `accept apart` in the element takes it for meant.",
+        "A point on a line that stands beside the other marker and does not move along the line: a rod and a piston of different cylinders. The limit is twice the smaller radius of gyration of the two bodies; for a piston under gas also a fifth of the bore. Or a slide that nothing but its guide places: it stands where the model's origin is, 10 mm or more from the other marker. State where it begins. `accept apart` in the element takes it for meant.",
         "joint wrist[i in 1..4] = PointOnLine(rod[i].small, piston[5 - i].pin)",
         "joint wrist[i in 1..4] = PointOnLine(rod[i].small, piston[i].pin)";
     SWAPPED = "W0756", "a shell turns on a pin that does not",
@@ -177,8 +177,12 @@ eng_grammar::codes! {
         "The cycle turns by more than 30 degrees between two samples, or a run is stated to end after less than 5. `sample: 2 rev` was probably meant as `2 deg`, `duration: 4 deg` as `4 rev`. `accept sampling` in the model takes it for meant.",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 100 deg)",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 1 deg)";
+    CYCLE = "W0765", "the cycle runs backwards, or swings, under a gas trace",
+        "A gas trace is written over a cycle angle that grows. Where the angle falls at the start, gas is compressed after it has burnt: it brakes the engine that it should drive. Where it is the angle of a rod, it swings to and fro. The cycle is the angle of the crank from the ground, and grows at the speed that the start and the drive state. `accept cycle` in the model takes it for meant.",
+        "cycle angle = rotation(ground, crank.flange) { period = 720 deg }",
+        "cycle angle = rotation(crank.flange, ground) { period = 720 deg }";
     CYLINDER = "W0759", "a cylinder's gas does not fit the motion of its piston",
-        "The machine is turned through its cycle by its geometry. A firing angle is more than 15 degrees from the piston's dead centre, or the same for all cylinders; one piston of several has no gas; bore over stroke is outside 0.6 to 1.7; rod over throw is outside 2 to 10; piston and head run together; the rod stands between piston and head, so that gas pulls it; the head moves and the piston does not; the head is on the crank; the piston does not move; the bore is slanted to the crankshaft. `accept firing`, `bore`, `mirrored` or `swapped` in the element takes it for meant.",
+        "The machine is turned through its cycle by its geometry. A firing angle is more than 15 degrees from the piston's dead centre, the same for all cylinders, or the same for some of them while others fire alone; one piston of several has no gas; bore over stroke is outside 0.6 to 1.7; rod over throw is outside 2 to 10; piston and head run together; the rod stands between piston and head, so that gas pulls it; the head moves and the piston does not; the head is on the crank; the piston does not move; the bore is slanted to the crankshaft. `accept firing`, `bore`, `mirrored` or `swapped` in the element takes it for meant.",
         "force gas[i in 1..4] = GasPressure(piston[i].bore, block.liner[i], bore: 86 mm, pressure: indicated)",
         "force gas[i in 1..4] = GasPressure(piston[i].bore, block.liner[i], bore: 86 mm, pressure: indicated, firing: firing[i])";
     NOISE = "W0716", "an output is lost in the noise of the steps",

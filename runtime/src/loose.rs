@@ -65,9 +65,11 @@ pub fn loose(model: &Model, state: &State) -> Result<Vec<Loose>, RuntimeError> {
     };
     let mut held = DMatrix::zeros(0, basis.ncols());
     for matrix in [&stiffness, &damping] {
-        let reduced = basis.transpose() * of_rigid(matrix) * &basis;
+        let scaled = of_rigid(matrix);
+        let reduced = basis.transpose() * &scaled * &basis;
         let largest = reduced.amax();
-        if largest > 0.0 && largest.is_finite() {
+        // where all free motions are unanswered, what is left of the stiffness of held ones is rounding
+        if largest > ROUNDING * scaled.amax() && largest.is_finite() {
             held = stacked(&held, &(reduced / largest));
         }
     }

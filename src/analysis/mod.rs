@@ -350,7 +350,10 @@ impl Analysis {
         };
         let parameters = simulation.model().advice.len();
         let told = simulation.take_warnings();
-        told.iter().skip(parameters).map(Finding::of_run).collect()
+        let system = &self.model.compiled().system;
+        let told = told.iter().skip(parameters);
+        told.map(|warning| Finding::of_run(warning, system))
+            .collect()
     }
 
     /// What is told of a run by angle that came to grief before its cycle turned.
@@ -460,6 +463,7 @@ impl Analysis {
     }
 
     /// Where the machine locks when it is turned through its cycle by its geometry alone, as a warning: a run need not come there.
+    /// Asked of machines that [`Analysis::hanging`] finds held: what falls is turned nowhere by geometry.
     pub fn dry_turn(&self) -> Result<Option<eng_grammar::Diagnostic>, Error> {
         let turned =
             eng_runtime::start::turn::turn(self.model.compiled(), &self.overrides, &mut |_| Ok(()));

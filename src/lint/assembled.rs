@@ -22,8 +22,10 @@ const SLIP: f64 = 0.1;
 const STANDS: f64 = 1e-3;
 /// Share of the shell's speed below which the pin is the one that stands.
 const SLOWER: f64 = 0.5;
-/// Offset along a line, in radii of gyration, from which two bodies stand beside each other.
+/// Offset along a line, in radii of gyration, from which two bodies stand beside each other; and in bores for a piston under gas: rods
+/// that share a pin stand an eighth of a bore to its sides, and a small end a quarter of a bore wide would touch the pin's bosses.
 const BESIDE: f64 = 2.0;
+const BESIDE_IN_BORES: f64 = 0.2;
 /// Share of the cycle's speed below which a body stands.
 const STANDS_STILL: f64 = 0.01;
 /// Part of the model's length, or of the spring's if that is longer, by which a machine that sinks on its
@@ -59,6 +61,7 @@ pub(super) fn assembled(start: &Start<'_>) -> Vec<Finding> {
     found.extend(start.useless());
     found.extend(start.loose());
     found.extend(start.sinks());
+    found.extend(start.backwards());
     found
 }
 
@@ -199,14 +202,73 @@ impl Start<'_> {
 
     /// Speed of the cycle at the start (rad/s), if its angle is one between two markers.
     fn cycle_speed(&self) -> Option<f64> {
+        let (_, rate) = self.cycle_rate()?;
+        (rate != 0.0).then(|| rate.abs())
+    }
+
+    /// The markers of the cycle's angle, that which turns first, and its rate at the start (rad/s).
+    fn cycle_rate(&self) -> Option<([usize; 2], f64)> {
         let system = &self.model.compiled.system;
         let element = system.cycle.as_ref()?.element as usize;
         let rotation = system.elements.get(element)?.rotations.first()?;
         let markers = &self.model.elements.get(element)?.markers;
-        let turning = self.marker(*markers.get(rotation.turning as usize)?);
-        let reference = self.marker(*markers.get(rotation.reference as usize)?);
-        let speed = self.spin(&turning, &reference);
-        (speed != 0.0).then(|| speed.abs())
+        let turning = *markers.get(rotation.turning as usize)?;
+        let reference = *markers.get(rotation.reference as usize)?;
+        let rate = self.spin(&self.marker(turning), &self.marker(reference));
+        Some(([turning, reference], rate))
+    }
+
+    /// A gas trace that is read from its end to its beginning.
+    fn backwards(&self) -> Option<Finding> {
+        let system = &self.model.compiled.system;
+        let ([turning, reference], rate) = self.cycle_rate()?;
+        let fastest = (0..self.model.bodies.len()).map(|body| self.spin_of(body));
+        let fastest = fastest.fold(0.0, f64::max);
+        // a shaft that stands or is about to fall over turns nowhere
+        if system.firings.is_empty() || rate >= 0.0 || -rate < STANDS_STILL * fastest {
+            return None;
+        }
+        let mut finding = Finding {
+            code: codes::CYCLE,
+            name: lint::CYCLE.to_owned(),
+            origin: system.cycle.as_ref()?.origin.clone(),
+            message: format!(
+                "the cycle runs backwards, with {} rpm at the start: gas is read from the end of its cycle to the beginning",
+                rpm(rate)
+            ),
+            label: "this angle falls".to_owned(),
+            help: "measure the angle the way the crank turns, `rotation(crank.flange, ground)`, with the z axis of the second marker; or change the sign of the speed at start and drive".to_owned(),
+            decided_by: Vec::new(),
+        };
+        let spin = |marker: usize| self.model.markers[marker].body.map(|b| self.spin_of(b));
+        let [end, other] = match spin(turning) >= spin(reference) {
+            true => [turning, reference],
+            false => [reference, turning],
+        };
+        let mut places = self.what_drives(end);
+        places.extend(self.what_turns(end, other));
+        super::decide(&mut finding, places);
+        Some(finding)
+    }
+
+    /// Drives on the shaft of a marker: joints of a single equation on an angle.
+    fn what_drives(&self, end: usize) -> Vec<Origin> {
+        let system = &self.model.compiled.system;
+        let shaft = self.model.markers[end].body;
+        let shaft = shaft.map_or(Vec::new(), |body| self.welded_to(body));
+        let elements = system.elements.iter().zip(&self.model.elements).enumerate();
+        let drives = elements.filter(|(e, (element, own))| {
+            let mut bodies = own.markers.iter().map(|m| self.model.markers[*m].body);
+            own.dynamic
+                && self.model.class(*e).rows.len() == 1
+                && !element.rotations.is_empty()
+                && bodies.any(|b| b.is_some_and(|b| shaft.contains(&b)))
+        });
+        let origin = |element: &eng_system::system::Element| Origin {
+            defined_at: None,
+            ..element.origin.clone()
+        };
+        drives.map(|(_, (element, _))| origin(element)).collect()
     }
 
     /// Angular velocity about the second marker's z axis (rad/s).
@@ -239,7 +301,11 @@ impl Start<'_> {
         let moves = a.velocity.norm() + b.velocity.norm();
         let of_b = b.velocity + (b.rotation * b.angular_velocity).cross(&offset);
         let along = (a.velocity - of_b).dot(&offset).abs() / size;
-        if !(size > BESIDE * radius && radius > 0.0 && moves > 0.0 && along < STANDS * moves) {
+        let bore = self
+            .bore(&markers)
+            .map_or(f64::INFINITY, |bore| BESIDE_IN_BORES * bore);
+        let far = (BESIDE * radius).min(bore);
+        if !(size > far && far > 0.0 && moves > 0.0 && along < STANDS * moves) {
             return None;
         }
         let message = format!(
@@ -250,7 +316,21 @@ impl Start<'_> {
         );
         let mut finding = self.finding(codes::APART, lint::APART, element, message);
         finding.help = "are these markers of the same cylinder or bearing?".to_owned();
+        let places = markers.map(|m| self.model.compiled.system.markers[m].origin.clone());
+        super::decide(&mut finding, places.into());
         Some(finding)
+    }
+
+    /// The bore (m) of the gas on a piston that one of the markers is on.
+    fn bore(&self, markers: &[usize; 2]) -> Option<f64> {
+        let body = |marker: &usize| self.model.markers[*marker].body;
+        let firings = &self.model.compiled.system.firings;
+        let own = firings.iter().find(|firing| {
+            let gas = &self.model.elements[firing.element as usize].markers;
+            let piston = gas.get(firing.piston as usize).and_then(body);
+            piston.is_some() && markers.iter().any(|marker| body(marker) == piston)
+        })?;
+        Some(self.model.slot(own.bore))
     }
 
     /// A slide that nothing but its guide places, and that stands far from the other marker because the text does not say where.
@@ -497,6 +577,10 @@ impl Start<'_> {
             let slow = STANDS_STILL * self.cycle_speed().unwrap_or(0.0);
             return cycle && motion.bodies.iter().all(|body| self.spin_of(*body) < slow);
         }
+        // a rotor that turns freely at a speed that its start states coasts, or is driven by a torque
+        if motion.about.is_some() && motion.bodies.iter().all(|body| self.spin_of(*body) > 1.0) {
+            return false;
+        }
         // what moves in all directions hangs on nothing: told as such
         if motion.directions == 3 {
             return false;
@@ -536,6 +620,15 @@ impl Start<'_> {
         );
         let mut finding = self.finding(codes::SINKS, lint::SAG, element, message);
         finding.help = "1 N/mm are 1000 N/m".to_owned();
+        let system = &self.model.compiled.system;
+        let stiffness = Dimension::MASS.over(Dimension::TIME.times(Dimension::TIME));
+        let constants = system.elements[element].constants.iter();
+        let parameters = constants
+            .flat_map(|slot| self.model.compiled.bind.parameters_of(*slot))
+            .filter_map(|index| system.parameters.get(index as usize))
+            .filter(|parameter| parameter.dimension == stiffness);
+        let places = parameters.map(|parameter| parameter.origin.clone());
+        super::decide(&mut finding, places.collect());
         Some(finding)
     }
 

@@ -2,6 +2,7 @@
 
 mod assembled;
 mod numbers;
+mod rods;
 mod turned;
 
 use crate::codes;
@@ -48,9 +49,9 @@ impl Finding {
         }
     }
 
-    /// An `advise` that did not hold during a run.
-    pub fn of_run(warning: &Warning) -> Finding {
-        Finding {
+    /// An `advise` that did not hold during a run; of markers that are apart, with their places.
+    pub fn of_run(warning: &Warning, system: &System) -> Finding {
+        let mut finding = Finding {
             code: codes::ADVISED,
             name: warning.name.clone(),
             origin: warning.origin.clone(),
@@ -58,7 +59,15 @@ impl Finding {
             label: "does not hold for this".to_owned(),
             help: String::new(),
             decided_by: Vec::new(),
+        };
+        let mut elements = system.elements.iter();
+        let element = elements.find(|element| element.origin.path == warning.origin.path);
+        if let Some(element) = element.filter(|_| warning.name == eng_system::lint::APART) {
+            let markers = element.markers.iter();
+            let markers = markers.filter_map(|m| system.markers.get(*m as usize));
+            decide(&mut finding, markers.map(|m| m.origin.clone()).collect());
         }
+        finding
     }
 
     /// Whether two say the same, but for numbers, of things at one place or of one law.

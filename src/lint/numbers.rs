@@ -5,7 +5,9 @@ use crate::codes;
 use crate::machine::at;
 use eng_system::code::{Bound, Compiled};
 use eng_system::lint;
-use eng_system::system::{BodyInertia, BodyRef, Element, FiringInfo, Origin, Slot, System};
+use eng_system::system::{
+    BodyInertia, BodyRef, Element, FiringInfo, Location, Origin, Slot, System,
+};
 
 /// Gravity on earth, with what people round it to (m/s²).
 const EARTH: std::ops::Range<f64> = 9.7..10.1;
@@ -17,6 +19,14 @@ const NO_BALL: f64 = 0.3;
 const USUAL: std::ops::Range<f64> = 0.13..2.6;
 /// Radius of gyration over the radius of a ball of steel of the same mass, up to which a body may be larger than its markers: discs, rims.
 const COMPACT: f64 = 3.0;
+/// The same, from which on no part of a machine is as slender: a steel bar of a hundred diameters has 11, a tube of thirty as much.
+const SLENDER: f64 = 20.0;
+/// Least distance of two markers (m) that tells two places of a body.
+const TWO_PLACES: f64 = 1e-3;
+/// How often a centre of mass is farther from all markers of its body than these are apart, and the farthest marker than any of other
+/// bodies, where it has lost its unit.
+const FAR_IN_SPANS: f64 = 2.0;
+const FAR_IN_REACHES: f64 = 3.0;
 /// Density of steel (kg/m³).
 const STEEL: f64 = 7_800.0;
 /// Share of the farthest way by which markers on the other side of the centre of mass make a body a long one.
@@ -25,10 +35,12 @@ const OTHER_SIDE: f64 = 0.02;
 const TAKEN_AWAY: f64 = 0.01;
 /// Share of their sum of squares by which markers may stand beside the line that they are on.
 const BESIDE_LINE: f64 = 0.1;
-/// A least radius of gyration across a line of markers, over the way to the farthest of them, and its moment over that about the line:
-/// below both the moments stand in the wrong order.
-const ACROSS: f64 = 0.3;
+/// How far a body's mass lies along the line of its markers (root of the mean square), over the way to the farthest of them, below which
+/// the moments stand in the wrong order, if that about the line is larger than this times the least across it. A disc has 2.
+const ALONG_LINE: f64 = 0.3;
 const ABOUT_LINE: f64 = 2.0;
+/// Firing angles (rad) nearer than this are one.
+const SAME_ANGLE: f64 = 1e-6;
 /// Distances below this (m) are no measure of a machine.
 const NO_MEASURE: f64 = 0.02;
 
@@ -42,7 +54,18 @@ pub(super) fn numbers(
     let mut found = Vec::new();
     found.extend(gravity(system, bound));
     let bodies = bodies(system, bound);
-    let reach = bodies.iter().map(|body| body.farthest).fold(0.0, f64::max);
+    let farthest = |bodies: &mut dyn Iterator<Item = &Solid<'_>>| {
+        bodies.map(|body| body.farthest).fold(0.0, f64::max)
+    };
+    let reach = farthest(&mut bodies.iter());
+    // bodies of one declaration have one mistake
+    let of_others = |body: &Solid<'_>| {
+        farthest(
+            &mut bodies
+                .iter()
+                .filter(|other| other.declared != body.declared),
+        )
+    };
     // an analysis that takes a mass away leaves an inertia that does not fit
     let text = compiled.bind.bind(&[], &system.tables);
     let taken_away = |body: &Solid<'_>| {
@@ -54,9 +77,11 @@ pub(super) fn numbers(
     };
     let kept = bodies.iter().filter(|body| !taken_away(body));
     found.extend(kept.filter_map(|body| {
-        let doubt = size(body, reach).or_else(|| order(body))?;
+        let doubt = (size(body, reach).or_else(|| order(body)))
+            .or_else(|| far_center(body, of_others(body)))?;
         Some(of_inertia(compiled, body, doubt))
     }));
+    found.extend(super::rods::rods(system, bound));
     found.extend(whole_turns(system, bound));
     found.extend(periods(system, bound));
     found.extend(one_firing(system, bound));
@@ -116,6 +141,11 @@ struct Solid<'s> {
     farthest: f64,
     /// Whether it has markers at two places.
     spread: bool,
+    /// Way from the centre of mass to the nearest of them, and the largest between two (m).
+    nearest: f64,
+    span: f64,
+    /// Where its declaration stands.
+    declared: Option<Location>,
     /// Whether it has markers on opposite sides of its centre of mass, or this is far beyond all of them.
     both_sides: bool,
     /// Slots of the mass and of the largest moment.
@@ -157,11 +187,14 @@ fn bodies<'s>(system: &'s System, bound: &Bound) -> Vec<Solid<'s>> {
                 .collect();
             let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
             let square = arms.iter().map(|arm| dot(arm, arm)).fold(0.0, f64::max);
+            let least = arms.iter().map(|arm| dot(arm, arm));
+            let least = least.fold(f64::INFINITY, f64::min);
             let pairs = || arms.iter().flat_map(|a| arms.iter().map(move |b| (a, b)));
-            let apart = |(a, b): (&[f64; 3], &[f64; 3])| {
-                let between = [0, 1, 2].map(|i| a[i] - b[i]);
-                dot(&between, &between) > OTHER_SIDE * square
+            let between = |(a, b): (&[f64; 3], &[f64; 3])| {
+                let way = [0, 1, 2].map(|i| a[i] - b[i]);
+                dot(&way, &way)
             };
+            let span = pairs().map(between).fold(0.0, f64::max);
             let moments = [0, 1, 2].map(|i| at(bound, inertia[i]));
             let largest = (0..3).fold(0, |best, i| match moments[i] > moments[best] {
                 true => i,
@@ -180,24 +213,17 @@ fn bodies<'s>(system: &'s System, bound: &Bound) -> Vec<Solid<'s>> {
                 moments,
                 spans: [0, 1, 2].map(|i| arms.iter().map(|arm| arm[i] * arm[i]).sum()),
                 farthest: libm::sqrt(square),
-                spread: pairs().any(apart),
+                spread: span > OTHER_SIDE * square,
+                nearest: libm::sqrt(least),
+                span: libm::sqrt(span),
+                declared: body.origin.used_at,
+                // or farther from all markers than half of what they are apart, of markers that are apart by more than a fifth of the
+                // farthest way: two hinges beside each other tell of no length
                 both_sides: pairs().any(|(a, b)| dot(a, b) < -OTHER_SIDE * square)
-                    || is_beyond(&arms, square),
+                    || (span > 0.04 * square && least > 0.25 * span),
             })
         })
         .collect()
-}
-
-/// Whether a centre of mass is farther from all markers than half of what they are apart, of markers that are apart by more than
-/// a fifth of the farthest way (`square` its square): two hinges beside each other tell of no length.
-fn is_beyond(arms: &[[f64; 3]], square: f64) -> bool {
-    let size = |a: [f64; 3]| a.iter().map(|x| x * x).sum::<f64>();
-    let nearest = arms.iter().map(|a| size(*a)).fold(f64::INFINITY, f64::min);
-    let pairs = arms.iter().flat_map(|a| arms.iter().map(move |b| (a, b)));
-    let span = pairs
-        .map(|(a, b)| size([0, 1, 2].map(|i| a[i] - b[i])))
-        .fold(0.0, f64::max);
-    span > 0.04 * square && nearest > 0.25 * span
 }
 
 /// What does not fit in a body's inertia, and whether a marker has a part in it.
@@ -238,10 +264,35 @@ fn size(body: &Solid<'_>, reach: f64) -> Option<Doubt> {
             mm(reach)
         );
         (message, false)
+    } else if radius > SLENDER * ball(STEEL) && radius > USUAL.end * body.farthest {
+        let ball = mm(ball(STEEL));
+        let message = format!("{told}, but a ball of steel of this mass has a radius of {ball} mm");
+        (message, false)
     } else {
         return None;
     };
     Some(Doubt { message, marker })
+}
+
+/// A centre of mass that is far from the markers of its body, for the other bodies: `of_others` is their farthest marker. A pendulum has
+/// one hinge, or is as large as what it hangs from.
+fn far_center(body: &Solid<'_>, of_others: f64) -> Option<Doubt> {
+    let radius = libm::sqrt(body.inertia / body.mass);
+    let far = body.span > TWO_PLACES
+        && body.nearest > FAR_IN_SPANS * body.span
+        && body.farthest > FAR_IN_REACHES * of_others
+        && of_others > NO_MEASURE
+        && radius < USUAL.start * body.farthest;
+    let mm = |x: f64| short(1e3 * x, 3);
+    far.then(|| Doubt {
+        message: format!(
+            "its centre of mass is {} mm from its nearest marker, but its markers are {} mm apart, and its radius of gyration is {} mm: is the unit of its places right?",
+            mm(body.nearest),
+            mm(body.span),
+            mm(radius)
+        ),
+        marker: true,
+    })
 }
 
 /// A body with its markers along one of its axes that has little inertia across that line, and much about it.
@@ -250,10 +301,11 @@ fn order(body: &Solid<'_>) -> Option<Doubt> {
     let line = (0..3).find(|i| body.spans[*i] > (1.0 - BESIDE_LINE) * whole)?;
     let across = (0..3).filter(|i| *i != line).map(|i| body.moments[i]);
     let least = across.fold(f64::INFINITY, f64::min);
-    let radius = libm::sqrt(least / body.mass);
+    // ∫ z² dm is half of what the moments across have more than that about z
+    let along = 0.5 * body.moments.iter().sum::<f64>() - body.moments[line];
     let wrong = body.spread
         && body.farthest > NO_MEASURE
-        && radius < ACROSS * body.farthest
+        && along < ALONG_LINE * ALONG_LINE * body.farthest * body.farthest * body.mass
         && body.moments[line] > ABOUT_LINE * least;
     wrong.then(|| Doubt {
         message: format!(
@@ -280,6 +332,12 @@ fn of_inertia(compiled: &Compiled, body: &Solid<'_>, doubt: Doubt) -> Finding {
     let of_marker = body.farthest_marker.filter(|_| doubt.marker);
     let of_marker = of_marker.map(|m| &system.markers[m]);
     places.extend(inertia.filter_map(stated));
+    let center = format!("{}.center_of_mass", body.path);
+    places.extend(system.stated.get(&center).map(|at| Origin {
+        path: center.clone(),
+        used_at: Some(*at),
+        defined_at: None,
+    }));
     let attribute = format!("{}.mass", body.path);
     places.extend(system.stated.get(&attribute).map(|at| Origin {
         path: attribute.clone(),
@@ -407,28 +465,78 @@ fn periods(system: &System, bound: &Bound) -> Vec<Finding> {
         .collect()
 }
 
-/// All cylinders of a machine that fire at one angle: an order that was forgotten.
+/// Cylinders that fire at one angle: all of a machine, whose order was forgotten; or some of them where others fire alone, whose
+/// angles were mistaken. In engines whose cylinders fire in pairs all do.
 fn one_firing(system: &System, bound: &Bound) -> Option<Finding> {
-    let (first, others) = system.firings.split_first()?;
-    let angle = at(bound, first.angle);
-    if others.is_empty() || others.iter().any(|other| at(bound, other.angle) != angle) {
+    let period = system
+        .cycle
+        .as_ref()
+        .map_or(f64::INFINITY, |cycle| at(bound, cycle.period));
+    let angle = |firing: &FiringInfo| at(bound, firing.angle).rem_euclid(period);
+    let together = |a: &FiringInfo, b: &FiringInfo| {
+        let apart = (angle(a) - angle(b)).abs();
+        apart.min(period - apart) < SAME_ANGLE
+    };
+    let all = &system.firings;
+    let with = |one: &FiringInfo| all.iter().filter(|other| together(one, other)).count();
+    let most = all.iter().max_by_key(|one| with(one)).map(with)?;
+    let least = all.iter().min_by_key(|one| with(one)).map(with)?;
+    if most == 1 || most == least && most < all.len() {
         return None;
     }
-    let element = system.elements.get(first.element as usize)?;
-    Some(Finding {
+    let (first, group): (_, Vec<&FiringInfo>) = {
+        let first = all.iter().find(|one| with(one) == most)?;
+        (
+            first,
+            all.iter().filter(|other| together(first, other)).collect(),
+        )
+    };
+    let origin = |firing: &FiringInfo| Some(&system.elements.get(firing.element as usize)?.origin);
+    let shown = short(at(bound, first.angle).to_degrees(), 4);
+    let (message, help) = match most == all.len() {
+        true => (
+            format!("all {most} cylinders fire at {shown} deg"),
+            "give each its `firing:`",
+        ),
+        false => {
+            let others = group.iter().skip(1).filter_map(|firing| origin(firing));
+            let others: Vec<&str> = others.map(|origin| origin.path.as_str()).collect();
+            (
+                format!(
+                    "it fires at {shown} deg together with {}, and other cylinders do not fire together",
+                    super::listed(&others)
+                ),
+                "each cylinder fires at an angle of its own: one of two dead centres of a four-stroke cycle, 360 deg apart",
+            )
+        }
+    };
+    let mut finding = Finding {
         code: codes::CYLINDER,
         name: lint::FIRING.to_owned(),
         origin: Origin {
             defined_at: None,
-            ..element.origin.clone()
+            ..origin(first)?.clone()
         },
-        message: format!(
-            "all {} cylinders fire at {} deg",
-            system.firings.len(),
-            short(angle.to_degrees(), 4)
-        ),
+        message,
         label: "of this cylinder".to_owned(),
-        help: "give each its `firing:`".to_owned(),
+        help: help.to_owned(),
         decided_by: Vec::new(),
-    })
+    };
+    if most < all.len() {
+        let stated = group.iter().filter_map(|firing| {
+            let path = format!("{}.firing", origin(firing)?.path);
+            Some(Origin {
+                used_at: Some(*system.stated.get(&path)?),
+                path,
+                defined_at: None,
+            })
+        });
+        let elements = group.iter().filter_map(|firing| origin(firing));
+        let elements = elements.map(|origin| Origin {
+            defined_at: None,
+            ..origin.clone()
+        });
+        super::decide(&mut finding, stated.chain(elements).collect());
+    }
+    Some(finding)
 }

@@ -9,7 +9,7 @@ use crate::machine::at;
 use eng_runtime::assembly::rows;
 use eng_runtime::model::Model;
 use eng_runtime::rotation::V3;
-use eng_runtime::start::turn::{Place, turn};
+use eng_runtime::start::turn::{Place, Turned, turn};
 use eng_system::code::{Bound, Compiled};
 use eng_system::lint;
 use eng_system::system::{FiringInfo, Origin, Slot, System};
@@ -115,8 +115,10 @@ pub(super) fn turned(
         }
         Ok(())
     });
-    if !matches!(found, Ok(true)) {
-        return Vec::new();
+    match found {
+        Ok(Turned::Whole) => {}
+        Ok(Turned::Back(angle)) => return swings(system, angle).into_iter().collect(),
+        Ok(Turned::Not) | Err(_) => return Vec::new(),
     }
     let doubts = cylinders.iter().flat_map(|c| c.doubts(compiled));
     let slanted = cylinders.iter().filter_map(|c| c.slanted(compiled, shaft?));
@@ -124,6 +126,22 @@ pub(super) fn turned(
         .chain(slanted)
         .chain(gravity(system, bound, &cylinders, shaft))
         .collect()
+}
+
+/// Gas over a cycle whose angle swings and never comes round.
+fn swings(system: &System, angle: f64) -> Option<Finding> {
+    Some(Finding {
+        code: codes::CYCLE,
+        name: lint::CYCLE.to_owned(),
+        origin: system.cycle.as_ref()?.origin.clone(),
+        message: format!(
+            "the cycle's angle turns back at {} deg and never comes round: the gas goes to and fro",
+            deg(angle)
+        ),
+        label: "an angle that swings".to_owned(),
+        help: "the cycle is the angle of the crank: `rotation(crank.flange, ground)`".to_owned(),
+        decided_by: Vec::new(),
+    })
 }
 
 /// The axis of the cycle's angle (inertial, unit length), where it is one between two markers.

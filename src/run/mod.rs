@@ -183,7 +183,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
             advice.origin == warning.origin && advice.message == warning.message
         };
         if !bound.advice.iter().any(repeated) {
-            findings.push(Finding::of_run(warning));
+            findings.push(Finding::of_run(warning, system));
         }
     }
     lint::diagnostics(&lint::sift(findings, system).told)

@@ -34,10 +34,13 @@ pub const BORE: &str = "bore";
 /// A piston on the other side of its crank.
 pub const MIRRORED: &str = "mirrored";
 
+/// A cycle whose angle falls or swings under a gas trace.
+pub const CYCLE: &str = "cycle";
+
 /// All of them.
-pub const BUILT_IN: [&str; 15] = [
+pub const BUILT_IN: [&str; 16] = [
     INERTIA, GRAVITY, DAMPING, LOOSE, APART, SWAPPED, IDLE, STEP, SAMPLING, SAG, TURNS, PERIOD,
-    FIRING, BORE, MIRRORED,
+    FIRING, BORE, MIRRORED, CYCLE,
 ];
 
 /// `accept usual` in the block of a use, of a body, of a component or of the model.

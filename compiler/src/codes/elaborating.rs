@@ -165,6 +165,10 @@ eng_grammar::codes! {
         "The last point and the first of the next period are much further apart than the others (more than three times the usual distance and a twentieth of the period). A cubic spline bridges that by a curve that the points do not tell. State points over the whole period. `interpolation: monotone` stays between the two values and is taken as meant.",
         "table lift(theta: CrankAngle) -> Length = points([0, 30, 60] deg, [0, 4, 0] mm, periodic: 360 deg)",
         "table lift(theta: CrankAngle) -> Length = points([0, 30, 60] deg, [0, 4, 0] mm, periodic: 360 deg, interpolation: monotone)";
+    MOVES_NOTHING = "W0507", "an element acts between a thing and itself",
+        "Both ends of a force are on one marker, on one rigid body or on the ground: its two loads cancel. Or an equation of angles is given the same two markers twice: a gear between a wheel and itself holds the wheel. A marker of another body was probably meant. Where it is meant, `accept idle` stands in the element.",
+        "force strut = LinearSpring(block.mount, block.mount, stiffness: 10 N/mm)",
+        "force strut = LinearSpring(block.mount, foundation, stiffness: 10 N/mm)";
     TABLE_PEAK = "W0760", "a table reaches a pressure that no engine part stands",
         "More than 10,000 bar, three times the pressure of fuel injection. Mostly the numbers are in another unit than is stated: pascal read as bar.",
         "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 360] deg, [6e6, 1e5] bar, extrapolation: hold)",

@@ -127,6 +127,8 @@ pub(crate) struct ElementDraft<'a> {
     pub signals: Vec<u32>,
     /// Pairs of local markers, and the bind node of a stated angle.
     pub rotations: Vec<(u32, u32, Option<crate::ir::Node>)>,
+    /// Of each `apply` the local markers: on, against.
+    pub applied: Vec<(u32, Option<u32>)>,
 }
 
 /// What a class tells besides its graph.

@@ -337,6 +337,7 @@ impl<'a> Elaborator<'a, '_> {
             state_start: element.states.iter().map(|s| s.start).collect(),
             state_scale: element.states.iter().map(|s| s.scale).collect(),
             signals: element.signals,
+            applied: element.applied,
             rotations: (0..)
                 .zip(&element.rotations)
                 .map(|(index, (a, b, _))| {

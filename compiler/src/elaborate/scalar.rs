@@ -102,6 +102,8 @@ pub(crate) struct ElementBuilder {
     pub rows: Vec<RowDraft>,
     /// Loads by local marker.
     pub loads: Vec<[Node; 6]>,
+    /// Of each `apply` the local markers: on, against.
+    pub applied: Vec<(u32, Option<u32>)>,
     /// Conditions of functions that were called.
     pub asked: Vec<Asked>,
 }

@@ -4,6 +4,7 @@ use super::Elaborator;
 use super::binding::span_of;
 use crate::codes;
 use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
 use eng_system::lint;
 use eng_system::system::{BodyRef, Location, Origin, Role};
 
@@ -45,6 +46,103 @@ impl Elaborator<'_, '_> {
             .with_help(
                 "take a marker of each of the two bodies; a marker of the model is on the ground",
             ),
+        )
+    }
+
+    /// The body or the ground, in words.
+    fn named(&self, body: BodyRef) -> String {
+        match body {
+            BodyRef::Body(body) => format!("`{}`", self.bodies[body as usize].origin.path),
+            BodyRef::Ground => "the ground".to_owned(),
+        }
+    }
+
+    /// Elements between markers of one thing: all that they do cancels. Loads without `against` come from outside and count.
+    fn idle_elements(&mut self) -> Vec<Diagnostic> {
+        let found: Vec<(String, Diagnostic)> = (self.elements.iter())
+            .filter(|element| element.role == Role::Dynamic)
+            .filter_map(|element| {
+                let told = self
+                    .loads_itself(element)
+                    .or_else(|| self.geared_to_itself(element))?;
+                Some((element.origin.path.clone(), told))
+            })
+            .collect();
+        let told = found
+            .into_iter()
+            .filter(|(path, _)| !self.accepts(lint::IDLE, path));
+        told.map(|(_, message)| message).collect()
+    }
+
+    /// The message where the loads of an element act between one marker and itself, or between markers of one body that does not bend.
+    fn loads_itself(&self, element: &super::ElementDraft<'_>) -> Option<Diagnostic> {
+        let global = |local: &u32| element.markers.get(*local as usize).copied();
+        let body = |local: &u32| Some(self.markers.get(global(local)? as usize)?.body);
+        let bends = |body: BodyRef| match body {
+            BodyRef::Body(b) => self.flexible.get(b as usize).is_some_and(Option::is_some),
+            BodyRef::Ground => false,
+        };
+        let (first, _) = element.applied.first()?;
+        let cancels = |(on, against): &(u32, Option<u32>)| {
+            let Some(against) = against else {
+                return false;
+            };
+            let own = body(on);
+            on == against || own == body(against) && own.is_some_and(|own| !bends(own))
+        };
+        if !element.meta.rows.is_empty() || !element.applied.iter().all(cancels) {
+            return None;
+        }
+        let path = &element.origin.path;
+        let on = self.named(body(first)?);
+        let same = element.applied.iter().all(|(a, b)| Some(*a) == *b);
+        let label = match (same, global(first)) {
+            (true, Some(marker)) => {
+                let marker = &self.markers[marker as usize].origin.path;
+                format!("from `{marker}` to itself")
+            }
+            _ => format!("from {on} to itself"),
+        };
+        Some(
+            Diagnostic::warning(
+                codes::MOVES_NOTHING,
+                format!("`{path}` acts between {on} and itself: it moves nothing"),
+            )
+            .at(element.span, label)
+            .with_help(
+                "take a marker of each of the two bodies; a marker of the model is on the ground",
+            )
+            .acceptable(lint::IDLE),
+        )
+    }
+
+    /// The message where an equation of angles, such as a gear's, is given the same two markers twice.
+    fn geared_to_itself(&self, element: &super::ElementDraft<'_>) -> Option<Diagnostic> {
+        let arguments = &element.source.as_ref()?.arguments;
+        let given = arguments.iter().filter(|(_, argument)| {
+            matches!(
+                argument,
+                super::Argument::Value(super::value::Value::Marker(_))
+            )
+        });
+        let [row] = element.meta.rows.as_slice() else {
+            return None;
+        };
+        let twice = given.count() >= 4 && element.markers.len() == 2;
+        if !twice || row.dimension != Dimension::ANGLE || element.rotations.is_empty() {
+            return None;
+        }
+        let path = &element.origin.path;
+        let on = element.markers.first()?;
+        let on = self.named(self.markers.get(*on as usize)?.body);
+        Some(
+            Diagnostic::warning(
+                codes::MOVES_NOTHING,
+                format!("`{path}` ties the turning of {on} to itself: it does not turn"),
+            )
+            .at(element.span, "the same two markers twice")
+            .with_help("take the markers of both wheels")
+            .acceptable(lint::IDLE),
         )
     }
 
@@ -139,6 +237,7 @@ impl Elaborator<'_, '_> {
                 );
             }
         }
+        found.extend(self.idle_elements());
         for (place, paths) in self.unused_markers() {
             let (noun, verb) = match paths.len() {
                 1 => ("marker", "is"),

@@ -9,6 +9,7 @@ use super::motion::SteadyMotion;
 use crate::assembly::closing::set_mobility;
 use crate::assembly::rows::{self, Along, Rows, wishes};
 use crate::assembly::{assemble, at, chains, lock};
+use crate::body::BodyModel;
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;
 use crate::error::{Moment, RuntimeError};
@@ -27,8 +28,10 @@ const HALVINGS: usize = 6;
 const CLOSED: f64 = 1e-9;
 /// Share of the equations' size that is added to their diagonal: rows of wishes repeat each other.
 const SOFT: f64 = 1e-12;
-/// Largest share of a step by which the cycle may fall behind.
+/// Largest share of a step, at the cycle's highest rate so far, by which the cycle may fall behind.
 const BEHIND: f64 = 0.2;
+/// Share of the fastest body's angular speed below which a cycle stands: what is left is rounding, or a shaft that tumbles.
+const STANDS: f64 = 1e-6;
 
 /// A place of a dry turn.
 #[derive(Debug)]
@@ -41,8 +44,19 @@ pub struct Place<'a> {
     pub angle: f64,
 }
 
+/// How far a model is turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Turned {
+    /// Through the period.
+    Whole,
+    /// Not at all: no body, no cycle and no drive, or a cycle that stands at the start.
+    Not,
+    /// To this cycle angle (rad), from which it goes back though nothing locks: it is the angle of a thing that swings.
+    Back(f64),
+}
+
 /// Turns a model through one period and shows each place to `visit`, the start first. Without a cycle it is a turn of what a drive
-/// turns fastest, its angle counted from the start. `false` where there is nothing to turn: no body, no cycle and no drive, or a cycle that stands at the start.
+/// turns fastest, its angle counted from the start.
 ///
 /// # Errors
 ///
@@ -51,34 +65,35 @@ pub fn turn(
     compiled: &Compiled,
     overrides: &[Option<f64>],
     visit: &mut dyn FnMut(&Place<'_>) -> Result<(), RuntimeError>,
-) -> Result<bool, RuntimeError> {
+) -> Result<Turned, RuntimeError> {
     let mut model = Model::bind(compiled, overrides)?;
     if model.velocities == 0 {
         // a model without a body: the equations of its motion are empty
-        return Ok(false);
+        return Ok(Turned::Not);
     }
     let mut state = assemble(&mut model)?;
     let Ok(motion) = SteadyMotion::new(&model, &state) else {
-        return Ok(false);
+        return Ok(Turned::Not);
     };
     let cycle = compiled.system.cycle.as_ref();
     let mut turning = Turning::new(&model, motion, cycle.map(|cycle| cycle.element as usize))?;
     let period = cycle.map_or(std::f64::consts::TAU, |cycle| model.slot(cycle.period));
     let Ok(velocity) = turning.motion.velocity(&model, &state) else {
-        return Ok(false);
+        return Ok(Turned::Not);
     };
     state.velocity.copy_from_slice(&velocity);
     if cycle.is_none() {
         turning.speed = driven(&model, &state)?;
     }
     let [start, rate] = turning.cycle(&state)?;
-    if rate == 0.0 || !rate.is_finite() || !(period > 0.0 && period.is_finite()) {
-        return Ok(false);
+    let stands = rate.abs() <= STANDS * fastest(&model, &state);
+    if stands || !rate.is_finite() || !(period > 0.0 && period.is_finite()) {
+        return Ok(Turned::Not);
     }
     let whole = std::f64::consts::TAU / PLACES / rate.abs();
     let turns = (period / std::f64::consts::TAU).min(MOST_TURNS);
     let places = libm::round(turns * PLACES) as usize;
-    let mut angle = start;
+    let (mut angle, mut now, mut highest) = (start, rate, rate.abs());
     visit(&Place {
         model: &model,
         state: &state,
@@ -89,9 +104,14 @@ pub fn turn(
         while left > 0.0 {
             let h = step.min(left);
             match turning.advance(&state, h)? {
-                Some((next, [reached, _])) if kept_up(reached - angle, rate * h) => {
+                Some((next, [reached, then]))
+                    if kept_up(reached - angle, 0.5 * (now + then) * h, highest * h) =>
+                {
+                    if then * rate < 0.0 {
+                        return Ok(Turned::Back(reached));
+                    }
                     state = next;
-                    angle = reached;
+                    (angle, now, highest) = (reached, then, highest.max(then.abs()));
                     left -= h;
                     if left < 1e-9 * whole {
                         left = 0.0;
@@ -110,7 +130,16 @@ pub fn turn(
             angle,
         })?;
     }
-    Ok(true)
+    Ok(Turned::Whole)
+}
+
+/// The highest angular speed of a body (rad/s).
+fn fastest(model: &Model, state: &State) -> f64 {
+    let speed = |body: &BodyModel| {
+        let turning = &state.velocity[body.velocity + 3..body.velocity + 6];
+        libm::sqrt(turning.iter().map(|x| x * x).sum::<f64>())
+    };
+    model.bodies.iter().map(speed).fold(0.0, f64::max)
 }
 
 /// The highest speed (rad/s) that a drive imposes on its first marker about its second one's z axis; 0 where none does.
@@ -135,9 +164,10 @@ fn driven(model: &Model, state: &State) -> Result<f64, RuntimeError> {
     Ok(fastest)
 }
 
-/// Whether the cycle has turned by about what it should.
-fn kept_up(turned: f64, wanted: f64) -> bool {
-    (turned - wanted).abs() <= BEHIND * wanted.abs()
+/// Whether the cycle has turned by about what it should by its rates before and after, measured by a step at its highest rate:
+/// where a cycle turns back both are small, where a mechanism locks the rate is as high as ever and the cycle stays behind.
+fn kept_up(turned: f64, wanted: f64, step: f64) -> bool {
+    (turned - wanted).abs() <= BEHIND * step
 }
 
 /// What turns a model.
@@ -246,14 +276,14 @@ impl<'a> Turning<'a> {
                 normal[(i, i)] += soft;
             }
             let Some(factor) = normal.cholesky() else {
-                return Ok(false);
+                return Ok(Turned::Not);
             };
             let step = matrix.transpose() * factor.solve(&values);
             let increment: Vec<f64> = (0..step.len())
                 .map(|i| -step[i] * self.mobility[i] * scales[i])
                 .collect();
             if increment.iter().any(|x| !x.is_finite()) || step.amax() > 1.0 {
-                return Ok(false);
+                return Ok(Turned::Not);
             }
             let pose = state.pose.clone();
             move_pose(model, &pose, &increment, 1.0, &mut state.pose);

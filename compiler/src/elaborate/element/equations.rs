@@ -362,6 +362,9 @@ impl<'a> Elaborator<'a, '_> {
             }
             None => None,
         };
+        if let Some(element) = self.bench.element.as_mut() {
+            element.applied.push((a, b));
+        }
         let back = v.map(|s| self.bench.negate(s));
         if torque {
             let on_axes = self.along_axes(a, &v);
