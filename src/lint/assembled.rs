@@ -1,23 +1,17 @@
-//! Lints of the assembled machine: markers that stand apart, swapped pins and shells, couplings that slip, steps that are too long,
-//! bodies that nothing holds.
+//! Lints of the assembled machine: markers that stand apart, swapped pins and shells, bodies that nothing holds or that sink.
 
 use super::{Finding, short};
 use crate::codes;
 use eng_runtime::assembly::rows;
 use eng_runtime::chain::MarkerKinematics;
-use eng_runtime::joint::Joint;
-use eng_runtime::loose::{Loose, loose, sag, springs};
+use eng_runtime::loose::{Loose, loose, sag};
 use eng_runtime::model::Model;
 use eng_runtime::rotation::V3;
 use eng_runtime::state::State;
 use eng_system::Dimension;
 use eng_system::lint;
-use eng_system::system::{AnalysisKind, Extent, Origin, Role, StepControl};
+use eng_system::system::{Origin, Role};
 
-/// Most a step may turn the cycle (rad).
-const LONG_STEP: f64 = 10.0 * std::f64::consts::PI / 180.0;
-/// Share of the speed that a coupling may slip at the start.
-const SLIP: f64 = 0.1;
 /// A speed below this share of the other is none.
 const STANDS: f64 = 1e-3;
 /// Share of the shell's speed below which the pin is the one that stands.
@@ -33,10 +27,6 @@ const STANDS_STILL: f64 = 0.01;
 const SINKS: f64 = 0.5;
 /// Share of gravity along a direction from which a body falls in it.
 const FALLS: f64 = 0.1;
-/// Most the cycle may turn between two samples (rad).
-const COARSE: f64 = 30.0 * std::f64::consts::PI / 180.0;
-/// Shortest run of a turning machine (rad of its cycle) that is stated as an angle.
-const SHORT: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// Distance (m) from which a slide that no text places is told.
 const UNPLACED: f64 = 0.01;
 
@@ -61,83 +51,6 @@ pub(super) fn assembled(start: &Start<'_>) -> Vec<Finding> {
     found.extend(start.useless());
     found.extend(start.loose());
     found.extend(start.sinks());
-    found.extend(start.backwards());
-    found
-}
-
-/// A fixed step that turns the cycle too far.
-pub(super) fn step(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) -> Option<Finding> {
-    let Some(StepControl::Fixed(step)) = kind.step() else {
-        return None;
-    };
-    let speed = start.cycle_speed()?;
-    let angle = step * speed;
-    (angle > LONG_STEP).then(|| Finding {
-        code: codes::LONG_STEP,
-        name: lint::STEP.to_owned(),
-        origin: analysis.clone(),
-        message: format!(
-            "a step of {} s turns the cycle by {} deg",
-            short(step, 3),
-            short(angle.to_degrees(), 3)
-        ),
-        label: "its step".to_owned(),
-        help: format!(
-            "a degree takes {} s; without `step` the error decides",
-            short(1f64.to_radians() / speed, 2)
-        ),
-        decided_by: Vec::new(),
-    })
-}
-
-/// Samples so far apart that they show nothing of a turn, and a run that ends before the machine has turned.
-pub(super) fn sampling(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) -> Vec<Finding> {
-    let finding = |message: String, label: &str, help: &str| Finding {
-        code: codes::SAMPLING,
-        name: lint::SAMPLING.to_owned(),
-        origin: analysis.clone(),
-        message,
-        label: label.to_owned(),
-        help: help.to_owned(),
-        decided_by: Vec::new(),
-    };
-    let Some((sample, duration)) = kind.sampling() else {
-        return Vec::new();
-    };
-    if let (Extent::Time(sample), Some(Extent::Time(duration))) = (sample, duration)
-        && sample > duration
-    {
-        let [sample, duration] = [sample, duration].map(|time| short(time, 4));
-        let message = format!("the run of {duration} s ends before its first sample at {sample} s");
-        return vec![finding(message, "its samples", "are both units right?")];
-    }
-    let Some(speed) = start.cycle_speed() else {
-        return Vec::new();
-    };
-    let angle = |extent: Extent| match extent {
-        Extent::Time(time) => time * speed,
-        Extent::Angle(angle) => angle,
-    };
-    // a few milliseconds may be meant, a few degrees are `4 rev`
-    let sample = angle(sample);
-    let duration = match duration {
-        Some(Extent::Angle(duration)) => Some(duration),
-        Some(Extent::Time(_)) | None => None,
-    };
-    let deg = |angle: f64| short(angle.to_degrees(), 3);
-    let mut found = Vec::new();
-    if let Some(duration) = duration.filter(|duration| *duration < SHORT) {
-        let message = format!("the run ends after {} deg of the cycle", deg(duration));
-        found.push(finding(
-            message,
-            "its duration",
-            "`4 rev` are four turns of the cycle's angle",
-        ));
-    } else if sample > COARSE {
-        let message = format!("the cycle turns by {} deg between two samples", deg(sample));
-        let help = "0.5 to 2 deg show forces and films; also no step is longer than a sample";
-        found.push(finding(message, "its samples", help));
-    }
     found
 }
 
@@ -145,7 +58,7 @@ fn mm(x: f64) -> String {
     short(1e3 * x, 3)
 }
 
-fn rpm(x: f64) -> String {
+pub(super) fn rpm(x: f64) -> String {
     // rounding is no motion
     let x = if x.abs() < 1e-6 { 0.0 } else { x };
     short(x * 30.0 / std::f64::consts::PI, 4)
@@ -164,11 +77,17 @@ fn axis(direction: &V3) -> String {
 }
 
 impl Start<'_> {
-    fn origin(&self, element: usize) -> &Origin {
+    pub(super) fn origin(&self, element: usize) -> &Origin {
         &self.model.compiled.system.elements[element].origin
     }
 
-    fn finding(&self, code: &'static str, name: &str, element: usize, message: String) -> Finding {
+    pub(super) fn finding(
+        &self,
+        code: &'static str,
+        name: &str,
+        element: usize,
+        message: String,
+    ) -> Finding {
         Finding {
             code,
             name: name.to_owned(),
@@ -184,97 +103,20 @@ impl Start<'_> {
         }
     }
 
-    fn marker(&self, marker: usize) -> MarkerKinematics {
+    pub(super) fn marker(&self, marker: usize) -> MarkerKinematics {
         rows::marker(self.model, marker, &self.state.pose, &self.state.velocity)
     }
 
-    fn path(&self, marker: usize) -> &str {
+    pub(super) fn path(&self, marker: usize) -> &str {
         &self.model.compiled.system.markers[marker].origin.path
     }
 
     /// The two markers of an element of two.
-    fn pair(&self, element: usize) -> Option<[usize; 2]> {
+    pub(super) fn pair(&self, element: usize) -> Option<[usize; 2]> {
         match self.model.elements[element].markers.as_slice() {
             [a, b] => Some([*a, *b]),
             _ => None,
         }
-    }
-
-    /// Speed of the cycle at the start (rad/s), if its angle is one between two markers.
-    fn cycle_speed(&self) -> Option<f64> {
-        let (_, rate) = self.cycle_rate()?;
-        (rate != 0.0).then(|| rate.abs())
-    }
-
-    /// The markers of the cycle's angle, that which turns first, and its rate at the start (rad/s).
-    fn cycle_rate(&self) -> Option<([usize; 2], f64)> {
-        let system = &self.model.compiled.system;
-        let element = system.cycle.as_ref()?.element as usize;
-        let rotation = system.elements.get(element)?.rotations.first()?;
-        let markers = &self.model.elements.get(element)?.markers;
-        let turning = *markers.get(rotation.turning as usize)?;
-        let reference = *markers.get(rotation.reference as usize)?;
-        let rate = self.spin(&self.marker(turning), &self.marker(reference));
-        Some(([turning, reference], rate))
-    }
-
-    /// A gas trace that is read from its end to its beginning.
-    fn backwards(&self) -> Option<Finding> {
-        let system = &self.model.compiled.system;
-        let ([turning, reference], rate) = self.cycle_rate()?;
-        let fastest = (0..self.model.bodies.len()).map(|body| self.spin_of(body));
-        let fastest = fastest.fold(0.0, f64::max);
-        // a shaft that stands or is about to fall over turns nowhere
-        if system.firings.is_empty() || rate >= 0.0 || -rate < STANDS_STILL * fastest {
-            return None;
-        }
-        let mut finding = Finding {
-            code: codes::CYCLE,
-            name: lint::CYCLE.to_owned(),
-            origin: system.cycle.as_ref()?.origin.clone(),
-            message: format!(
-                "the cycle runs backwards, with {} rpm at the start: gas is read from the end of its cycle to the beginning",
-                rpm(rate)
-            ),
-            label: "this angle falls".to_owned(),
-            help: "measure the angle the way the crank turns, `rotation(crank.flange, ground)`, with the z axis of the second marker; or change the sign of the speed at start and drive".to_owned(),
-            decided_by: Vec::new(),
-        };
-        let spin = |marker: usize| self.model.markers[marker].body.map(|b| self.spin_of(b));
-        let [end, other] = match spin(turning) >= spin(reference) {
-            true => [turning, reference],
-            false => [reference, turning],
-        };
-        let mut places = self.what_drives(end);
-        places.extend(self.what_turns(end, other));
-        super::decide(&mut finding, places);
-        Some(finding)
-    }
-
-    /// Drives on the shaft of a marker: joints of a single equation on an angle.
-    fn what_drives(&self, end: usize) -> Vec<Origin> {
-        let system = &self.model.compiled.system;
-        let shaft = self.model.markers[end].body;
-        let shaft = shaft.map_or(Vec::new(), |body| self.welded_to(body));
-        let elements = system.elements.iter().zip(&self.model.elements).enumerate();
-        let drives = elements.filter(|(e, (element, own))| {
-            let mut bodies = own.markers.iter().map(|m| self.model.markers[*m].body);
-            own.dynamic
-                && self.model.class(*e).rows.len() == 1
-                && !element.rotations.is_empty()
-                && bodies.any(|b| b.is_some_and(|b| shaft.contains(&b)))
-        });
-        let origin = |element: &eng_system::system::Element| Origin {
-            defined_at: None,
-            ..element.origin.clone()
-        };
-        drives.map(|(_, (element, _))| origin(element)).collect()
-    }
-
-    /// Angular velocity about the second marker's z axis (rad/s).
-    fn spin(&self, a: &MarkerKinematics, b: &MarkerKinematics) -> f64 {
-        let about = b.rotation.column(2).into_owned();
-        (a.rotation * a.angular_velocity - b.rotation * b.angular_velocity).dot(&about)
     }
 
     /// Radius of gyration of a marker's body (m); none for the ground and flexible bodies.
@@ -371,126 +213,6 @@ impl Start<'_> {
         })
     }
 
-    /// A spring between things that turn against each other: a flywheel that is tied to the ground.
-    fn slips(&self, element: usize) -> Option<Finding> {
-        let system = &self.model.compiled.system;
-        let class = self.model.class(element);
-        let markers = self.pair(element)?;
-        let turned = system.elements[element]
-            .rotations
-            .iter()
-            .any(|rotation| [rotation.turning, rotation.reference] == [0, 1]);
-        if !class.rows.is_empty() || !class.applies_load || !turned {
-            return None;
-        }
-        let [a, b] = markers.map(|marker| self.marker(marker));
-        let about = b.rotation.column(2).into_owned();
-        let speeds = [a, b].map(|m| (m.rotation * m.angular_velocity).dot(&about));
-        let slip = (speeds[0] - speeds[1]).abs();
-        if slip <= SLIP * speeds[0].abs().max(speeds[1].abs()) || slip < 1.0 {
-            return None;
-        }
-        // a brake or a damper does not wind up
-        if !matches!(springs(self.model, self.state, element), Ok(true)) {
-            return None;
-        }
-        let message = format!(
-            "{} turns with {} rpm at the start, {} with {} rpm: it winds up",
-            self.path(markers[0]),
-            rpm(speeds[0]),
-            self.path(markers[1]),
-            rpm(speeds[1])
-        );
-        let mut finding = self.finding(codes::IDLE, lint::IDLE, element, message);
-        finding.help = "is each of its markers on the body that is meant, and is that body joined to the shaft?".to_owned();
-        let slower = markers[usize::from(speeds[1].abs() < speeds[0].abs())];
-        super::decide(&mut finding, self.what_turns(markers[0], slower));
-        Some(finding)
-    }
-
-    /// A body and all that welds tie to it, the ground left out.
-    fn welded_to(&self, body: usize) -> Vec<usize> {
-        let mut welded = vec![body];
-        let mut next = 0;
-        while let Some(here) = welded.get(next).copied() {
-            next += 1;
-            for (e, element) in self.model.elements.iter().enumerate() {
-                let bodies = || {
-                    let markers = element.markers.iter();
-                    markers.filter_map(|m| self.model.markers[*m].body)
-                };
-                let holds = element.dynamic && Joint::of(self.model.class(e)) == Joint::Weld;
-                if holds && bodies().any(|b| b == here) {
-                    let new = bodies().filter(|b| !welded.contains(b));
-                    welded.extend(new.collect::<Vec<_>>());
-                }
-            }
-        }
-        welded
-    }
-
-    /// A spring, film or gas between two rigid bodies that are welded to each other.
-    fn between_welded(&self, element: usize) -> Option<Finding> {
-        let class = self.model.class(element);
-        let markers = self.pair(element)?;
-        let [a, b] = markers.map(|m| self.model.markers[m].body);
-        let (a, b) = (a?, b?);
-        let rigid = [a, b]
-            .iter()
-            .all(|body| self.model.bodies[*body].modes() == 0);
-        if !class.rows.is_empty() || !class.applies_load || a == b || !rigid {
-            return None;
-        }
-        self.welded_to(a).contains(&b).then(|| {
-            let bodies = &self.model.compiled.system.bodies;
-            let [a, b] = [a, b].map(|body| bodies[body].origin.path.as_str());
-            let message =
-                format!("{a} and {b} are joined rigidly: it acts between them and moves nothing");
-            let mut finding = self.finding(codes::IDLE, lint::IDLE, element, message);
-            finding.help = "is the joint, or the element, on the bodies that are meant?".to_owned();
-            super::decide(&mut finding, self.welds(&markers));
-            finding
-        })
-    }
-
-    /// The welds on the bodies of markers.
-    fn welds(&self, markers: &[usize; 2]) -> Vec<Origin> {
-        let body = |m: &usize| self.model.markers[*m].body;
-        let on = |e: usize| {
-            let own = &self.model.elements[e];
-            let touches = |m: &usize| markers.iter().any(|other| body(other) == body(m));
-            own.dynamic
-                && Joint::of(self.model.class(e)) == Joint::Weld
-                && own.markers.iter().any(touches)
-        };
-        let welds = (0..self.model.elements.len()).filter(|e| on(*e));
-        welds
-            .map(|e| Origin {
-                defined_at: None,
-                ..self.origin(e).clone()
-            })
-            .collect()
-    }
-
-    /// Where the start velocities of the shaft behind a coupling's end are stated: of the bodies that joints tie to it, the ground left
-    /// out; and where its slower end hangs.
-    fn what_turns(&self, end: usize, slower: usize) -> Vec<Origin> {
-        let system = &self.model.compiled.system;
-        let body_of = |marker: &usize| self.model.markers[*marker].body;
-        let shaft = body_of(&end).map_or(Vec::new(), |body| self.welded_to(body));
-        let starts = system.elements.iter().enumerate().filter(|(e, element)| {
-            let mut bodies = self.model.elements[*e].markers.iter().filter_map(&body_of);
-            matches!(element.role, Role::StartVelocity { .. }) && bodies.any(|b| shaft.contains(&b))
-        });
-        let mut places: Vec<Origin> = starts.map(|(_, element)| element.origin.clone()).collect();
-        if places.is_empty() {
-            let bodies = shaft.iter().skip(1).chain(&shaft[..shaft.len().min(1)]);
-            places.extend(bodies.map(|b| system.bodies[*b].origin.clone()));
-        }
-        places.extend(body_of(&slower).map(|b| system.bodies[b].origin.clone()));
-        places
-    }
-
     /// Journals whose shell turns in a pin that does not.
     fn swapped(&self) -> Vec<Finding> {
         let system = &self.model.compiled.system;
@@ -521,35 +243,6 @@ impl Start<'_> {
             found.push(self.finding(codes::SWAPPED, lint::SWAPPED, element, message));
         }
         found
-    }
-
-    /// Bodies that are held on the ground and that nothing else touches.
-    fn useless(&self) -> Vec<Finding> {
-        let system = &self.model.compiled.system;
-        let bodies = self.model.bodies.iter().enumerate();
-        bodies
-            .filter_map(|(index, body)| {
-                let mut touching = (0..self.model.elements.len()).filter(|e| {
-                    let element = &self.model.elements[*e];
-                    let on = |m: &usize| self.model.markers[*m].body == Some(index);
-                    element.dynamic && element.markers.iter().any(on)
-                });
-                let only = touching.next()?;
-                let welded = Joint::of(self.model.class(only)) == Joint::Weld
-                    && (self.model.elements[only].markers.iter())
-                        .any(|m| self.model.markers[*m].body.is_none());
-                let range = body.velocity..body.velocity + 6;
-                let stands = self.state.velocity[range].iter().all(|v| *v == 0.0);
-                if touching.next().is_some() || !welded || !stands || system.bodies.len() < 2 {
-                    return None;
-                }
-                let message = "it is held on the ground, and nothing else touches it".to_owned();
-                let mut finding = self.finding(codes::IDLE, lint::IDLE, only, message);
-                finding.origin.path.clone_from(&body.origin.path);
-                finding.help = "join it to what it should move with, or leave it out".to_owned();
-                Some(finding)
-            })
-            .collect()
     }
 
     /// Bodies that nothing holds in some direction.
@@ -633,7 +326,7 @@ impl Start<'_> {
     }
 
     /// Angular speed of a body at the start (rad/s).
-    fn spin_of(&self, body: usize) -> f64 {
+    pub(super) fn spin_of(&self, body: usize) -> f64 {
         let first = self.model.bodies[body].velocity;
         V3::from_column_slice(&self.state.velocity[first + 3..first + 6]).norm()
     }

@@ -1,6 +1,8 @@
 //! Lints: what is probably a mistake, whom it is about, and what the text accepts of it.
 
 mod assembled;
+mod cycle;
+mod idle;
 mod numbers;
 mod rods;
 mod turned;
@@ -133,8 +135,8 @@ pub(crate) fn of_start(
 ) -> Vec<Finding> {
     let start = assembled::Start { model, state };
     let mut found = assembled::assembled(&start);
-    found.extend(assembled::step(&start, kind, analysis));
-    found.extend(assembled::sampling(&start, kind, analysis));
+    found.extend(cycle::step(&start, kind, analysis));
+    found.extend(cycle::sampling(&start, kind, analysis));
     found
 }
 

@@ -484,13 +484,9 @@ fn one_firing(system: &System, bound: &Bound) -> Option<Finding> {
     if most == 1 || most == least && most < all.len() {
         return None;
     }
-    let (first, group): (_, Vec<&FiringInfo>) = {
-        let first = all.iter().find(|one| with(one) == most)?;
-        (
-            first,
-            all.iter().filter(|other| together(first, other)).collect(),
-        )
-    };
+    let first = all.iter().find(|one| with(one) == most)?;
+    let group = all.iter().filter(|other| together(first, other));
+    let group: Vec<&FiringInfo> = group.collect();
     let origin = |firing: &FiringInfo| Some(&system.elements.get(firing.element as usize)?.origin);
     let shown = short(at(bound, first.angle).to_degrees(), 4);
     let (message, help) = match most == all.len() {

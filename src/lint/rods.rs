@@ -34,7 +34,7 @@ fn rod(system: &System, bound: &Bound, body: BodyRef) -> Option<Finding> {
         return None;
     };
     let found = joints(system, body);
-    let &[ref a, ref b] = found.as_slice() else {
+    let [a, b] = found.as_slice() else {
         return None;
     };
     let on_ground = [a, b].iter().any(|joint| joint.leads_to == BodyRef::Ground);

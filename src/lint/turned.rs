@@ -3,6 +3,7 @@
 //! The machine is turned once through its cycle by its geometry ([`eng_runtime::start::turn`]). Of each cylinder, an element that
 //! fires, it is watched how far its piston is from its head along the bore.
 
+use super::assembled::Start;
 use super::{Finding, short};
 use crate::codes;
 use crate::machine::at;
@@ -108,7 +109,15 @@ pub(super) fn turned(
         return Vec::new();
     }
     let mut shaft = None;
+    // the cycle's angle at the first and the last place, and the finding if it falls
+    let (mut angles, mut backwards): (Option<[f64; 2]>, _) = (None, None);
     let found = turn(compiled, overrides, &mut |place| {
+        let first = angles.map_or(place.angle, |[first, _]| first);
+        if angles.is_none() {
+            let (model, state) = (place.model, place.state);
+            backwards = Start { model, state }.backwards();
+        }
+        angles = Some([first, place.angle]);
         shaft = shaft.or_else(|| shaft_axis(place));
         for cylinder in &mut cylinders {
             cylinder.look(place);
@@ -122,8 +131,10 @@ pub(super) fn turned(
     }
     let doubts = cylinders.iter().flat_map(|c| c.doubts(compiled));
     let slanted = cylinders.iter().filter_map(|c| c.slanted(compiled, shaft?));
+    let falls = angles.is_some_and(|[first, last]| last < first);
     doubts
         .chain(slanted)
+        .chain(backwards.filter(|_| falls))
         .chain(gravity(system, bound, &cylinders, shaft))
         .collect()
 }

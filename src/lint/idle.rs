@@ -1,0 +1,163 @@
+//! Lints of what does nothing, or what it was not meant for: couplings that wind up, springs between welded bodies, bodies on the ground.
+
+use super::Finding;
+use super::assembled::{Start, rpm};
+use crate::codes;
+use eng_runtime::joint::Joint;
+use eng_runtime::loose::springs;
+use eng_system::lint;
+use eng_system::system::{Origin, Role};
+
+/// Share of the speed that a coupling may slip at the start.
+const SLIP: f64 = 0.1;
+
+impl Start<'_> {
+    /// A spring between things that turn against each other: a flywheel that is tied to the ground.
+    pub(super) fn slips(&self, element: usize) -> Option<Finding> {
+        let system = &self.model.compiled.system;
+        let class = self.model.class(element);
+        let markers = self.pair(element)?;
+        let turned = system.elements[element]
+            .rotations
+            .iter()
+            .any(|rotation| [rotation.turning, rotation.reference] == [0, 1]);
+        if !class.rows.is_empty() || !class.applies_load || !turned {
+            return None;
+        }
+        let [a, b] = markers.map(|marker| self.marker(marker));
+        let about = b.rotation.column(2).into_owned();
+        let speeds = [a, b].map(|m| (m.rotation * m.angular_velocity).dot(&about));
+        let slip = (speeds[0] - speeds[1]).abs();
+        if slip <= SLIP * speeds[0].abs().max(speeds[1].abs()) || slip < 1.0 {
+            return None;
+        }
+        // a brake or a damper does not wind up
+        if !matches!(springs(self.model, self.state, element), Ok(true)) {
+            return None;
+        }
+        let message = format!(
+            "{} turns with {} rpm at the start, {} with {} rpm: it winds up",
+            self.path(markers[0]),
+            rpm(speeds[0]),
+            self.path(markers[1]),
+            rpm(speeds[1])
+        );
+        let mut finding = self.finding(codes::IDLE, lint::IDLE, element, message);
+        finding.help = "is each of its markers on the body that is meant, and is that body joined to the shaft?".to_owned();
+        let slower = markers[usize::from(speeds[1].abs() < speeds[0].abs())];
+        super::decide(&mut finding, self.what_turns(markers[0], slower));
+        Some(finding)
+    }
+
+    /// A body and all that welds tie to it, the ground left out.
+    pub(super) fn welded_to(&self, body: usize) -> Vec<usize> {
+        let mut welded = vec![body];
+        let mut next = 0;
+        while let Some(here) = welded.get(next).copied() {
+            next += 1;
+            for (e, element) in self.model.elements.iter().enumerate() {
+                let bodies = || {
+                    let markers = element.markers.iter();
+                    markers.filter_map(|m| self.model.markers[*m].body)
+                };
+                let holds = element.dynamic && Joint::of(self.model.class(e)) == Joint::Weld;
+                if holds && bodies().any(|b| b == here) {
+                    let new = bodies().filter(|b| !welded.contains(b));
+                    welded.extend(new.collect::<Vec<_>>());
+                }
+            }
+        }
+        welded
+    }
+
+    /// A spring, film or gas between two rigid bodies that are welded to each other.
+    pub(super) fn between_welded(&self, element: usize) -> Option<Finding> {
+        let class = self.model.class(element);
+        let markers = self.pair(element)?;
+        let [a, b] = markers.map(|m| self.model.markers[m].body);
+        let (a, b) = (a?, b?);
+        let rigid = [a, b]
+            .iter()
+            .all(|body| self.model.bodies[*body].modes() == 0);
+        if !class.rows.is_empty() || !class.applies_load || a == b || !rigid {
+            return None;
+        }
+        self.welded_to(a).contains(&b).then(|| {
+            let bodies = &self.model.compiled.system.bodies;
+            let [a, b] = [a, b].map(|body| bodies[body].origin.path.as_str());
+            let message =
+                format!("{a} and {b} are joined rigidly: it acts between them and moves nothing");
+            let mut finding = self.finding(codes::IDLE, lint::IDLE, element, message);
+            finding.help = "is the joint, or the element, on the bodies that are meant?".to_owned();
+            super::decide(&mut finding, self.welds(&markers));
+            finding
+        })
+    }
+
+    /// The joints of six rows on the bodies of markers.
+    fn welds(&self, markers: &[usize; 2]) -> Vec<Origin> {
+        let body = |m: &usize| self.model.markers[*m].body;
+        let on = |e: usize| {
+            let own = &self.model.elements[e];
+            let touches = |m: &usize| markers.iter().any(|other| body(other) == body(m));
+            own.dynamic
+                && Joint::of(self.model.class(e)) == Joint::Weld
+                && own.markers.iter().any(touches)
+        };
+        let welds = (0..self.model.elements.len()).filter(|e| on(*e));
+        welds
+            .map(|e| Origin {
+                defined_at: None,
+                ..self.origin(e).clone()
+            })
+            .collect()
+    }
+
+    /// Where the start velocities of the shaft behind a coupling's end are stated: of the bodies that joints tie to it, the ground left
+    /// out; and where its slower end hangs.
+    pub(super) fn what_turns(&self, end: usize, slower: usize) -> Vec<Origin> {
+        let system = &self.model.compiled.system;
+        let body_of = |marker: &usize| self.model.markers[*marker].body;
+        let shaft = body_of(&end).map_or(Vec::new(), |body| self.welded_to(body));
+        let starts = system.elements.iter().enumerate().filter(|(e, element)| {
+            let mut bodies = self.model.elements[*e].markers.iter().filter_map(&body_of);
+            matches!(element.role, Role::StartVelocity { .. }) && bodies.any(|b| shaft.contains(&b))
+        });
+        let mut places: Vec<Origin> = starts.map(|(_, element)| element.origin.clone()).collect();
+        if places.is_empty() {
+            let bodies = shaft.iter().skip(1).chain(&shaft[..shaft.len().min(1)]);
+            places.extend(bodies.map(|b| system.bodies[*b].origin.clone()));
+        }
+        places.extend(body_of(&slower).map(|b| system.bodies[b].origin.clone()));
+        places
+    }
+
+    /// Bodies that are held on the ground and that nothing else touches.
+    pub(super) fn useless(&self) -> Vec<Finding> {
+        let system = &self.model.compiled.system;
+        let bodies = self.model.bodies.iter().enumerate();
+        bodies
+            .filter_map(|(index, body)| {
+                let mut touching = (0..self.model.elements.len()).filter(|e| {
+                    let element = &self.model.elements[*e];
+                    let on = |m: &usize| self.model.markers[*m].body == Some(index);
+                    element.dynamic && element.markers.iter().any(on)
+                });
+                let only = touching.next()?;
+                let welded = Joint::of(self.model.class(only)) == Joint::Weld
+                    && (self.model.elements[only].markers.iter())
+                        .any(|m| self.model.markers[*m].body.is_none());
+                let range = body.velocity..body.velocity + 6;
+                let stands = self.state.velocity[range].iter().all(|v| *v == 0.0);
+                if touching.next().is_some() || !welded || !stands || system.bodies.len() < 2 {
+                    return None;
+                }
+                let message = "it is held on the ground, and nothing else touches it".to_owned();
+                let mut finding = self.finding(codes::IDLE, lint::IDLE, only, message);
+                finding.origin.path.clone_from(&body.origin.path);
+                finding.help = "join it to what it should move with, or leave it out".to_owned();
+                Some(finding)
+            })
+            .collect()
+    }
+}
