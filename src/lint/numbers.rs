@@ -264,7 +264,11 @@ fn size(body: &Solid<'_>, reach: f64) -> Option<Doubt> {
             mm(reach)
         );
         (message, false)
-    } else if radius > SLENDER * ball(STEEL) && radius > USUAL.end * body.farthest {
+    } else if body.span > TWO_PLACES
+        // a point with an inertia of its own has one marker
+        && radius > SLENDER * ball(STEEL)
+        && radius > USUAL.end * body.farthest
+    {
         let ball = mm(ball(STEEL));
         let message = format!("{told}, but a ball of steel of this mass has a radius of {ball} mm");
         (message, false)

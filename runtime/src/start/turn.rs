@@ -276,14 +276,14 @@ impl<'a> Turning<'a> {
                 normal[(i, i)] += soft;
             }
             let Some(factor) = normal.cholesky() else {
-                return Ok(Turned::Not);
+                return Ok(false);
             };
             let step = matrix.transpose() * factor.solve(&values);
             let increment: Vec<f64> = (0..step.len())
                 .map(|i| -step[i] * self.mobility[i] * scales[i])
                 .collect();
             if increment.iter().any(|x| !x.is_finite()) || step.amax() > 1.0 {
-                return Ok(Turned::Not);
+                return Ok(false);
             }
             let pose = state.pose.clone();
             move_pose(model, &pose, &increment, 1.0, &mut state.pose);
