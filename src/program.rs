@@ -4,7 +4,8 @@ use crate::error::{Error, Report};
 use crate::model::Model;
 use crate::reduction::{Outlines, Reducer, Reduction, inspect};
 use crate::sources::Sources;
-use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses, elaborate};
+use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses};
+use eng_compiler::models::SharedModels;
 use eng_compiler::program::{DefinitionId, Program as Resolved};
 use eng_compiler::typed::TypedProgram;
 use eng_grammar::ast::{BindingKind, Block, Declaration, Form, ItemKind, Kind};
@@ -48,13 +49,14 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
         };
     }
     let typed = eng_compiler::check::check(resolved, &texts, &mut diagnostics);
+    let shared = SharedModels::default();
     let mut plans = Vec::new();
     if !diagnostics.has_errors() {
         plans = analyses(&typed, &mut texts, sources, &mut diagnostics);
         // what only shows with instances: paths, indices, files, connections, meshes
         for model in models_of(&typed.program) {
-            let elaborated = elaborate(&typed, &mut texts, sources, model, &[], &mut diagnostics);
-            for flexible in elaborated.iter().flat_map(|e| &e.flexible) {
+            let made = shared.model(&typed, &mut texts, sources, model, &[], &mut diagnostics);
+            for flexible in made.iter().flat_map(|made| &made.elaborated.flexible) {
                 for found in inspect(sources, flexible) {
                     diagnostics.push(found);
                 }
@@ -63,7 +65,14 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
     }
     let mut reports = Vec::new();
     if !diagnostics.has_errors() {
-        reports = eng_compiler::check::reports(&typed, &texts, sources, &plans, &mut diagnostics);
+        reports = eng_compiler::check::reports(
+            &typed,
+            &texts,
+            sources,
+            &plans,
+            &shared,
+            &mut diagnostics,
+        );
     }
     let failed = diagnostics.has_errors();
     let texts = Arc::new(texts);
@@ -71,6 +80,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
         inner: Arc::new(Inner {
             sources: sources.clone(),
             typed,
+            shared,
             plans,
             reports,
             texts: Arc::clone(&texts),
@@ -150,6 +160,7 @@ impl Checked {
 struct Inner {
     sources: Sources,
     typed: TypedProgram,
+    shared: SharedModels,
     plans: Vec<AnalysisPlan>,
     reports: Vec<eng_system::report::Report>,
     texts: Arc<SourceMap>,
@@ -355,7 +366,7 @@ impl Program {
     ) -> Result<Model, Error> {
         let mut texts = SourceMap::clone(&self.inner.texts);
         let mut diagnostics = Diagnostics::new();
-        let elaborated = elaborate(
+        let model = self.inner.shared.model(
             &self.inner.typed,
             &mut texts,
             &self.inner.sources,
@@ -363,10 +374,11 @@ impl Program {
             constants,
             &mut diagnostics,
         );
-        let Some(elaborated) = elaborated else {
+        let Some(model) = model else {
             return Err(Error::Report(Report::new(Arc::new(texts), diagnostics)));
         };
         let (mut reductions, mut reduced) = (Vec::new(), Vec::new());
+        let elaborated = &model.elaborated;
         for (index, source) in (0..).zip(&elaborated.flexible) {
             let turned = elaborated.turned_markers(index);
             let Inner {
@@ -393,15 +405,11 @@ impl Program {
                 Error::Report(Report::new(Arc::clone(&self.inner.texts), diagnostics))
             })?;
         }
-        let mut code = Vec::with_capacity(elaborated.classes.len());
-        for functions in elaborated.classes {
-            code.push(eng_compiler::generate::compile_class(functions, true)?);
-        }
         Ok(Model::new(
             Compiled {
-                system: Arc::new(elaborated.system),
-                code,
-                bind: Arc::new(elaborated.bind),
+                system: Arc::clone(&elaborated.system),
+                code: model.code()?.to_vec(),
+                bind: elaborated.bind.clone(),
                 reduced,
             },
             Arc::clone(&self.inner.texts),

@@ -38,9 +38,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let functions = (case.build)(false).functions()?;
         let differentiated = start.elapsed();
         let start = Instant::now();
-        let machine = compile_class(functions.clone(), true)?;
+        let machine = compile_class(&functions, true)?;
         let generated = start.elapsed();
-        let interpreter = compile_class(functions.clone(), false)?;
+        let interpreter = compile_class(&functions, false)?;
         let mut random = support::Random(1);
         let layout = functions.layout;
         let (a, b) = (

@@ -1,30 +1,81 @@
-//! The functions that the language itself has: the checker and elaboration read the same list.
+//! The functions that the language itself has: one table, which the checker and elaboration read.
+//!
+//! A function of one plain number is its row here alone. One of another kind also has its type in `check/builtin.rs`
+//! and its evaluation in `elaborate/builtin.rs`.
+
+use crate::ir::{Node, Op};
+
+/// A function of the language.
+#[derive(Debug)]
+pub(crate) struct BuiltIn {
+    pub name: &'static str,
+    /// Names of the parameters, for messages; empty where any number of arguments is taken.
+    pub parameters: &'static [&'static str],
+    pub kind: Kind,
+}
+
+/// What a function takes and gives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Kind {
+    /// A plain number to a plain number.
+    Plain(fn(Node) -> Op),
+    /// An angle (rad), or a plain number, to a plain number.
+    OfAngle(fn(Node) -> Op),
+    /// A plain number to an angle (rad).
+    ToAngle(fn(Node) -> Op),
+    /// Numbers of any dimension.
+    Numbers,
+    /// Vectors, components and markers.
+    Vectors,
+    /// The numbers of a list.
+    List,
+    /// The rate of anything that moves.
+    Rate,
+}
+
+const fn function(name: &'static str, parameters: &'static [&'static str], kind: Kind) -> BuiltIn {
+    BuiltIn {
+        name,
+        parameters,
+        kind,
+    }
+}
+
+/// All of them.
+pub(crate) static FUNCTIONS: [BuiltIn; 25] = [
+    function("dot", &["a", "b"], Kind::Vectors),
+    function("cross", &["a", "b"], Kind::Vectors),
+    function("norm", &["v"], Kind::Vectors),
+    function("local", &["v", "m"], Kind::Vectors),
+    function("vector", &["c", "m"], Kind::Vectors),
+    function("perpendicular", &["v"], Kind::Vectors),
+    function("rotation", &["a", "b"], Kind::Vectors),
+    function("der", &["x"], Kind::Rate),
+    function("abs", &["x"], Kind::Numbers),
+    function("sqrt", &["x"], Kind::Numbers),
+    function("exp", &["x"], Kind::Plain(Op::Exp)),
+    function("log", &["x"], Kind::Plain(Op::Log)),
+    function("sin", &["x"], Kind::OfAngle(Op::Sin)),
+    function("cos", &["x"], Kind::OfAngle(Op::Cos)),
+    function("tan", &["x"], Kind::OfAngle(Op::Tan)),
+    function("asin", &["x"], Kind::ToAngle(Op::Asin)),
+    function("acos", &["x"], Kind::ToAngle(Op::Acos)),
+    function("atan", &["x"], Kind::ToAngle(Op::Atan)),
+    function("tanh", &["x"], Kind::Plain(Op::Tanh)),
+    function("atan2", &["y", "x"], Kind::Numbers),
+    function("min", &[], Kind::List),
+    function("max", &[], Kind::List),
+    function("sum", &["v"], Kind::List),
+    function("length", &["v"], Kind::List),
+    function("distinct", &["v"], Kind::List),
+];
+
+/// The function of a name.
+pub(crate) fn find(name: &str) -> Option<&'static BuiltIn> {
+    FUNCTIONS.iter().find(|function| function.name == name)
+}
 
 /// Their names.
-pub(crate) const NAMES: [&str; 25] = [
-    "dot",
-    "cross",
-    "norm",
-    "local",
-    "vector",
-    "perpendicular",
-    "rotation",
-    "der",
-    "abs",
-    "sqrt",
-    "exp",
-    "log",
-    "sin",
-    "cos",
-    "tan",
-    "asin",
-    "acos",
-    "atan",
-    "tanh",
-    "atan2",
-    "min",
-    "max",
-    "sum",
-    "length",
-    "distinct",
-];
+pub(crate) fn names() -> impl Iterator<Item = &'static str> {
+    FUNCTIONS.iter().map(|function| function.name)
+}

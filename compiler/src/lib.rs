@@ -15,6 +15,7 @@ pub mod ir;
 #[cfg(feature = "jit")]
 pub mod jit;
 pub mod library;
+pub mod models;
 pub mod program;
 pub mod resolve;
 pub mod typed;

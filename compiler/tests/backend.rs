@@ -3,7 +3,7 @@
 
 mod support;
 
-use eng_compiler::generate::{CodeCache, compile_class};
+use eng_compiler::generate::compile_class;
 use eng_compiler::ir::{ClassFunctions, InterpretedClass, Op};
 use eng_system::code::{ElementCode, Function, Pair};
 use eng_system::layout::InputLayout;
@@ -362,7 +362,7 @@ fn machine_code_has_the_interpreters_bits() {
     for case in cases() {
         let functions = functions(case.build);
         let layout = functions.layout;
-        let machine = compile_class(functions.clone(), true).expect("compiles");
+        let machine = compile_class(&functions, true).expect("compiles");
         let oracle = InterpretedClass::new(&functions);
         let mut random = Random(17);
         for round in 0..200 {
@@ -436,7 +436,7 @@ fn code_of_every_class_is_below_16_kilobytes() {
 #[test]
 fn short_slices_are_refused() {
     for use_jit in [true, false] {
-        let code = compile_class(functions(support::revolute), use_jit).expect("compiles");
+        let code = compile_class(&functions(support::revolute), use_jit).expect("compiles");
         let (takes, gives) = code.shape(Function::Residual);
         let mut outputs = vec![[0.0; 2]; gives];
         assert!(!code.call(
@@ -461,7 +461,7 @@ fn a_missing_table_is_not_a_number() {
     let layout = functions.layout;
     let case = &cases()[1];
     for use_jit in [true, false] {
-        let code = compile_class(functions.clone(), use_jit).expect("compiles");
+        let code = compile_class(&functions, use_jit).expect("compiles");
         let mut state = case.state(&layout, &mut Random(1));
         for handle in [2.0, -1.0, f64::NAN, f64::INFINITY] {
             state[layout.constant(2) as usize] = handle;
@@ -483,47 +483,12 @@ fn twists_and_loads_are_found() {
 }
 
 #[test]
-fn equal_classes_share_code_and_other_names_do_not_matter() {
-    let mut cache = CodeCache::new();
-    let first = cache
-        .compile(functions(support::revolute), true)
-        .expect("compiles");
-    let mut body = support::revolute(false);
-    body.name = "Hinge".into();
-    let renamed = body.functions().expect("a good class");
-    assert_eq!(
-        renamed.fingerprint(),
-        functions(support::revolute).fingerprint()
-    );
-    let second = cache.compile(renamed, true).expect("compiles");
-    assert!(std::sync::Arc::ptr_eq(&first, &second));
-    let other = cache
-        .compile(functions(support::cam), true)
-        .expect("compiles");
-    assert!(!std::sync::Arc::ptr_eq(&first, &other));
-    let interpreted = cache
-        .compile(functions(support::revolute), false)
-        .expect("compiles");
-    assert_eq!(interpreted.code_bytes(), 0);
-    drop((first, second));
-    let again = cache
-        .compile(functions(support::revolute), true)
-        .expect("compiles");
-    let state = cases()[0].state(&functions(support::revolute).layout, &mut Random(2));
-    let (a, b) = (
-        call(&*again, Function::Residual, &state, &[]),
-        call(&*interpreted, Function::Residual, &state, &[]),
-    );
-    assert_eq!(a, b);
-}
-
-#[test]
 fn threads_get_the_same_bits() {
     let tables = tables();
     for use_jit in [true, false] {
         let functions = functions(support::film);
         let layout = functions.layout;
-        let code = compile_class(functions, use_jit).expect("compiles");
+        let code = compile_class(&functions, use_jit).expect("compiles");
         let case = &cases()[2];
         let run = || {
             let mut random = Random(23);
@@ -560,7 +525,7 @@ fn code_memory_is_used_and_freed_many_times() {
         &[],
     );
     for _ in 0..50 {
-        let code = compile_class(functions.clone(), true).expect("compiles");
+        let code = compile_class(&functions, true).expect("compiles");
         assert_eq!(call(&*code, Function::Residual, &state, &[]), expected);
     }
 }
@@ -598,7 +563,7 @@ fn a_function_of_thousands_of_operations_compiles() {
     let functions = body.functions().expect("a good class");
     assert!(functions.residual.graph.nodes().len() > 7000);
     let state: Vec<f64> = (0..layout.len()).map(|i| 0.1 * f64::from(i)).collect();
-    let code = compile_class(functions.clone(), true).expect("compiles");
+    let code = compile_class(&functions, true).expect("compiles");
     let oracle = InterpretedClass::new(&functions);
     for which in [Function::Residual, Function::Linearize] {
         let (a, b) = (
@@ -657,7 +622,7 @@ fn speed_row(plain: bool) -> eng_compiler::ir::ClassBody {
 fn rows_may_be_affine_in_velocities() {
     let functions = functions(speed_row);
     let layout = functions.layout;
-    let code = compile_class(functions.clone(), true).expect("compiles");
+    let code = compile_class(&functions, true).expect("compiles");
     let state = support::state(&layout, &mut Random(4), false);
     let columns = jacobian(&*code, &layout, &state, &[]);
     let m = layout.marker(0) as usize;

@@ -202,7 +202,7 @@ fn parameters_bind_by_path() {
     assert_eq!(error.to_string(), "spring: free length -20 mm");
 }
 
-/// Names that no check has looked at: an internal error at the place, never a default or a panic.
+/// A text that the checker refuses, elaborated all the same: an internal error at the place, never a default or a panic.
 #[test]
 fn what_the_checks_should_have_found_is_an_internal_error() {
     for (wrong, place) in [
@@ -252,4 +252,52 @@ fn an_element_may_need_one_that_stands_after_it() {
         .expect("an element");
     // the two markers of its own and those of the joint that it measures
     assert_eq!(twist.markers.len(), 4);
+}
+
+/// What a model makes of its defaults, by the path of a parameter.
+fn default_of(made: &Elaborated, path: &str) -> f64 {
+    let none = vec![None; made.system.parameters.len()];
+    let bound = made.bind.bind(&none, &made.system.tables).expect("it fits");
+    let paths = made.system.parameters.iter().map(|p| &p.origin.path);
+    let (_, value) = paths
+        .zip(&bound.parameters)
+        .find(|(known, _)| *known == path)
+        .expect("a parameter");
+    *value
+}
+
+/// The checker says which parameter an argument is of; elaboration puts it there.
+#[test]
+fn arguments_go_where_the_checker_reads_them() {
+    let text = MODEL
+        .replace("Chain(step: 50 mm)", "Chain(4, 50 mm)")
+        // a value does not hide the function of its name
+        .replace("const count = 3", "const count = 3\n    let norm = 2");
+    let (made, diagnostics, _) = run(&text);
+    let errors: Vec<_> = diagnostics.iter().filter(|d| d.is_error()).collect();
+    assert!(errors.is_empty(), "{errors:#?}");
+    assert_eq!(made.expect("a system").system.bodies.len(), 4);
+}
+
+/// `first` has a default, and comes before the field that has none.
+#[test]
+fn a_record_takes_its_fields_in_order_and_an_analysis_hands_on_all() {
+    let text = MODEL
+        .replace(
+            "model Chain {",
+            "record Sizes {\n    let first: Length = 1 mm\n    let second: Length\n}\nmodel Chain {",
+        )
+        .replace(
+            "const count = 3",
+            "const count = 3\n    const sizes = Sizes(second: 60 mm)",
+        )
+        .replace("param step: Length = 100 mm", "param step: Length = sizes.first")
+        .replace(
+            "Chain(step: 50 mm)",
+            "Chain(step: 50 mm, sizes: Sizes(70 mm, 60 mm))",
+        );
+    let (made, diagnostics, _) = run(&text);
+    let errors: Vec<_> = diagnostics.iter().filter(|d| d.is_error()).collect();
+    assert!(errors.is_empty(), "{errors:#?}");
+    assert_eq!(default_of(&made.expect("a system"), "step"), 0.07);
 }

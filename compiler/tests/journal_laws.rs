@@ -100,8 +100,8 @@ analysis start = assemble(Pair())"
             .expect("the journal");
         let class = element.class as usize;
         Law {
-            machine: compile_class(made.classes[class].clone(), true).expect("compiles"),
-            interpreter: compile_class(made.classes[class].clone(), false).expect("is ready"),
+            machine: compile_class(&made.classes[class], true).expect("compiles"),
+            interpreter: compile_class(&made.classes[class], false).expect("is ready"),
             layout: made.system.classes[class].layout,
             constants: element
                 .constants

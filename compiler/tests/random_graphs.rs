@@ -141,7 +141,7 @@ fn derivatives_of_random_expressions() {
         };
         let functions = body.functions().expect("a good class");
         let oracle = InterpretedClass::new(&functions);
-        let machine = compile_class(functions.clone(), true).expect("compiles");
+        let machine = compile_class(&functions, true).expect("compiles");
         let x: Vec<f64> = (0..layout.len()).map(|_| 1.5 * random.unit()).collect();
         // one expression, three derivatives
         let (r, f) = (evaluate(&g, &reverse, &x), evaluate(&g, &directions, &x));

@@ -5,22 +5,10 @@ use super::mismatch::Due;
 use super::scope::Scope;
 use super::types::{Quantity, Type};
 use crate::codes;
+use crate::functions::{BuiltIn, Kind};
 use eng_grammar::ast::{Argument, Expr, ExprKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
-
-/// Names of the parameters, for messages; empty where any number of arguments is taken.
-fn parameters(name: &str) -> &'static [&'static str] {
-    match name {
-        "dot" | "cross" | "rotation" => &["a", "b"],
-        "norm" | "perpendicular" | "length" | "distinct" | "sum" => &["v"],
-        "local" => &["v", "m"],
-        "vector" => &["c", "m"],
-        "atan2" => &["y", "x"],
-        "min" | "max" => &[],
-        _ => &["x"],
-    }
-}
 
 /// A vector or components, as the functions of vectors take them.
 struct Directed {
@@ -35,10 +23,11 @@ impl<'p> Checker<'p> {
     pub(super) fn built_in(
         &mut self,
         scope: &Scope<'p>,
-        name: &str,
+        function: &BuiltIn,
         span: Span,
         arguments: &[Argument],
     ) -> Type {
+        let name = function.name;
         let mut plain: Vec<(&Expr, Type)> = Vec::new();
         let mut floor: Option<(&Expr, Type)> = None;
         let mut failed = false;
@@ -66,7 +55,7 @@ impl<'p> Checker<'p> {
                 }
             }
         }
-        let names = parameters(name);
+        let names = function.parameters;
         if names.is_empty() {
             if plain.is_empty() && !failed {
                 return self.too_few(name, "at least one argument", span);
@@ -92,16 +81,29 @@ impl<'p> Checker<'p> {
         if failed {
             return Type::Error;
         }
-        match (name, plain.as_slice()) {
-            ("sin" | "cos" | "tan", [x]) => self.plain_argument(name, x, true, Quantity::one()),
-            ("exp" | "log" | "tanh", [x]) => self.plain_argument(name, x, true, Quantity::one()),
-            ("asin" | "acos" | "atan", [x]) => {
+        match (function.kind, plain.as_slice()) {
+            (Kind::Plain(_) | Kind::OfAngle(_), [x]) => {
+                self.plain_argument(name, x, true, Quantity::one())
+            }
+            (Kind::ToAngle(_), [x]) => {
                 let angle = Quantity {
                     soft: true,
                     ..Quantity::hard(Dimension::ANGLE)
                 };
                 self.plain_argument(name, x, false, angle)
             }
+            (_, plain) => self.of_own_rule(name, plain, floor),
+        }
+    }
+
+    /// The type of a function whose rule is its own.
+    fn of_own_rule(
+        &mut self,
+        name: &str,
+        plain: &[(&Expr, Type)],
+        floor: Option<(&Expr, Type)>,
+    ) -> Type {
+        match (name, plain) {
             ("sqrt", [x]) => self.root(x),
             ("abs", [x]) => self.magnitude(x),
             ("atan2", [y, x]) => self.atan2(y, x),
@@ -122,7 +124,7 @@ impl<'p> Checker<'p> {
                     Type::Error
                 }
             }
-            ("min" | "max", _) => self.extreme(name, &plain),
+            ("min" | "max", _) => self.extreme(name, plain),
             ("sum", [x]) => self.total(x),
             ("length" | "distinct", [(expr, ty)]) => match ty {
                 Type::List { .. } | Type::Range(_) if name == "length" => Type::Int,

@@ -8,7 +8,8 @@ use super::types::{Misfit, Quantity, Signature, Solution, Type};
 use crate::codes;
 use crate::program::DefinitionId;
 use crate::resolve::suggest::{listing, nearest};
-use eng_grammar::ast::{Argument, BindingKind, Expr, ExprKind, Form, Kind};
+use crate::typed::Callee;
+use eng_grammar::ast::{Argument, Expr, ExprKind, Form, Kind};
 use eng_grammar::{Diagnostic, Span};
 
 /// A place for an argument.
@@ -57,16 +58,18 @@ impl<'p> Checker<'p> {
     ) -> Type {
         if let ExprKind::Name(name) = &callee.kind {
             let found = self.find(scope, name).is_some();
-            let built_in = crate::functions::NAMES.contains(&name.as_str());
+            let built_in = crate::functions::find(name);
             // A value named `length` does not hide the function.
-            if built_in
+            if let Some(built_in) = built_in
                 && (!found
                     || !matches!(
                         self.name(scope, name, callee.span),
                         Type::Function(_) | Type::Class(_) | Type::ClassOf(_)
                     ))
             {
-                return self.built_in(scope, name, span, arguments);
+                let called = Callee::BuiltIn(built_in);
+                self.findings.callees.insert(span, called);
+                return self.built_in(scope, built_in, span, arguments);
             }
             if !found && let Some(ty) = self.call_of_word(scope, name, callee.span, span, arguments)
             {
@@ -207,24 +210,7 @@ impl<'p> Checker<'p> {
                 });
             }
         }
-        // The block of a class, unlike that of a model, holds no parameters that a use could set.
-        let plain = matches!(declaration.form, Form::Plain { .. });
-        let record = declaration.kind == Kind::Record;
-        for item in super::scope::block_of(declaration)
-            .into_iter()
-            .flat_map(|block| &block.items)
-        {
-            let eng_grammar::ast::ItemKind::Binding(binding) = &item.kind else {
-                continue;
-            };
-            let taken = match binding.kind {
-                BindingKind::Param | BindingKind::Const => plain,
-                BindingKind::Let => record,
-                BindingKind::State | BindingKind::Output => false,
-            };
-            if !taken {
-                continue;
-            }
+        for binding in crate::typed::settable(declaration) {
             let name = &binding.name;
             let ty = self.member_type(id, &name.text, Member::Binding(binding), name.span);
             slots.push(Slot {
@@ -271,6 +257,7 @@ impl<'p> Checker<'p> {
     ) -> bool {
         let mut ok = true;
         let mut given: Vec<Option<Span>> = vec![None; slots.len()];
+        let mut places = Vec::with_capacity(arguments.len());
         let mut position = 0;
         for argument in arguments {
             let place = match &argument.name {
@@ -345,6 +332,7 @@ impl<'p> Checker<'p> {
                 continue;
             }
             given[place] = Some(argument.value.span);
+            places.push(place as u32);
             ok &= self.argument(scope, callee, slot, &argument.value, solution);
         }
         let missing: Vec<&Slot> = slots
@@ -367,6 +355,9 @@ impl<'p> Checker<'p> {
                     message.with_note(format!("`{}` is {}", first.name, self.describe(&first.ty)));
             }
             self.report(message);
+        }
+        if ok {
+            self.findings.calls.insert(span, places.into());
         }
         ok
     }

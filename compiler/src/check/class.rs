@@ -323,8 +323,7 @@ impl<'p> Checker<'p> {
         };
         let ty = match &callee.kind {
             ExprKind::Name(name)
-                if crate::functions::NAMES.contains(&name.as_str())
-                    && self.find(&scope, name).is_none() =>
+                if crate::functions::find(name).is_some() && self.find(&scope, name).is_none() =>
             {
                 self.report(
                     Diagnostic::error(

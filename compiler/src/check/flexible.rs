@@ -6,6 +6,7 @@ use super::scope::{Member, Scope, block_of};
 use super::types::{Quantity, Type};
 use crate::codes;
 use crate::resolve::suggest::{listing, nearest};
+use crate::typed::Callee;
 use crate::words::{DECK, ELEMENT_RULES, Place, Takes, Word, argument, belongs, word, words};
 use eng_grammar::ast::{
     Argument, Attribute, BinaryOp, Declaration, Expr, ExprKind, Form, IndexArgument, ItemKind,
@@ -592,6 +593,7 @@ impl<'p> Checker<'p> {
     ) -> Option<Type> {
         if let Some(term) = word(Place::Modes, name) {
             self.word_arguments(scope, term, span, arguments);
+            self.findings.callees.insert(span, Callee::Modes(term));
             return Some(Type::ModeSet);
         }
         let other = belongs(name)?;

@@ -538,7 +538,7 @@ impl<'p> Levels<'_, 'p> {
             .iter()
             .fold(FREE, |level, (_, value)| level.with(value.level()));
         if let ExprKind::Name(name) = &callee.kind
-            && crate::functions::NAMES.contains(&name.as_str())
+            && crate::functions::find(name).is_some()
         {
             let own = matches!(
                 self.name(place, name, callee.span),

@@ -302,7 +302,7 @@ impl<'p> Checker<'p> {
             );
         }
         known.extend(BUILT_IN_NAMES.iter().map(|n| (*n).to_owned()));
-        known.extend(crate::functions::NAMES.iter().map(|n| (*n).to_owned()));
+        known.extend(crate::functions::names().map(str::to_owned));
         let mut message =
             Diagnostic::error(codes::UNKNOWN_NAME, format!("there is no `{name}` here"))
                 .at(span, "not known");

@@ -4,7 +4,7 @@ use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval, body::index_text, finish::Structural, location};
 use crate::codes;
 use crate::program::DefinitionId;
-use crate::typed::TypedProgram;
+use crate::typed::{TypedProgram, settable};
 use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
 use eng_system::host::Host;
@@ -143,20 +143,16 @@ impl<'a> Elaborator<'a, '_> {
         span: Span,
         scope: ScopeId,
     ) -> Eval<AnalysisPlan> {
-        let ExprKind::Call { callee, arguments } = &value.kind else {
-            return Err(self.not_an_analysis(value.span));
-        };
+        let (callee, arguments) = self.called(value)?;
         let kind = match &callee.kind {
             ExprKind::Name(n)
                 if ["transient", "periodic", "linear", "assemble"].contains(&n.as_str()) =>
             {
                 n.as_str()
             }
-            _ => return Err(self.not_an_analysis(callee.span)),
+            _ => return self.checked(None, callee.span, "no kind of analysis"),
         };
-        let Some(first) = arguments.first() else {
-            return Err(self.not_an_analysis(value.span));
-        };
+        let first = self.checked(arguments.first(), value.span, "an analysis of no model")?;
         let (model, constants, set) = self.model_call(&first.value, scope)?;
         let kind = match kind {
             "assemble" => AnalysisKind::Assemble,
@@ -216,10 +212,8 @@ impl<'a> Elaborator<'a, '_> {
         let Some(argument) = named(arguments, wanted) else {
             return Ok(false);
         };
-        match self.evaluate(&argument.value, scope)? {
-            Value::Bool(b) => Ok(b),
-            other => Err(self.unfit(argument.value.span, "a truth value", &other)),
-        }
+        let stated = self.evaluate(&argument.value, scope)?;
+        self.read(stated, argument.value.span)
     }
 
     fn transient(
@@ -230,9 +224,7 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<Transient> {
         let duration = self.option(arguments, "duration", scope)?;
         let sample = self.option(arguments, "sample", scope)?;
-        let Some(duration) = duration else {
-            return Err(self.internal(span, "no duration"));
-        };
+        let duration = self.checked(duration, span, "no duration")?;
         let duration = self.extent("duration", duration)?;
         let sample = match sample {
             Some(s) => {
@@ -398,15 +390,8 @@ impl<'a> Elaborator<'a, '_> {
         match &argument.value.kind {
             ExprKind::Name(n) if n == "quasi_static" => Ok(Start::QuasiStatic),
             ExprKind::Name(n) if n == "assembled" => Ok(Start::Assembled),
-            _ => Err(self.internal(argument.value.span, "no start")),
+            _ => self.checked(None, argument.value.span, "no start"),
         }
-    }
-
-    fn not_an_analysis(&mut self, span: Span) -> super::Reported {
-        self.internal(
-            span,
-            "neither `transient(Model(…), …)`, `periodic(Model(…), …)`, `linear(Model(…), …)` nor `assemble(Model(…))`",
-        )
     }
 
     /// A number that `fits`, else a message that says what would.
@@ -439,7 +424,7 @@ impl<'a> Elaborator<'a, '_> {
         } else if dimension == Dimension::ANGLE {
             Ok(Extent::Angle(value))
         } else {
-            Err(self.internal(span, "neither a time nor an angle"))
+            self.checked(None, span, "neither a time nor an angle")
         }
     }
 
@@ -450,43 +435,22 @@ impl<'a> Elaborator<'a, '_> {
         expr: &'a ast::Expr,
         scope: ScopeId,
     ) -> Eval<(DefinitionId, Vec<(String, Structural)>, Vec<(String, f64)>)> {
-        let ExprKind::Call { callee, arguments } = &expr.kind else {
-            return Err(self.internal(expr.span, "the first argument is no model"));
+        let (callee, arguments) = self.called(expr)?;
+        let model = self.evaluate(callee, scope)?;
+        let model = self.read(model, callee.span)?;
+        let declaration = match self.program.item(model).map(|item| &item.kind) {
+            Some(ItemKind::Declaration(declaration)) => Some(declaration),
+            _ => None,
         };
-        let model = match self.evaluate(callee, scope)? {
-            Value::Definition(id) => id,
-            other => return Err(self.unfit(callee.span, "a model", &other)),
-        };
-        let items = match self.program.item(model).map(|i| &i.kind) {
-            Some(ItemKind::Declaration(ast::Declaration {
-                kind: Kind::Model,
-                form: Form::Plain { block },
-                ..
-            })) => &block.items,
-            _ => {
-                return Err(self.internal(callee.span, "this is no model"));
-            }
-        };
+        let declaration = self.checked(declaration, callee.span, "this is no model")?;
+        let bindings: Vec<&ast::Binding> = settable(declaration).collect();
+        let places = self.call_at(expr.span)?;
         let mut constants = Vec::new();
         let mut set = Vec::new();
-        for argument in arguments {
-            let Some(name) = &argument.name else {
-                return Err(
-                    self.internal(argument.value.span, "an argument of a model has no name")
-                );
-            };
-            let binding = items.iter().find_map(|i| match &i.kind {
-                ItemKind::Binding(b)
-                    if b.name.text == name.text
-                        && matches!(b.kind, BindingKind::Const | BindingKind::Param) =>
-                {
-                    Some(b)
-                }
-                _ => None,
-            });
-            let Some(binding) = binding else {
-                return Err(self.internal(name.span, "no `param` or `const` of the model"));
-            };
+        for (argument, place) in arguments.iter().zip(places.iter()) {
+            let binding = bindings.get(*place as usize);
+            let binding = self.checked(binding, argument.value.span, "no such value")?;
+            let name = &binding.name;
             let value = self.evaluate(&argument.value, scope)?;
             if binding.kind == BindingKind::Const {
                 constants.push((
@@ -557,21 +521,13 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
-    /// Names of what is given when a record is made.
+    /// Names of the values of a record.
     fn fields_of(&self, id: DefinitionId) -> Vec<String> {
-        let items = match self.program.item(id).map(|i| &i.kind) {
-            Some(ItemKind::Declaration(ast::Declaration {
-                form: Form::Plain { block },
-                ..
-            })) => block.items.as_slice(),
-            _ => &[],
+        let declaration = match self.program.item(id).map(|item| &item.kind) {
+            Some(ItemKind::Declaration(declaration)) => Some(declaration),
+            _ => None,
         };
-        items
-            .iter()
-            .filter_map(|i| match &i.kind {
-                ItemKind::Binding(b) if b.value.is_none() => Some(b.name.text.clone()),
-                _ => None,
-            })
-            .collect()
+        let fields = declaration.into_iter().flat_map(settable);
+        fields.map(|field| field.name.text.clone()).collect()
     }
 }

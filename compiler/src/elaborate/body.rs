@@ -122,9 +122,7 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
         owner: ScopeId,
     ) -> Eval<Value<'a>> {
-        let Form::Instance { value, .. } = &declaration.form else {
-            return Err(self.internal(declaration.name.span, "a marker without a place"));
-        };
+        let (value, _) = self.instance(declaration)?;
         let name = &declaration.name.text;
         let base = self.path(owner, name);
         let mut made = Vec::new();
@@ -156,7 +154,7 @@ impl<'a> Elaborator<'a, '_> {
                         Some("z") => z = Some(self.direction(&a.value, scope)?),
                         Some("x") => x = Some(self.direction(&a.value, scope)?),
                         Some(_) => {
-                            return Err(self.internal(a.value.span, "no argument of `at`"));
+                            return self.checked(None, a.value.span, "no argument of `at`");
                         }
                     }
                 }
@@ -308,7 +306,7 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
         let Form::Plain { block } = &declaration.form else {
-            return Err(self.internal(declaration.name.span, "a body without a block"));
+            return self.checked(None, declaration.name.span, "a body without a block");
         };
         let name = &declaration.name.text;
         let base = self.path(scope, name);
@@ -379,13 +377,12 @@ impl<'a> Elaborator<'a, '_> {
                     }
                     "products_of_inertia" => products = self.bind_vector(&a.value, own)?,
                     "center_of_mass" => center = self.bind_vector(&a.value, own)?,
-                    _ => return Err(self.internal(a.name.span, "no attribute of a body")),
+                    _ => return self.checked(None, a.name.span, "no attribute of a body"),
                 }
             }
         }
-        let (Some(mass), Some(inertia)) = (mass, inertia) else {
-            return Err(self.internal(declaration.name.span, "a body without mass or inertia"));
-        };
+        let mass = self.checked(mass, declaration.name.span, "a body without mass")?;
+        let inertia = self.checked(inertia, declaration.name.span, "a body without inertia")?;
         let mass = self.slot(mass);
         let center_of_mass = self.slots(center);
         let inertia = self.slots([
@@ -548,7 +545,7 @@ impl<'a> Elaborator<'a, '_> {
                 scope,
             ),
             _ => {
-                return Err(self.internal(target.span, "no start value of a body"));
+                return self.checked(None, target.span, "no start value of a body");
             }
         }
         Ok(())

@@ -2,22 +2,15 @@
 
 use super::axes::Sort;
 use super::scalar::{Scalar, Stage};
+use super::typed::MarkerIndex;
 use super::value::{Axes, ScopeId, Value};
 use super::{Elaborator, Eval};
 use crate::codes;
-use crate::functions;
+use crate::functions::{BuiltIn, Kind};
 use crate::ir::{Graph, Node, Op};
 use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
-
-/// The built-in function of a name.
-pub(crate) fn find(name: &str) -> Option<&'static str> {
-    functions::NAMES.iter().copied().find(|n| *n == name)
-}
-
-/// Constructor of an operation on one number.
-type UnaryOp = fn(Node) -> Op;
 
 impl<'a> Elaborator<'a, '_> {
     /// Tells of `cos(16)`: a number of the text that is more than a turn in rad, and no angle.
@@ -62,14 +55,16 @@ impl<'a> Elaborator<'a, '_> {
 
     pub fn builtin(
         &mut self,
-        name: &'static str,
+        function: &BuiltIn,
         span: Span,
         arguments: &'a [ast::Argument],
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
-        if name == "der" {
+        // a rate says how its argument is evaluated
+        if let Kind::Rate = function.kind {
             return self.rate(span, arguments, scope);
         }
+        let name = function.name;
         let mut values: Vec<(Value<'a>, Span)> = Vec::new();
         let mut floor = None;
         for argument in arguments {
@@ -81,26 +76,30 @@ impl<'a> Elaborator<'a, '_> {
                 _ => values.push((value, argument.value.span)),
             }
         }
-        let unary: Option<UnaryOp> = match name {
-            "exp" => Some(Op::Exp),
-            "log" => Some(Op::Log),
-            "sin" => Some(Op::Sin),
-            "cos" => Some(Op::Cos),
-            "tan" => Some(Op::Tan),
-            "tanh" => Some(Op::Tanh),
-            "asin" => Some(Op::Asin),
-            "acos" => Some(Op::Acos),
-            "atan" => Some(Op::Atan),
-            _ => None,
-        };
-        if let Some(op) = unary {
-            let argument = values.first().map_or(span, |(_, place)| *place);
-            let x = self.only_scalar(values, span)?;
-            if matches!(name, "sin" | "cos" | "tan") {
-                self.angle_without_unit(name, x, argument, span, scope)?;
+        match function.kind {
+            Kind::Plain(op) | Kind::ToAngle(op) => {
+                let x = self.only_scalar(values, span)?;
+                Ok(Value::Scalar(self.bench.unary(x, |g, n| g.unary(op, n))))
             }
-            return Ok(Value::Scalar(self.bench.unary(x, |g, n| g.unary(op, n))));
+            Kind::OfAngle(op) => {
+                let argument = values.first().map_or(span, |(_, place)| *place);
+                let x = self.only_scalar(values, span)?;
+                self.angle_without_unit(name, x, argument, span, scope)?;
+                Ok(Value::Scalar(self.bench.unary(x, |g, n| g.unary(op, n))))
+            }
+            Kind::Numbers => self.of_numbers(name, values, span),
+            Kind::Vectors => self.of_vectors(name, values, floor, span),
+            Kind::List => self.of_list(name, values, span),
+            Kind::Rate => self.arguments(span),
         }
+    }
+
+    fn of_numbers(
+        &mut self,
+        name: &str,
+        mut values: Vec<(Value<'a>, Span)>,
+        span: Span,
+    ) -> Eval<Value<'a>> {
         match name {
             "abs" => match values.pop() {
                 Some((Value::Int(i), _)) if i != i64::MIN => Ok(Value::Int(i.abs())),
@@ -108,7 +107,7 @@ impl<'a> Elaborator<'a, '_> {
                     let x = self.as_scalar(v, s)?;
                     Ok(Value::Scalar(self.bench.unary(x, Graph::abs)))
                 }
-                None => Err(self.arguments(span)),
+                None => self.arguments(span),
             },
             "sqrt" => {
                 let x = self.only_scalar(values, span)?;
@@ -118,6 +117,18 @@ impl<'a> Elaborator<'a, '_> {
                 let [y, x] = self.scalars::<2>(values, span)?;
                 Ok(Value::Scalar(self.bench.binary(y, x, Graph::atan2)))
             }
+            _ => self.checked(None, span, &format!("there is no `{name}`")),
+        }
+    }
+
+    fn of_vectors(
+        &mut self,
+        name: &str,
+        values: Vec<(Value<'a>, Span)>,
+        floor: Option<Scalar>,
+        span: Span,
+    ) -> Eval<Value<'a>> {
+        match name {
             "dot" => {
                 let [a, b] = self.take::<2>(values, span)?;
                 let (x, p) = self.sorted(a.0, a.1)?;
@@ -156,7 +167,7 @@ impl<'a> Elaborator<'a, '_> {
                 let [a] = self.take::<1>(values, span)?;
                 let (c, sort) = self.sorted(a.0, a.1)?;
                 let &[x, y] = c.as_slice() else {
-                    return Err(self.arguments(span));
+                    return self.arguments(span);
                 };
                 let minus_y = self.bench.negate(y);
                 Ok(Self::of_sort(vec![minus_y, x], sort))
@@ -184,6 +195,17 @@ impl<'a> Elaborator<'a, '_> {
                 let b = self.local_marker(b_marker, Some(b.1))?;
                 self.rotation(a, b, span).map(Value::Scalar)
             }
+            _ => self.checked(None, span, &format!("there is no `{name}`")),
+        }
+    }
+
+    fn of_list(
+        &mut self,
+        name: &str,
+        mut values: Vec<(Value<'a>, Span)>,
+        span: Span,
+    ) -> Eval<Value<'a>> {
+        match name {
             "min" | "max" => {
                 let list = self.numbers_of(values)?;
                 let op = if name == "min" {
@@ -214,7 +236,7 @@ impl<'a> Elaborator<'a, '_> {
             "length" => match values.pop() {
                 Some((Value::List(items), _)) => Ok(Value::Int(items.len() as i64)),
                 Some((Value::Components(c, _), _)) => Ok(Value::Int(c.len() as i64)),
-                _ => Err(self.arguments(span)),
+                _ => self.arguments(span),
             },
             "distinct" => match values.pop().map(|(v, s)| (Self::without_axes(v), s)) {
                 Some((Value::List(items), s)) => {
@@ -229,9 +251,9 @@ impl<'a> Elaborator<'a, '_> {
                     }
                     Ok(Value::Bool(true))
                 }
-                _ => Err(self.arguments(span)),
+                _ => self.arguments(span),
             },
-            _ => Err(self.internal(span, &format!("`{name}` is no value"))),
+            _ => self.checked(None, span, &format!("there is no `{name}`")),
         }
     }
 
@@ -246,8 +268,8 @@ impl<'a> Elaborator<'a, '_> {
         )
     }
 
-    fn arguments(&mut self, span: Span) -> super::Reported {
-        self.internal(span, "the arguments do not fit")
+    fn arguments<T>(&mut self, span: Span) -> Eval<T> {
+        self.checked(None, span, "the arguments do not fit")
     }
 
     fn take<const N: usize>(
@@ -255,10 +277,8 @@ impl<'a> Elaborator<'a, '_> {
         values: Vec<(Value<'a>, Span)>,
         span: Span,
     ) -> Eval<[(Value<'a>, Span); N]> {
-        match <[(Value<'a>, Span); N]>::try_from(values) {
-            Ok(v) => Ok(v),
-            Err(_) => Err(self.arguments(span)),
-        }
+        let values = <[(Value<'a>, Span); N]>::try_from(values).ok();
+        self.checked(values, span, "the arguments do not fit")
     }
 
     fn scalars<const N: usize>(
@@ -270,10 +290,8 @@ impl<'a> Elaborator<'a, '_> {
         for (value, s) in values {
             scalars.push(self.as_scalar(value, s)?);
         }
-        match <[Scalar; N]>::try_from(scalars) {
-            Ok(v) => Ok(v),
-            Err(_) => Err(self.arguments(span)),
-        }
+        let scalars = <[Scalar; N]>::try_from(scalars).ok();
+        self.checked(scalars, span, "the arguments do not fit")
     }
 
     fn only_scalar(&mut self, values: Vec<(Value<'a>, Span)>, span: Span) -> Eval<Scalar> {
@@ -299,12 +317,12 @@ impl<'a> Elaborator<'a, '_> {
     /// The marker of a value; `ground` is the marker at the ground's origin.
     pub fn as_marker(&mut self, value: Value<'a>, span: Span) -> Eval<u32> {
         match value {
-            Value::Marker(m) => {
-                self.used_marker(m);
-                Ok(m)
-            }
             Value::Ground => Ok(self.ground_frame()),
-            other => Err(self.unfit(span, "a marker", &other)),
+            other => {
+                let MarkerIndex(marker) = self.read(other, span)?;
+                self.used_marker(marker);
+                Ok(marker)
+            }
         }
     }
 
@@ -367,7 +385,7 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
         let [argument] = arguments else {
-            return Err(self.arguments(span));
+            return self.arguments(span);
         };
         let outer = std::mem::replace(&mut self.in_rate, true);
         let value = self.evaluate(&argument.value, scope);
@@ -378,13 +396,12 @@ impl<'a> Elaborator<'a, '_> {
     /// The time derivative of a value.
     pub fn rate_of(&mut self, value: Value<'a>, span: Span) -> Eval<Value<'a>> {
         let (components, sort) = match value {
-            Value::Scalar(s) => (vec![s], None),
             Value::Int(_) => return Ok(Value::Scalar(self.bench.constant(0.0))),
             value if value.is_several() => {
                 let (components, sort) = self.sorted(value, span)?;
                 (components, Some(sort))
             }
-            other => return Err(self.unfit(span, "a number or a vector", &other)),
+            other => (vec![self.as_scalar(other, span)?], None),
         };
         let nodes: Vec<Node> = components
             .iter()

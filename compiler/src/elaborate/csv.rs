@@ -17,7 +17,7 @@ impl<'a> Elaborator<'a, '_> {
         due: &[(Dimension, String); 2],
     ) -> Eval<Points> {
         let ExprKind::Text(name) = &file.kind else {
-            return Err(self.not_a_source(file.span));
+            return self.not_a_source(file.span);
         };
         let names: Vec<(String, Span)> = match &columns.kind {
             ExprKind::List { items, .. } => items
@@ -30,7 +30,7 @@ impl<'a> Elaborator<'a, '_> {
             _ => Vec::new(),
         };
         let [x_name, y_name] = names.as_slice() else {
-            return Err(self.internal(columns.span, "`columns` is no list of two texts"));
+            return self.checked(None, columns.span, "`columns` is no list of two texts");
         };
         // a module in a folder reads beside itself
         let module_path = &self.program.modules[module as usize].path;
@@ -68,12 +68,7 @@ impl<'a> Elaborator<'a, '_> {
         } else {
             ','
         };
-        let cells = |line: &str| -> Vec<String> {
-            line.split(separator)
-                .map(|c| c.trim().trim_matches('"').trim().to_owned())
-                .collect()
-        };
-        let header = cells(header);
+        let header = cells(header, separator);
         let mut index = [0; 2];
         let mut units: Vec<DisplayUnit> = Vec::with_capacity(2);
         for (k, (wanted, span)) in [x_name, y_name].into_iter().enumerate() {
@@ -104,26 +99,56 @@ impl<'a> Elaborator<'a, '_> {
             units.push(self.column_unit(wanted, *span, &due[k])?);
         }
         let [x_unit, y_unit] = units.as_slice() else {
-            return Err(self.internal(columns.span, "columns without units"));
+            return self.checked(None, columns.span, "columns without units");
         };
+        let rows = Rows {
+            path: &path,
+            separator,
+            header: header.len(),
+            wanted: [(&x_name.0, x_unit, index[0]), (&y_name.0, y_unit, index[1])],
+        };
+        let (columns, numbers) = self.rows_of_csv(lines, &rows, file.span)?;
+        let (x_unit, y_unit) = (x_unit.clone(), y_unit.clone());
+        let [x, y] = columns;
+        Ok(Points {
+            x,
+            y,
+            units: (x_unit, y_unit),
+            file: Some((path, numbers)),
+        })
+    }
+
+    /// The numbers (SI) of the wanted columns, and the line of each row.
+    fn rows_of_csv<'t>(
+        &mut self,
+        lines: impl Iterator<Item = (usize, &'t str)>,
+        rows: &Rows<'_>,
+        file: Span,
+    ) -> Eval<([Vec<f64>; 2], Vec<usize>)> {
+        let Rows {
+            path,
+            separator,
+            header,
+            wanted,
+        } = rows;
         let mut columns: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
         let mut numbers = Vec::new();
         for (number, line) in lines {
             let number = number + 1;
-            let row = cells(line);
+            let row = cells(line, *separator);
             numbers.push(number);
             // what lies beyond the header, but empty cells of a separator at the end
-            if row.iter().skip(header.len()).any(|cell| !cell.is_empty()) {
+            if row.iter().skip(*header).any(|cell| !cell.is_empty()) {
                 let told = Diagnostic::error(
                     codes::FILE_CONTENT,
                     format!(
                         "{path}:{number} has {} cells, but the first row names {}",
                         row.len(),
-                        header.len()
+                        *header
                     ),
                 )
-                .at(file.span, format!("the line is {:?}", shortened(line)));
-                return Err(self.report(if separator == ',' {
+                .at(file, format!("the line is {:?}", shortened(line)));
+                return Err(self.report(if *separator == ',' {
                     told.with_help(
                         "with commas between the cells numbers have a decimal point; with decimal commas, separate the cells by `;` or tabs",
                     )
@@ -131,11 +156,10 @@ impl<'a> Elaborator<'a, '_> {
                     told.with_help("name each column in the first row")
                 }));
             }
-            let wanted = [(x_name, x_unit, index[0]), (y_name, y_unit, index[1])];
-            for ((name, unit, place), column) in wanted.into_iter().zip(&mut columns) {
-                let cell = row.get(place).map_or("", String::as_str);
+            for ((name, unit, place), column) in wanted.iter().zip(&mut columns) {
+                let cell = row.get(*place).map_or("", String::as_str);
                 // a decimal comma is read where the comma does not separate cells
-                let plain = if separator == ',' {
+                let plain = if *separator == ',' {
                     cell.to_owned()
                 } else {
                     cell.replace(',', ".")
@@ -149,11 +173,11 @@ impl<'a> Elaborator<'a, '_> {
                                 format!("{path}:{number} does not hold a number"),
                             )
                             .at(
-                                file.span,
+                                file,
                                 if cell.is_empty() {
-                                    format!("nothing stands in its column {:?}", name.0)
+                                    format!("nothing stands in its column {:?}", name)
                                 } else {
-                                    format!("its column {:?} holds {cell:?}", name.0)
+                                    format!("its column {:?} holds {cell:?}", name)
                                 },
                             ),
                         ));
@@ -161,14 +185,7 @@ impl<'a> Elaborator<'a, '_> {
                 }
             }
         }
-        let (x_unit, y_unit) = (x_unit.clone(), y_unit.clone());
-        let [x, y] = columns;
-        Ok(Points {
-            x,
-            y,
-            units: (x_unit, y_unit),
-            file: Some((path, numbers)),
-        })
+        Ok((columns, numbers))
     }
 
     /// The unit of `theta [deg]`.
@@ -248,6 +265,23 @@ impl<'a> Elaborator<'a, '_> {
         }
         Ok(DisplayUnit::from(unit))
     }
+}
+
+/// What the rows of a file are read with.
+struct Rows<'r> {
+    path: &'r str,
+    separator: char,
+    /// Columns that the first row names.
+    header: usize,
+    /// Name, unit and place of the columns that are read.
+    wanted: [(&'r str, &'r DisplayUnit, usize); 2],
+}
+
+/// The cells of a row without their quotes.
+fn cells(line: &str, separator: char) -> Vec<String> {
+    line.split(separator)
+        .map(|cell| cell.trim().trim_matches('"').trim().to_owned())
+        .collect()
 }
 
 /// A line of a file as a message shows it.

@@ -13,20 +13,30 @@ use eng_system::flexible::FlexibleSource;
 use eng_system::host::Host;
 use eng_system::system::{Element, ElementClass, Role, Rotation, System};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A model as a flat system, the functions of its classes, and its bind graph.
 #[derive(Clone, Debug)]
 pub struct Elaborated {
     /// The system.
-    pub system: System,
+    pub system: Arc<System>,
     /// Functions of each class, by the same index.
     pub classes: Vec<ClassFunctions>,
     /// What the functions were derived from, by the same index.
     pub bodies: Vec<ClassBody>,
     /// The bind graph.
-    pub bind: BindProgram,
+    pub bind: Arc<BindProgram>,
     /// What is to be reduced, by the index that bodies name.
     pub flexible: Vec<FlexibleSource>,
+}
+
+/// Elements with their classes; functions and bodies by the index of the class.
+#[derive(Default)]
+struct Shared {
+    classes: Vec<ElementClass>,
+    functions: Vec<ClassFunctions>,
+    bodies: Vec<ClassBody>,
+    elements: Vec<Element>,
 }
 
 /// A structural argument of a model.
@@ -166,7 +176,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         let (name, span, items) = match self.program.item(model).map(|i| &i.kind) {
             Some(ItemKind::Declaration(d)) if d.kind == Kind::Model => match &d.form {
                 Form::Plain { block } => (d.name.text.clone(), d.name.span, &block.items),
-                _ => return Err(self.internal(d.name.span, "a model without a block")),
+                _ => return self.checked(None, d.name.span, "a model without a block"),
             },
             _ => return Err(Reported),
         };
@@ -235,20 +245,11 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         self.block(items, scope);
     }
 
-    fn flatten(
-        &mut self,
-        name: String,
-        cycle: Option<eng_system::system::Cycle>,
-    ) -> Eval<Elaborated> {
-        let zero = self.bench.bind.graph.constant(0.0);
-        self.bench.bind.owner = "gravity".into();
-        let gravity = self.gravity.unwrap_or([zero; 3]).map(|n| self.slot(n));
+    /// The elements, and the classes that they share: those are the same if their graphs and their messages are.
+    fn share_classes(&mut self) -> Eval<Shared> {
         let drafts = std::mem::take(&mut self.elements);
         let mut class_of: BTreeMap<String, u32> = BTreeMap::new();
-        let mut classes: Vec<ElementClass> = Vec::new();
-        let mut functions: Vec<ClassFunctions> = Vec::new();
-        let mut bodies: Vec<ClassBody> = Vec::new();
-        let mut elements = Vec::new();
+        let mut shared = Shared::default();
         for draft in drafts {
             let body = &draft.body;
             self.bench.bind.owner.clone_from(&draft.origin.path);
@@ -272,14 +273,14 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                     let made = match body.functions() {
                         Ok(f) => f,
                         Err(error) => {
-                            return Err(self.internal(
-                                draft.span,
-                                &format!("{} cannot be differentiated: {error}", draft.origin.path),
-                            ));
+                            // the evaluator puts in no operation without a derivative
+                            let path = &draft.origin.path;
+                            let what = format!("{path} cannot be differentiated: {error}");
+                            return self.checked(None, draft.span, &what);
                         }
                     };
-                    let index = classes.len() as u32;
-                    classes.push(ElementClass {
+                    let index = shared.classes.len() as u32;
+                    shared.classes.push(ElementClass {
                         name: draft.class_name.clone(),
                         layout: body.layout,
                         rows: draft.meta.rows.clone(),
@@ -290,13 +291,13 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                         applies_load: made.applies_load,
                         tape: made.tape(),
                     });
-                    functions.push(made);
-                    bodies.push(body.clone());
+                    shared.functions.push(made);
+                    shared.bodies.push(body.clone());
                     class_of.insert(key, index);
                     index
                 }
             };
-            elements.push(Element {
+            shared.elements.push(Element {
                 origin: draft.origin,
                 class,
                 role: draft.role,
@@ -328,6 +329,23 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                     .collect(),
             });
         }
+        Ok(shared)
+    }
+
+    fn flatten(
+        &mut self,
+        name: String,
+        cycle: Option<eng_system::system::Cycle>,
+    ) -> Eval<Elaborated> {
+        let zero = self.bench.bind.graph.constant(0.0);
+        self.bench.bind.owner = "gravity".into();
+        let gravity = self.gravity.unwrap_or([zero; 3]).map(|n| self.slot(n));
+        let Shared {
+            classes,
+            functions,
+            bodies,
+            elements,
+        } = self.share_classes()?;
         for check in &mut self.checks {
             // one of the model itself
             if check.path.is_empty() {
@@ -350,7 +368,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             parameters: parameters.clone(),
             checks: std::mem::take(&mut self.checks),
         };
-        let system = System {
+        let system = Arc::new(System {
             name,
             bodies: std::mem::take(&mut self.bodies),
             markers: std::mem::take(&mut self.markers),
@@ -366,12 +384,12 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             firings: std::mem::take(&mut self.firings),
             accepted: std::mem::take(&mut self.accepted),
             stated: std::mem::take(&mut self.stated),
-        };
+        });
         let mut elaborated = Elaborated {
             system,
             classes: functions,
             bodies,
-            bind: program,
+            bind: Arc::new(program),
             flexible: Vec::new(),
         };
         self.flexible_sources(&mut elaborated);

@@ -238,24 +238,6 @@ impl<'a> Elaborator<'a, '_> {
         Reported
     }
 
-    /// What an earlier stage should have found: a message all the same, for no text may make the compiler stop or guess.
-    pub fn internal(&mut self, span: Span, what: &str) -> Reported {
-        self.report(
-            Diagnostic::error(
-                codes::INTERNAL,
-                format!("the compiler contradicts itself: {what}"),
-            )
-            .at(span, "not understood here, though it was found to be right")
-            .with_help("please report this together with the model"),
-        )
-    }
-
-    /// A value of another kind than the checker has found.
-    pub fn unfit(&mut self, span: Span, expected: &str, found: &Value<'_>) -> Reported {
-        let found = found.kind();
-        self.internal(span, &format!("{expected} is due, but this is {found}"))
-    }
-
     /// Takes in what a block accepts of lints about the thing of a path.
     pub fn accepted_in(&mut self, items: &'a [ast::Item], path: &str) {
         for item in items {

@@ -7,7 +7,8 @@ use super::{CycleDraft, Elaborator, ElementSource, Entry, Eval, Lazy, Reported, 
 use crate::codes;
 use crate::ir::{Node, Op};
 use crate::program::DefinitionId;
-use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind, Statement};
+use crate::typed::settable;
+use eng_grammar::ast::{self, BindingKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 use eng_system::system::Role;
@@ -200,7 +201,7 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         let Some(attribute) = period else {
-            self.internal(declaration.name.span, "a cycle without a period");
+            let _ = self.checked(period, declaration.name.span, "it has no period");
             return;
         };
         let node = self
@@ -244,27 +245,19 @@ impl<'a> Elaborator<'a, '_> {
                 self.gravity = Some(self.bind_vector(&attribute.value, scope)?);
                 Ok(())
             }
-            _ => Err(self.internal(attribute.name.span, "no attribute of a model")),
+            _ => self.checked(None, attribute.name.span, "no attribute of a model"),
         }
     }
 
     /// `part name[index] = Component(arguments)`.
     pub fn part(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) -> Eval<Value<'a>> {
-        let Form::Instance { value, block } = &declaration.form else {
-            return Err(self.internal(declaration.name.span, "a part without a component"));
-        };
-        let ExprKind::Call { callee, arguments } = &value.kind else {
-            return Err(self.internal(value.span, "a part that is not called into being"));
-        };
+        let (value, block) = self.instance(declaration)?;
         let base = self.path(scope, &declaration.name.text);
         let mut made = Vec::new();
         self.for_each(&declaration.index, scope, &mut |e, inner, position| {
             e.count_instance(declaration.name.span)?;
             let path = format!("{base}{}", index_text(position));
-            let class = match e.evaluate(callee, inner)? {
-                Value::Definition(id) => e.class_of(id, callee.span)?,
-                other => return Err(e.unfit(callee.span, "a component", &other)),
-            };
+            let (class, arguments) = e.class_called(value, inner)?;
             let bound = e.bind_arguments(class, arguments, inner, &path, value.span)?;
             let source = ElementSource {
                 definition: class.definition,
@@ -326,44 +319,28 @@ impl<'a> Elaborator<'a, '_> {
         arguments: &'a [ast::Argument],
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
-        let Some(ItemKind::Declaration(declaration)) = self.program.item(id).map(|i| &i.kind)
-        else {
-            return Err(Reported);
+        let record = match self.program.item(id).map(|item| &item.kind) {
+            Some(ItemKind::Declaration(declaration)) => match &declaration.form {
+                Form::Plain { block } => Some((declaration, block)),
+                Form::Class { .. } | Form::Instance { .. } => None,
+            },
+            _ => None,
         };
-        let (Kind::Record, Form::Plain { block }) = (declaration.kind, &declaration.form) else {
-            return Err(self.internal(span, "a class is no value"));
-        };
+        let (declaration, block) = self.checked(record, span, "a class is no value")?;
         let own = self.new_scope(
             Some(self.module_scopes[id.module as usize]),
             id.module,
             String::new(),
         );
         self.register(&block.items, own);
-        let fields: Vec<&'a ast::Binding> = block
-            .items
-            .iter()
-            .filter_map(|i| match &i.kind {
-                ItemKind::Binding(b) if b.value.is_none() => Some(b),
-                _ => None,
-            })
-            .collect();
-        let mut given = Vec::new();
-        for (position, argument) in arguments.iter().enumerate() {
-            let name = match (&argument.name, fields.get(position)) {
-                (Some(n), _) => n.text.clone(),
-                (None, Some(f)) => f.name.text.clone(),
-                (None, None) => {
-                    return Err(self.internal(argument.value.span, "too many arguments"));
-                }
-            };
+        let fields: Vec<&'a ast::Binding> = settable(declaration).collect();
+        let places = self.call_at(span)?;
+        for (argument, place) in arguments.iter().zip(places.iter()) {
+            let field = fields.get(*place as usize).copied();
+            let field = self.checked(field, argument.value.span, "no such field")?;
             let value = self.evaluate(&argument.value, scope)?;
-            let field = fields.iter().find(|f| f.name.text == name);
-            let value = self.declared(value, field.and_then(|f| f.ty.as_ref()))?;
-            self.define(own, &name, Entry::Value(value));
-            given.push(name);
-        }
-        if let Some(missing) = fields.iter().find(|f| !given.contains(&f.name.text)) {
-            return Err(self.internal(span, &format!("field `{}` is missing", missing.name.text)));
+            let value = self.declared(value, field.ty.as_ref())?;
+            self.define(own, &field.name.text, Entry::Value(value));
         }
         Ok(Value::Record(id, own))
     }

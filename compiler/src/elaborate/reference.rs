@@ -24,7 +24,7 @@ impl<'a> Elaborator<'a, '_> {
                 )
                 .at(span, "used where it is not known yet"),
             )),
-            None => Err(self.internal(span, &format!("`{name}` is not defined"))),
+            None => self.checked(None, span, &format!("`{name}` is not defined")),
         }
     }
 
@@ -68,7 +68,7 @@ impl<'a> Elaborator<'a, '_> {
                     node,
                 })))
             }
-            _ => Ok(super::builtin::find(name).map(Value::Builtin)),
+            _ => Ok(None),
         }
     }
 
@@ -76,7 +76,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn entry(&mut self, scope: ScopeId, name: &str, span: Span) -> Eval<Value<'a>> {
         let found = self.scope(scope).entries.get(name).cloned();
         match found {
-            None => Err(self.internal(span, &format!("`{name}` is not defined"))),
+            None => self.checked(None, span, &format!("`{name}` is not defined")),
             Some(Entry::Value(value)) => Ok(value),
             Some(Entry::Failed) => Err(Reported),
             Some(Entry::In(other)) => self.entry(other, name, span),
@@ -135,9 +135,8 @@ impl<'a> Elaborator<'a, '_> {
         match lazy {
             Lazy::Binding(binding) => self.binding_value(binding, scope),
             Lazy::Parameter(binding) => {
-                let Some(expr) = &binding.value else {
-                    return Err(self.internal(binding.name.span, "a parameter without a value"));
-                };
+                let expr = binding.value.as_ref();
+                let expr = self.checked(expr, binding.name.span, "a parameter without a value")?;
                 let value = self.evaluate(expr, scope)?;
                 let path = self.path(scope, &binding.name.text);
                 let place = binding.ty.as_ref().map_or(expr.span, |ty| ty.span);
@@ -151,13 +150,12 @@ impl<'a> Elaborator<'a, '_> {
                 let value = self.parameterise(value, &path, stated)?;
                 self.declared(value, binding.ty.as_ref())
             }
-            Lazy::Default(parameter) => match &parameter.default {
-                Some(expr) => {
-                    let value = self.evaluate(expr, scope)?;
-                    self.declared(value, Some(&parameter.ty))
-                }
-                None => Err(Reported),
-            },
+            Lazy::Default(parameter) => {
+                let default = parameter.default.as_ref();
+                let default = self.checked(default, parameter.span, "no argument, no default")?;
+                let value = self.evaluate(default, scope)?;
+                self.declared(value, Some(&parameter.ty))
+            }
             Lazy::Table(table) => {
                 let module = self.scope(scope).module;
                 self.table_value(table, scope, module)
@@ -184,16 +182,12 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     fn binding_value(&mut self, binding: &'a ast::Binding, scope: ScopeId) -> Eval<Value<'a>> {
+        let expr = binding.value.as_ref();
+        let expr = self.checked(expr, binding.name.span, "a definition without a value")?;
         if binding.index.is_empty() {
-            return match &binding.value {
-                Some(expr) => self.bound_value(binding, expr, scope),
-                None => Err(self.internal(binding.name.span, "a definition without a value")),
-            };
+            return self.bound_value(binding, expr, scope);
         }
         let mut values = Vec::new();
-        let Some(expr) = &binding.value else {
-            return Err(Reported);
-        };
         self.for_each(&binding.index, scope, &mut |e, inner, position| {
             values.push((position.to_vec(), e.bound_value(binding, expr, inner)?));
             Ok(())
@@ -237,7 +231,7 @@ impl<'a> Elaborator<'a, '_> {
                 }));
             }
             ItemKind::Declaration(_) => return Ok(Value::Definition(id)),
-            _ => return Err(self.internal(span, "this is no value")),
+            _ => return self.checked(None, span, "this is no value"),
         };
         let name = match &item.kind {
             ItemKind::Binding(b) => b.name.text.clone(),
@@ -280,7 +274,7 @@ impl<'a> Elaborator<'a, '_> {
                     .find(|(n, _)| **n == name.text)
                 {
                     Some((_, component)) => Ok(Value::Scalar(component)),
-                    None => Err(self.internal(name.span, "no component of a vector")),
+                    None => self.checked(None, name.span, "no component of a vector"),
                 }
             }
             Value::Components(..) => self.field(Self::without_axes(base), name, span),
@@ -320,11 +314,11 @@ impl<'a> Elaborator<'a, '_> {
                     stage: Stage::Bind,
                     node: cycle.period,
                 })),
-                _ => Err(self.internal(name.span, "no field of the cycle")),
+                _ => self.checked(None, name.span, "no field of the cycle"),
             },
             other => {
                 let found = other.kind();
-                Err(self.internal(span, &format!("{found} has no `{}`", name.text)))
+                self.checked(None, span, &format!("{found} has no `{}`", name.text))
             }
         }
     }
@@ -431,7 +425,7 @@ impl<'a> Elaborator<'a, '_> {
                 return self.rate_of(value, name.span);
             }
             _ => {
-                return Err(self.internal(name.span, "no field of a marker"));
+                return self.checked(None, name.span, "no field of a marker");
             }
         };
         Ok(Value::Vector(vector))

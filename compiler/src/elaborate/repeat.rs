@@ -30,10 +30,7 @@ impl<'a> Elaborator<'a, '_> {
             return f(self, scope, position);
         };
         let range = self.evaluate(&first.range, scope)?;
-        let values = match Self::without_axes(range) {
-            Value::List(values) => values,
-            other => return Err(self.unfit(first.range.span, "a range or a list", &other)),
-        };
+        let values: Vec<Value<'a>> = self.read(Self::without_axes(range), first.range.span)?;
         // instances are named by their values where these are whole numbers and differ, else by position
         let mut named = Vec::with_capacity(values.len());
         for value in &values {

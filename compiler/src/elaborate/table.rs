@@ -20,6 +20,24 @@ pub(crate) struct Points {
     pub file: Option<(String, Vec<usize>)>,
 }
 
+/// What lints look at in a table (SI).
+struct Measured<'p> {
+    argument: &'p [f64],
+    value: &'p [f64],
+    /// Of a spline that closes over it.
+    period: Option<f64>,
+    is_pressure: bool,
+    /// Where the values are stated.
+    stated: Span,
+}
+
+fn pressure() -> Dimension {
+    Dimension::MASS
+        .over(Dimension::LENGTH)
+        .over(Dimension::TIME)
+        .over(Dimension::TIME)
+}
+
 impl<'a> Elaborator<'a, '_> {
     pub fn table_value(
         &mut self,
@@ -36,11 +54,9 @@ impl<'a> Elaborator<'a, '_> {
             None => Dimension::ONE,
         };
         let source = &table.source;
-        let ExprKind::Call { callee, arguments } = &source.kind else {
-            return Err(self.not_a_source(source.span));
-        };
+        let (callee, arguments) = self.called(source)?;
         let ExprKind::Name(kind) = &callee.kind else {
-            return Err(self.not_a_source(source.span));
+            return self.not_a_source(source.span);
         };
         let mut interpolation = Interpolation::Cubic;
         let mut extrapolation = None;
@@ -60,17 +76,17 @@ impl<'a> Elaborator<'a, '_> {
                     interpolation = match &a.value.kind {
                         ExprKind::Name(n) if n == "cubic" => Interpolation::Cubic,
                         ExprKind::Name(n) if n == "monotone" => Interpolation::Monotone,
-                        _ => return Err(self.internal(a.value.span, "no interpolation")),
+                        _ => return self.checked(None, a.value.span, "no interpolation"),
                     }
                 }
                 Some("extrapolation") => {
                     extrapolation = match &a.value.kind {
                         ExprKind::Name(n) if n == "hold" => Some(Extrapolation::Hold),
                         ExprKind::Name(n) if n == "linear" => Some(Extrapolation::Linear),
-                        _ => return Err(self.internal(a.value.span, "no extrapolation")),
+                        _ => return self.checked(None, a.value.span, "no extrapolation"),
                     }
                 }
-                Some(_) => return Err(self.internal(a.value.span, "no argument of a table")),
+                Some(_) => return self.checked(None, a.value.span, "no argument of a table"),
             }
         }
         let points = match (kind.as_str(), plain.as_slice()) {
@@ -88,9 +104,7 @@ impl<'a> Elaborator<'a, '_> {
                 }
             }
             ("csv", [file]) => {
-                let Some(columns) = columns else {
-                    return Err(self.internal(source.span, "`csv` without its columns"));
-                };
+                let columns = self.checked(columns, source.span, "`csv` without its columns")?;
                 let text = |ty: Option<&ast::TypeExpr>| {
                     ty.map_or("a number", |t| self.sources.text(t.span))
                         .to_owned()
@@ -101,62 +115,23 @@ impl<'a> Elaborator<'a, '_> {
                 ];
                 self.read_csv(file, columns, module, &due)?
             }
-            _ => return Err(self.not_a_source(source.span)),
+            _ => return self.not_a_source(source.span),
         };
         let Points { x, y, units, file } = points;
         if let ([xs, ys], true) = (plain.as_slice(), x.len() != y.len()) {
             return Err(self.lengths(x.len(), xs.span, y.len(), ys.span));
         }
         self.refuse_below_zero(table, (result, &y, &units.1), (&plain, file.as_ref()))?;
-        let pressure = Dimension::MASS
-            .over(Dimension::LENGTH)
-            .over(Dimension::TIME)
-            .over(Dimension::TIME);
-        let peak = y.iter().copied().fold(0.0, f64::max);
-        if result == pressure && peak > MOST_PRESSURE {
-            let unit = columns
+        let measured = Measured {
+            argument: &x,
+            value: &y,
+            period: period.filter(|_| matches!(interpolation, Interpolation::Cubic)),
+            is_pressure: result == pressure(),
+            stated: columns
                 .or(plain.get(1).copied())
-                .map_or(source.span, |e| e.span);
-            self.diagnostics.push(
-                Diagnostic::warning(
-                    codes::TABLE_PEAK,
-                    format!("table `{}` reaches {}", table.name.text, units.1.text(peak)),
-                )
-                .at(table.name.span, "no engine part stands this pressure")
-                .also(unit, format!("read in {}", units.1.symbol))
-                .with_help("see which unit the numbers have: a column in pascal is `p [Pa]`"),
-            );
-        }
-        let gap = match (period, interpolation) {
-            (Some(period), Interpolation::Cubic) => period_gap(&x, period),
-            _ => None,
+                .map_or(source.span, |e| e.span),
         };
-        if let Some((last, next, usual)) = gap {
-            self.diagnostics.push(
-                Diagnostic::warning(
-                    codes::PERIOD_GAP,
-                    format!(
-                        "the points of table `{}` leave out a part of its period",
-                        table.name.text
-                    ),
-                )
-                .at(
-                    source.span,
-                    format!(
-                        "none from {} to {}, where the next period begins",
-                        units.0.text(last),
-                        units.0.text(next)
-                    ),
-                )
-                .with_note(format!(
-                    "elsewhere they are {} apart; the spline bridges the gap by a curve of its own",
-                    units.0.text(usual)
-                ))
-                .with_help(
-                    "state points over the whole period, or take `interpolation: monotone`, which stays between the two values",
-                ),
-            );
-        }
+        self.doubtful(table, &measured, &units);
         match Table::new(
             table.name.text.clone(),
             x,
@@ -226,8 +201,58 @@ impl<'a> Elaborator<'a, '_> {
         ))
     }
 
-    pub fn not_a_source(&mut self, span: Span) -> super::Reported {
-        self.internal(span, "neither `csv(…)` nor `points(…)`")
+    /// Lints on the points of a table.
+    fn doubtful(
+        &mut self,
+        table: &ast::Table,
+        points: &Measured<'_>,
+        units: &(DisplayUnit, DisplayUnit),
+    ) {
+        let peak = points.value.iter().copied().fold(0.0, f64::max);
+        if points.is_pressure && peak > MOST_PRESSURE {
+            self.diagnostics.push(
+                Diagnostic::warning(
+                    codes::TABLE_PEAK,
+                    format!("table `{}` reaches {}", table.name.text, units.1.text(peak)),
+                )
+                .at(table.name.span, "no engine part stands this pressure")
+                .also(points.stated, format!("read in {}", units.1.symbol))
+                .with_help("see which unit the numbers have: a column in pascal is `p [Pa]`"),
+            );
+        }
+        let gap = points
+            .period
+            .and_then(|period| period_gap(points.argument, period));
+        if let Some((last, next, usual)) = gap {
+            self.diagnostics.push(
+                Diagnostic::warning(
+                    codes::PERIOD_GAP,
+                    format!(
+                        "the points of table `{}` leave out a part of its period",
+                        table.name.text
+                    ),
+                )
+                .at(
+                    table.source.span,
+                    format!(
+                        "none from {} to {}, where the next period begins",
+                        units.0.text(last),
+                        units.0.text(next)
+                    ),
+                )
+                .with_note(format!(
+                    "elsewhere they are {} apart; the spline bridges the gap by a curve of its own",
+                    units.0.text(usual)
+                ))
+                .with_help(
+                    "state points over the whole period, or take `interpolation: monotone`, which stays between the two values",
+                ),
+            );
+        }
+    }
+
+    pub fn not_a_source<T>(&mut self, span: Span) -> Eval<T> {
+        self.checked(None, span, "neither `csv(…)` nor `points(…)`")
     }
 
     fn numbers(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<Vec<f64>> {

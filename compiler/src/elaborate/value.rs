@@ -48,7 +48,6 @@ pub(crate) enum Value<'a> {
     Record(DefinitionId, ScopeId),
     Part(ScopeId),
     Closure(Closure<'a>),
-    Builtin(&'static str),
     Table(TableValue),
     /// A class, record, model, component: something that is called with arguments.
     Definition(DefinitionId),
@@ -105,7 +104,7 @@ impl Value<'_> {
             Value::Element(_) => "an element",
             Value::Record(..) => "a record",
             Value::Part(_) => "a part",
-            Value::Closure(_) | Value::Builtin(_) => "a function",
+            Value::Closure(_) => "a function",
             Value::Table(_) => "a table",
             Value::Definition(_) => "a class",
             Value::Cycle => "the cycle",

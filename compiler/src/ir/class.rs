@@ -224,24 +224,4 @@ impl ClassFunctions {
     pub fn tape(&self) -> u32 {
         self.linearize.outputs.len() as u32
     }
-
-    /// A hash of the printed functions without their names (FNV-1a, 128 bits): equal text, equal code.
-    pub fn fingerprint(&self) -> u128 {
-        struct Hash(u128);
-        impl std::fmt::Write for Hash {
-            fn write_str(&mut self, text: &str) -> std::fmt::Result {
-                for byte in text.bytes() {
-                    self.0 = (self.0 ^ u128::from(byte))
-                        .wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
-                }
-                Ok(())
-            }
-        }
-        let mut hash = Hash(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
-        for which in eng_system::code::Function::ALL {
-            // writing to the hash cannot fail
-            let _ = self.get(which).print_body(&mut hash);
-        }
-        hash.0
-    }
 }

@@ -10,9 +10,13 @@
 
 pub(crate) mod types;
 
+use crate::functions::BuiltIn;
 use crate::program::{DefinitionId, Program, ValueType};
+use crate::words::Word;
+use eng_grammar::ast::{Binding, BindingKind, Declaration, Form, ItemKind, Kind};
 use eng_grammar::{MessagePart, Span};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use types::{Solution, Type};
 
 /// What the checker found, by place.
@@ -23,10 +27,24 @@ pub(crate) struct Findings {
     /// What the dimension variables of a generic function stand for: by the call, or by the expression that hands
     /// the function on as a value.
     pub solutions: BTreeMap<Span, Solution>,
+    /// Calls of what the language itself has, by the place of the call: a name of the text does not hide them.
+    pub callees: BTreeMap<Span, Callee>,
+    /// The parameter of each argument, by the place of the call: its index in the signature of a function, the list of a
+    /// class, or the [`settable`] values of a record or model.
+    pub calls: BTreeMap<Span, Arc<[u32]>>,
     /// Messages of `require` and `advise` and texts with values in them, by the place inside their quotes.
     pub messages: BTreeMap<Span, Vec<MessagePart>>,
     /// Types of the named values of each definition; a top-level `const` or `let` has the empty name.
     pub named: BTreeMap<(DefinitionId, String), ValueType>,
+}
+
+/// What the language itself has and a text can call.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Callee {
+    /// A function.
+    BuiltIn(&'static BuiltIn),
+    /// A term of a mode set.
+    Modes(&'static Word),
 }
 
 impl Findings {
@@ -34,9 +52,29 @@ impl Findings {
     pub fn extend(&mut self, other: Findings) {
         self.types.extend(other.types);
         self.solutions.extend(other.solutions);
+        self.callees.extend(other.callees);
+        self.calls.extend(other.calls);
         self.messages.extend(other.messages);
         self.named.extend(other.named);
     }
+}
+
+/// The values in the block of a model, a component without parameters or a record that its use can set, in their order.
+/// The block of a class with parameters holds none.
+pub(crate) fn settable(declaration: &Declaration) -> impl Iterator<Item = &Binding> {
+    let items = match &declaration.form {
+        Form::Plain { block } => block.items.as_slice(),
+        Form::Class { .. } | Form::Instance { .. } => &[],
+    };
+    let record = declaration.kind == Kind::Record;
+    items.iter().filter_map(move |item| match &item.kind {
+        ItemKind::Binding(binding) => match binding.kind {
+            BindingKind::Param | BindingKind::Const => Some(binding),
+            BindingKind::Let => record.then_some(binding),
+            BindingKind::State | BindingKind::Output => None,
+        },
+        _ => None,
+    })
 }
 
 /// A checked program. Complete where the checker reported no error.

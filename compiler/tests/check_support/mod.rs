@@ -3,6 +3,7 @@
 use eng_compiler::check::{check, reports};
 use eng_compiler::elaborate::{analyses, elaborate};
 use eng_compiler::library::LIBRARY;
+use eng_compiler::models::SharedModels;
 use eng_compiler::program::{DefinitionId, Program};
 use eng_compiler::resolve::resolve;
 use eng_compiler::typed::TypedProgram;
@@ -62,7 +63,8 @@ fn run_stages(folder: &str, root: &str, text: &str, elaborated: bool) -> Run {
             elaborate(&typed, &mut sources, &host, model, &[], &mut diagnostics);
         }
         if !diagnostics.has_errors() {
-            reports(&typed, &sources, &host, &plans, &mut diagnostics);
+            let models = SharedModels::default();
+            reports(&typed, &sources, &host, &plans, &models, &mut diagnostics);
         }
     }
     Run {

@@ -62,7 +62,7 @@ fn optimised_functions_agree_with_those_as_written() {
 fn optimised_jacobians_agree_with_those_as_written() {
     for mut instance in Instance::all() {
         let functions = as_written(&instance);
-        let written = compile_class(functions.clone(), false).expect("is ready");
+        let written = compile_class(&functions, false).expect("is ready");
         let mut random = Random(61);
         let mut largest = 0.0_f64;
         for _ in 0..10 {

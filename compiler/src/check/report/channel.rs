@@ -5,7 +5,8 @@ use super::axes::Frames;
 use super::value::{Label, Member, Typed};
 use crate::check::types::{Kind, Quantity};
 use crate::codes;
-use crate::elaborate::{AnalysisPlan, Structural, elaborate};
+use crate::elaborate::{AnalysisPlan, Structural};
+use crate::models::SharedModels;
 use crate::program::DefinitionId;
 use crate::resolve::suggest::{listing, nearest};
 use crate::typed::TypedProgram;
@@ -41,6 +42,7 @@ impl Channels {
 /// What each analysis records; models are elaborated when first asked for.
 pub(super) struct Models<'a> {
     typed: &'a TypedProgram,
+    shared: &'a SharedModels,
     sources: &'a SourceMap,
     host: &'a dyn Host,
     pub plans: &'a [AnalysisPlan],
@@ -56,12 +58,14 @@ pub(super) struct Models<'a> {
 impl<'a> Models<'a> {
     pub fn new(
         typed: &'a TypedProgram,
+        shared: &'a SharedModels,
         sources: &'a SourceMap,
         host: &'a dyn Host,
         plans: &'a [AnalysisPlan],
     ) -> Models<'a> {
         Models {
             typed,
+            shared,
             sources,
             host,
             plans,
@@ -86,7 +90,7 @@ impl<'a> Models<'a> {
         }
         let mut texts = self.sources.clone();
         let mut found = Diagnostics::new();
-        let elaborated = elaborate(
+        let model = self.shared.model(
             self.typed,
             &mut texts,
             self.host,
@@ -97,8 +101,8 @@ impl<'a> Models<'a> {
         if found.has_errors() {
             self.messages.extend(found);
         }
-        let channels = elaborated.map(|elaborated| {
-            let system = &elaborated.system;
+        let channels = model.map(|model| {
+            let system = &model.elaborated.system;
             Rc::new(Channels {
                 samples: recorded(system),
                 modes: of_modes(system),

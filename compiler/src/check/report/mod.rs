@@ -18,6 +18,7 @@ use super::scope::Scope;
 use super::types::Quantity;
 use crate::codes;
 use crate::elaborate::{AnalysisPlan, Constants};
+use crate::models::SharedModels;
 use crate::typed::TypedProgram;
 use channel::Models;
 use eng_grammar::ast::{self, BindingKind, Expr, ItemKind, Statement};
@@ -35,6 +36,7 @@ pub fn reports(
     sources: &SourceMap,
     host: &dyn Host,
     plans: &[AnalysisPlan],
+    models: &SharedModels,
     diagnostics: &mut Diagnostics,
 ) -> Vec<plan::Report> {
     let program = &typed.program;
@@ -58,7 +60,7 @@ pub fn reports(
         let mut reporter = Reporter {
             checker: Checker::new(program, sources),
             constants,
-            models: Models::new(typed, sources, host, plans),
+            models: Models::new(typed, models, sources, host, plans),
             scope: Scope::top(program.root()),
             names: BTreeMap::new(),
         };

@@ -217,7 +217,7 @@ impl<'a> Reporter<'a, '_> {
         collect_names(expr, &mut names);
         let found = names.into_iter().find(|(name, _)| {
             !BUILT_IN_NAMES.contains(&name.as_str())
-                && !crate::functions::NAMES.contains(&name.as_str())
+                && crate::functions::find(name).is_none()
                 && self.checker.find(&self.scope, name).is_none()
         });
         let Some((name, span)) = found else {

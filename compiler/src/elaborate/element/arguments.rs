@@ -23,18 +23,10 @@ impl<'a> Elaborator<'a, '_> {
         let mut bound: Vec<(String, Argument<'a>)> = Vec::new();
         let mut grounds: Vec<(usize, Span)> = Vec::new();
         let mut partner = None;
-        let mut position = 0;
-        for argument in arguments {
-            let parameter = match &argument.name {
-                Some(name) => class.parameters.iter().find(|p| p.name.text == name.text),
-                None => {
-                    position += 1;
-                    class.parameters.get(position - 1)
-                }
-            };
-            let Some(parameter) = parameter else {
-                return Err(self.internal(argument.value.span, "no parameter of the class"));
-            };
+        let places = self.call_at(span)?;
+        for (argument, place) in arguments.iter().zip(places.iter()) {
+            let parameter = class.parameters.get(*place as usize);
+            let parameter = self.checked(parameter, argument.value.span, "no such parameter")?;
             let name = parameter.name.text.clone();
             let ty = self.type_at(parameter.ty.span)?;
             let value = self.evaluate(&argument.value, scope)?;
@@ -88,15 +80,6 @@ impl<'a> Elaborator<'a, '_> {
             };
             let marker = self.ground_at(partner, format!("ground at {path}"), ground_span);
             bound[index].1 = Argument::Value(Value::Marker(marker));
-        }
-        for parameter in class.parameters {
-            if parameter.default.is_none() && !bound.iter().any(|(n, _)| *n == parameter.name.text)
-            {
-                return Err(self.internal(
-                    span,
-                    &format!("argument `{}` is missing", parameter.name.text),
-                ));
-            }
         }
         Ok(bound)
     }

@@ -27,9 +27,11 @@ impl<'a> Elaborator<'a, '_> {
             if b.kind != BindingKind::State {
                 continue;
             }
-            let Some(start) = &b.value else {
-                return Err(self.internal(b.name.span, "a state without a start value"));
-            };
+            let start = self.checked(
+                b.value.as_ref(),
+                b.name.span,
+                "a state without a start value",
+            )?;
             let value = self.evaluate(start, own)?;
             let s = self.as_scalar(value, start.span)?;
             let node = self.bind_node(s, start.span)?;
@@ -174,17 +176,13 @@ impl<'a> Elaborator<'a, '_> {
                     let v = self.evaluate(value, scope)?;
                     let s = self.as_scalar(v, value.span)?;
                     let node = self.bench.lift(s.stage, s.node);
-                    if let Some(element) = self.bench.element.as_mut() {
-                        match element.states.iter_mut().find(|d| d.name == state.text) {
-                            Some(d) => d.rate = Some(node),
-                            None => {
-                                return Err(self.internal(state.span, "no state of this class"));
-                            }
-                        }
+                    let states = self.bench.element.iter_mut().flat_map(|e| &mut e.states);
+                    if let Some(draft) = states.into_iter().find(|d| d.name == state.text) {
+                        draft.rate = Some(node);
                     }
                 }
                 Statement::Start { target, .. } | Statement::Guess { target, .. } => {
-                    return Err(self.internal(target.span, "a start value in a class"));
+                    return self.checked(None, target.span, "a start value in a class");
                 }
             }
         }
@@ -264,7 +262,7 @@ impl<'a> Elaborator<'a, '_> {
             ..
         } = &inner.kind
         else {
-            return Err(self.internal(expr.span, "a constraint that is no equation"));
+            return self.checked(None, expr.span, "a constraint that is no equation");
         };
         let text = self.sources.text(expr.span).to_owned();
         let a = self.evaluate(left, scope)?;

@@ -40,20 +40,54 @@ pub(crate) struct Draft {
 
 impl<'a> Elaborator<'a, '_> {
     pub fn class_of(&mut self, id: DefinitionId, span: Span) -> Eval<Class<'a>> {
-        if let Some(item) = self.program.item(id)
-            && let ItemKind::Declaration(declaration) = &item.kind
-            && let Form::Class {
-                parameters, block, ..
-            } = &declaration.form
-        {
-            return Ok(Class {
-                definition: id,
-                declaration,
-                parameters,
-                block,
-            });
-        }
-        Err(self.internal(span, "this is no class"))
+        let found = match self.program.item(id).map(|item| &item.kind) {
+            Some(ItemKind::Declaration(declaration)) => match &declaration.form {
+                Form::Class {
+                    parameters, block, ..
+                } => Some(Class {
+                    definition: id,
+                    declaration,
+                    parameters,
+                    block,
+                }),
+                _ => None,
+            },
+            _ => None,
+        };
+        self.checked(found, span, "this is no class")
+    }
+
+    /// `= value { additions }` of a declaration.
+    pub fn instance(
+        &mut self,
+        declaration: &'a ast::Declaration,
+    ) -> Eval<(&'a ast::Expr, Option<&'a ast::Block>)> {
+        let found = match &declaration.form {
+            Form::Instance { value, block } => Some((value, block.as_ref())),
+            Form::Class { .. } | Form::Plain { .. } => None,
+        };
+        self.checked(found, declaration.name.span, "it has no value")
+    }
+
+    /// The class of `Class(arguments)`, and the arguments.
+    pub fn class_called(
+        &mut self,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+    ) -> Eval<(Class<'a>, &'a [ast::Argument])> {
+        let (callee, arguments) = self.called(value)?;
+        let class = self.evaluate(callee, scope)?;
+        let class = self.read(class, callee.span)?;
+        Ok((self.class_of(class, callee.span)?, arguments))
+    }
+
+    /// What is called, and with which arguments.
+    pub fn called(&mut self, value: &'a ast::Expr) -> Eval<(&'a ast::Expr, &'a [ast::Argument])> {
+        let found = match &value.kind {
+            ExprKind::Call { callee, arguments } => Some((&**callee, arguments.as_slice())),
+            _ => None,
+        };
+        self.checked(found, value.span, "it is no call")
     }
 
     /// `kind name[index] = Class(arguments) { additions }`.
@@ -62,15 +96,13 @@ impl<'a> Elaborator<'a, '_> {
         declaration: &'a ast::Declaration,
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
-        let Form::Instance { value, block } = &declaration.form else {
-            return Err(self.internal(declaration.name.span, "an element without a class"));
-        };
+        let (value, block) = self.instance(declaration)?;
         let name = &declaration.name.text;
         let base = self.path(scope, name);
         let mut made = Vec::new();
         self.for_each(&declaration.index, scope, &mut |e, inner, position| {
             let path = format!("{base}{}", index_text(position));
-            let element = e.element(declaration, value, block.as_ref(), inner, path);
+            let element = e.element(declaration, value, block, inner, path);
             e.bench.element = None;
             made.push((position.to_vec(), Value::Element(element?)));
             Ok(())
@@ -91,13 +123,7 @@ impl<'a> Elaborator<'a, '_> {
         path: String,
     ) -> Eval<u32> {
         self.count_instance(declaration.name.span)?;
-        let ExprKind::Call { callee, arguments } = &value.kind else {
-            return Err(self.internal(value.span, "an element that is not called into being"));
-        };
-        let class = match self.evaluate(callee, scope)? {
-            Value::Definition(id) => self.class_of(id, callee.span)?,
-            other => return Err(self.unfit(callee.span, "a class", &other)),
-        };
+        let (class, arguments) = self.class_called(value, scope)?;
         self.bench.element = Some(ElementBuilder::default());
         self.bench.bind.owner.clone_from(&path);
         let bound = self.bind_arguments(class, arguments, scope, &path, value.span)?;
@@ -155,10 +181,8 @@ impl<'a> Elaborator<'a, '_> {
             .and_then(|e| e.states.iter().find(|s| s.rate.is_none()))
             .map(|s| s.name.clone());
         if let Some(state) = missing {
-            return Err(self.internal(
-                class.declaration.name.span,
-                &format!("state `{state}` has no rate"),
-            ));
+            let span = class.declaration.name.span;
+            return self.checked(None, span, &format!("state `{state}` has no rate"));
         }
         if let Some(element) = self.bench.element.as_mut() {
             let zero = element.graph.constant(0.0);

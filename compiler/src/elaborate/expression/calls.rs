@@ -6,7 +6,8 @@ use super::super::value::{ScopeId, TableValue, Value};
 use super::super::{Elaborator, Entry, Eval, Lazy};
 use crate::codes;
 use crate::ir::Node;
-use eng_grammar::ast::{Expr, ExprKind};
+use crate::typed::Callee;
+use eng_grammar::ast::Expr;
 use eng_grammar::{Diagnostic, Span, ast};
 use std::rc::Rc;
 
@@ -18,39 +19,35 @@ impl<'a> Elaborator<'a, '_> {
         arguments: &'a [ast::Argument],
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
-        let function = match &callee.kind {
-            ExprKind::Name(name) => match self.try_lookup(name, scope, callee.span)? {
-                Some(value) => value,
-                None => match super::super::builtin::find(name) {
-                    Some(builtin) => Value::Builtin(builtin),
-                    None => match crate::words::word(crate::words::Place::Modes, name) {
-                        Some(term) => return self.mode_set(term, expr.span, arguments, scope),
-                        None => return self.lookup(name, scope, callee.span),
-                    },
-                },
-            },
-            _ => self.evaluate(callee, scope)?,
-        };
+        match self.callee_at(expr.span) {
+            Some(Callee::BuiltIn(function)) => {
+                return self.builtin(function, expr.span, arguments, scope);
+            }
+            Some(Callee::Modes(term)) => {
+                return self.mode_set(term, expr.span, arguments, scope);
+            }
+            None => {}
+        }
+        let function = self.evaluate(callee, scope)?;
         match function {
-            Value::Builtin(name) => self.builtin(name, expr.span, arguments, scope),
             Value::Closure(closure) => {
                 let mut values = Vec::with_capacity(arguments.len());
                 for argument in arguments {
-                    let value = self.evaluate(&argument.value, scope)?;
-                    values.push((argument.name.as_ref(), value));
+                    values.push(self.evaluate(&argument.value, scope)?);
                 }
                 self.apply(&closure, values, expr.span, scope)
             }
             Value::Table(table) => {
-                let Some(first) = arguments.first() else {
-                    return Err(self.internal(expr.span, "a table without its argument"));
-                };
+                let first = self.checked(arguments.first(), expr.span, "it has no argument")?;
                 let value = self.evaluate(&first.value, scope)?;
                 let x = self.as_scalar(value, first.value.span)?;
                 Ok(Value::Scalar(self.look_up_table(table, x)))
             }
             Value::Definition(id) => self.construct(id, expr.span, arguments, scope),
-            other => Err(self.unfit(callee.span, "a function", &other)),
+            other => {
+                let what = format!("{} is called", other.kind());
+                self.checked(None, callee.span, &what)
+            }
         }
     }
 
@@ -58,56 +55,33 @@ impl<'a> Elaborator<'a, '_> {
         self.bench.table(table.handle, x)
     }
 
-    /// Calls a function of the text.
+    /// Calls a function of the text with the values of the arguments, in their order at the call.
     pub fn apply(
         &mut self,
         closure: &super::super::value::Closure<'a>,
-        values: Vec<(Option<&'a ast::Name>, Value<'a>)>,
-        span: Span,
+        values: Vec<Value<'a>>,
+        call: Span,
         caller: ScopeId,
     ) -> Eval<Value<'a>> {
         let solution = match &closure.solution {
             Some(handed_on) => Some(Rc::clone(handed_on)),
-            None => self.solution_at(span, caller),
+            None => self.solution_at(call, caller),
         };
         let function = closure.function;
         let module = self.scope(closure.scope).module;
         let inner = self.new_scope(Some(closure.scope), module, String::new());
         self.scopes[inner.0 as usize].solution = solution;
-        let mut position = 0;
-        for (name, value) in values {
-            let parameter = match name {
-                Some(name) => name.text.clone(),
-                None => {
-                    position += 1;
-                    match function.parameters.get(position - 1) {
-                        Some(p) => p.name.text.clone(),
-                        None => {
-                            return Err(self.internal(span, "too many arguments"));
-                        }
-                    }
-                }
-            };
-            let ty = function
-                .parameters
-                .iter()
-                .find(|p| p.name.text == parameter);
-            let value = self.declared(value, ty.map(|p| &p.ty))?;
-            self.define(inner, &parameter, Entry::Value(value));
+        let places = self.call_at(call)?;
+        for (value, place) in values.into_iter().zip(places.iter()) {
+            let parameter = function.parameters.get(*place as usize);
+            let parameter = self.checked(parameter, call, "no such parameter")?;
+            let value = self.declared(value, Some(&parameter.ty))?;
+            self.define(inner, &parameter.name.text, Entry::Value(value));
         }
         for parameter in &function.parameters {
-            if !self.scope(inner).entries.contains_key(&parameter.name.text) {
-                if parameter.default.is_none() {
-                    return Err(self.internal(
-                        span,
-                        &format!("argument `{}` is missing", parameter.name.text),
-                    ));
-                }
-                self.define(
-                    inner,
-                    &parameter.name.text,
-                    Entry::Lazy(Lazy::Default(parameter)),
-                );
+            let name = &parameter.name.text;
+            if !self.scope(inner).entries.contains_key(name) {
+                self.define(inner, name, Entry::Lazy(Lazy::Default(parameter)));
             }
         }
         for binding in &function.lets {
@@ -117,9 +91,9 @@ impl<'a> Elaborator<'a, '_> {
                 Entry::Lazy(Lazy::Binding(binding)),
             );
         }
-        self.deeper(span, |e| {
+        self.deeper(call, |e| {
             for requirement in &function.requirements {
-                e.require_in_function(requirement, inner, span)?;
+                e.require_in_function(requirement, inner, call)?;
             }
             let value = e.evaluate(&function.value, inner)?;
             e.declared(value, function.result.as_ref())

@@ -16,8 +16,8 @@ impl<'a> Elaborator<'a, '_> {
         a_span: Span,
         b_span: Span,
     ) -> Eval<Value<'a>> {
-        let a = self.as_truth(a, a_span)?;
-        let b = self.as_truth(b, b_span)?;
+        let a: Truth = self.read(a, a_span)?;
+        let b: Truth = self.read(b, b_span)?;
         let and = op == BinaryOp::And;
         Ok(match (a, b) {
             (Truth::Known(x), Truth::Known(y)) => Value::Bool(if and { x && y } else { x || y }),
@@ -99,15 +99,7 @@ impl<'a> Elaborator<'a, '_> {
 
     pub fn truth(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Truth> {
         let value = self.evaluate(expr, scope)?;
-        self.as_truth(value, expr.span)
-    }
-
-    pub(super) fn as_truth(&mut self, value: Value<'a>, span: Span) -> Eval<Truth> {
-        match value {
-            Value::Bool(b) => Ok(Truth::Known(b)),
-            Value::Flag(f) => Ok(Truth::Later(f)),
-            other => Err(self.unfit(span, "a truth value", &other)),
-        }
+        self.read(value, expr.span)
     }
 }
 

@@ -100,24 +100,6 @@ impl<'a> Elaborator<'a, '_> {
         span: Span,
     ) -> Eval<Value<'a>> {
         match Self::without_axes(value) {
-            Value::List(items) => {
-                let count = items.len();
-                match usize::try_from(index)
-                    .ok()
-                    .and_then(|i| i.checked_sub(1))
-                    .and_then(|i| items.into_iter().nth(i))
-                {
-                    Some(v) => Ok(v),
-                    None => Err(self.no_element(
-                        index,
-                        span,
-                        match count {
-                            0 => "the list is empty".to_owned(),
-                            _ => format!("indices run from 1 to {count}"),
-                        },
-                    )),
-                }
-            }
             Value::Family(members) => {
                 let shown: Vec<String> = members
                     .iter()
@@ -137,7 +119,25 @@ impl<'a> Elaborator<'a, '_> {
                     None => Err(self.no_element(index, span, known_indices(&shown))),
                 }
             }
-            other => Err(self.unfit(span, "an array", &other)),
+            value => {
+                let items: Vec<Value<'a>> = self.read(value, span)?;
+                let count = items.len();
+                match usize::try_from(index)
+                    .ok()
+                    .and_then(|i| i.checked_sub(1))
+                    .and_then(|i| items.into_iter().nth(i))
+                {
+                    Some(v) => Ok(v),
+                    None => Err(self.no_element(
+                        index,
+                        span,
+                        match count {
+                            0 => "the list is empty".to_owned(),
+                            _ => format!("indices run from 1 to {count}"),
+                        },
+                    )),
+                }
+            }
         }
     }
 

@@ -91,10 +91,9 @@ impl<'a> Elaborator<'a, '_> {
                 let value = self.evaluate(operand, scope)?;
                 match op {
                     UnaryOp::Negate => self.negate(value, operand.span),
-                    UnaryOp::Not => match value {
-                        Value::Bool(b) => Ok(Value::Bool(!b)),
-                        Value::Flag(f) => Ok(Value::Flag(self.bench.not(f))),
-                        other => Err(self.unfit(operand.span, "a truth value", &other)),
+                    UnaryOp::Not => match self.read(value, operand.span)? {
+                        Truth::Known(known) => Ok(Value::Bool(!known)),
+                        Truth::Later(flag) => Ok(Value::Flag(self.bench.not(flag))),
                     },
                 }
             }
@@ -138,11 +137,11 @@ impl<'a> Elaborator<'a, '_> {
     pub fn integer(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<i64> {
         match self.evaluate(expr, scope)? {
             Value::Int(i) => Ok(i),
-            Value::Scalar(s) => {
-                self.structural(s, expr.span)?;
+            other => {
+                let number = self.as_scalar(other, expr.span)?;
+                self.structural(number, expr.span)?;
                 Err(self.not_countable(expr.span))
             }
-            other => Err(self.unfit(expr.span, "a whole number", &other)),
         }
     }
 
@@ -158,10 +157,8 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     pub fn unit(&mut self, unit: &ast::UnitExpr) -> Eval<crate::program::Unit> {
-        match self.program.unit(unit) {
-            Ok(u) => Ok(u),
-            Err((span, name)) => Err(self.internal(span, &format!("there is no unit `{name}`"))),
-        }
+        let found = self.program.unit(unit).ok();
+        self.checked(found, unit.span, "there is no such unit")
     }
 
     fn with_unit(
@@ -196,7 +193,7 @@ impl<'a> Elaborator<'a, '_> {
         match value {
             Value::Scalar(s) => Ok(s),
             Value::Int(i) => Ok(self.bench.constant(i as f64)),
-            other => Err(self.unfit(span, "a number", &other)),
+            other => self.read(other, span),
         }
     }
 
@@ -205,8 +202,10 @@ impl<'a> Elaborator<'a, '_> {
         match self.in_space(value, span)? {
             Value::Vector(v) => Ok(v.to_vec()),
             Value::Components(c, _) => Ok(c),
-            Value::List(items) => items.into_iter().map(|v| self.as_scalar(v, span)).collect(),
-            other => Err(self.unfit(span, "a vector or a list of numbers", &other)),
+            other => {
+                let items: Vec<Value<'a>> = self.read(other, span)?;
+                items.into_iter().map(|v| self.as_scalar(v, span)).collect()
+            }
         }
     }
 

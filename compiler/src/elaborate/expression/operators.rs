@@ -18,7 +18,6 @@ impl<'a> Elaborator<'a, '_> {
                     self.negate(Value::Scalar(number), span)
                 }
             },
-            Value::Scalar(s) => Ok(Value::Scalar(self.bench.negate(s))),
             v @ (Value::Vector(_) | Value::Shown(_) | Value::Components(..)) => {
                 self.scale(v, span, |e, x| e.bench.negate(x))
             }
@@ -27,7 +26,10 @@ impl<'a> Elaborator<'a, '_> {
                 .map(|v| self.negate(v, span))
                 .collect::<Eval<Vec<_>>>()
                 .map(Value::List),
-            other => Err(self.unfit(span, "a number or a vector", &other)),
+            other => {
+                let number = self.as_scalar(other, span)?;
+                Ok(Value::Scalar(self.bench.negate(number)))
+            }
         }
     }
 

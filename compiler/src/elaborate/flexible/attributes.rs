@@ -1,6 +1,7 @@
 //! Files, material and damping of a flexible body.
 
-use super::super::value::{ScopeId, Value};
+use super::super::typed::RecordScope;
+use super::super::value::ScopeId;
 use super::super::{Elaborator, Eval, Reported, location};
 use super::meaning;
 use crate::codes;
@@ -18,10 +19,10 @@ impl<'a> Elaborator<'a, '_> {
         let (word, arguments) = self.worded(Place::Mesh, value)?;
         let file = self.text_of(argument(word, arguments, "file"), scope)?;
         let units = argument(word, arguments, "units").and_then(meaning);
-        let (Some(file), Some(units), Some(format)) = (file, units, MeshFormat::named(word.word))
-        else {
-            return Err(self.internal(value.span, "a mesh without file, units or format"));
-        };
+        let file = self.checked(file, value.span, "a mesh without a file")?;
+        let units = self.checked(units, value.span, "a mesh without units")?;
+        let format = MeshFormat::named(word.word);
+        let format = self.checked(format, value.span, "no format of a mesh")?;
         let mut ignored = Vec::new();
         if let Some(ExprKind::List { items, .. }) =
             argument(word, arguments, "ignore").map(|list| &list.kind)
@@ -46,9 +47,9 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<MatrixSource> {
         let (word, arguments) = self.worded(Place::Matrix, value)?;
         let file = self.text_of(argument(word, arguments, "file"), scope)?;
-        let (Some(file), Some(format)) = (file, MatrixFormat::named(word.word)) else {
-            return Err(self.internal(value.span, "a matrix without file or format"));
-        };
+        let file = self.checked(file, value.span, "a matrix without a file")?;
+        let format = MatrixFormat::named(word.word);
+        let format = self.checked(format, value.span, "no format of a matrix")?;
         Ok(MatrixSource {
             format,
             file,
@@ -106,10 +107,8 @@ impl<'a> Elaborator<'a, '_> {
         value: &'a ast::Expr,
         scope: ScopeId,
     ) -> Eval<MaterialSource> {
-        let record = match self.evaluate(value, scope)? {
-            Value::Record(_, record) => record,
-            other => return Err(self.unfit(value.span, "a material", &other)),
-        };
+        let record = self.evaluate(value, scope)?;
+        let RecordScope(record) = self.read(record, value.span)?;
         let mut field = |name: &str| -> Eval<f64> {
             let v = self.entry(record, name, value.span)?;
             let s = self.as_scalar(v, value.span)?;

@@ -21,9 +21,7 @@ impl<'a> Elaborator<'a, '_> {
         markers: &mut Vec<(MarkerSource, u32)>,
         known: &mut Vec<(String, Vec<usize>)>,
     ) -> Eval<Value<'a>> {
-        let ast::Form::Instance { value, .. } = &declaration.form else {
-            return Err(self.internal(declaration.name.span, "a marker without a place"));
-        };
+        let (value, _) = self.instance(declaration)?;
         let name = &declaration.name.text;
         let mut made = Vec::new();
         self.for_each(&declaration.index, scope, &mut |e, inner, position| {
@@ -74,15 +72,11 @@ impl<'a> Elaborator<'a, '_> {
             get(name).map(|x| e.known_number(x, scope)).transpose()
         };
         let axis = |e: &mut Self, name: &str| -> Eval<[f64; 3]> {
-            match get(name) {
-                Some(expr) => e.known_axis(expr, scope),
-                None => Err(e.internal(value.span, "a place without its axis")),
-            }
+            let expr = e.checked(get(name), value.span, "a place without its axis")?;
+            e.known_axis(expr, scope)
         };
         let positive = |e: &mut Self, name: &str| -> Eval<f64> {
-            let Some(expr) = get(name) else {
-                return Err(e.internal(value.span, &format!("a place without `{name}`")));
-            };
+            let expr = e.checked(get(name), value.span, &format!("a place without `{name}`"))?;
             let x = e.known_number(expr, scope)?;
             if x > 0.0 && x.is_finite() {
                 return Ok(x);
@@ -105,9 +99,7 @@ impl<'a> Elaborator<'a, '_> {
         });
         let place = match word.word {
             "node" => {
-                let Some(id) = get("id") else {
-                    return Err(self.internal(value.span, "a node without its number"));
-                };
+                let id = self.checked(get("id"), value.span, "a node without its number")?;
                 let number = self.integer(id, scope)?;
                 match u64::try_from(number) {
                     Ok(n) if n > 0 => MarkerPlace::Node(n),
@@ -150,7 +142,7 @@ impl<'a> Elaborator<'a, '_> {
                 radius: f64::INFINITY,
                 tolerance: length(self, "tolerance")?.unwrap_or(1e-6),
             },
-            _ => return Err(self.internal(value.span, "no place on a mesh")),
+            _ => return self.checked(None, value.span, "no place on a mesh"),
         };
         // a ring or a patch is named by its middle; a set's is the mean of its nodes unless stated
         let center = match word.word {

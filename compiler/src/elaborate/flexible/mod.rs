@@ -6,7 +6,7 @@ mod modes;
 
 use super::scalar::Scalar;
 use super::value::{ScopeId, Value};
-use super::{Elaborator, Entry, Eval, Reported, location};
+use super::{Elaborator, Entry, Eval, location};
 use crate::codes;
 use crate::words::{DECK, Place, Word, word};
 use eng_grammar::ast::{self, ExprKind, ItemKind, Kind, Statement};
@@ -14,6 +14,7 @@ use eng_grammar::{Diagnostic, Span};
 use eng_system::flexible::{FlexibleSource, Freedoms, MarkerSource, ModeCount};
 use eng_system::mesh_files::{ShapeFormat, Stated};
 use eng_system::system::{Body, BodyInertia, BodyRef, Origin};
+use std::rc::Rc;
 
 /// Markers by name, as a mode set writes them; found in the body that uses the set.
 #[derive(Clone, Debug, PartialEq)]
@@ -172,10 +173,8 @@ impl<'a> Elaborator<'a, '_> {
                 }
                 "modes" => {
                     modes_at = Some(location(value.span));
-                    let parts = match self.evaluate(value, own)? {
-                        Value::ModeSet(parts) => parts,
-                        other => return Err(self.unfit(value.span, "a mode set", &other)),
-                    };
+                    let parts = self.evaluate(value, own)?;
+                    let parts: Rc<Vec<ModePart>> = self.read(parts, value.span)?;
                     for part in parts.iter() {
                         terms.push(self.term(part, &known, &path)?);
                     }
@@ -185,19 +184,17 @@ impl<'a> Elaborator<'a, '_> {
                     self.much_damping(&stated, &path, value.span);
                     damping = Some(stated);
                 }
-                "geometric_stiffness" => match self.evaluate(value, own)? {
-                    Value::Bool(b) => geometric_stiffness = b,
-                    other => return Err(self.unfit(value.span, "true or false", &other)),
-                },
-                _ => return Err(self.internal(a.name.span, "no attribute of a flexible body")),
+                "geometric_stiffness" => {
+                    let stated = self.evaluate(value, own)?;
+                    geometric_stiffness = self.read(stated, value.span)?;
+                }
+                _ => return self.checked(None, a.name.span, "no attribute of a flexible body"),
             }
         }
-        let (Some(mesh), Some(modes_at), Some(damping)) = (mesh, modes_at, damping) else {
-            return Err(self.internal(
-                declaration.name.span,
-                "a flexible body without mesh, modes or damping",
-            ));
-        };
+        let span = declaration.name.span;
+        let mesh = self.checked(mesh, span, "a flexible body without a mesh")?;
+        let modes_at = self.checked(modes_at, span, "a flexible body without modes")?;
+        let damping = self.checked(damping, span, "a flexible body without damping")?;
         if stiffness.is_some() != mass.is_some() {
             return Err(self.report(
                 Diagnostic::error(
@@ -255,13 +252,13 @@ impl<'a> Elaborator<'a, '_> {
         place: Place,
         value: &'a ast::Expr,
     ) -> Eval<(&'static Word, &'a [ast::Argument])> {
-        if let ExprKind::Call { callee, arguments } = &value.kind
-            && let ExprKind::Name(name) = &callee.kind
-            && let Some(word) = word(place, name)
-        {
-            return Ok((word, arguments));
-        }
-        Err(self.internal(value.span, &format!("this is not {}", place.text())))
+        let (callee, arguments) = self.called(value)?;
+        let word = match &callee.kind {
+            ExprKind::Name(name) => word(place, name),
+            _ => None,
+        };
+        let what = format!("this is not {}", place.text());
+        Ok((self.checked(word, value.span, &what)?, arguments))
     }
 
     fn known_number(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<f64> {
@@ -300,10 +297,8 @@ impl<'a> Elaborator<'a, '_> {
             return Ok(None);
         };
         if !matches!(expr.kind, ExprKind::Text(_)) {
-            return match self.evaluate(expr, scope)? {
-                Value::Text(text) => Ok(Some(text)),
-                other => Err(self.unfit(expr.span, "a text", &other)),
-            };
+            let text = self.evaluate(expr, scope)?;
+            return self.read(text, expr.span).map(Some);
         }
         let written = crate::words::inside_quotes(self.sources, expr.span);
         let mut text = String::new();
@@ -345,14 +340,12 @@ impl<'a> Elaborator<'a, '_> {
             })
             .collect();
         for (path, origin, scope, span) in welds {
+            let weld = self.program.weld();
             let class = self
-                .program
-                .weld()
-                .map_or(Err(Reported), |id| self.class_of(id, span));
-            let Ok(class) = class else {
-                self.internal(span, "the library's weld is not there");
-                continue;
-            };
+                .checked(weld, span, "the library has no weld")
+                .and_then(|id| self.class_of(id, span));
+            // a message was given
+            let Ok(class) = class else { continue };
             let path = format!("{path}.support");
             let ground = self.ground_at(origin, format!("ground at {path}"), span);
             let bound = vec![

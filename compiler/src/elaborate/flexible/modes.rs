@@ -52,9 +52,8 @@ impl<'a> Elaborator<'a, '_> {
             _ => {
                 let file = self.text_of(get("file"), scope)?;
                 let format = get("format").and_then(meaning);
-                let (Some(file), Some(format)) = (file, format) else {
-                    return Err(self.internal(span, "shapes without file or format"));
-                };
+                let file = self.checked(file, span, "shapes without a file")?;
+                let format = self.checked(format, span, "shapes without a format")?;
                 vec![part(PartKind::Given { format, file }, Vec::new())]
             }
         };
@@ -81,9 +80,8 @@ impl<'a> Elaborator<'a, '_> {
                 )),
             };
         }
-        let Some(expr) = argument(word, arguments, "up_to") else {
-            return Err(self.internal(span, "neither a number of modes nor a frequency"));
-        };
+        let expr = argument(word, arguments, "up_to");
+        let expr = self.checked(expr, span, "neither a number of modes nor a frequency")?;
         let frequency = self.known_number(expr, scope)?;
         if frequency > 0.0 && frequency.is_finite() {
             return Ok(ModeCount::UpTo(frequency));
@@ -120,14 +118,14 @@ impl<'a> Elaborator<'a, '_> {
                     };
                     let chosen = match self.evaluate(at, scope)? {
                         Value::Int(i) => vec![i],
-                        Value::List(items) => items
+                        several => self
+                            .read::<Vec<Value<'a>>>(several, at.span)?
                             .iter()
                             .filter_map(|v| match v {
                                 Value::Int(i) => Some(*i),
                                 _ => None,
                             })
                             .collect(),
-                        other => return Err(self.unfit(at.span, "an index", &other)),
                     };
                     for name in &mut names {
                         name.index = Some(chosen.clone());
@@ -137,7 +135,7 @@ impl<'a> Elaborator<'a, '_> {
                 Ok(names)
             }
             ExprKind::Error => Err(Reported),
-            _ => Err(self.internal(expr.span, "no marker's name")),
+            _ => self.checked(None, expr.span, "no marker's name"),
         }
     }
 

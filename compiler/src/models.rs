@@ -1,0 +1,73 @@
+//! Models of a checked program, elaborated and compiled once for all analyses that share their constants.
+//!
+//! May contain: what follows from the text and constants. Must not contain: parameters, reduced bodies, states.
+
+use crate::elaborate::{Elaborated, Structural, elaborate};
+use crate::generate::{CodegenError, compile_class};
+use crate::program::DefinitionId;
+use crate::typed::TypedProgram;
+use eng_grammar::{Diagnostics, SourceMap};
+use eng_system::code::ElementCode;
+use eng_system::host::Host;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// A model with its constants.
+#[derive(Debug)]
+pub struct SharedModel {
+    definition: DefinitionId,
+    constants: Vec<(String, Structural)>,
+    /// The flat system with its graphs.
+    pub elaborated: Elaborated,
+    code: OnceLock<Vec<Arc<dyn ElementCode>>>,
+}
+
+impl SharedModel {
+    /// The code of each class, compiled when it is first asked for.
+    pub fn code(&self) -> Result<&[Arc<dyn ElementCode>], CodegenError> {
+        if let Some(code) = self.code.get() {
+            return Ok(code);
+        }
+        let classes = self.elaborated.classes.iter();
+        let made: Result<Vec<_>, _> = classes.map(|class| compile_class(class, true)).collect();
+        let made = made?;
+        // another thread may have been faster; its code is the same
+        Ok(self.code.get_or_init(|| made))
+    }
+}
+
+/// The models of a program that were elaborated without an error.
+#[derive(Debug, Default)]
+pub struct SharedModels {
+    known: Mutex<Vec<Arc<SharedModel>>>,
+}
+
+impl SharedModels {
+    /// A model with its constants, elaborated when it is first asked for. `None` where an error was reported; messages
+    /// are given by the first elaboration alone.
+    pub fn model(
+        &self,
+        typed: &TypedProgram,
+        sources: &mut SourceMap,
+        host: &dyn Host,
+        definition: DefinitionId,
+        constants: &[(String, Structural)],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Arc<SharedModel>> {
+        let same = |model: &&Arc<SharedModel>| {
+            model.definition == definition && model.constants == constants
+        };
+        let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(model) = known().iter().find(same) {
+            return Some(Arc::clone(model));
+        }
+        let elaborated = elaborate(typed, sources, host, definition, constants, diagnostics)?;
+        let made = Arc::new(SharedModel {
+            definition,
+            constants: constants.to_vec(),
+            elaborated,
+            code: OnceLock::new(),
+        });
+        known().push(Arc::clone(&made));
+        Some(made)
+    }
+}
