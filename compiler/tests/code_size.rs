@@ -72,7 +72,7 @@ fn every_class_of_the_library_takes_less_than_16_kilobytes() {
     let mut large = Vec::new();
     println!("{:22} bytes: sum, {:?}", "class", Function::ALL);
     for (class, functions) in made.system.classes.iter().zip(&made.classes) {
-        let code = compile_class(&functions, true).expect("machine code");
+        let code = compile_class(functions, true).expect("machine code");
         if !missing.remove(&class.name) {
             continue;
         }
@@ -115,8 +115,8 @@ fn machine_code_of_the_library_has_the_interpreters_bits() {
     let tables = support::tables();
     let mut random = Random(29);
     for functions in &made.classes {
-        let machine = compile_class(&functions, true).expect("machine code");
-        let oracle = compile_class(&functions, false).expect("an interpreter");
+        let machine = compile_class(functions, true).expect("machine code");
+        let oracle = compile_class(functions, false).expect("an interpreter");
         for round in 0..60 {
             for which in Function::ALL {
                 let (takes, gives) = oracle.shape(which);
