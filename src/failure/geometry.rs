@@ -225,15 +225,18 @@ fn with_guesses(message: Diagnostic, chain: Option<&Chain>, system: &System) -> 
         BodyRef::Body(body) => Some(body),
         BodyRef::Ground => None,
     };
-    let stated: Vec<(Option<&Origin>, Location)> = guesses
-        .filter_map(|guess| {
-            let bodies = guess.markers.iter();
-            let body = bodies
-                .filter_map(|m| body_of(*m))
-                .find_map(|body| system.bodies.get(body as usize));
-            Some((body.map(|body| &body.origin), guess.origin.used_at?))
-        })
-        .collect();
+    let of_elements = guesses.filter_map(|guess| {
+        let bodies = guess.markers.iter();
+        let body = bodies
+            .filter_map(|m| body_of(*m))
+            .find_map(|body| system.bodies.get(body as usize));
+        Some((body.map(|body| &body.origin), guess.origin.used_at?))
+    });
+    let of_bodies = system.bodies.iter().flat_map(|body| {
+        let places = body.guessed_at.iter();
+        places.map(move |at| (Some(&body.origin), *at))
+    });
+    let stated: Vec<(Option<&Origin>, Location)> = of_bodies.chain(of_elements).collect();
     let in_loop = |body: &Option<&Origin>| {
         body.is_some_and(|body| chain.is_some_and(|c| c.bodies.iter().any(|b| b.origin == *body)))
     };

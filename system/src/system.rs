@@ -52,6 +52,8 @@ pub struct Body {
     pub position: Option<[Slot; 3]>,
     /// Stated or guessed orientation at the start: rotation matrix body → inertial, row-major.
     pub orientation: Option<[Slot; 9]>,
+    /// Where the text guesses one of the two.
+    pub guessed_at: Vec<Location>,
 }
 
 /// A marker: an oriented point of a body.

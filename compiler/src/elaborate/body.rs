@@ -406,6 +406,7 @@ impl<'a> Elaborator<'a, '_> {
             },
             position: None,
             orientation: None,
+            guessed_at: Vec::new(),
         });
         self.body_scopes.push(own);
         let reference = BodyRef::Body(index);
@@ -504,6 +505,10 @@ impl<'a> Elaborator<'a, '_> {
         };
         let position_role = Role::StartPosition { exact };
         let velocity_role = Role::StartVelocity { exact };
+        if !exact && matches!(name, "position" | "rotation") {
+            let guessed_at = &mut self.bodies[body as usize].guessed_at;
+            guessed_at.push(super::location(target.span));
+        }
         match name {
             "position" => {
                 let nodes = self.bind_vector(value, scope)?;

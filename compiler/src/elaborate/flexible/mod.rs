@@ -108,6 +108,7 @@ impl<'a> Elaborator<'a, '_> {
             inertia: BodyInertia::Flexible(index),
             position: None,
             orientation: None,
+            guessed_at: Vec::new(),
         });
         self.body_scopes.push(own);
         let reference = BodyRef::Body(body);

@@ -406,6 +406,7 @@ impl Builder {
             inertia: BodyInertia::Flexible(self.reduced.len() as u32 - 1),
             position: Some(position),
             orientation: Some(orientation),
+            guessed_at: Vec::new(),
         });
         let body = self.system.bodies.len() as u32 - 1;
         let mut markers = Vec::new();
