@@ -388,6 +388,7 @@ impl Builder {
             },
             position,
             orientation,
+            guessed_at: Vec::new(),
         });
         self.system.bodies.len() as u32 - 1
     }
