@@ -6,7 +6,7 @@
 //!
 //! The place of an expression is its identity: no two expressions of a text have the same place, and a declared type
 //! has a place of its own. A generic function is checked once; the types in its body keep its dimension variables, and
-//! each use of it has a [`types::Solution`] that says what they stand for there.
+//! each use of it has a `types::Solution` that says what they stand for there.
 
 pub(crate) mod types;
 

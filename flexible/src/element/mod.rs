@@ -1,8 +1,8 @@
 //! The table of finite elements: what each of them is, wherever one is met.
 //!
-//! A row is a [`Description`]: nodes, edges, faces, shape functions, integration rules, and the element's
+//! A row is a `Description`: nodes, edges, faces, shape functions, integration rules, and the element's
 //! name and order of nodes in each code. It stands beside the shape functions in the file of its family;
-//! [`ElementKind::description`] finds it. Readers ask the table for names, the kernel for points, recovery
+//! `ElementKind::description` finds it. Readers ask the table for names, the kernel for points, recovery
 //! and pictures for faces, so that a new element is a file with its row, a variant of [`ElementKind`] and an
 //! arm here. Which of its rules a code's name stands for is the business of [`crate::fe::form`].
 //!

@@ -1,6 +1,6 @@
 //! The form of each solid: the table of rules by which a code's name stands for a stiffness.
 //!
-//! [`RULES`] is read from above; the first line that fits an element says how it is made, or why it is
+//! `RULES` is read from above; the first line that fits an element says how it is made, or why it is
 //! refused. A new form is a variant of [`Form`], its mechanics in a file of its own, and a line.
 //!
 //! CalculiX' C3D8R has one point, also for its mass, which then lacks the element's own inertia, and
