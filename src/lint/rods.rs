@@ -3,7 +3,7 @@
 use super::{Finding, short};
 use crate::codes;
 use crate::machine::at;
-use eng_system::Dimension;
+use eng_runtime::joint;
 use eng_system::code::Bound;
 use eng_system::lint;
 use eng_system::system::{BodyInertia, BodyRef, Marker, Origin, Role, System};
@@ -126,14 +126,8 @@ fn slides(system: &System, body: BodyRef) -> bool {
                 .get(*marker as usize)
                 .is_some_and(|m| m.body == body)
         };
-        let rows = system
-            .classes
-            .get(element.class as usize)
-            .map(|class| &class.rows);
-        let guides = rows.is_some_and(|rows| {
-            let lengths = rows.iter().filter(|row| row.dimension == Dimension::LENGTH);
-            rows.len() == 5 && lengths.count() == 2
-        });
+        let class = system.classes.get(element.class as usize);
+        let guides = class.is_some_and(|class| joint::Joint::of(class) == joint::Joint::Guide);
         element.role == Role::Dynamic
             && guides
             // the first marker moves along the second's axis
