@@ -5,7 +5,7 @@ use super::{Finding, short};
 use crate::codes;
 use eng_runtime::chain::MarkerKinematics;
 use eng_system::lint;
-use eng_system::system::{AnalysisKind, Extent, Origin, StepControl};
+use eng_system::system::{AnalysisKind, Extent, Origin};
 
 /// Most a step may turn the cycle (rad).
 const LONG_STEP: f64 = 10.0 * std::f64::consts::PI / 180.0;
@@ -16,9 +16,7 @@ const SHORT: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
 /// A fixed step that turns the cycle too far.
 pub(super) fn step(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) -> Option<Finding> {
-    let Some(StepControl::Fixed(step)) = kind.step() else {
-        return None;
-    };
+    let step = kind.step()?.fixed()?;
     let speed = start.cycle_speed()?;
     let angle = step * speed;
     (angle > LONG_STEP).then(|| Finding {
