@@ -7,7 +7,7 @@ use crate::Sources;
 use eng_flexible::Files;
 use eng_flexible::store::{Key, StoredBody, content_hash, hexadecimal};
 use std::cell::RefCell;
-use std::io::Read;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Files, with a list of those that were opened.
@@ -85,13 +85,7 @@ pub(super) fn save(sources: &Sources, stored: &StoredBody) -> Result<(), std::io
     let Some(folder) = sources.cache() else {
         return Ok(());
     };
-    std::fs::create_dir_all(folder)?;
-    let target = place(folder, &stored.key);
-    let partial = target.with_extension(format!("{}.tmp", std::process::id()));
     let bytes = stored.to_bytes().map_err(std::io::Error::other)?;
-    let written = std::fs::write(&partial, bytes).and_then(|()| std::fs::rename(&partial, &target));
-    if written.is_err() {
-        let _ = std::fs::remove_file(&partial);
-    }
-    written
+    // threads that reduce the same body at once write to files of their own
+    crate::results::replace_file(&place(folder, &stored.key), |file| file.write_all(&bytes))
 }
