@@ -1,7 +1,7 @@
 //! Eng: engines as text.
 //!
-//! A model is a text; [`check`] reads it, [`Program::model`] compiles it, [`Model::simulation`] steps it, and
-//! [`Program::analysis`] runs what the text asks for.
+//! A model is a text. [`check`] reads it, [`Program::model`] compiles it, and [`Model::simulation`] steps it.
+//! [`Program::analysis`] runs an analysis of the text.
 //!
 //! ```
 //! let text = "
@@ -26,7 +26,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]
-// tests compare with the standard library's functions
+// Tests may call the standard library's functions, to compare with them.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod cli;

@@ -1,8 +1,9 @@
-//! Eng's compiler: from syntax trees to a flat system and machine code.
+//! Eng's compiler turns syntax trees into a flat system and machine code.
 //!
-//! It does no I/O (files come through [`eng_system`]'s host trait) and knows no terminal; it never sees the runtime.
+//! It opens no files: the host trait of [`eng_system`] reads them. It prints nothing and does not use the
+//! runtime.
 
-// tests compare with the standard library's functions
+// Tests may call the standard library's functions, to compare with them.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod check;

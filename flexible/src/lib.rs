@@ -1,19 +1,19 @@
-//! Flexible bodies: finite-element files become a mesh, a mesh becomes matrices, matrices become a few modes
-//! and the constant invariants with which a time step computes a flexible body without ever seeing a node.
+//! Flexible bodies: finite-element files become a mesh, a mesh becomes matrices, and matrices become a few
+//! modes with constant invariants. A time step needs only these invariants; it never uses a node.
 //!
 //! ```text
 //! files ──read──▶ Mesh ──fe──▶ stiffness, mass ──solve──▶ static and normal modes ──modes──▶ invariants
 //! ```
 //!
 //! Invariants of this crate:
-//! - Nothing here knows syntax trees, elements of a multibody model or the terminal; files come through
+//! - The crate uses no syntax trees, no elements of a multibody model and no terminal. It reads files through
 //!   [`Files`].
 //! - A [`Mesh`] is in the units of its file until [`Mesh::convert`]; everything after `read` is SI.
-//! - Nothing that carries mass, stiffness or a constraint is dropped silently: it is read, refused, or listed
-//!   in [`Mesh::unread`].
+//! - No part of a file with mass, stiffness or a constraint is dropped silently. It is read, refused, or
+//!   listed in [`Mesh::unread`].
 //! - The same input gives the same bits, whatever the number of threads.
 #![forbid(unsafe_code)]
-// tests compare with the standard library's functions
+// Tests may call the standard library's functions, to compare with them.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod element;

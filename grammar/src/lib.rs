@@ -1,9 +1,9 @@
-//! Eng's grammar: from text to syntax tree.
+//! Eng's grammar turns a text into a syntax tree.
 //!
-//! This crate knows texts, places and messages. It looks up no name, knows no unit and reads no file.
+//! The crate handles texts, places and messages. It looks up no names, knows no units and reads no files.
 
 #![forbid(unsafe_code)]
-// tests compare with the standard library's functions
+// Tests may call the standard library's functions, to compare with them.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod ast;

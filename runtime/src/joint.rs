@@ -1,23 +1,24 @@
-//! The joint that the equations of a class make: a weld, a hinge, a guide, or another one.
+//! The kind of joint that the equations of a class make: a weld, a hinge, a guide, or another one.
 
 use eng_system::dimension::Dimension;
 use eng_system::system::ElementClass;
 
-/// How a class of elements lets its two bodies move against each other.
+/// The relative motion that a class of elements allows its two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Joint {
-    /// Not at all: six equations.
+    /// None: six equations.
     Weld,
-    /// About one axis: three equations are lengths, two are angles.
+    /// A turn about one axis: three equations are lengths, two are angles.
     Hinge,
-    /// Along one axis: two equations are lengths, three are angles.
+    /// A slide along one axis: two equations are lengths, three are angles.
     Guide,
-    /// In another way: more freedoms, or none of a joint.
+    /// Another motion with more freedoms, or no joint.
     Other,
 }
 
 impl Joint {
-    /// By the number of equations and how many of them are lengths, whatever the class is called.
+    /// Finds the kind from the number of equations and the number of lengths among them. The name of the
+    /// class does not matter, so classes of a user count too.
     pub fn of(class: &ElementClass) -> Joint {
         let lengths = class
             .rows

@@ -1,28 +1,28 @@
 //! Eng's runtime: state on the manifold, kinematic chain, assembly, integration, outputs.
 //!
-//! It works on a [`eng_system::code::Compiled`] model and knows no syntax, no names to be looked up, no files, no terminal: it
-//! returns numbers and errors that carry the path and the place of what they concern. It holds no global state, and the same
-//! input gives the same bits whatever the number of threads.
+//! It works on a [`eng_system::code::Compiled`] model. It has no syntax, looks up no names, opens no files
+//! and prints nothing. It returns numbers, and errors with the path and the place of their subject. It holds
+//! no global state, and the same input gives the same bits for any number of threads.
 //!
 //! | module | subject |
 //! | --- | --- |
 //! | [`model`], [`state`] | numbers of one parameter set; the state on R³ × SO(3) × Rⁿ |
-//! | [`body`], [`chain`], [`shape`] | what depends on the kind of a body: inertia; markers and generalised forces |
-//! | [`joint`] | what a class of elements holds |
+//! | [`body`], [`chain`], [`shape`] | properties of the kinds of bodies: inertia, markers, generalised forces |
+//! | [`joint`] | the kind of joint that a class of elements makes |
 //! | [`elements`], [`dynamics`] | calls of element code; residual and exact matrix |
 //! | [`linear`] | sparse factorisation behind a trait |
 //! | [`singular`] | singular values of dense matrices |
-//! | [`assembly`], [`mod@topology`], [`mod@loose`] | start positions and velocities; freedom and redundancy; what nothing holds |
+//! | [`assembly`], [`mod@topology`], [`mod@loose`] | start; freedom and redundancy; unheld bodies |
 //! | [`mod@start`] | the quasi-static start of a turning engine |
 //! | [`acceleration`] | projection of outputs, accelerations and reactions |
 //! | [`integrator`], [`control`] | generalised-α on the Lie group; step sizes |
 //! | [`linearised`] | eigenvalues and modes about a state |
-//! | [`simulation`], [`transient`], [`periodic`], [`checkpoint`] | what a user holds |
+//! | [`simulation`], [`transient`], [`periodic`], [`checkpoint`] | the types that a user works with |
 
 #![forbid(unsafe_code)]
-// tests compare with the standard library's functions
+// Tests may call the standard library's functions, to compare with them.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
-// Loops over the same index of several arrays read like the formulas they stand for.
+// A loop over one index of several arrays reads like its formula.
 #![allow(clippy::needless_range_loop)]
 
 pub mod acceleration;

@@ -1,9 +1,9 @@
 //! The contract between Eng's compiler and its runtime.
 //!
-//! This crate knows no syntax, no file and no solver: only what is handed from one to the other.
+//! The crate holds the types that pass from one to the other. It has no syntax, no files and no solver.
 
 #![forbid(unsafe_code)]
-// tests compare with the standard library's functions
+// Tests may call the standard library's functions, to compare with them.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod analysis;

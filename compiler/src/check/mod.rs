@@ -1,9 +1,10 @@
-//! Checks names, dimensions and uses. Each definition is checked once, where it stands, for all its uses; then the
-//! arguments of each use against the parameters.
+//! Checks names, dimensions and uses. Each definition is checked once, at its own place, for all its uses.
+//! Then the arguments of each use are checked against the parameters.
 //!
-//! May contain: types. Must not contain: values, lengths of arrays that parameters decide, instances.
+//! The checker works with types. It must not use values, lengths of arrays that depend on parameters, or
+//! instances.
 //!
-//! A thing in error has `types::Type::Error` and raises no further message.
+//! An expression in error has `types::Type::Error` and causes no further message.
 
 mod analysis;
 mod body;
@@ -43,10 +44,10 @@ use std::rc::Rc;
 use std::sync::Arc;
 use types::{Signature, Type};
 
-/// Most values and functions that build on each other: what elaboration and the stack can bear.
+/// Most values and functions that build on each other. Elaboration and the stack have room for this depth.
 const DEEPEST: u32 = 100;
 
-/// Where the inference of a named value stands.
+/// The progress of the inference of a named value.
 #[derive(Clone)]
 enum Progress<T> {
     Open,
@@ -64,13 +65,13 @@ struct Checker<'p> {
     signatures: BTreeMap<Span, Progress<Arc<Signature>>>,
     /// Names of dimension variables, by number.
     variables: Vec<String>,
-    /// Members that are read, by definition and name.
+    /// Members that an expression reads, by definition and name.
     used: BTreeSet<(DefinitionId, String)>,
-    /// Names of parameters and indices that the definition at hand reads.
+    /// Names of parameters and indices that the current definition reads.
     read_locals: BTreeSet<String>,
     /// Top-level names that each module reads.
     used_top: BTreeSet<(u32, DefinitionId)>,
-    /// The dimension that is due where a literal stands.
+    /// The dimension that the context of a literal needs.
     wanted: Option<Dimension>,
     /// Values and functions being inferred.
     depth: u32,
@@ -78,9 +79,9 @@ struct Checker<'p> {
     used_units: BTreeSet<(u32, String)>,
     /// Names of lints that a text may accept.
     lints: BTreeSet<&'p str>,
-    /// Places of angles that were looked at.
+    /// Places of angles with a finished check for turns, so that each gets one message.
     turns_told: BTreeSet<Span>,
-    /// What is handed on.
+    /// The findings for later stages.
     findings: Findings,
 }
 
@@ -114,7 +115,7 @@ fn found(program: &Program, sources: &SourceMap, diagnostics: &mut Diagnostics) 
     checker.findings
 }
 
-/// Messages as a reader of the texts meets them.
+/// Messages in the order of their places in the texts.
 fn in_order_of_place(diagnostics: &Diagnostics) -> Diagnostics {
     let mut all: Vec<&Diagnostic> = diagnostics.iter().collect();
     all.sort_by_key(|diagnostic| {
@@ -157,7 +158,8 @@ impl<'p> Checker<'p> {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Whether there is room for one more value inside those being inferred; says where there is not.
+    /// Whether the depth limit allows one more value inside those being inferred. If not, it gives an error
+    /// at `span`.
     fn deeper(&mut self, span: Span) -> bool {
         if self.depth < DEEPEST {
             return true;
@@ -211,7 +213,8 @@ impl<'p> Checker<'p> {
                 "at the top of a file",
                 "a value that all may use is a `const`",
             ),
-            // checked against the channels of its analyses: see `report`
+            // its expressions are checked against the channels of its analyses, after elaboration: see
+            // `report`
             ItemKind::Report(report) => self.names_of_report(id.module, report),
             ItemKind::Entry(entry) => self.misplaced(
                 entry.word.to(entry.name.span),
@@ -239,7 +242,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// Hands on the types of the named values of all definitions.
+    /// Writes the types of the named values of all definitions into the findings.
     fn name_types(&mut self) {
         let named = &mut self.findings.named;
         for (id, table) in &self.tables {

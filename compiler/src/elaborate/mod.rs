@@ -1,7 +1,7 @@
 //! From checked definitions to a flat system: instances, paths, numbers, and a graph for every element.
 //!
-//! Evaluates the text once for one model with its structural arguments. It relies on the checker for types: where
-//! something still does not fit, it gives an internal error and never a default.
+//! Elaboration evaluates the text once for one model with its structural arguments. It relies on the checker
+//! for types. If a type is still wrong, it gives an internal error and never a default.
 
 mod analysis;
 mod axes;
@@ -43,40 +43,40 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use value::{ScopeId, Value};
 
-/// A message was given; the value does not exist.
+/// An error has been reported, and the value does not exist.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reported;
 
 pub(crate) type Eval<T> = Result<T, Reported>;
 
-/// Most instances of one model: a text that asks for more is refused.
+/// Most instances of one model. A text with more is refused.
 const MOST_INSTANCES: usize = 20_000;
 /// Deepest nesting of calls, lets and parts.
 const DEEPEST: u32 = 100;
-/// Most calls and named values that are evaluated for one model: functions are put in where they are called, so that thirty that call
-/// each other twice would be put in a billion times.
+/// Most calls and named values that are evaluated for one model. Elaboration inserts a function at each call,
+/// so thirty functions that each call the next one twice would be inserted a billion times.
 const MOST_USES: usize = 1_000_000;
 
-/// What a name in a scope means.
+/// The meaning of a name in a scope.
 #[derive(Clone, Debug)]
 pub(crate) enum Entry<'a> {
     Value(Value<'a>),
-    /// Evaluated when first asked for.
+    /// Evaluated at its first use.
     Lazy(Lazy<'a>),
     /// The entry of the same name in another scope.
     In(ScopeId),
-    /// Being evaluated: asking again is a circle.
+    /// Its evaluation is in progress, so another use is a circle.
     Busy,
-    /// A message was given.
+    /// An error has been reported.
     Failed,
 }
 
-/// Something that is evaluated when first asked for.
+/// An item that is evaluated at its first use.
 #[derive(Clone, Debug)]
 pub(crate) enum Lazy<'a> {
     /// A `let`, `const`, or the value of an output.
     Binding(&'a ast::Binding),
-    /// A `param` of a model or component; becomes a parameter.
+    /// A `param` of a model or component. It becomes a parameter.
     Parameter(&'a ast::Binding),
     /// A default of a class parameter.
     Default(&'a ast::Parameter),
@@ -98,14 +98,14 @@ pub(crate) struct Scope<'a> {
     pub parent: Option<ScopeId>,
     pub module: u32,
     pub path: String,
-    /// Outlives the element being lowered: values of the motion are not kept in it.
+    /// The scope outlives the current element, so it keeps no values of the motion.
     pub lasting: bool,
-    /// In the body of a generic function: what its dimension variables stand for.
+    /// In the body of a generic function: the dimensions of its variables.
     pub solution: Option<Rc<Solution>>,
     pub entries: HashMap<String, Entry<'a>>,
 }
 
-/// An element that is done, before classes are shared.
+/// A finished element, before elements share classes.
 #[derive(Debug)]
 pub(crate) struct ElementDraft<'a> {
     pub origin: Origin,
@@ -127,11 +127,11 @@ pub(crate) struct ElementDraft<'a> {
     pub signals: Vec<u32>,
     /// Pairs of local markers, and the bind node of a stated angle.
     pub rotations: Vec<(u32, u32, Option<crate::ir::Node>)>,
-    /// Of each `apply` the local markers: on, against.
+    /// The local markers of each `apply`: on, against.
     pub applied: Vec<(u32, Option<u32>)>,
 }
 
-/// What a class tells besides its graph.
+/// The facts of a class besides its graph.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ClassMeta {
     pub rows: Vec<eng_system::system::Row>,
@@ -140,7 +140,7 @@ pub(crate) struct ClassMeta {
     pub conditions: Vec<eng_system::system::Condition>,
 }
 
-/// How to evaluate an element's names once more.
+/// The data to evaluate an element's names once more.
 #[derive(Clone, Debug)]
 pub(crate) struct ElementSource<'a> {
     pub definition: DefinitionId,
@@ -162,7 +162,7 @@ pub(crate) struct OutputShape {
     pub first: u32,
     /// 1 for a scalar, else the number of components.
     pub count: u32,
-    /// Along which axes the components are, if the text says so.
+    /// The axes of the components, if the text states them.
     pub axes: Option<value::Axes>,
     /// A vector in space rather than components.
     pub vector: bool,
@@ -172,7 +172,7 @@ pub(crate) struct OutputShape {
 pub(crate) struct Elaborator<'a, 'd> {
     pub program: &'a Program,
     pub typed: &'a TypedProgram,
-    /// What was found of expressions that were checked after the program: of reports.
+    /// Findings on expressions that were checked after the program, which are those of reports.
     pub later: Findings,
     pub sources: &'a mut SourceMap,
     pub host: &'a dyn Host,
@@ -182,10 +182,11 @@ pub(crate) struct Elaborator<'a, 'd> {
     pub module_scopes: Vec<ScopeId>,
     pub depth: u32,
     pub instances: usize,
-    /// Calls and named values that were evaluated.
+    /// Number of calls and named values evaluated so far.
     pub uses: usize,
-    /// What must be true where the text that is evaluated counts: conditions of the `if`s around, as far as they are not known,
-    /// with the number of scopes at that moment: what an older scope names counts elsewhere, too.
+    /// Conditions under which the current expression counts: those of the surrounding `if`s whose value is
+    /// not known yet. Each comes with the number of scopes at that moment, because a name of an older scope
+    /// also counts elsewhere.
     pub guards: Vec<(scalar::Flag, usize)>,
 
     pub bodies: Vec<eng_system::system::Body>,
@@ -202,24 +203,25 @@ pub(crate) struct Elaborator<'a, 'd> {
     pub journals: Vec<eng_system::system::JournalInfo>,
     pub firings: Vec<eng_system::system::FiringInfo>,
     pub accepted: Vec<eng_system::lint::Accepted>,
-    /// `advise`s on what is known while compiling that do not hold, with the paths they are said of.
+    /// Failed `advise`s on values known while compiling, with the paths of their subjects.
     pub advised: Vec<(Diagnostic, Vec<String>)>,
     /// Names of all lints.
     pub lints: std::collections::BTreeSet<&'a str>,
-    /// Where attributes are stated, by path; of a number that is given to a class by the name of a constant, where that stands.
+    /// Places of stated attributes, by path. If an argument of a class is the name of a constant, it is the
+    /// place of this constant.
     pub stated: std::collections::BTreeMap<String, Location>,
-    /// Calls of `sin` and its like that were told to have no angle.
+    /// Calls of `sin` and similar functions that already have a message about a missing angle.
     pub turns_told: std::collections::HashSet<Span>,
-    /// Where the `let`s and `const`s of models and components stand, by scope and name.
+    /// Places of the `let`s and `const`s of models and components, by scope and name.
     pub named: HashMap<(usize, String), Location>,
     pub gravity: Option<[crate::ir::Node; 3]>,
     pub cycle: Option<CycleDraft<'a>>,
     pub pending: Vec<model::Pending<'a>>,
-    /// Whether outputs may use accelerations, and element outputs stand for their channels.
+    /// Inside an output: accelerations are allowed, and an element's output means its channel.
     pub in_output: bool,
     /// Inside `der(…)`: element outputs are evaluated, not read.
     pub in_rate: bool,
-    /// Inside the block of a component: its markers are its author's choice.
+    /// Inside the block of a component, whose markers are the choice of its author.
     pub in_part: bool,
     /// Rates of the states of the element being lowered, when known.
     pub rates: Option<Vec<crate::ir::Node>>,
@@ -238,7 +240,7 @@ impl<'a> Elaborator<'a, '_> {
         Reported
     }
 
-    /// Takes in what a block accepts of lints about the thing of a path.
+    /// Notes the lints that a block accepts for the object of a path.
     pub fn accepted_in(&mut self, items: &'a [ast::Item], path: &str) {
         for item in items {
             let ast::ItemKind::Statement(ast::Statement::Accept(names)) = &item.kind else {
@@ -249,14 +251,14 @@ impl<'a> Elaborator<'a, '_> {
                     name: name.text.clone(),
                     path: path.to_owned(),
                     at: location(name.span),
-                    // one that is no lint's is told by the checker
+                    // the checker reports a name that is not a lint's
                     used: !self.lints.contains(name.text.as_str()),
                 });
             }
         }
     }
 
-    /// Whether a lint about the thing of a path is accepted: those that accept it are used.
+    /// Whether the text accepts a lint about the object of a path. Marks the accepting items as used.
     pub fn accepts(&mut self, name: &str, path: &str) -> bool {
         let mut found = false;
         for accepted in &mut self.accepted {
@@ -330,7 +332,7 @@ impl<'a> Elaborator<'a, '_> {
             ));
         }
         self.uses += 1;
-        // what is above has told
+        // the branch below reported it when the limit was passed
         if self.uses > MOST_USES + 1 {
             return Err(Reported);
         }

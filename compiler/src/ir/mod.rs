@@ -1,7 +1,8 @@
 //! The intermediate form: a typed SSA graph of scalar operations.
 //!
-//! May contain: inputs by index, constants, scalar operations, table look-ups. Must not contain: vectors, names to be
-//! looked up, units, instances. Nodes are created in topological order, each once (hash-consed).
+//! A graph contains inputs by index, constants, scalar operations and table look-ups. It must not contain
+//! vectors, names, units or instances. Nodes are created in topological order, and each exists once
+//! (hash-consed).
 
 pub mod class;
 pub mod differentiate;

@@ -1,12 +1,13 @@
-//! The typed tree: the syntax trees of a program with the findings of the checker beside them. The checker writes
-//! it, elaboration reads it.
+//! The typed tree: the syntax trees of a program with the findings of the checker beside them. The checker
+//! writes it, and elaboration reads it.
 //!
-//! May contain: types, dimensions, instantiations and messages, by the place of what they belong to. Must not
-//! contain: values of expressions, instances of classes.
+//! It contains types, dimensions, instantiations and messages, each under the place of its expression. It
+//! must not contain values of expressions or instances of classes.
 //!
-//! The place of an expression is its identity: no two expressions of a text have the same place, and a declared type
-//! has a place of its own. A generic function is checked once; the types in its body keep its dimension variables, and
-//! each use of it has a `types::Solution` that says what they stand for there.
+//! The place of an expression is its identity. No two expressions of a text have the same place, and a
+//! declared type has a place of its own. A generic function is checked once, and the types in its body keep
+//! its dimension variables. Each use of the function has a `types::Solution` with the dimensions of these
+//! variables.
 
 pub(crate) mod types;
 
@@ -19,18 +20,19 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use types::{Solution, Type};
 
-/// What the checker found, by place.
+/// The findings of the checker, by place.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Findings {
-    /// Types of expressions, and types as they are declared.
+    /// Types of expressions, and declared types.
     pub types: BTreeMap<Span, Type>,
-    /// What the dimension variables of a generic function stand for: by the call, or by the expression that hands
-    /// the function on as a value.
+    /// Dimensions of the variables of a generic function, by the place of its call, or of the expression that
+    /// passes the function as a value.
     pub solutions: BTreeMap<Span, Solution>,
-    /// Calls of what the language itself has, by the place of the call: a name of the text does not hide them.
+    /// Calls of names of the language itself, by the place of the call. A name of the text cannot hide such a
+    /// call: the checker decides once, and elaboration does not look the name up again.
     pub callees: BTreeMap<Span, Callee>,
-    /// The parameter of each argument, by the place of the call: its index in the signature of a function, the list of a
-    /// class, or the [`settable`] values of a record or model.
+    /// The parameter of each argument, by the place of the call: its index in the signature of a function,
+    /// the list of a class, or the [`settable`] values of a record or model.
     pub calls: BTreeMap<Span, Arc<[u32]>>,
     /// Messages of `require` and `advise` and texts with values in them, by the place inside their quotes.
     pub messages: BTreeMap<Span, Vec<MessagePart>>,
@@ -38,7 +40,7 @@ pub(crate) struct Findings {
     pub named: BTreeMap<(DefinitionId, String), ValueType>,
 }
 
-/// What the language itself has and a text can call.
+/// A name of the language itself that a text can call.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Callee {
     /// A function.
@@ -48,7 +50,7 @@ pub(crate) enum Callee {
 }
 
 impl Findings {
-    /// Takes in what was found elsewhere; it holds before what is known of the same place.
+    /// Adds the findings of another check. For an equal place the added finding replaces the present one.
     pub fn extend(&mut self, other: Findings) {
         self.types.extend(other.types);
         self.solutions.extend(other.solutions);
@@ -59,8 +61,8 @@ impl Findings {
     }
 }
 
-/// The values in the block of a model, a component without parameters or a record that its use can set, in their order.
-/// The block of a class with parameters holds none.
+/// The values that a use can set, in their order: those in the block of a model, of a component without
+/// parameters, or of a record. The block of a class with parameters has none.
 pub(crate) fn settable(declaration: &Declaration) -> impl Iterator<Item = &Binding> {
     let items = match &declaration.form {
         Form::Plain { block } => block.items.as_slice(),
@@ -77,7 +79,7 @@ pub(crate) fn settable(declaration: &Declaration) -> impl Iterator<Item = &Bindi
     })
 }
 
-/// A checked program. Complete where the checker reported no error.
+/// A checked program. Its findings are complete if the checker reported no error.
 #[derive(Clone, Debug)]
 pub struct TypedProgram {
     /// The syntax trees, names and units.
@@ -86,8 +88,8 @@ pub struct TypedProgram {
 }
 
 impl TypedProgram {
-    /// The type of a named value of a definition: of a class or model, by the name of its parameter, `param`, `const`,
-    /// `let`, `state` or `output`; of a top-level `const` or `let`, by the empty name.
+    /// The type of a named value of a definition: of a class or model, by the name of its parameter, `param`,
+    /// `const`, `let`, `state` or `output`; of a top-level `const` or `let`, by the empty name.
     pub fn of(&self, definition: DefinitionId, name: &str) -> Option<&ValueType> {
         self.findings.named.get(&(definition, name.to_owned()))
     }

@@ -1,10 +1,10 @@
-//! The table of finite elements: what each of them is, wherever one is met.
+//! The table of finite elements. All rooms of the crate take the properties of an element from it.
 //!
 //! A row is a `Description`: nodes, edges, faces, shape functions, integration rules, and the element's
-//! name and order of nodes in each code. It stands beside the shape functions in the file of its family;
-//! `ElementKind::description` finds it. Readers ask the table for names, the kernel for points, recovery
-//! and pictures for faces, so that a new element is a file with its row, a variant of [`ElementKind`] and an
-//! arm here. Which of its rules a code's name stands for is the business of [`crate::fe::form`].
+//! name and order of nodes in each code. The row is beside the shape functions in the file of its family, and
+//! `ElementKind::description` finds it. Readers use its names, the kernel its points, recovery and pictures
+//! its faces. So a new element is a file with its row, a variant of [`ElementKind`] and an arm here.
+//! [`crate::fe::form`] decides which rules belong to an element of a certain code.
 //!
 //! Nodes are in the order of VTK and Abaqus: corners, then mid-side nodes in the order of the edges.
 
@@ -68,21 +68,22 @@ pub(crate) struct Description {
     linear: ElementKind,
     /// The corners of each edge, in the order of the mid-side nodes.
     pub(crate) edges: &'static [[usize; 2]],
-    /// The corners of each face, in the order S1, S2, … of Abaqus. Those of a solid run as seen from inside;
-    /// a shell is one face.
+    /// The corners of each face, in the order S1, S2, … of Abaqus. The corners of a solid's face are in
+    /// the order that an observer inside sees. A shell is one face.
     pub(crate) faces: &'static [&'static [usize]],
     /// Tetrahedra, triangles or a line that fill the element between its corners.
     pub(crate) simplices: &'static [&'static [usize]],
     /// The middle of the reference domain.
     pub(crate) centre: [f64; 3],
-    /// Puts its functions at a point of the reference domain into zeroed ones.
+    /// Writes its functions at a point of the reference domain into a zeroed shape.
     shape: fn(&mut Shape, [f64; 3]),
-    /// Points enough for the full rank of a solid's stiffness; none for other elements.
+    /// Points that give a solid's stiffness its full rank; none for other elements.
     pub(crate) stiffness: fn() -> Vec<Point>,
-    /// The fewer points of its reduced variant; those of the full one where it has none.
+    /// The points of its reduced variant; without such a variant, those of the full one.
     pub(crate) reduced: fn() -> Vec<Point>,
-    /// Points that integrate N_a N_b det J exactly for any place of the nodes; for surfaces, whose area
-    /// element is a root, exact when flat, straight and (quadrilaterals) with any corners.
+    /// Points that integrate N_a N_b det J exactly for any positions of the nodes. The area element of a
+    /// surface is a root, so these points are exact for flat surfaces with straight edges; a quadrilateral
+    /// may have any corners.
     pub(crate) mass: fn() -> Vec<Point>,
     /// Points at which Abaqus integrates its mass.
     pub(crate) mass_of_abaqus: fn() -> Vec<Point>,
@@ -90,21 +91,21 @@ pub(crate) struct Description {
     pub(crate) names: Names,
 }
 
-/// Names of an element in files, and where its nodes come in another order there.
+/// Names of an element in files, and the orders of its nodes that differ from ours.
 #[derive(Clone, Copy)]
 pub(crate) struct Names {
     /// Cards of Nastran, the usual one first. Quadratic elements without mid-side nodes are linear ones.
     pub(crate) nastran: &'static [&'static str],
-    /// Place on the card of each node.
+    /// Position of each node on the card.
     pub(crate) nastran_order: Option<&'static [usize]>,
     /// Type in Abaqus and CalculiX: all of a shell's, the one without letters of a solid.
     pub(crate) abaqus: &'static [&'static str],
-    /// What follows the family's name in types of surfaces without stiffness and of plane elements: `3` of
-    /// `SFM3D3`.
+    /// The end of a type's name after the family's name, for surfaces without stiffness and plane elements:
+    /// `3` of `SFM3D3`.
     pub(crate) abaqus_facets: &'static [&'static str],
     /// Number of the type in gmsh.
     pub(crate) gmsh: Option<i32>,
-    /// Place in a file of gmsh of each node.
+    /// Position of each node in a file of gmsh.
     pub(crate) gmsh_order: Option<&'static [usize]>,
 }
 
@@ -191,7 +192,8 @@ impl ElementKind {
         }
     }
 
-    /// The kinds of a card of Nastran, without and with mid-side nodes; one kind twice where it has none.
+    /// The kinds of a card of Nastran, without and with mid-side nodes. A card without mid-side nodes gives
+    /// one kind twice.
     pub(crate) fn of_nastran(card: &str) -> Option<(ElementKind, ElementKind)> {
         let named = |kind: &ElementKind| kind.description().names.nastran.contains(&card);
         let kind = Self::ALL
@@ -208,7 +210,7 @@ impl ElementKind {
         Self::ALL.into_iter().find(named)
     }
 
-    /// The facet whose type ends so in Abaqus and CalculiX.
+    /// The facet whose type in Abaqus and CalculiX has this end.
     pub(crate) fn of_abaqus_facet(end: &str) -> Option<ElementKind> {
         let named = |kind: &ElementKind| kind.description().names.abaqus_facets.contains(&end);
         Self::ALL.into_iter().find(named)

@@ -25,7 +25,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use std::sync::{Arc, OnceLock};
 
-/// Stiffness and mass over free freedoms, and the rigid motions that nothing holds.
+/// Stiffness and mass over free freedoms, and the rigid motions of an unsupported body.
 #[derive(Debug)]
 pub struct Structure<'a> {
     /// K (N/m, N/rad, …).
@@ -38,7 +38,7 @@ pub struct Structure<'a> {
 }
 
 impl<'a> Structure<'a> {
-    /// A body held by its supports: K is not singular.
+    /// The structure of a supported body, whose K is not singular.
     pub fn supported(stiffness: &'a SymmetricMatrix, mass: &'a SymmetricMatrix) -> Self {
         Structure {
             stiffness,
@@ -48,11 +48,11 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// A body that nothing holds, with its six rigid motions as vectors one after the other.
+    /// The structure of an unsupported body, with its six rigid motions as vectors one after the other.
     ///
     /// # Errors
     /// When the rigid motions have no mass, or stretch the structure: their strain energy is above 1e-6 of
-    /// what their motions would cost freedom by freedom.
+    /// the sum of the energies of their components, each freedom taken alone.
     pub fn free(
         stiffness: &'a SymmetricMatrix,
         mass: &'a SymmetricMatrix,
@@ -67,7 +67,7 @@ impl<'a> Structure<'a> {
         })
     }
 
-    /// Order and structure of the factors of `K − σ M`, worked out when they are first needed.
+    /// Order and structure of the factors of `K − σ M`, computed at the first use.
     ///
     /// # Errors
     /// When memory or indices run out.
@@ -86,8 +86,8 @@ impl<'a> Structure<'a> {
     }
 }
 
-/// A unit load on the structure, and the displacement it works on: a row of a marker over the free freedoms.
-/// That displacement can be held too.
+/// A unit load on the structure, as a row of a marker over the free freedoms. The same row gives the
+/// displacement on which the load works. A constraint mode holds this displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
     /// `main[2].x`.
@@ -97,7 +97,7 @@ pub struct Load {
 }
 
 impl Load {
-    /// What the load works on at a displacement.
+    /// The displacement on which the load works, for a vector of the structure.
     pub fn displacement(&self, vector: &[f64]) -> f64 {
         self.entries
             .iter()
@@ -105,7 +105,7 @@ impl Load {
             .sum()
     }
 
-    /// The single freedom that this simply is.
+    /// The freedom, if the row is exactly one freedom with factor 1.
     pub fn plain(&self) -> Option<u32> {
         match self.entries.as_slice() {
             [(freedom, factor)] if *factor == 1.0 => Some(*freedom),

@@ -1,5 +1,5 @@
-//! Readers of finite-element files. One module a family of formats; what they give is a [`crate::Mesh`] or
-//! matrices.
+//! Readers of finite-element files, with one module for each family of formats. They yield a [`crate::Mesh`]
+//! or matrices.
 
 pub mod abaqus;
 mod builder;
@@ -21,13 +21,13 @@ use crate::mesh::{Code, Mesh};
 use content::{Content, Readable, explained};
 pub use eng_system::mesh_files::MeshFormat;
 
-/// Gives the readers their files. Names are as the model writes them; a name inside a file (`INCLUDE`) is
-/// looked up relative to the including file first, then beside the model.
+/// Opens files for the readers. Names are those of the model's text. A name inside a file (`INCLUDE`) is
+/// first relative to the including file, then to the model.
 pub trait Files {
     /// Opens a file.
     ///
     /// # Errors
-    /// As the system gives them.
+    /// Those of the system.
     fn open(&self, name: &str) -> io::Result<Box<dyn Read>>;
 }
 
@@ -43,10 +43,10 @@ impl Readable for MeshFormat {
     }
 }
 
-/// Reads a mesh of a stated format with all files it includes. Units stay those of the file.
+/// Reads a mesh of a stated format with all included files. Its units are still those of the file.
 ///
 /// # Errors
-/// As the reader of the format gives them; a file of another format is named as such.
+/// Those of the reader of the format. If the file has another format, the error names it.
 pub fn read_mesh(files: &dyn Files, name: &str, format: MeshFormat) -> Result<Mesh, FlexibleError> {
     let read = match format {
         MeshFormat::Nastran => nastran::read_bulk(files, name),
@@ -57,8 +57,8 @@ pub fn read_mesh(files: &dyn Files, name: &str, format: MeshFormat) -> Result<Me
     explained(files, name, format, read)
 }
 
-/// What is wrong with a gzip-compressed file, found by unpacking all of it; `None` for one that is whole, or
-/// not packed.
+/// The damage of a gzip-compressed file, found by unpacking all of it. `None` for an undamaged or an unpacked
+/// file.
 fn damaged_packing(files: &dyn Files, name: &str) -> Option<String> {
     let mut packed = BufReader::new(files.open(name).ok()?);
     if !packed.fill_buf().ok()?.starts_with(&PACKED) {
@@ -69,10 +69,10 @@ fn damaged_packing(files: &dyn Files, name: &str) -> Option<String> {
     unpacking.err().map(|error| error.to_string())
 }
 
-/// How gzip-compressed files begin.
+/// First bytes of a gzip-compressed file (RFC 1952).
 const PACKED: [u8; 2] = [0x1f, 0x8b];
 
-/// Opens a file for reading in a stream; a gzip-compressed one is unpacked as it is read.
+/// Opens a file as a stream. A gzip-compressed file is unpacked during reading.
 ///
 /// # Errors
 /// When it can't be opened.

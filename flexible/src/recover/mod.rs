@@ -4,8 +4,8 @@
 //! u = Φ a      σ = Σ a_k σ_k      U = ½ aᵀ k a
 //! ```
 //!
-//! σ_k is the stress of shape k, computed once. With static modes the stress under the loads that they serve
-//! is that of the whole finite-element model; what inertia adds is as good as the modes span it.
+//! σ_k is the stress of shape k, computed once. Under loads that have a static mode the stress equals that of
+//! the whole finite-element model. The stress of inertia is approximate: its accuracy depends on the modes.
 
 pub mod motion;
 pub mod stress;
@@ -40,7 +40,7 @@ fn wrong(problem: String) -> FlexibleError {
 }
 
 impl<'a> Recovery<'a> {
-    /// Of a stored body.
+    /// Recovery of a stored body.
     ///
     /// # Errors
     /// When shapes, modes and mesh don't fit together.
@@ -55,7 +55,7 @@ impl<'a> Recovery<'a> {
         .checked()
     }
 
-    /// Of a body that has just been reduced, with the rules of its request.
+    /// Recovery of a newly reduced body, with the rules of its request.
     ///
     /// # Errors
     /// As [`Recovery::of_stored`].
@@ -126,10 +126,10 @@ impl<'a> Recovery<'a> {
             .sum())
     }
 
-    /// Strain energy of each element (J): `None` for others than solids.
+    /// Strain energy of each element (J), `None` if it is not a solid.
     ///
     /// # Errors
-    /// Another number of amplitudes than modes; a mesh that is not sound.
+    /// Another number of amplitudes than modes; an unsound mesh.
     pub fn element_energies(&self, a: &[f64]) -> Result<Vec<Option<f64>>, FlexibleError> {
         let full = self.displacements(a)?;
         let energy = |element| {

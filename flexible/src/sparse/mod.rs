@@ -5,8 +5,8 @@ pub(crate) mod product;
 use crate::error::FlexibleError;
 use product::multiply;
 
-/// A sparse symmetric matrix: the lower triangle with the diagonal, by columns, rows ascending, no entry
-/// twice.
+/// A sparse symmetric matrix. It stores the lower triangle with the diagonal by columns; rows ascend, and no
+/// entry occurs twice.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct SymmetricMatrix {
     size: usize,
@@ -16,7 +16,7 @@ pub struct SymmetricMatrix {
 }
 
 impl SymmetricMatrix {
-    /// From the parts of the storage.
+    /// Makes a matrix from the parts of the storage.
     ///
     /// # Errors
     /// When the parts don't describe a lower triangle with ascending rows.
@@ -52,8 +52,9 @@ impl SymmetricMatrix {
         })
     }
 
-    /// From entries `(row, column, value)` of either triangle; entries at the same place are summed in the
-    /// order given. An entry above the diagonal is taken as its mirror image: give one triangle only.
+    /// Makes a matrix from entries `(row, column, value)` of either triangle. Entries at the same place are
+    /// summed in the given order. An entry above the diagonal counts as its mirror image, so give one
+    /// triangle only.
     ///
     /// # Errors
     /// When an index is out of range.
@@ -113,7 +114,7 @@ impl SymmetricMatrix {
         self.size
     }
 
-    /// Where each column starts, and the end.
+    /// Start of each column in the storage, and the end of the last.
     pub fn column_start(&self) -> &[usize] {
         &self.column_start
     }
@@ -139,8 +140,7 @@ impl SymmetricMatrix {
         (&self.row[range.clone()], &self.value[range])
     }
 
-    /// The matrix without the rows and columns that `held` names; a row's place in it is its place among
-    /// those that stay.
+    /// The matrix without the rows and columns marked in `held`. The other rows keep their order.
     ///
     /// # Errors
     /// When `held` has another length than the matrix has rows.
@@ -186,7 +186,8 @@ impl SymmetricOperator for SymmetricMatrix {
     }
 
     fn apply(&self, columns: usize, x: &[f64], y: &mut [f64]) {
-        // several together read the matrix once, and give the same bits
+        // several vectors share one pass over the matrix; each vector's sums keep their order, so the bits
+        // are equal
         if columns > 1 && x.len() == y.len() && x.len() == columns * self.size {
             multiply(self, x, y);
             return;
