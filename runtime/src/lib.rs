@@ -7,7 +7,7 @@
 //! | module | subject |
 //! | --- | --- |
 //! | [`model`], [`state`] | numbers of one parameter set; the state on R³ × SO(3) × Rⁿ |
-//! | [`body`], [`chain`], [`shape`] | properties of the kinds of bodies: inertia, markers, generalised forces |
+//! | [`body`], [`chain`], [`shape`] | kinds of bodies: inertia, markers, generalised forces |
 //! | [`joint`] | the kind of joint that a class of elements makes |
 //! | [`elements`], [`dynamics`] | calls of element code; residual and exact matrix |
 //! | [`linear`] | sparse factorisation behind a trait |

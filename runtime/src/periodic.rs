@@ -1,10 +1,14 @@
 //! Running until the cycle repeats; the last cycle is the result.
 //!
-//! After every cycle each channel is compared, sample by sample, with the cycle before ([`repetition`]). The analysis ends when
-//! the largest change and the estimated distance to the limit, `change |λ/(1 − λ)|` with the complex factor λ by which differences
-//! shrink and turn from cycle to cycle, are both below what is asked for. The factor of decay that is told is that of the motion itself ([`motion`]): where the
-//! motion repeats to within the tolerance of the steps and an output goes on changing unforeseeably, that is the steps' noise, and it is told. The orbits of the journals tell of half-speed whirl ([`whirl`]), which
-//! does not repeat with the cycle.
+//! After every cycle each channel is compared, sample by sample, with the cycle before ([`repetition`]). The
+//! complex factor λ describes how differences shrink and turn from cycle to cycle, and `change |λ/(1 − λ)|`
+//! estimates the distance to the limit. The analysis ends when the largest change and this distance are below
+//! the requested change.
+//!
+//! The reported factor of decay is that of the motion itself ([`motion`]). If the motion repeats within the
+//! tolerance of the steps while an output still changes irregularly, this change is noise of the steps, and
+//! the summary says so. The orbits of the journals show half-speed whirl ([`whirl`]), which does not repeat
+//! with the cycle.
 
 pub mod motion;
 pub mod repetition;
@@ -26,70 +30,78 @@ use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use whirl::Whirl;
 
-/// Cycles whose orbits are looked at for whirl.
+/// Number of cycles whose orbits are searched for whirl.
 const ORBITS: usize = 8;
-/// A change this far below what is asked for needs no estimate of the distance.
+/// Share of the requested change below which a change needs no estimate of the distance.
 const PLAIN: f64 = 1e-2;
-/// Least swing of lengths in position tolerances: the smallest clearance.
+/// Least swing of lengths, in position tolerances. A position tolerance is a thousandth of the smallest
+/// clearance, so this is the clearance itself.
 const TOLERANCES: f64 = 1e3;
-/// A change this far above what is asked for tells of the engine, not of the steps' error.
+/// Multiple of the requested change above which a change comes from the engine and not from errors of the
+/// steps.
 const ABOVE: f64 = 3.0;
-/// Growth a cycle of a small deviation, as an exponent, below which a steady motion counts as stable.
+/// Exponent of the growth of a small deviation in a cycle, below which a steady motion counts as stable.
 const GROWTH: f64 = 1e-3;
-/// Share of a difference that the ones before do not foretell from which on it counts as noise, and cycles in a row with it.
+/// Share of a difference that does not follow from the earlier ones, above which it counts as noise; and the
+/// number of consecutive cycles with such a share.
 const UNFORETOLD: f64 = 0.3;
 const NOISY_CYCLES: usize = 3;
-/// Share of the least change so far above which the changes of the last cycles no longer shrink.
+/// Share of the least change so far, above which the changes of the last cycles no longer shrink.
 const STANDSTILL: f64 = 0.5;
-/// Least cycles by which a motion is told to be erratic.
+/// Least number of cycles after which a motion can count as erratic.
 const ERRATIC_CYCLES: usize = 8;
-/// Ratio up to which the differences of the second half of all cycles are as large as those of the first.
+/// Ratio up to which the differences in the second half of the cycles count as equal to those in the first
+/// half.
 const ALIKE: f64 = 2.0;
-/// Ratio from which on a factor says that they are not.
+/// Ratio beyond which a factor contradicts such equality.
 const UNLIKE: f64 = 5.0;
-/// Samples of a cycle, at most.
+/// Most samples of a cycle.
 const MOST_SAMPLES: f64 = 1e6;
 
-/// How a periodic analysis went.
+/// Summary of a periodic analysis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeriodicSummary {
     /// The run.
     pub run: RunSummary,
     /// Whole cycles.
     pub cycles: u32,
-    /// Whether the last one repeats the one before as asked for.
+    /// Whether the last cycle repeats the one before within the requested change.
     pub repeats: bool,
     /// The channel that changed most from the last cycle but one to the last.
     pub slowest: Option<Decay>,
-    /// What decayed slowest while changes were well above what is asked for: the engine's slow mode. Factor and turn are the motion's.
+    /// The channel of slowest decay while changes were well above the requested one: it shows the engine's
+    /// slow mode. Factor and turn are those of the motion.
     pub decay: Option<Decay>,
-    /// How deviations of the motion went on in the last cycle.
+    /// Factor and turn of the deviations of the motion in the last cycle.
     pub motion: Option<Mode>,
-    /// Set where the motion repeats and the slowest channel's change is the noise of the steps.
+    /// Present if the motion repeats and the slowest channel's change is noise of the steps.
     pub noise: Option<Remedy>,
-    /// Whether the differences from cycle to cycle stay as large as they were, as of impacts, whatever the
-    /// last two say: no factor says how they go on.
+    /// Whether the differences from cycle to cycle remain equally large, as with impacts. The factor of the
+    /// last two differences is then chance and predicts nothing.
     pub erratic: bool,
-    /// Channels that grow by the same amount every cycle: they are not asked to repeat.
+    /// Channels that grow by the same amount in every cycle. They need not repeat.
     pub growing: Vec<Growth>,
-    /// Motion of pins at about half the shaft's speed that does not repeat, by journal; empty after few cycles.
+    /// Motion of pins at about half the shaft's speed that does not repeat, by journal; empty after few
+    /// cycles.
     pub whirl: Vec<Whirl>,
-    /// How a motion is left in which nothing but the cycle's angle changes, if a small deviation from it grows: it repeats as long
-    /// as nothing pushes it.
+    /// Present if only the cycle's angle changes in the motion and a small deviation from it grows. Such a
+    /// motion repeats only as long as no disturbance occurs.
     pub unstable: Option<Unstable>,
 }
 
-/// What would bring the noise of an output below what is asked for.
+/// A setting that would reduce the noise of an output below the requested change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Remedy {
-    /// This factor on the tolerances.
+    /// A factor on the tolerances.
     Tolerance(f64),
-    /// This fixed step (s).
+    /// A fixed step (s).
     Step(f64),
 }
 
 impl Remedy {
-    /// Errors follow the tolerance to the power 2/3 and the step to the power 2. `share`: of the noise, that may stay.
+    /// `share` is the permitted share of the noise. The local error of a second-order scheme is proportional
+    /// to h³ and its global error to h². So errors follow the step to the power 2 and the tolerance to the
+    /// power 2/3.
     fn of(step: StepControl, share: f64) -> Remedy {
         match step.fixed() {
             Some(h) => Remedy::Step(h * libm::sqrt(share)),
@@ -98,8 +110,8 @@ impl Remedy {
     }
 }
 
-/// Runs until the cycle repeats, or the most cycles are done; the observer gets the samples of the last cycle, of a run that fails
-/// those of the cycle in which it fails.
+/// Runs until the cycle repeats, or up to the largest number of cycles. The observer gets the samples of the
+/// last cycle. If the run fails, it gets those of the cycle with the failure.
 pub fn run_periodic(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -145,7 +157,7 @@ pub fn run_periodic(
         ),
         motion: Motion::new(
             &model,
-            // errors of a fixed step do not follow its tolerance
+            // the tolerance of a fixed step limits Newton's iteration and not the error of the step
             match periodic.step {
                 StepControl::Tolerance(factor) => factor,
                 StepControl::Fixed(_) | StepControl::FixedTo { .. } => 1.0,
@@ -201,8 +213,8 @@ pub fn run_periodic(
     })
 }
 
-/// How a steady motion is left whose linearised modes grow. Where bodies turn so that the coefficients are not constant, nothing is
-/// said: the modes of a moment do not decide about stability.
+/// The fastest growth of a steady motion whose linearised modes grow. If bodies turn so that the coefficients
+/// are not constant, the result is `None`, because the modes of one moment do not decide about stability.
 fn left_by(simulation: &mut Simulation, period: f64) -> Result<Option<Unstable>, RuntimeError> {
     let Some(rate) = simulation.cycle_rate() else {
         return Ok(None);
@@ -230,7 +242,7 @@ fn left_by(simulation: &mut Simulation, period: f64) -> Result<Option<Unstable>,
     }))
 }
 
-/// Samples of a cycle, both ends among them.
+/// Samples of a cycle, including both ends.
 #[derive(Clone, Debug, Default)]
 struct Record {
     heads: Vec<(f64, Option<f64>, Option<f64>, Energy)>,
@@ -271,10 +283,10 @@ struct Cycles<'a> {
     comparison: Comparison,
     motion: Motion,
     moved: Moved,
-    /// Of each cycle the largest change, and the share of it that was not foretold.
+    /// For each cycle the largest change, and the share of it that did not follow from earlier cycles.
     changes: Vec<(f64, f64)>,
-    /// Of each cycle from the second on how far the motion is from the cycle before, in what the tolerance
-    /// leaves.
+    /// For each cycle from the second on: the distance of the motion from the cycle before, in units of the
+    /// error that the tolerance leaves.
     differences: Vec<f64>,
     velocities: usize,
     noise: Option<Remedy>,
@@ -290,18 +302,18 @@ struct Cycles<'a> {
     observer: &'a mut dyn Observer,
 }
 
-/// Progress towards a number of cycles that is foreseen anew after each.
+/// Progress towards a number of cycles that is predicted again after each cycle.
 #[derive(Clone, Copy, Debug, Default)]
 struct Progress {
     /// Cycles so far.
     run: f64,
-    /// Done part, 0…1.
+    /// Finished part, 0…1.
     fraction: f64,
 }
 
 impl Progress {
-    /// The done part after `run` cycles of `expected` ones. It grows with every step, also where more cycles are foreseen than before: a
-    /// part that stood still would look like a run without an end.
+    /// The finished part after `run` cycles of `expected` ones. It grows with every step, even if the
+    /// prediction rises: a constant part would look like a run without an end, which the watch would stop.
     fn advance(&mut self, run: f64, expected: f64) -> f64 {
         let rest = expected - self.run;
         if rest > 0.0 {
@@ -329,7 +341,7 @@ impl Observer for Cycles<'_> {
             slowest: self.slowest.clone(),
         });
         self.last = std::mem::take(&mut self.now);
-        // the end of a cycle is the begin of the next
+        // the end of a cycle is the beginning of the next
         self.now.push(sample);
         if self.repeats {
             ControlFlow::Break(())
@@ -398,7 +410,7 @@ impl Cycles<'_> {
                 (decay.change <= PLAIN * self.limit.change && !decay.grows())
                     || (decay.change <= self.limit.change && decay.distance() <= self.limit.change)
             }
-            // nothing to compare in a model without channels
+            // a model without channels has nothing to compare
             None => self.channels == 0 && self.done > 1,
         };
         if !self.repeats && self.only_noise() {
@@ -421,8 +433,8 @@ impl Cycles<'_> {
         }
     }
 
-    /// Whether the motion repeats to within the tolerance of its steps, and will, while what an output changes by neither shrinks nor follows from the cycles
-    /// before.
+    /// Whether the motion repeats within the tolerance of its steps, now and by its own estimate, while the
+    /// change of an output neither shrinks nor follows from earlier cycles.
     fn only_noise(&mut self) -> bool {
         let Some(slowest) = &self.slowest else {
             return false;
@@ -443,8 +455,9 @@ impl Cycles<'_> {
                 .is_some_and(|mode| self.moved.beyond * mode.reach() <= 1.0)
     }
 
-    /// Whether the motion differs between cycles of the second half by as much as between those of the first,
-    /// though its last two differences say that it should by much less or more. Their factor is chance then.
+    /// Whether the motion differs between cycles of the second half as much as between those of the first,
+    /// although the factor of its last two differences predicts much less or more. This factor is then
+    /// chance.
     fn erratic(&self) -> bool {
         let (earlier, later) = self.differences.split_at(self.differences.len() / 2);
         let enough = !self.repeats && self.differences.len() >= ERRATIC_CYCLES;
@@ -454,11 +467,11 @@ impl Cycles<'_> {
         let measured = median(later) / median(earlier);
         let claimed = libm::pow(mode.factor, later.len() as f64);
         let far = |ratio: f64, most: f64| ratio < 1.0 / most || ratio > most;
-        // what the tolerance leaves is noise
+        // a difference within the tolerance is noise of the steps
         median(later) > 1.0 && !far(measured, ALIKE) && far(claimed, UNLIKE)
     }
 
-    /// Gives the last whole cycle to the observer, or, of a run that ended within a cycle, that.
+    /// Gives the last whole cycle to the observer. If the run ended within a cycle, it gives that part.
     fn give(&mut self) {
         let whole = self.now.heads.len() <= 1 && !self.last.heads.is_empty();
         let record = if whole { &self.last } else { &self.now };

@@ -1,17 +1,21 @@
-//! How a motion begins: as assembled, or quasi-statically.
+//! The start of a motion: as assembled, or quasi-static.
 //!
-//! Assembly gives positions that close every joint and velocities of least energy. A turning engine that starts there rings: its
-//! pins do not stand where the films carry them, its flexible bodies are straight. The **quasi-static start** solves for the state
-//! in which
+//! Assembly gives positions that close every joint, and velocities of least energy. A turning engine that
+//! starts there rings: the films do not carry its pins in these positions, and its flexible bodies are
+//! straight. The **quasi-static start** solves for a state with these properties:
 //!
-//! - what the text states holds: every `start` row, the cycle's angle, and what is stated to move stays where it is;
-//! - the motion is steady ([`motion`]): modal rates, the rates of the eccentricities seen from their shells and the relative rates
-//!   of springs are zero, and remain zero; where flexible bodies turn, they are bent as in the motion that repeats;
-//! - all other freedoms are in balance ([`balance`]) with the inertia of that motion, gas, gravity and the films.
+//! - All stated values hold: every `start` row, the cycle's angle, and the position of every body with a
+//!   stated motion.
+//! - The motion is steady ([`motion`]). Modal rates, the rates of the eccentricities seen from their shells,
+//!   and the relative rates of springs are zero and remain zero. Turning flexible bodies have the bending of
+//!   the motion that repeats.
+//! - All other freedoms are in balance ([`balance`]) with the inertia of that motion, gas, gravity and the
+//!   films.
 //!
-//! The accelerations of the simulation's start are then those of the steady motion, save along what is held: there the engine
-//! speeds up or slows down as the loads of the moment want. It takes the ringing of stiff modes and films away. It is no periodic
-//! state: the slow modes of the drive line begin with no twist but what the text states.
+//! The accelerations at the start of the simulation are then those of the steady motion, except along the
+//! held directions. There the loads of the moment speed the engine up or slow it down. The start removes the
+//! ringing of stiff modes and films. It is no periodic state: the slow modes of the drive line begin with the
+//! stated twist.
 
 pub mod balance;
 pub mod hanging;
@@ -28,7 +32,7 @@ use crate::state::State;
 use balance::Balance;
 use eng_system::system::{ConditionKind, Origin, Role, Start};
 
-/// Where a simulation began.
+/// The kind of start of a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StartReport {
     /// As assembled.
@@ -48,49 +52,51 @@ pub struct Equilibrium {
     pub freedoms: usize,
     /// Newton iterations.
     pub iterations: usize,
-    /// Portions in which the load was put on.
+    /// Number of portions of the load.
     pub portions: usize,
-    /// Where the films stand.
+    /// Position of the pin in each film.
     pub journals: Vec<JournalStart>,
-    /// What is held at its place, with the force that would hold it: it is not in balance.
+    /// Held directions with the force that would hold each: they are not in balance.
     pub held: Vec<Held>,
-    /// How a balance at rest is left: it stands upside down. Not judged where something moves or is held.
+    /// The escape from a balance at rest that is upside down. `None` for a stable one, and if a body moves or
+    /// is held.
     pub unstable: Option<Unstable>,
-    /// How flexible bodies that turn are bent, where there are any.
+    /// The bending of turning flexible bodies, if there are any.
     pub turning: Option<Turning>,
 }
 
-/// How flexible bodies that turn are bent at the start.
+/// The bending of turning flexible bodies at the start.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Turning {
-    /// As in the motion that repeats: by loads that turn with them and by those that are still in space, each in its own way.
+    /// That of the repeating motion. It distinguishes loads that turn with the body from loads that stand
+    /// still.
     Repeating {
-        /// Equal parts of the period at which it was solved.
+        /// Number of equal parts of the period in the solution.
         angles: usize,
         /// The period (s).
         period: f64,
         /// Change of the start from half as many angles, as a share of the largest bending.
         change: f64,
     },
-    /// In films, as in the motion that repeats: it was followed from a balance until it did.
+    /// That of the repeating motion, in films: the motion was integrated from a balance until it repeated.
     Followed {
-        /// Periods that were followed.
+        /// Number of integrated periods.
         periods: usize,
         /// The period (s).
         period: f64,
-        /// Change over the last one, of a clearance or of the largest bending.
+        /// Change over the last period, as a share of a clearance or of the largest bending.
         change: f64,
     },
-    /// As if all loads turned with them, for the reason told.
+    /// As if all loads turned with the body, for the given reason.
     WithTheBody {
         /// A body that turns.
         origin: Origin,
-        /// Why no motion that repeats was found.
+        /// The reason why no repeating motion was found.
         reason: String,
     },
 }
 
-/// A balance at rest from which the least push leads away.
+/// An unstable balance at rest: the smallest push leads away from it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unstable {
     /// The body that moves most.
@@ -111,7 +117,7 @@ pub struct JournalStart {
 /// A direction that is not in balance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Held {
-    /// What holds it: the path of a `start`, or the cycle.
+    /// The holder: the path of a `start`, or the cycle.
     pub origin: Origin,
     /// The generalised force that would hold it, in its row's unit (N for lengths, N m for angles).
     pub effort: f64,
@@ -119,14 +125,14 @@ pub struct Held {
     pub is_length: bool,
 }
 
-/// What stands in the way of a balance.
+/// The obstacle to a balance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Obstacle {
     /// The journal, body or element.
     pub origin: Origin,
-    /// What it does.
+    /// Its effect.
     pub message: String,
-    /// Part of the load that was carried, 0…1.
+    /// Part of the load with a balance, 0…1.
     pub carried: f64,
 }
 
@@ -204,7 +210,8 @@ impl std::fmt::Display for StartReport {
     }
 }
 
-/// Whether an unstated start is quasi-static: the cycle turns at the start, and there are films to stand in or bodies to bend.
+/// Whether the default start is quasi-static: the cycle turns at the start, and the model has journals or
+/// flexible bodies. Without these nothing rings, and the assembled start serves.
 fn is_turning_engine(model: &Model, state: &State) -> Result<bool, RuntimeError> {
     let Some(cycle) = &model.compiled.system.cycle else {
         return Ok(false);
@@ -219,7 +226,7 @@ fn is_turning_engine(model: &Model, state: &State) -> Result<bool, RuntimeError>
     Ok(watch.watched_values[1] != 0.0)
 }
 
-/// A condition that must hold at every state and does not hold in the balance: a pin that would touch its shell.
+/// A `require` on states that fails in the balance, such as a pin that would touch its shell.
 fn forbidden(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeError> {
     let elements = &model.compiled.system.elements;
     let mut watch = Watch::new(model, |e| {
@@ -251,7 +258,7 @@ fn forbidden(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeEr
     Ok(found)
 }
 
-/// Brings an assembled state to the start that is asked for.
+/// Brings an assembled state to the start of the analysis.
 pub fn begin(model: &Model, state: &mut State, start: Start) -> Result<StartReport, RuntimeError> {
     let wanted = match start {
         Start::Assembled => false,

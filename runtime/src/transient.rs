@@ -27,18 +27,19 @@ pub struct Sample<'a> {
     pub energy: Energy,
     /// e of every journal (m): the pin's origin from the shell's, along the shell's x and y.
     pub eccentricities: &'a [[f64; 2]],
-    /// Of each body in the order of the system: r (m), unit quaternion w, x, y, z from body to ground axes, modal amplitudes.
+    /// For each body in the order of the system: r (m), unit quaternion w, x, y, z from body to ground axes,
+    /// modal amplitudes.
     pub pose: &'a [f64],
-    /// Of each body ṙ (m/s), ω (rad/s, body axes), modal rates.
+    /// For each body ṙ (m/s), ω (rad/s, body axes), modal rates.
     pub velocity: &'a [f64],
     /// States of elements (SI).
     pub states: &'a [f64],
 }
 
-/// How far a run is after a step.
+/// The progress of a run after a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Advance {
-    /// Done part, 0…1.
+    /// Finished part of the run, 0…1.
     pub fraction: f64,
     /// Time (s).
     pub time: f64,
@@ -49,7 +50,7 @@ pub struct Advance {
 }
 
 impl Advance {
-    /// Of a simulation that has done a part of its run.
+    /// The progress of a simulation that has finished a part of its run.
     pub(crate) fn new(simulation: &Simulation, fraction: f64) -> Advance {
         Advance {
             fraction: fraction.clamp(0.0, 1.0),
@@ -60,34 +61,34 @@ impl Advance {
     }
 }
 
-/// What an observer wants after a step.
+/// The wish of an observer after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// The run goes on.
+    /// Continue the run.
     GoOn,
-    /// The run goes on, after [`Observer::paced`] was told what makes its steps as short as they are.
+    /// Call [`Observer::paced`] with the cause of the short steps, then continue the run.
     Explain,
-    /// The run ends with [`RuntimeError::Stopped`].
+    /// End the run with [`RuntimeError::Stopped`].
     Stop,
 }
 
-/// What looks on.
+/// Receives the samples and the progress of a run.
 pub trait Observer {
-    /// How the motion began; once, before the first sample.
+    /// Takes the report on the start, once, before the first sample.
     fn started(&mut self, _report: &StartReport) {}
     /// Takes a sample; `Break` ends the run after it.
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()>;
-    /// After every step. No verdict changes a bit of what a run gives.
+    /// Called after every step. No verdict changes a bit of the results.
     fn progress(&mut self, _advance: &Advance) -> Verdict {
         Verdict::GoOn
     }
-    /// What makes steps short, where that was asked for.
+    /// Takes the cause of short steps, after [`Verdict::Explain`].
     fn paced(&mut self, _slow: &Slow) {}
-    /// An `advise` does not hold; each comes once.
+    /// Takes a failed `advise`, each once.
     fn warning(&mut self, _warning: &Warning) {}
-    /// After every whole cycle of a periodic analysis.
+    /// Called after every whole cycle of a periodic analysis.
     fn cycle(&mut self, _cycle: &CycleReport) {}
-    /// Whether a checkpoint is wanted after this step.
+    /// Whether the observer wants a checkpoint after this step.
     fn wants_checkpoint(&mut self) -> bool {
         false
     }
@@ -95,24 +96,24 @@ pub trait Observer {
     fn checkpoint(&mut self, _bytes: Vec<u8>) {}
 }
 
-/// How a run went.
+/// Summary of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunSummary {
     /// Time of the last sample (s).
     pub time: f64,
     /// Cycle angle of the last accepted state (rad).
     pub cycle_angle: Option<f64>,
-    /// Samples given.
+    /// Number of samples given to the observer.
     pub samples: u64,
-    /// Work done.
+    /// Counts of steps, iterations and factorisations.
     pub statistics: Statistics,
     /// Energy at the end.
     pub energy: Energy,
-    /// Whether the observer ended it.
+    /// Whether the observer ended the run.
     pub interrupted: bool,
 }
 
-/// Steps without progress of the cycle before a run by angle gives up.
+/// Steps without progress of the cycle after which a run by angle gives up.
 const PATIENCE: u64 = 200_000;
 /// Share of the sample distance below which a grid point is the end itself.
 const SAME: f64 = 1e-6;
@@ -138,7 +139,8 @@ impl Points {
         }
     }
 
-    /// Time between two points as the cycle turns now (s). No step is longer: what samples would show of a short load, steps have seen.
+    /// Time between two points at the present speed of the cycle (s). No step is longer, so that a step sees
+    /// every load that is as long as the distance of samples.
     fn between(self, simulation: &Simulation) -> f64 {
         match self {
             Points::Time { distance } => distance,
@@ -153,7 +155,7 @@ impl Points {
         }
     }
 
-    /// How far a simulation is beyond the point, in the point's unit; negative before it.
+    /// Distance of a simulation beyond the point, in the point's unit; negative before the point.
     fn passed(self, index: u64, simulation: &Simulation) -> f64 {
         match self {
             Points::Time { .. } => simulation.time() - self.at(index),
@@ -165,10 +167,11 @@ impl Points {
     }
 }
 
-/// Steps or samples that a run has at most: double precision tells a thousandth of such a part of its length apart from none.
+/// Most steps or samples of a run. Double precision still resolves a thousandth of such a part of the run's
+/// length.
 const MOST: f64 = 1e12;
 
-/// Refuses a run whose length, samples or steps cannot be counted.
+/// Refuses a run with too many samples or steps, or without a positive length.
 ///
 /// # Errors
 /// A length or distance that is not positive, steps or samples of less than 10⁻¹² of the run.
@@ -210,7 +213,7 @@ pub fn countable(transient: &Transient) -> Result<(), RuntimeError> {
     }
 }
 
-/// Runs a transient, or goes on from a checkpoint of the same analysis.
+/// Runs a transient, or continues it from a checkpoint of the same analysis.
 pub fn run_transient(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -221,8 +224,8 @@ pub fn run_transient(
     run(compiled, overrides, transient, observer, resume, None).map(|(summary, _)| summary)
 }
 
-/// A transient whose steps begin anew with each cycle of a period (rad): where the motion repeats, the steps and their errors
-/// repeat with it. Gives the simulation back as it stands at the last sample.
+/// Runs a transient whose steps begin anew with each cycle of a period (rad). If the motion repeats, the
+/// steps and their errors repeat too. Returns the simulation in the state of the last sample.
 pub(crate) fn run_by_cycles(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -233,7 +236,7 @@ pub(crate) fn run_by_cycles(
     run(compiled, overrides, transient, observer, None, Some(period))
 }
 
-/// The simulation at its begin, or as a checkpoint left it, and the sense in which its cycle turns.
+/// The simulation at its start or at a checkpoint, and the sense in which its cycle turns.
 fn begin(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -277,18 +280,18 @@ fn begin(
     Ok((simulation, sense))
 }
 
-/// How far a run has come on the way to its end.
+/// The progress of a run towards its end.
 struct Way {
     duration: Extent,
     start: f64,
     sense: f64,
-    /// The farthest angle so far (rad), and the steps since that came no farther.
+    /// The farthest angle so far (rad), and the number of steps since then.
     farthest: f64,
     standing: u64,
 }
 
 impl Way {
-    /// The time of the end, if it lies in the last step (s), and the share of the run that is done.
+    /// The time of the end (s), if it lies in the last step, and the finished share of the run.
     fn end(&mut self, simulation: &mut Simulation) -> Result<(Option<f64>, f64), RuntimeError> {
         let duration = match self.duration {
             Extent::Time(duration) => {
@@ -330,7 +333,7 @@ fn run(
     resume: Option<&[u8]>,
     period: Option<f64>,
 ) -> Result<(RunSummary, Simulation), RuntimeError> {
-    // The grid runs in the sense in which the machine turns.
+    // The samples follow the sense in which the machine turns.
     let (mut simulation, sense) = begin(compiled, overrides, transient, resume)?;
     let start = simulation.cycle_start();
     let points = match transient.sample {
@@ -357,7 +360,7 @@ fn run(
             return Ok((run.summary(&simulation, true), simulation));
         }
     } else {
-        // Points up to the checkpoint were given before it.
+        // The earlier run gave the points up to the checkpoint.
         while points.passed(run.next, &simulation) >= 0.0 {
             run.next += 1;
         }
@@ -402,7 +405,7 @@ fn run(
                     (time, Some(cycle))
                 }
             };
-            // the last sample: whether the observer wants to stop makes no difference
+            // the run ends here anyway, so the observer's wish to stop makes no difference
             let _ = run.give(&simulation, end, cycle.map(|c| (c[0], c[1])));
             return Ok((run.summary(&simulation, false), simulation));
         }
@@ -413,7 +416,7 @@ fn run(
     }
 }
 
-/// Tells an observer how far a run is, and does what it wants: a run at its end is not stopped.
+/// Reports the progress to an observer and follows its verdict. A run at its end is not stopped.
 pub(crate) fn follow(
     simulation: &Simulation,
     observer: &mut dyn Observer,
@@ -439,7 +442,8 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Gives the samples that the last step has passed, but for one at the end: that is taken exactly there.
+    /// Gives the samples inside the last step. A sample at the end of the run is left out, because the caller
+    /// takes it exactly there.
     fn give_passed(
         &mut self,
         simulation: &mut Simulation,

@@ -1,4 +1,5 @@
-//! One step: Newton's iteration with a kept matrix, the estimate of the local error, and what failed.
+//! One step: Newton's iteration with a kept matrix, the estimate of the local error, and the cause of a
+//! failure.
 
 use super::tangents::{constraints_along, wrenches_along};
 use super::{Integrator, RESOLVED, STEP_SHARE, Trial};
@@ -7,56 +8,58 @@ use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
 use eng_system::system::Origin;
 
-/// Contraction above which the matrix is taken anew.
+/// Contraction above which the matrix is computed again.
 const CONTRACTION_LIMIT: f64 = 0.3;
-/// Contraction above which a step begins with a fresh matrix: it costs about four iterations.
+/// Contraction above which a step begins with a fresh matrix. A fresh matrix costs about four iterations.
 const RENEWAL: f64 = 0.12;
-/// Least contraction that an old matrix is trusted with.
+/// Least contraction that is assumed of an old matrix.
 const OLD_CONTRACTION: f64 = 0.1;
-/// Iterations in all, with fresh matrices among them.
+/// Most iterations of a step, including those with fresh matrices.
 const ITERATION_LIMIT: usize = 14;
-/// Halvings, in a step, of corrections that lead to values that are not finite or to larger residuals.
+/// Most halvings in a step. A correction is halved if it leads to values that are not finite or to larger
+/// residuals.
 const BACKTRACK_LIMIT: usize = 40;
-/// Matrices of a step from which on residuals have to become smaller.
+/// Number of matrices in a step from which on residuals must decrease.
 const TROUBLED: usize = 2;
-/// Change of the scaled unknowns, as a share of the largest of them, that is rounding.
+/// Change of the scaled unknowns, as a share of the largest of them, that counts as rounding.
 const ROUNDING: f64 = 1e-15;
-/// Least motion in a step, in scaled unknowns, whose rounding is looked at.
+/// Least motion in a step, in scaled unknowns, for the limit of rounding.
 const LEAST_MOTION: f64 = 1e-3;
 /// Share of a state's scale, or of its peak, that the error of one step may have at the usual tolerance.
 const STATE_SHARE: f64 = 1e-5;
-/// Change below which an iteration that does not contract with a fresh matrix has come to rounding.
+/// Change below which an iteration without contraction under a fresh matrix has reached rounding.
 const STAGNATION: f64 = 1e-11;
 
-/// How far Newton's iteration of a step is.
+/// The progress of Newton's iteration in a step.
 struct Iteration {
-    /// Correction that ends it, correction of which the ratio to the one before is rounding, and correction that is rounding itself; all in scaled unknowns.
+    /// Three sizes of a correction, in scaled unknowns. `goal` ends the iteration. Below `noise` the ratio to
+    /// the last correction is rounding. Below `floor` the correction itself is rounding.
     goal: f64,
     noise: f64,
     floor: f64,
     /// Largest change of the last correction, of the same matrix.
     last: Option<f64>,
-    /// How often the matrix was filled in this step, and whether it has to be again.
+    /// Number of matrices in this step, and whether the next iteration needs a new one.
     fills: usize,
     renew: bool,
     /// Largest change of the last correction, and largest scaled residual before it.
     step: f64,
     before: f64,
-    /// Whether the prediction goes on with rates of change.
+    /// Whether the prediction extrapolates with rates of change.
     smooth: bool,
-    /// Whether a correction was taken, and how often it was halved.
+    /// Whether a correction was applied, and the number of halvings.
     moved: bool,
     backtracks: usize,
-    /// Why there are no finite values.
+    /// The reason for values that are not finite.
     cause: Option<RuntimeError>,
 }
 
-/// What follows a correction.
+/// The next action after a correction.
 enum Next {
     Iterate,
-    /// Solved. The last evaluation is that of the trial but for this correction, which is below the goal.
+    /// Solved: this correction is below the goal. The last evaluation belongs to the trial before it.
     Met,
-    /// Solved, and the trial is still to be evaluated.
+    /// Solved, but the trial with this correction has no evaluation yet.
     Foreseen,
     Failed,
 }
@@ -71,7 +74,8 @@ impl Integrator {
         tolerance: Option<f64>,
         moment: Moment,
     ) -> Result<Trial, RuntimeError> {
-        // Factors of another step serve while the scaled matrix is alike; contraction decides the rest.
+        // The rows are scaled by βh², so the matrix depends little on h, and factors of a similar step serve.
+        // The contraction decides whether they are good enough.
         if self
             .factored_step
             .is_some_and(|old| !(0.6..=1.7).contains(&(h / old)))
@@ -108,9 +112,10 @@ impl Integrator {
             cause: None,
         };
         match self.iterate(model, dynamics, h, &mut iteration)? {
-            // The correction is taken all the same: a part of it is left.
+            // The last correction is applied too. The remaining error is then smaller by one more
+            // contraction.
             Next::Met => self.take_trial(model, h),
-            // v', v̇' and a' of the last increment
+            // computes v', v̇' and a' of the last increment
             Next::Foreseen => match self.evaluate(model, dynamics, h) {
                 Ok(()) => {}
                 Err(error @ RuntimeError::NotFinite { .. }) => return failed(error),
@@ -129,7 +134,7 @@ impl Integrator {
         Ok(Trial::Solved { error })
     }
 
-    /// Iterates until the goal is met or foreseen, or nothing helps.
+    /// Iterates until the goal is met, is certain to be met, or cannot be met.
     fn iterate(
         &mut self,
         model: &Model,
@@ -138,7 +143,7 @@ impl Integrator {
         iteration: &mut Iteration,
     ) -> Result<Next, RuntimeError> {
         let mut count = 0;
-        // each halving leaves less to go in the direction of a kink: it allows one iteration more
+        // a halving shortens one correction, so it allows one iteration more
         while count < ITERATION_LIMIT + iteration.backtracks {
             match self.evaluate(model, dynamics, h) {
                 Ok(()) => {}
@@ -153,7 +158,7 @@ impl Integrator {
             }
             if self.led_away(iteration) {
                 self.halve(iteration);
-                // beyond a kink the old matrix would lead away again
+                // beyond a kink the old matrix has the wrong slope and would lead away again
                 iteration.renew = true;
                 continue;
             }
@@ -196,7 +201,8 @@ impl Integrator {
         Ok(Next::Failed)
     }
 
-    /// Halves the last correction, or predicts without rates of change, where there are no finite values; whether that could be done.
+    /// Reacts to values that are not finite. It halves the last correction, or predicts without rates of
+    /// change if there is no correction yet. Returns whether one of these was possible.
     fn retreat(&mut self, model: &Model, h: f64, iteration: &mut Iteration) -> bool {
         if iteration.moved && iteration.backtracks < BACKTRACK_LIMIT {
             self.halve(iteration);
@@ -211,9 +217,10 @@ impl Integrator {
         false
     }
 
-    /// Whether the last correction, of an iteration that needs several matrices, led to larger residuals; takes note of their size otherwise.
-    /// A law with a kink, such as the flow `√Δp` of a valve, sends whole corrections to and fro across it without end; halved ones
-    /// come to rest on the side of the solution. Corrections at rounding are left alone.
+    /// Whether the last correction led to larger residuals, in an iteration that needs several matrices.
+    /// Otherwise it stores the size of the residuals. With a kink in a law, such as the flow `√Δp` of a
+    /// valve, full corrections jump across the kink again and again. Halved corrections end on the side of
+    /// the solution. Corrections at rounding are not halved, because their residuals are random.
     fn led_away(&self, iteration: &mut Iteration) -> bool {
         let size = self.residual.iter().fold(0.0_f64, |w, r| w.max(r.abs()));
         let larger = size > iteration.before
@@ -226,7 +233,7 @@ impl Integrator {
         larger
     }
 
-    /// Takes half of the last correction back.
+    /// Undoes half of the last correction.
     fn halve(&mut self, iteration: &mut Iteration) {
         iteration.backtracks += 1;
         iteration.step *= 0.5;
@@ -236,7 +243,7 @@ impl Integrator {
         }
     }
 
-    /// Solves for the correction; its largest change.
+    /// Solves for the correction and returns its largest change.
     fn correct(&mut self) -> f64 {
         for (d, r) in self.correction.iter_mut().zip(&self.residual) {
             *d = -r;
@@ -251,12 +258,12 @@ impl Integrator {
         })
     }
 
-    /// What follows a correction of this size.
+    /// The next action after a correction of this size.
     fn judge(&mut self, norm: f64, iteration: &mut Iteration) -> Next {
         let goal = iteration.goal;
         let rate = iteration.last.map(|before| norm / before);
         if let Some(rate) = rate {
-            // Near rounding the ratio says nothing but that it is small.
+            // Near rounding the ratio itself is noise. It only shows that the contraction is strong.
             let seen = if norm > goal.max(iteration.noise) {
                 rate
             } else {
@@ -264,7 +271,7 @@ impl Integrator {
             };
             self.contraction = Some(self.contraction.map_or(seen, |c| c.max(seen)));
         }
-        // The correction is the error of what was evaluated, if the matrix contracts.
+        // If the matrix contracts, the correction is the error of the evaluated trial.
         if norm <= goal && self.contraction.is_some_and(|c| c <= CONTRACTION_LIMIT) {
             return Next::Met;
         }
@@ -274,7 +281,8 @@ impl Integrator {
         let Some(rate) = rate else {
             return Next::Iterate;
         };
-        // The first ratio flatters: what an old matrix does slowly shows only when the rest is gone.
+        // The first ratio is too optimistic: slow components of an old matrix become visible only when the
+        // fast ones have decayed.
         let least = if iteration.fills > 0 {
             0.0
         } else {
@@ -296,9 +304,10 @@ impl Integrator {
         Next::Iterate
     }
 
-    /// Goal of Newton's iteration in a step h, in scaled unknowns: a share of what accelerations contribute to the increment,
-    /// `βh² a`. What is left of a correction is not random (the matrix is old in the same way at every step) and adds up over time as a load of that share
-    /// would. Not below rounding.
+    /// Goal of Newton's iteration in a step h, in scaled unknowns: a share of `βh² a`, the contribution of
+    /// accelerations to the increment. The remaining error is not random, because the kept matrix makes the
+    /// same error at every step. It adds up over time like a load of that share. The goal is never below
+    /// rounding.
     fn goal(&self, h: f64) -> f64 {
         let acceleration = self.largest(&self.current.acceleration);
         self.goal
@@ -307,14 +316,16 @@ impl Integrator {
             .max(self.floor(h))
     }
 
-    /// Rounding of the increment of a step h, in scaled unknowns: that of the motion in it. Places that constraints hold round to 1e-16 of the model's
-    /// length whatever the step: there iterations stagnate above it.
+    /// Rounding of the increment of a step h, in scaled unknowns: that of the motion in the step. Positions
+    /// that constraints hold round to 1e-16 of the model's length at any step, so their iterations stagnate
+    /// above this value.
     fn floor(&self, h: f64) -> f64 {
         ROUNDING * (h * self.largest(&self.current.velocity)).max(LEAST_MOTION)
     }
 
-    /// Correction below which a ratio of corrections says nothing. Places that constraints hold round whatever the step; without
-    /// constraints only the motion in the step rounds, and a slow contraction far below the size of the model is still one.
+    /// Correction below which a ratio of corrections is meaningless. Positions that constraints hold round at
+    /// any step. Without constraints only the motion in the step rounds, so a slow contraction far below the
+    /// size of the model still counts.
     fn noise(&self, model: &Model, h: f64) -> f64 {
         if model.rows > 0 {
             100.0 * ROUNDING
@@ -330,7 +341,7 @@ impl Integrator {
             .fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))
     }
 
-    /// The step's worst row as an error.
+    /// The error for a step without solution. It names the row with the largest residual.
     fn stalled(&self, model: &Model, h: f64, moment: Moment) -> RuntimeError {
         let (worst, scaled) =
             self.residual
@@ -443,7 +454,7 @@ impl Integrator {
                 self.governing = Some(i);
             }
         }
-        // States: the scheme's own error is about a sixth of the distance to the extrapolation of second order.
+        // States: the error of the scheme is about a sixth of the distance to the second-order extrapolation.
         for i in 0..s {
             let extrapolated = self.current.states[i]
                 + h * self.current.rates[i]
@@ -463,7 +474,8 @@ impl Integrator {
         Ok(worst)
     }
 
-    /// Whose error governed the last step's size: an element and the name of its state, or a body.
+    /// The owner of the error that governed the last step's size: an element and the name of its state, or a
+    /// body.
     pub fn governing(&self, model: &Model) -> (Origin, Option<String>) {
         let Some(index) = self.governing else {
             return (Origin::default(), None);
