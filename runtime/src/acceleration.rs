@@ -1,15 +1,20 @@
 //! The acceleration-level system `[M Gᵀ; G 0][v̇; λ] = [Q; γ]` and the projections on position and velocity.
 //!
-//! All three have one matrix: with `[0; −Φ]` it gives the smallest move (in the mass norm) back to the constraints, with
-//! `[0; −Φ̇]` the smallest change of velocity. Scaled as the step's matrix, with the model's length and largest mass.
+//! All three have one matrix. With `[0; −Φ]` it gives the smallest move (in the mass norm) back to the
+//! constraints, and with `[0; −Φ̇]` the smallest change of velocity. It is scaled like the step's matrix,
+//! with the model's length and largest mass.
 //!
-//! **Outputs of a step.** The integrator's velocity misses `Φ̇ = 0` by `C h² v̈` along the constraints' normals (see
-//! [`crate::integrator::Integrator::set_defect`]); its equations of motion hold at that velocity, and there alone are its forces
-//! those of second order without a large factor. The change that brings it back to the constraints, x, is microns a second beside
-//! metres a second, but a film of damping d answers it by d x: beside the inertia of what the film carries, m, that is as an error
-//! of d/m x in the acceleration, and d/m is 10⁵ to 10⁷ 1/s in a bearing. Hence loads are taken at the velocity as the integrator has it,
-//! γ, the inertia of the motion and all that is recorded at the projected one, and most of x by the matrix of the step, which knows the
-//! films ([`crate::integrator::Integrator::nearest_change`]), so that their recorded forces are those in the balance.
+//! **Outputs of a step.** The integrator's velocity violates `Φ̇ = 0` by `C h² v̈` along the constraints'
+//! normals (see [`crate::integrator::Integrator::set_defect`]). Its equations of motion hold at that
+//! velocity. Only there are its forces of second order without a large factor. The change x back to the
+//! constraints is microns per second beside metres per second. But a film of damping d responds to it with
+//! the force d x. Relative to the mass m that the film carries, this is an error of d/m x in the
+//! acceleration, and d/m is 10⁵ to 10⁷ 1/s in a bearing.
+//!
+//! So loads use the velocity of the integrator. γ, the inertia of the motion and all recorded values use the
+//! projected velocity. The matrix of the step, which contains the films, gives most of x
+//! ([`crate::integrator::Integrator::nearest_change`]). So the recorded forces of the films are those in the
+//! balance.
 
 use crate::dynamics::Dynamics;
 use crate::error::{Moment, RuntimeError};
@@ -22,13 +27,13 @@ use nalgebra::DMatrix;
 
 /// Largest |Φ| of an output, in m or rad.
 pub const POSITION_LIMIT: f64 = 1e-9;
-/// Below this the projection does not move any more.
+/// Largest |Φ| (m or rad) at which the projection ends.
 const POSITION_GOAL: f64 = 1e-12;
 /// Most corrections of a position.
 const ATTEMPTS: usize = 12;
-/// Corrections of a velocity: one that spares the films, two that leave rounding alone.
+/// Corrections of a velocity: the first hardly changes the films, and two more leave only rounding.
 const VELOCITY_ROUNDS: usize = 3;
-/// Most refinements of a solution with factors of a place beside.
+/// Most refinements of a solution with the factors of a nearby position.
 const REFINEMENTS: usize = 6;
 
 /// The system with its factors.
@@ -43,18 +48,18 @@ pub struct AccelerationSystem {
     scales: Vec<f64>,
     moved: Vec<f64>,
     zeros: Vec<f64>,
-    /// −Q, the forces and what of the inertia goes with velocities.
+    /// −Q: the forces and the velocity-dependent part of the inertia.
     forces: Vec<f64>,
     wanted_rates: Vec<f64>,
     change: Vec<f64>,
     wanted: Vec<f64>,
     correction: Vec<f64>,
-    /// Whether the matrix is of a later place than its factors.
+    /// Whether the matrix belongs to a later position than its factors.
     stale: bool,
 }
 
 impl AccelerationSystem {
-    /// Plans and analyses the system of a model.
+    /// Plans the system of a model and analyses its pattern.
     pub fn new(model: &Model) -> Result<AccelerationSystem, RuntimeError> {
         let size = model.velocities + model.rows;
         let mut builder = PatternBuilder::new(size);
@@ -105,7 +110,7 @@ impl AccelerationSystem {
         })
     }
 
-    /// Factors at the place of `dynamics`, whose gradients are taken anew.
+    /// Makes the factors at the position of `dynamics`, and evaluates the gradients there.
     fn factor(
         &mut self,
         model: &Model,
@@ -118,7 +123,7 @@ impl AccelerationSystem {
         factored.map_err(|_| self.undetermined(model, moment))
     }
 
-    /// Why the matrix has no factors.
+    /// The error for a matrix without factors.
     fn undetermined(&self, model: &Model, moment: Moment) -> RuntimeError {
         let n = model.velocities;
         let mut gradients = DMatrix::zeros(model.rows, n);
@@ -130,7 +135,7 @@ impl AccelerationSystem {
         undetermined(model, &gradients, moment)
     }
 
-    /// The matrix at the place of `dynamics`; the factors stay those of an earlier place.
+    /// Fills the matrix at the position of `dynamics`. The factors remain those of an earlier position.
     fn fill(&mut self, model: &Model, dynamics: &mut Dynamics) -> Result<(), RuntimeError> {
         self.stale = true;
         dynamics.constraint_gradients(model)?;
@@ -165,10 +170,11 @@ impl AccelerationSystem {
         Ok(())
     }
 
-    /// Solves with `self.rhs` (velocity rows scaled by s/(m L²), constraint rows by 1/s); returns scaled unknowns there.
+    /// Solves with `self.rhs` (velocity rows scaled by s/(m L²), constraint rows by 1/s); returns scaled
+    /// unknowns there.
     ///
-    /// Factors of a place a little beside are made good by refinement against the matrix as it is; where that does not
-    /// settle at once, the matrix is factored.
+    /// Factors of a nearby position serve, with refinement against the present matrix. If the refinement does
+    /// not converge quickly, the matrix is factored.
     fn solve(&mut self, model: &Model, moment: Moment) -> Result<(), RuntimeError> {
         if !self.stale {
             self.solver.solve(&mut self.rhs);
@@ -195,7 +201,7 @@ impl AccelerationSystem {
             }
             let settling = change < 0.1 * last;
             if !settling {
-                // rounding is all that is left, or the factors are too far off
+                // either only rounding is left, or the factors belong to a position too far away
                 if change <= 1e-12 * size {
                     return Ok(());
                 }
@@ -224,8 +230,8 @@ impl AccelerationSystem {
         self.finish(model, dynamics, integrator, state, moment)
     }
 
-    /// Brings positions back to Φ = 0; `dynamics` stands there afterwards. The factors are made at the state as it comes, or
-    /// kept (not `fresh`) from a call just before at a place close by.
+    /// Brings positions back to Φ = 0 and places `dynamics` there. With `fresh` it makes the factors at the
+    /// given state. Otherwise it keeps the factors of the call before, which must be at a nearby position.
     pub fn project(
         &mut self,
         model: &Model,
@@ -251,7 +257,7 @@ impl AccelerationSystem {
                             best
                         }
                     });
-            // factors of the first place serve small moves; a second set where they do not
+            // the factors of the first position serve for small moves; larger moves get a second set
             if (attempt == 0 && fresh) || attempt == ATTEMPTS / 2 {
                 self.factor(model, dynamics, moment)?;
             }
@@ -280,10 +286,10 @@ impl AccelerationSystem {
         Ok(())
     }
 
-    /// After [`AccelerationSystem::project`]: velocities with |Φ̇| below 1e-9 of the model's speed, accelerations, multipliers
-    /// and rates.
+    /// After [`AccelerationSystem::project`]: velocities with |Φ̇| below 1e-9 of the model's speed,
+    /// accelerations, multipliers and rates.
     ///
-    /// Loads are those of the velocity as it comes, at which `dynamics` was evaluated: see the head of this module.
+    /// Loads belong to the given velocity, at which `dynamics` was evaluated: see the head of this module.
     pub fn finish(
         &mut self,
         model: &Model,
@@ -340,7 +346,7 @@ impl AccelerationSystem {
         self.accelerate(model, dynamics, state, moment)
     }
 
-    /// The part of the state's velocity that misses the constraints, normal to them in the mass norm.
+    /// The part of the state's velocity that violates the constraints. It is normal to them in the mass norm.
     pub fn velocity_defect(
         &mut self,
         model: &Model,
@@ -376,8 +382,8 @@ impl AccelerationSystem {
         Ok(())
     }
 
-    /// The smallest x in the mass norm with `G x = rates`, with the factors last made: after `velocity_defect` or
-    /// `accelerations`.
+    /// The smallest x in the mass norm with `G x = rates`. It uses the last factors, so call it after
+    /// `velocity_defect` or `accelerations`.
     pub fn normal(&mut self, model: &Model, rates: &[f64], out: &mut [f64]) {
         let n = model.velocities;
         self.rhs[..n].fill(0.0);
@@ -390,7 +396,7 @@ impl AccelerationSystem {
         }
     }
 
-    /// At the place, the gathered inputs (multipliers zero) and the factors of the state.
+    /// Computes accelerations from the present position, gathered inputs (multipliers zero) and factors.
     fn accelerate(
         &mut self,
         model: &Model,
@@ -405,7 +411,7 @@ impl AccelerationSystem {
         self.balance(model, dynamics, state, moment)
     }
 
-    /// Loads and rates of the state as `dynamics` was evaluated there, multipliers zero.
+    /// Stores the loads and rates of the last evaluation of `dynamics`, with multipliers zero.
     fn take_forces(&mut self, model: &Model, dynamics: &Dynamics, state: &mut State) {
         self.forces.fill(0.0);
         dynamics.add_forces(model, -1.0, &mut self.forces);

@@ -1,8 +1,9 @@
 //! The kinematic chain: from bodies to markers and back, the same for every law.
 //!
-//! A marker at the undeformed place `s` of a body, with axes `C` (marker → body). On a flexible body with amplitudes a its shape
-//! ([`crate::shape`]) gives the displacement `u(a)` and the rotation `θ(a)` with the derivatives Φt and Φr, so that `p = s + u`, and
-//! `E = exp(θ~)` turns the marker (both zero on a rigid body):
+//! A marker has the undeformed position `s` in its body and the axes `C` (marker → body). On a flexible body
+//! with amplitudes a, its shape ([`crate::shape`]) gives the displacement `u(a)` and the rotation `θ(a)` with
+//! the derivatives Φt and Φr. Then `p = s + u`, and `E = exp(θ~)` turns the marker. On a rigid body u and θ
+//! are zero.
 //!
 //! ```text
 //! x = r + A p                    R = A E C
@@ -10,26 +11,29 @@
 //! [δx; δπ_m] = J [δr; δπ; δa]    J = [I, −A p~, A Φt; 0, CᵀEᵀ, CᵀEᵀ T Φr]
 //! ```
 //!
-//! with `T(θ) = Σ θ~ᵏ/(k+1)!`, the exact `d exp(θ~) = (T dθ)~ exp(θ~)`: with `T = I` velocity constraints would not be the
-//! rates of the position constraints. The twist is `J v`, the generalised force of a wrench `W` is `Jᵀ W`, and the marker's
-//! acceleration `J v̇ + J̇ v`. With frozen W and v, `∂(JᵀW)/∂q` and `∂(Jv)/∂q` are what makes Newton's matrix exact.
+//! with `T(θ) = Σ θ~ᵏ/(k+1)!`, the exact `d exp(θ~) = (T dθ)~ exp(θ~)`. With `T = I` velocity constraints
+//! would not be the rates of the position constraints. The twist is `J v`, the generalised force of a wrench
+//! `W` is `Jᵀ W`, and the marker's acceleration is `J v̇ + J̇ v`. With frozen W and v, `∂(JᵀW)/∂q` and
+//! `∂(Jv)/∂q` make Newton's matrix exact.
 //!
-//! A marker sees the shape of its body through `u` and `θ` alone. All of the above is therefore computed in the marker's *reach*, six
-//! numbers on a rigid body, `(δr, δπ)`, and twelve on a flexible one, `(δr, δπ, δu = Φt δa, δθ = Φr δa)`: a body of six modes whose shapes are
-//! the unit ones. Sums over elements are made there, and expanded by Φ once a marker, whatever the number of modes. Where the shape is of
-//! second order, Φ depends on a, and the reach has six numbers more: what u̇ and θ̇ change by δa at frozen ȧ.
+//! A marker depends on the shape of its body only through `u` and `θ`. So all of the above is computed in the
+//! marker's *reach*. On a rigid body the reach has six numbers, `(δr, δπ)`. On a flexible one it has twelve,
+//! `(δr, δπ, δu = Φt δa, δθ = Φr δa)`, like a body of six modes with unit shapes. Sums over elements are made
+//! in the reach. Φ expands them once for each marker, so their cost does not depend on the number of modes.
+//! For a shape of second order Φ depends on a, and the reach has six more numbers: the changes of u̇ and θ̇
+//! with δa at frozen ȧ.
 
 use crate::body::{BodyFrame, BodyModel};
 use crate::dense::add_six;
 use crate::rotation::{M3, V3, exponential, matrix, skew, tangent, tangent_along};
 use crate::shape::MarkerShape;
 
-/// Numbers of its body's motion that a marker with a linear shape sees.
+/// Size of the reach of a marker with a linear shape.
 pub const REACH: usize = 12;
-/// The same for a shape of second order.
+/// Size of the reach of a marker with a shape of second order.
 pub const CURVED_REACH: usize = 18;
 
-/// Numbers of its body's motion that a marker of this shape sees.
+/// Size of the reach of a marker with this shape.
 pub fn reach_of(shape: Option<&MarkerShape>) -> usize {
     match shape {
         None => 6,
@@ -43,18 +47,18 @@ pub fn reach_of(shape: Option<&MarkerShape>) -> usize {
 pub struct MarkerModel {
     /// Index of its body; `None` for ground.
     pub body: Option<usize>,
-    /// Place in the body frame (m).
+    /// Position in the body frame (m).
     pub position: V3,
     /// Marker → body.
     pub orientation: M3,
-    /// How it follows the modes of a flexible body; `None` where it does not.
+    /// Its motion with the modes of a flexible body; `None` on a rigid body.
     pub shape: Option<MarkerShape>,
-    /// The marker it lies on at the start, until assembly has placed it.
+    /// The marker with which it coincides at the start, until assembly has placed it.
     pub placed_at: Option<usize>,
 }
 
 impl MarkerModel {
-    /// How many numbers of its body's motion it sees: see the head of this module.
+    /// Size of its reach: see the head of this module.
     pub fn reach(&self) -> usize {
         reach_of(self.shape.as_ref())
     }
@@ -73,14 +77,14 @@ pub struct MarkerKinematics {
     pub angular_velocity: V3,
 }
 
-/// Where a marker stands in its deformed body.
+/// Position and orientation of a marker in its deformed body.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed {
     /// p (m, body axes).
     pub position: V3,
     /// E C: marker → body.
     pub orientation: M3,
-    /// What a flexible body adds.
+    /// Additional data on a flexible body.
     bent: Option<Bent>,
     reach: usize,
 }
@@ -93,7 +97,7 @@ struct Bent {
     turn: M3,
 }
 
-/// How a body's motion reaches a marker.
+/// The motion of a body as far as a marker depends on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// ṙ (m/s, inertial).
@@ -107,7 +111,7 @@ pub struct Motion {
 }
 
 impl Placed {
-    /// At the amplitudes of a frame.
+    /// The marker's placement at the amplitudes of a frame.
     pub fn new(frame: &BodyFrame, marker: &MarkerModel) -> Placed {
         let Some(shape) = &marker.shape else {
             return Placed {
@@ -121,7 +125,7 @@ impl Placed {
         Placed {
             position: marker.position + displacement,
             orientation: matrix(&exponential(&theta)) * marker.orientation,
-            // the other trivialisation than that of increments in body axes: T(θ) = tangent(−θ)
+            // increments in body axes use the other trivialisation: T(θ) = tangent(−θ)
             bent: Some(Bent {
                 theta,
                 turn: tangent(&-theta),
@@ -137,7 +141,8 @@ impl Placed {
 }
 
 impl Motion {
-    /// From a body's velocities, or any other vector of that kind, at the amplitudes of a frame.
+    /// The motion from a body's velocities, or from another vector of that kind, at the amplitudes of a
+    /// frame.
     pub fn new(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> Motion {
         let (rate, turning) = match &marker.shape {
             Some(shape) => shape.rate(frame.amplitudes, &v[6..6 + shape.modes()]),
@@ -164,8 +169,8 @@ impl Motion {
     }
 }
 
-/// Expands rows over a marker's reach to rows over its body's velocities: `out += block · [1, 0; 0, Φ]`, with the rows Φ of
-/// [`MarkerShape::fill_rows`], empty on a rigid body.
+/// Expands rows over a marker's reach to rows over its body's velocities: `out += block · [1, 0; 0, Φ]`, with
+/// the rows Φ of [`MarkerShape::fill_rows`], empty on a rigid body.
 pub fn expand(shape: &[f64], block: &[f64], reach: usize, width: usize, out: &mut [f64]) {
     let six = 6 * width.saturating_sub(6);
     for (row, line) in block.chunks_exact(reach).zip(out.chunks_exact_mut(width)) {
@@ -206,7 +211,7 @@ pub fn kinematics(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> MarkerK
     seen(&frame.rotation, &frame.position, &placed, &motion)
 }
 
-/// [`kinematics`] of a marker that no mode moves.
+/// [`kinematics`] of a marker on a rigid body.
 pub fn rigid_kinematics(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> MarkerKinematics {
     let omega = V3::new(v[3], v[4], v[5]);
     MarkerKinematics {
@@ -217,7 +222,7 @@ pub fn rigid_kinematics(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> M
     }
 }
 
-/// [`kinematics`] of a marker that is placed on a body with orientation and position.
+/// [`kinematics`] of a marker from its placement and the pose of its body.
 pub fn seen(rotation: &M3, origin: &V3, placed: &Placed, motion: &Motion) -> MarkerKinematics {
     let mut arm = motion.omega.cross(&placed.position);
     let mut spin = motion.omega;
@@ -248,7 +253,7 @@ pub fn jacobian(body: &BodyModel, frame: &BodyFrame, marker: &MarkerModel, out: 
     expand(&rows, block, placed.reach(), body.width(), out);
 }
 
-/// J of a marker that no mode moves: six rows, written.
+/// J of a marker on a rigid body. Overwrites the six rows.
 pub fn rigid_jacobian(frame: &BodyFrame, marker: &MarkerModel, out: &mut [[f64; 6]]) {
     let arm = -(frame.rotation * skew(&marker.position));
     for (i, row) in out.iter_mut().take(6).enumerate() {
@@ -263,7 +268,7 @@ pub fn rigid_jacobian(frame: &BodyFrame, marker: &MarkerModel, out: &mut [[f64; 
     }
 }
 
-/// J in the marker's reach, row-major 6 × reach, written.
+/// J in the marker's reach, row-major 6 × reach. Overwrites `out`.
 pub fn jacobian_in_reach(rotation: &M3, placed: &Placed, out: &mut [f64]) {
     let width = placed.reach();
     out[..6 * width].fill(0.0);
@@ -277,8 +282,9 @@ pub fn jacobian_in_reach(rotation: &M3, placed: &Placed, out: &mut [f64]) {
     }
 }
 
-/// `∂(J v)/∂q` for frozen v in the marker's reach, row-major 6 × reach, written. Of ẋ: `A (δπ × (ω×p + u̇) + ω × δu + δu̇)`.
-/// Of ω_m, with `y = ω + T θ̇`: `CᵀEᵀ (y × T δθ + ∂(T θ̇)/∂θ δθ + T δθ̇)`, θ̇ frozen in the second term.
+/// `∂(J v)/∂q` for frozen v in the marker's reach, row-major 6 × reach. Overwrites `out`. For ẋ:
+/// `A (δπ × (ω×p + u̇) + ω × δu + δu̇)`. For ω_m, with `y = ω + T θ̇`:
+/// `CᵀEᵀ (y × T δθ + ∂(T θ̇)/∂θ δθ + T δθ̇)`, θ̇ frozen in the second term.
 pub fn twist_by_pose(rotation: &M3, placed: &Placed, motion: &Motion, out: &mut [f64]) {
     let width = placed.reach();
     out[..6 * width].fill(0.0);
@@ -297,9 +303,10 @@ pub fn twist_by_pose(rotation: &M3, placed: &Placed, motion: &Motion, out: &mut 
     }
 }
 
-/// `∂(Jᵀ W)/∂q` for a frozen wrench (force inertial, torque marker axes) in the marker's reach, row-major reach × reach, written;
-/// what the expansion by Φ(a) changes is [`MarkerShape::add_pull`].
-/// With `f = AᵀF`, `t = E C τ`: `JᵀW = [F; p×f + t; f; Tᵀ t]`, `δf = f × δπ`, `δt = T δθ × t`, and `Tᵀ(θ) = T(−θ)`.
+/// `∂(Jᵀ W)/∂q` for a frozen wrench (force inertial, torque marker axes) in the marker's reach, row-major
+/// reach × reach. Overwrites `out`. [`MarkerShape::add_pull`] adds the change of the expansion by Φ(a). With
+/// `f = AᵀF`, `t = E C τ`: `JᵀW = [F; p×f + t; f; Tᵀ t]`, `δf = f × δπ`, `δt = T δθ × t`, and
+/// `Tᵀ(θ) = T(−θ)`.
 pub fn force_by_pose(rotation: &M3, placed: &Placed, wrench: &[f64], out: &mut [f64]) {
     let width = placed.reach();
     let force = rotation.transpose() * V3::new(wrench[0], wrench[1], wrench[2]);
@@ -332,8 +339,9 @@ pub fn bias(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> [f64; 6] {
     )
 }
 
-/// `J̇ v`: acceleration of the marker (ẍ inertial m/s², ω̇ in marker axes rad/s²) at `v̇ = 0`, where u and θ have the second rates
-/// `swing` (ü, θ̈): `A (ω×(ω×p) + 2 ω×u̇ + ü)` and `CᵀEᵀ (ω × T θ̇ + ∂(T θ̇)/∂θ θ̇ + T θ̈)`.
+/// `J̇ v`: acceleration of the marker (ẍ inertial m/s², ω̇ in marker axes rad/s²) at `v̇ = 0`. With the
+/// second rates `swing` (ü, θ̈) of u and θ it is `A (ω×(ω×p) + 2 ω×u̇ + ü)` and
+/// `CᵀEᵀ (ω × T θ̇ + ∂(T θ̇)/∂θ θ̇ + T θ̈)`.
 fn acceleration_bias(
     rotation: &M3,
     placed: &Placed,

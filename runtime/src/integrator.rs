@@ -1,7 +1,7 @@
 //! Lie-group generalised-α for index-3 DAEs.
 //!
-//! Arnold and Brüls, "Convergence of the generalized-α scheme for constrained mechanical systems", Multibody Syst Dyn 18
-//! (2007); on Lie groups: Brüls, Cardona, Arnold, Mech Mach Theory 48 (2012). With `u = h Δq`:
+//! Arnold and Brüls, "Convergence of the generalized-α scheme for constrained mechanical systems", Multibody
+//! Syst Dyn 18 (2007); on Lie groups: Brüls, Cardona, Arnold, Mech Mach Theory 48 (2012). With `u = h Δq`:
 //!
 //! ```text
 //! q' = q ∘ exp(u)      u = h v + h² ((½ − β) a + β a')      v' = v + h ((1 − γ) a + γ a')
@@ -10,23 +10,29 @@
 //! ```
 //!
 //! Element states follow the first-order scheme of Jansen, Whiting and Hulbert (2000) with the same α_f:
-//! `α_m = (3ρ − 1)/(2(ρ + 1))`, `γ = ½ + α_f − α_m`, so that rates are taken at the same instant.
+//! `α_m = (3ρ − 1)/(2(ρ + 1))`, `γ = ½ + α_f − α_m`, so rates belong to the same instant.
 //!
-//! `a` belongs to the instant `t + (α_m − α_f) h`. Hence `a₀ = v̇₀ + (α_m − α_f) h v̈₀`, and after a change of the step
-//! `a ← v̇ + (h_new/h_old)(a − v̇)`; else second order is lost. For λ the velocity's off-constraint part follows as well, with
-//! h²: see [`Integrator::set_defect`].
+//! `a` belongs to the instant `t + (α_m − α_f) h`. Hence `a₀ = v̇₀ + (α_m − α_f) h v̈₀`, and after a change
+//! of the step `a ← v̇ + (h_new/h_old)(a − v̇)`. Otherwise the scheme loses its second order. For the order
+//! of λ the part of the velocity normal to the constraints is rescaled too, with h²: see
+//! [`Integrator::set_defect`].
 //!
-//! **Unknowns and scaling** (Bottasso, Dopico, Trainelli 2008): u in units of the model's length L (angles: 1), states in
-//! their magnitude, `λ̂ = βh²λ/(m L²)`; dynamic rows by βh²; lengths among the constraints by L. The condition of the matrix
-//! then does not grow as h falls.
+//! **Unknowns and scaling** (Bottasso, Dopico, Trainelli 2008): u in units of the model's length L (angles:
+//! 1), states in units of their magnitude, `λ̂ = βh²λ/(m L²)`. Dynamic rows are multiplied by βh², and
+//! constraints that are lengths are divided by L. The condition of the matrix then does not grow as h
+//! decreases.
 //!
-//! **Local error.** With `a = v̇ + Δ v̈`, `Δ = (α_m − α_f) h`, the Taylor series of the update against the motion's leaves
-//! `u − u_exact = (β + ½(α_m − α_f) − 1/6) h³ v̈ + O(h⁴)`, and `h v̈ ≈ a' − a`. (For ρ = 1 this is Zienkiewicz and
-//! Xie's estimate for Newmark's method, 1991.) The estimate e is filtered by the step's matrix,
-//! `S [e_f; μ] = [(c M + γ/(βh) D) e; G e]`, `c = (1 − α_m)/((1 − α_f)βh²)`: without stiffness this gives e back; modes which the step does not
-//! resolve come out damped, as in Hosea and Shampine (1996). Damping stays on the right as well: a pin whose film's damping outweighs its
-//! inertia goes where its velocity takes it, and no force brings back what a step misses of its place. Multipliers and accelerations are not in the norm, and neither are the modes of
-//! flexible bodies with ωh > 1 ([`RESOLVED`]): the series holds for none of these. Global errors of second order follow as the tolerance to 2/3.
+//! **Local error.** With `a = v̇ + Δ v̈`, `Δ = (α_m − α_f) h`, the difference of the Taylor series of update
+//! and motion is `u − u_exact = (β + ½(α_m − α_f) − 1/6) h³ v̈ + O(h⁴)`, and `h v̈ ≈ a' − a`. (For ρ = 1 this
+//! is Zienkiewicz and Xie's estimate for Newmark's method, 1991.) The estimate e is filtered by the step's
+//! matrix, `S [e_f; μ] = [(c M + γ/(βh) D) e; G e]`, `c = (1 − α_m)/((1 − α_f)βh²)`: without stiffness this
+//! gives e back. Modes which the step does not resolve come out damped, as in Hosea and Shampine (1996).
+//! Damping is also on the right side: a pin whose film's damping outweighs its inertia moves with its
+//! velocity, and no force corrects an error of its position.
+//!
+//! The norm contains no multipliers, no accelerations, and no modes of flexible bodies with ωh > 1
+//! ([`RESOLVED`]), because the series holds for none of these. The global error is of second order and
+//! follows the tolerance to the power 2/3.
 
 mod dense;
 mod nearest;
@@ -43,14 +49,16 @@ use crate::linear::{BlockLu, LinearSolver};
 use crate::model::Model;
 use crate::state::{State, move_pose};
 
-/// Share of the position tolerance that the error of one step may have. Accelerations and small reactions are two derivatives of the
-/// positions: in an engine of film bearings they are then good to a per cent of their own swing, positions to far more.
+/// Share of the position tolerance that the error of one step may have. Accelerations and small reactions are
+/// second derivatives of the positions. In an engine with film bearings this share keeps them right within a
+/// per cent of their own swing, and positions far better.
 pub const STEP_SHARE: f64 = 0.1;
-/// A mode is in the error norm while ωh stays below this (rad): six steps a period. Beyond, the series of the estimate says nothing
-/// about it; the scheme's numerical damping takes what rings there, and the mode follows its load.
+/// The error norm contains a mode while ωh is below this (rad), which is six steps per period. For faster
+/// modes the series of the estimate does not converge. Such a mode follows its load, and numerical damping
+/// removes its ringing.
 pub const RESOLVED: f64 = 1.0;
 
-/// Times its magnitude in the scaled system from which on a state has outgrown it.
+/// Multiple of its magnitude in the scaled system above which a state needs a new magnitude.
 const OUTGROWN: f64 = 10.0;
 
 /// Coefficients of the scheme.
@@ -60,20 +68,20 @@ pub struct Coefficients {
     pub alpha_m: f64,
     /// Weight of the old v̇.
     pub alpha_f: f64,
-    /// Of velocities.
+    /// γ, for velocities.
     pub gamma: f64,
-    /// Of positions.
+    /// β, for positions.
     pub beta: f64,
     /// Weight of the old auxiliary rate of states.
     pub state_alpha_m: f64,
-    /// Of states.
+    /// γ, for states.
     pub state_gamma: f64,
     /// `β + ½(α_m − α_f) − 1/6`.
     pub error: f64,
 }
 
 impl Coefficients {
-    /// For a spectral radius at infinite frequency in 0…1.
+    /// The coefficients for a spectral radius at infinite frequency in 0…1.
     pub fn new(rho: f64) -> Coefficients {
         let alpha_m = (2.0 * rho - 1.0) / (rho + 1.0);
         let alpha_f = rho / (rho + 1.0);
@@ -91,7 +99,7 @@ impl Coefficients {
         }
     }
 
-    /// Derivatives by the increment of a step h.
+    /// Derivatives of velocity and acceleration with respect to the increment of a step h.
     fn weights(&self, h: f64) -> Weights {
         Weights {
             acceleration: (1.0 - self.alpha_m) / ((1.0 - self.alpha_f) * self.beta * h * h),
@@ -105,12 +113,13 @@ impl Coefficients {
     }
 }
 
-/// Where Newton's iteration ends.
+/// The limits at which Newton's iteration ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
     /// Largest correction, in scaled unknowns.
     pub absolute: f64,
-    /// Largest correction as a share of what the largest acceleration contributes to the increment of a step.
+    /// Largest correction as a share of the contribution of the largest acceleration to the increment of a
+    /// step.
     pub relative: f64,
 }
 
@@ -129,14 +138,15 @@ pub struct Statistics {
     pub factorizations: u64,
     /// Evaluations of the step's residual.
     pub residuals: u64,
-    /// Factorisations of them that the general method had to take over, since the start or the resumption.
+    /// Factorisations by the general method, after a failure of the block method, since the start or the
+    /// resumption.
     pub fallbacks: u64,
 }
 
-/// What a trial of a step gave.
+/// Outcome of a trial step.
 #[derive(Clone, Debug)]
 pub enum Trial {
-    /// Solved; the estimated local error in units of the tolerance.
+    /// Solved, with the estimated local error in units of the tolerance.
     Solved {
         /// Error over tolerance.
         error: f64,
@@ -162,9 +172,9 @@ pub struct Integrator {
     pub auxiliary: Vec<f64>,
     /// Auxiliary rates of the states.
     pub state_auxiliary: Vec<f64>,
-    /// The current velocity without, and only, the part that misses the constraints; see [`Integrator::set_defect`].
+    /// The current velocity without the part that violates the constraints; see [`Integrator::set_defect`].
     pub base_velocity: Vec<f64>,
-    /// See `base_velocity`.
+    /// The part of the current velocity that violates the constraints.
     pub defect: Vec<f64>,
     /// Whether the two above belong to the current state.
     pub defect_known: bool,
@@ -176,20 +186,21 @@ pub struct Integrator {
     pub multiplier_rate: Vec<f64>,
     /// Rate of ẏ.
     pub state_jerk: Vec<f64>,
-    /// Larger of each state's scale and its largest magnitude so far: errors are held to a share of it.
+    /// The larger of each state's scale and its largest magnitude so far. Errors are limited to a share of
+    /// it.
     pub state_peak: Vec<f64>,
-    /// Where Newton's iteration ends.
+    /// The limits at which Newton's iteration ends.
     pub goal: Goal,
     /// Counts.
     pub statistics: Statistics,
     plan: MatrixPlan,
     solver: Box<dyn LinearSolver>,
     values: Vec<f64>,
-    /// The step of the kept factors; `None` where there are none.
+    /// The step of the kept factors; `None` without factors.
     factored_step: Option<f64>,
     /// Whether `values` are still the matrix of the kept factors.
     factored_values: bool,
-    /// Contraction that the kept factors showed.
+    /// Contraction observed with the kept factors.
     contraction: Option<f64>,
     trial: Vec<f64>,
     start_velocity: Vec<f64>,
@@ -200,16 +211,16 @@ pub struct Integrator {
     residual: Vec<f64>,
     delta: Vec<f64>,
     correction: Vec<f64>,
-    /// The correction that led to the trial, as far as it was taken.
+    /// The applied part of the correction that led to the trial.
     taken: Vec<f64>,
     scales: Vec<f64>,
-    /// What rows and columns are multiplied by in the step last predicted.
+    /// Factors on rows and columns in the step last predicted.
     row_factors: Vec<f64>,
     column_factors: Vec<f64>,
     mass_block: Vec<f64>,
     estimate: Vec<f64>,
     damping_wrenches: Vec<f64>,
-    /// The unknown, a velocity's or a state's, that governed the last estimate.
+    /// The unknown (a velocity or a state) that governed the last estimate.
     governing: Option<usize>,
 }
 
@@ -278,8 +289,9 @@ impl Integrator {
         })
     }
 
-    /// Starts `a` with the rate of the accelerations, `a₀ = v̇₀ + (α_m − α_f) h v̈₀`, and v with its off-constraint part, both
-    /// kept for h = 1 s and rescaled to each step. `normal_jerk` is the part of v̈₀ normal to the constraints.
+    /// Starts `a` with the rate of the accelerations, `a₀ = v̇₀ + (α_m − α_f) h v̈₀`, and v with its part
+    /// normal to the constraints. Both are stored for h = 1 s and rescaled for each step. `normal_jerk` is
+    /// the part of v̈₀ normal to the constraints.
     pub fn start(
         &mut self,
         jerk: &[f64],
@@ -305,17 +317,18 @@ impl Integrator {
         }
     }
 
-    /// Whether a step h needs [`Integrator::set_defect`] first: it differs from the last one.
+    /// Whether a step h needs [`Integrator::set_defect`] first, because it differs from the last step.
     pub fn needs_defect(&self, h: f64) -> bool {
         h != self.auxiliary_step && !self.defect_known
     }
 
-    /// Takes the part of the current velocity that is normal to the constraints in the mass norm.
+    /// Sets the part of the current velocity that is normal to the constraints in the mass norm.
     ///
-    /// The position constraint holds at every step although the update misses the motion by `C h³ v̈`; the velocity makes up for it
-    /// along the constraints' normals, `−C h² v̈`. When h changes at once, this part has to change with h², else the multipliers
-    /// take the difference and drop to first order. (At the start it is set from v̈₀: the perturbed starting velocity of Arnold,
-    /// Cardona, Brüls 2016.) The tangential part is never touched.
+    /// The position constraint holds at every step although the update differs from the motion by `C h³ v̈`.
+    /// The velocity compensates for this along the constraints' normals, by `−C h² v̈`. When h changes, this
+    /// part must change with h². Otherwise the multipliers take the difference and drop to first order. At
+    /// the start this part comes from v̈₀: it is the perturbed starting velocity of Arnold, Cardona, Brüls
+    /// 2016. The tangential part never changes.
     pub fn set_defect(&mut self, defect: &[f64]) {
         self.defect.copy_from_slice(defect);
         for (i, b) in self.base_velocity.iter_mut().enumerate() {
@@ -334,7 +347,8 @@ impl Integrator {
         self.scales[model.velocities..model.velocities + model.states].copy_from_slice(scales);
     }
 
-    /// Takes the magnitudes of states along that have outgrown theirs by far: rounding would stand in the way of their solution.
+    /// Updates the magnitude of every state that has become much larger than it. With the old magnitude,
+    /// rounding would prevent the solution.
     fn rescale_states(&mut self, model: &Model) {
         for (scale, peak) in self.scales[model.velocities..]
             .iter_mut()
@@ -354,15 +368,16 @@ impl Integrator {
         self.contraction = None;
     }
 
-    /// Step (s), contraction and matrix of the kept factors: what [`Integrator::keep_factors`] makes them from again, to the same bits.
-    /// `None` where there are none, or where another matrix was filled since.
+    /// Step (s), contraction and matrix of the kept factors. [`Integrator::keep_factors`] makes the same
+    /// factors from them, to the same bits. `None` without factors, or if another matrix was filled since.
     pub fn kept_factors(&self) -> Option<(f64, Option<f64>, &[f64])> {
         let step = self.factored_step?;
         self.factored_values
             .then_some((step, self.contraction, self.values.as_slice()))
     }
 
-    /// Takes factors up as they were kept; counts nothing, for it was counted then. `false` where they can't be made.
+    /// Makes the factors of a checkpoint again. It changes no count, because the first factorisation was
+    /// counted. `false` if the matrix has no factors.
     pub fn keep_factors(&mut self, step: f64, contraction: Option<f64>, values: &[f64]) -> bool {
         if values.len() != self.values.len() || self.solver.factor(values).is_err() {
             self.drop_factors();
@@ -397,7 +412,8 @@ impl Integrator {
 
     /// Sets `a` of this step's beginning and the predicted unknowns (scaled) for a step h.
     ///
-    /// With `smooth`, accelerations, multipliers and rates go on with their last rates of change; else they stay.
+    /// With `smooth`, accelerations, multipliers and rates are extrapolated with their last rates of change.
+    /// Otherwise they are kept constant.
     pub fn predict(&mut self, model: &Model, h: f64, smooth: bool) {
         let c = self.coefficients;
         let ratio = h / self.auxiliary_step;
@@ -475,7 +491,8 @@ impl Integrator {
         &self.trial
     }
 
-    /// Places, velocities, accelerations, states, their rates and multipliers at the trial of a step h.
+    /// Computes positions, velocities, accelerations, states, their rates and multipliers at the trial of a
+    /// step h.
     fn take_trial(&mut self, model: &Model, h: f64) {
         let c = self.coefficients;
         let (n, s) = (model.velocities, model.states);
@@ -600,7 +617,8 @@ impl Integrator {
         }
     }
 
-    /// Makes the trial the current state. `time` is where the step ends, to the last bit.
+    /// Makes the trial the current state. `time` is the exact end of the step; a sum of steps would round
+    /// differently.
     pub fn accept(&mut self, model: &Model, h: f64, time: f64) {
         let n = model.velocities;
         self.statistics.steps += 1;

@@ -1,4 +1,4 @@
-//! A simulation: one parameter set of a compiled model, its state, and everything to move it on.
+//! A simulation: one parameter set of a compiled model, its state, and all data to integrate it.
 
 mod astray;
 mod pace;
@@ -26,22 +26,23 @@ use eng_system::code::Compiled;
 use eng_system::system::{Origin, Start, StepControl};
 use pace::Limit;
 
-/// How a simulation integrates.
+/// Options of the integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Fixed steps, or a factor on the physical tolerances.
     pub step: StepControl,
-    /// Spectral radius at infinite frequency, 0…1; below 1 where there are constraints, whose multipliers are otherwise not damped
-    /// at all and drift away after many turns.
+    /// Spectral radius at infinite frequency, 0…1. It must be below 1 with constraints: at 1 their
+    /// multipliers have no damping and drift away after many turns.
     pub rho_infinity: f64,
-    /// Largest correction that ends Newton's iteration, in scaled unknowns; `None`: 1e-4 of the position tolerance over the model's length, times the
-    /// factor on the tolerances where that is below 1, at most 1e-10. It has to be below [`GOAL`] of the accelerations' share of a step, too.
+    /// Largest correction that ends Newton's iteration, in scaled unknowns. `None` means 1e-4 of the position
+    /// tolerance over the model's length, times the factor on the tolerances if that is below 1, and at most
+    /// 1e-10. The correction must also be below [`GOAL`] of the accelerations' share of a step.
     pub newton_tolerance: Option<f64>,
-    /// Largest step under error control (s): a load that comes by time is not overslept.
+    /// Largest step under error control (s), so that a step cannot skip a short load that depends on time.
     pub max_step: f64,
-    /// Whether work is accumulated; one more evaluation a step.
+    /// Whether the simulation sums up work, which costs one more evaluation in each step.
     pub energy: bool,
-    /// How the motion begins; see [`mod@crate::start`].
+    /// The kind of start; see [`mod@crate::start`].
     pub start: Start,
 }
 
@@ -87,7 +88,7 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// Energy that appeared from nowhere: zero up to the integrator's error.
+    /// Energy without a source: zero up to the integrator's error.
     pub fn imbalance(&self) -> f64 {
         self.kinetic + self.gravity + self.strain - self.start + self.damping
             - self.loads
@@ -95,16 +96,16 @@ impl Energy {
     }
 }
 
-/// An `advise` that does not hold.
+/// A failed `advise`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Warning {
-    /// The name under which it is accepted; empty where it has none.
+    /// The name of the lint for `accept`; empty without a name.
     pub name: String,
     /// The element and the place of the condition.
     pub origin: Origin,
     /// The author's message.
     pub message: String,
-    /// When it was first seen.
+    /// The first moment of the failure.
     pub moment: Moment,
 }
 
@@ -113,7 +114,7 @@ pub struct Warning {
 pub struct CscView<'a> {
     /// Rows and columns.
     pub size: usize,
-    /// Begin of each column in `rows` and `values`, and the end.
+    /// Start of each column in `rows` and `values`, and the end of the last.
     pub columns: &'a [usize],
     /// Row of each entry.
     pub rows: &'a [usize],
@@ -121,7 +122,7 @@ pub struct CscView<'a> {
     pub values: &'a [f64],
 }
 
-/// A simulation. It owns its state; two of them on two threads give the same bits.
+/// A simulation. It owns its state, so simulations in several threads give the same bits.
 #[derive(Debug)]
 pub struct Simulation {
     model: Model,
@@ -141,16 +142,18 @@ pub struct Simulation {
     rows: Vec<f64>,
     size: StepSize,
     grid: FixedGrid,
-    /// What made the last step as long as it was.
+    /// The reason for the length of the last step.
     limit: Limit,
     /// The last failure at a table's end, until a step succeeds at once.
     outside: Option<Box<RuntimeError>>,
     energy: Energy,
-    /// Works of loads and constraints and what was lost in flexible bodies (J) at the begin of the last step.
+    /// Works of loads and of constraints, and the loss in flexible bodies (J), at the beginning of the last
+    /// step.
     energy_before: [f64; 3],
-    /// At the state of the last outputs.
+    /// Energy at the state of the last outputs.
     sampled_energy: Energy,
-    /// Powers of loads, of constraints and lost in flexible bodies at the last accepted state and at the one before.
+    /// Powers of loads and of constraints, and the power lost in flexible bodies, at the last accepted state
+    /// and at the one before.
     powers: [f64; 3],
     earlier_powers: [f64; 3],
     /// Length of the last step (s), zero before the first.
@@ -165,8 +168,8 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Binds parameters (one entry a parameter, `None` for its default; an empty slice for all defaults), assembles, and stands
-    /// ready to step.
+    /// Binds parameters and assembles the model. `overrides` has one entry for each parameter, `None` for its
+    /// default; an empty slice means all defaults.
     pub fn new(
         compiled: &Compiled,
         overrides: &[Option<f64>],
@@ -188,7 +191,7 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// A simulation of the same model and options that begins in another state.
+    /// A simulation of the same model and options with another first state.
     pub(crate) fn restarted(&self, state: State) -> Result<Simulation, RuntimeError> {
         let mut simulation = Simulation::with_state(self.model.clone(), state, self.options)?;
         simulation.warnings.clear();
@@ -271,7 +274,7 @@ impl Simulation {
         }
     }
 
-    /// Adds the cycle angle to errors that know only the time.
+    /// Adds the cycle angle to errors that have only the time.
     fn at_moment(&self, mut error: RuntimeError) -> RuntimeError {
         let angle = self.cycle_now.map(|c| c[0]);
         if let RuntimeError::NotFinite { moment, .. } = &mut error {
@@ -310,17 +313,18 @@ impl Simulation {
         self.sampled_energy
     }
 
-    /// How it began.
+    /// The report on the start.
     pub fn start(&self) -> &StartReport {
         &self.start
     }
 
-    /// e of every journal (m): the pin's origin from the shell's, along the shell's x and y, at the state of the last outputs.
+    /// e of every journal (m): the pin's origin from the shell's, along the shell's x and y, at the state of
+    /// the last outputs.
     pub fn eccentricities(&self) -> Vec<[f64; 2]> {
         start::motion::eccentricities(&self.model, &self.completed.pose)
     }
 
-    /// Of each body r (m), unit quaternion, modal amplitudes, at the state of the last outputs.
+    /// For each body r (m), unit quaternion, modal amplitudes, at the state of the last outputs.
     pub fn sampled_pose(&self) -> &[f64] {
         &self.completed.pose
     }
@@ -330,7 +334,7 @@ impl Simulation {
         self.integrator.statistics
     }
 
-    /// Warnings since they were last taken.
+    /// Warnings since the last call.
     pub fn take_warnings(&mut self) -> Vec<Warning> {
         std::mem::take(&mut self.warnings)
     }
@@ -340,7 +344,7 @@ impl Simulation {
         &self.model
     }
 
-    /// The last accepted state as the integrator has it.
+    /// The last accepted state of the integrator, without projection.
     pub fn state(&self) -> &State {
         &self.integrator.current
     }
@@ -360,7 +364,7 @@ impl Simulation {
         self.integrator.unknowns()
     }
 
-    /// The scaled unknowns that a step h (s) from here starts with.
+    /// The scaled unknowns at which Newton's iteration of a step h (s) from here begins.
     pub fn predicted(&mut self, step: f64, out: &mut [f64]) -> Result<(), RuntimeError> {
         self.room(out.len())?;
         self.integrator.predict(&self.model, step, true);
@@ -385,7 +389,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Derivative of [`Simulation::residual`] by the scaled unknowns.
+    /// Derivative of [`Simulation::residual`] with respect to the scaled unknowns.
     pub fn jacobian(&mut self, step: f64, unknowns: &[f64]) -> Result<CscView<'_>, RuntimeError> {
         self.room(unknowns.len())?;
         self.integrator.predict(&self.model, step, true);
@@ -421,14 +425,16 @@ impl Simulation {
     }
 }
 
-/// Share of what accelerations contribute to a step that Newton's iteration may leave at the usual tolerance. Ten times as much shows in small reactions.
+/// Share of the accelerations' contribution to a step that Newton's iteration may leave at the usual
+/// tolerance. Ten times this value is visible in small reactions (in inline4 1.6e-3 of their swing).
 pub const GOAL: f64 = 1e-9;
-/// Least such share that a number resolves.
+/// Least such share above rounding.
 const LEAST_GOAL: f64 = 1e-15;
-/// Least error of a step, as a share of the model's length, that can be told from rounding.
+/// Least error of a step, as a share of the model's length, that is distinguishable from rounding.
 const LEAST_ERROR: f64 = 1e-14;
 
-/// Where Newton's iteration ends; see [`Options::newton_tolerance`]. A wide tolerance saves steps, not iterations.
+/// The limits of Newton's iteration; see [`Options::newton_tolerance`]. A wide tolerance saves steps, and no
+/// iterations.
 fn goal(model: &Model, options: &Options) -> Goal {
     let factor = options.step.tolerance().min(1.0);
     Goal {
@@ -439,7 +445,7 @@ fn goal(model: &Model, options: &Options) -> Goal {
     }
 }
 
-/// The least factor on the tolerances that rounding leaves to be kept.
+/// The least factor on the tolerances above rounding.
 fn least_tolerance(model: &Model, step: StepControl) -> f64 {
     match step {
         StepControl::Fixed(_) => 0.0,

@@ -1,8 +1,9 @@
 //! Bodies that nothing holds: a block without mounts.
 //!
-//! A direction is free where no constraint, no film, no force and no elasticity answers a motion along it: the null space of the
-//! constraints' gradients, of the pins' places in their shells, of the derivatives of all loads between two bodies and of the shapes. A body whose free motions reach every
-//! direction of space hangs loose.
+//! A direction is free if no constraint, film, force or elasticity responds to a motion along it. The free
+//! directions are the null space of four matrices together: the constraints' gradients, the pins' positions
+//! in their shells, the derivatives of all loads between two bodies, and the shapes. A body is loose if its
+//! free motions reach every direction of space.
 
 use super::motion::SteadyMotion;
 use crate::assembly::rows::{Along, Rows, wishes};
@@ -15,12 +16,12 @@ use eng_system::code::Compiled;
 use eng_system::system::Origin;
 use nalgebra::DMatrix;
 
-/// Singular values of unit rows below this hold nothing.
+/// Singular value of unit rows below which a combination holds nothing.
 const HOLDS: f64 = 1e-8;
-/// Part of a free motion below which a body does not move in it.
+/// Part of a free motion below which a body counts as still.
 const MOVES: f64 = 1e-6;
 
-/// Bodies that hang together and on nothing else.
+/// Bodies that are joined to each other and to nothing else.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hanging {
     /// The heaviest of them.
@@ -29,8 +30,8 @@ pub struct Hanging {
     pub others: Vec<String>,
 }
 
-/// The bodies of a model that nothing holds at its assembled state, though some element joins them to others; `None` where everything
-/// is held. Of those without a path to the ground the compiler tells.
+/// The bodies of a model that nothing holds in its assembled state, although some element joins them to
+/// others. `None` if all are held. The compiler reports bodies without a path to the ground.
 pub fn hanging(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -41,7 +42,7 @@ pub fn hanging(
 }
 
 fn found(model: &Model, state: &State) -> Result<Option<Hanging>, RuntimeError> {
-    // further markers are looked at, such as those of the cycle's angle: nothing acts on them
+    // further markers, such as those of the cycle's angle, are only read: nothing acts on them
     let bodies_of = |e: usize| {
         let markers = model.elements[e].markers.iter().take(2);
         markers.map(|m| model.markers[*m].body)
@@ -66,7 +67,7 @@ fn found(model: &Model, state: &State) -> Result<Option<Hanging>, RuntimeError> 
     let (mut values, mut matrix) = rows.evaluate(model, &at(state), Along::Pose)?;
     rows.scale(model, &mut values, &mut matrix);
     let mut parts = vec![matrix, shapes(model)];
-    // loads that answer no motion here may hold elsewhere: a contact that is open
+    // a load without a response here, such as an open contact, may hold the body at another position
     let mut asleep = Vec::new();
     for e in dynamic.iter().copied() {
         if !model.class(e).applies_load || film(e) || model.elements[e].markers.len() < 2 {
@@ -94,7 +95,7 @@ fn found(model: &Model, state: &State) -> Result<Option<Hanging>, RuntimeError> 
             moves.ncols() > 0 && decompose(moves).is_some_and(|svd| svd.rank(MOVES) == 3)
         })
         .collect();
-    // groups: loose bodies that any element joins
+    // groups of loose bodies that elements join
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut seen = vec![false; model.bodies.len()];
     for first in 0..model.bodies.len() {
@@ -140,8 +141,8 @@ fn found(model: &Model, state: &State) -> Result<Option<Hanging>, RuntimeError> 
         .next())
 }
 
-/// Rows of the amplitudes of all flexible bodies: elasticity answers every shape. Without them a bent body would seem to move
-/// while its pins stay where they are.
+/// Rows of the amplitudes of all flexible bodies, because elasticity responds to every shape. Without these
+/// rows a body could seem to move by bending while its pins remain in place.
 fn shapes(model: &Model) -> DMatrix<f64> {
     let columns: Vec<usize> = model
         .bodies
@@ -153,9 +154,9 @@ fn shapes(model: &Model) -> DMatrix<f64> {
     })
 }
 
-/// An orthonormal basis of what rows leave free; `None` where they are not finite.
+/// An orthonormal basis of the directions that rows leave free; `None` if numbers are not finite.
 fn null_space(parts: &[DMatrix<f64>], columns: usize) -> Option<DMatrix<f64>> {
-    // rows of zeros make the right vectors complete
+    // rows of zeros complete the right vectors to a basis
     let count: usize = parts.iter().map(DMatrix::nrows).sum();
     let mut all = DMatrix::zeros(count.max(columns), columns);
     let rows = parts.iter().flat_map(|part| part.row_iter());

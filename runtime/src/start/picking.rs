@@ -1,24 +1,25 @@
-//! Independent combinations of rows, and what they leave free.
+//! Independent combinations of rows, and the directions that they leave free.
 
 use nalgebra::DMatrix;
 
-/// A combination of unit rows below this determines nothing.
+/// Singular value of unit rows below which a combination determines nothing.
 pub(super) const DETERMINED: f64 = 1e-6;
 
-/// Rows by what they determine in a space.
+/// Rows, split by the directions that they determine in a space.
 pub(super) struct Picked {
     /// Independent combinations of the rows: rank × rows.
     pub pick: DMatrix<f64>,
-    /// What they leave free: space × rest, orthonormal.
+    /// The directions that they leave free: space × rest, orthonormal.
     pub free: DMatrix<f64>,
 }
 
-/// Splits the space (columns of `matrix`) into what its rows determine and the rest. `None` where the numbers are not finite.
+/// Splits the space (columns of `matrix`) into the directions that its rows determine and the rest. `None` if
+/// numbers are not finite.
 pub(super) fn split(matrix: &DMatrix<f64>) -> Option<Picked> {
     split_above(matrix, DETERMINED)
 }
 
-/// The same; combinations of unit rows up to `least` determine nothing.
+/// [`split`] with another limit: combinations of unit rows up to `least` determine nothing.
 pub(super) fn split_above(matrix: &DMatrix<f64>, least: f64) -> Option<Picked> {
     let (rows, space) = matrix.shape();
     if rows == 0 || space == 0 {
@@ -27,7 +28,8 @@ pub(super) fn split_above(matrix: &DMatrix<f64>, least: f64) -> Option<Picked> {
             free: DMatrix::identity(space, space),
         });
     }
-    // Rows of zeros make the right vectors complete.
+    // The decomposition gives as many right vectors as rows. Rows of zeros complete them to a basis of the
+    // space.
     let padded = matrix.clone().resize(rows.max(space), space, 0.0);
     let svd = crate::singular::decompose(padded)?;
     let (left, right) = (svd.u?, svd.v_t?);
@@ -40,7 +42,8 @@ pub(super) fn split_above(matrix: &DMatrix<f64>, least: f64) -> Option<Picked> {
     })
 }
 
-/// Divides each row by its length; rows of nothing but rounding against `least` become zero. Returns the factors.
+/// Divides each row by its length and returns the factors. Rows that are only rounding compared with `least`
+/// become zero.
 pub(super) fn unit_rows(matrix: &mut DMatrix<f64>, least: f64) -> Vec<f64> {
     (0..matrix.nrows())
         .map(|i| {
@@ -67,7 +70,7 @@ mod tests {
         let picked = split(&rows).unwrap();
         assert_eq!((picked.pick.nrows(), picked.free.ncols()), (2, 2));
         assert!((&rows * &picked.free).amax() < 1e-14);
-        // the combinations still see everything that the rows see
+        // the combinations still determine the same directions as the rows
         let square = DMatrix::from_fn(4, 4, |i, j| {
             if i < 2 {
                 (&picked.pick * &rows)[(i, j)]

@@ -1,9 +1,9 @@
-//! The dry turn: the assembled machine turned through one period of its cycle by its geometry alone.
+//! The dry turn: turns the assembled machine through one period of its cycle by its geometry alone.
 //!
-//! Pins stand in the middle of their shells, springs keep the length that they have, and no force acts: what is left is the motion
-//! of the joints and drives. It is followed from place to place, each time by a step along the steady velocities
-//! ([`SteadyMotion`]) and then back on the equations by the smallest change. Where a place is not
-//! reached, the mechanism locks there.
+//! Pins are in the middle of their shells, springs keep their length, and no force acts, so only joints and
+//! drives determine the motion. The turn goes from position to position. Each time it takes a step along the
+//! steady velocities ([`SteadyMotion`]) and then returns to the equations by the smallest change. If a
+//! position cannot be reached, the mechanism locks there.
 
 use super::motion::SteadyMotion;
 use crate::assembly::closing::set_mobility;
@@ -18,49 +18,52 @@ use crate::outputs::{Outputs, Watch};
 use crate::state::{State, move_pose};
 use eng_system::code::Compiled;
 
-/// Places of a turn of 360°.
+/// Positions in a turn of 360°.
 const PLACES: f64 = 36.0;
-/// Most turns that are looked at, of a cycle however long.
+/// Most turns, also for a longer cycle.
 const MOST_TURNS: f64 = 4.0;
-/// How often a step is halved before its place counts as out of reach.
+/// Most halvings of a step. After these its position counts as out of reach.
 const HALVINGS: usize = 6;
-/// A scaled row below this is closed: far below what a lock leaves open.
+/// Size of a scaled row below which it is closed. A lock leaves far more open.
 const CLOSED: f64 = 1e-9;
-/// Share of the equations' size that is added to their diagonal: rows of wishes repeat each other.
+/// Share of the equations' size that is added to their diagonal, because rows of wishes repeat each other.
 const SOFT: f64 = 1e-12;
 /// Largest share of a step, at the cycle's highest rate so far, by which the cycle may fall behind.
 const BEHIND: f64 = 0.2;
-/// Share of the fastest body's angular speed below which a cycle stands: what is left is rounding, or a shaft that tumbles.
+/// Share of the fastest body's angular speed below which a cycle is at rest. A smaller rate is rounding, or
+/// the effect of a tumbling shaft.
 const STANDS: f64 = 1e-6;
 
-/// A place of a dry turn.
+/// A position in a dry turn.
 #[derive(Debug)]
 pub struct Place<'a> {
     /// The model.
     pub model: &'a Model,
-    /// Positions and steady velocities; time runs as the cycle turns.
+    /// Positions and steady velocities. Time advances with the cycle.
     pub state: &'a State,
     /// Cycle angle (rad).
     pub angle: f64,
 }
 
-/// How far a model is turned.
+/// The extent of a dry turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Turned {
-    /// Through the period.
+    /// The whole period.
     Whole,
-    /// Not at all: no body, no cycle and no drive, or a cycle that stands at the start.
+    /// No turn: no body, no cycle and no drive, or a cycle at rest at the start.
     Not,
-    /// To this cycle angle (rad), from which it goes back though nothing locks: it is the angle of a thing that swings.
+    /// Up to this cycle angle (rad), at which it reverses without a lock: the angle belongs to a swinging
+    /// body.
     Back(f64),
 }
 
-/// Turns a model through one period and shows each place to `visit`, the start first. Without a cycle it is a turn of what a drive
-/// turns fastest, its angle counted from the start.
+/// Turns a model through one period and shows each position to `visit`, beginning with the start. Without a
+/// cycle it turns the part with the fastest drive once, with the angle counted from the start.
 ///
 /// # Errors
 ///
-/// [`RuntimeError::Locked`] with the cycle angle that the mechanism does not pass; what assembling and evaluating say.
+/// [`RuntimeError::Locked`] with the cycle angle that the mechanism does not pass; errors of assembling and
+/// evaluating.
 pub fn turn(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -142,7 +145,8 @@ fn fastest(model: &Model, state: &State) -> f64 {
     model.bodies.iter().map(speed).fold(0.0, f64::max)
 }
 
-/// The highest speed (rad/s) that a drive imposes on its first marker about its second one's z axis; 0 where none does.
+/// The highest speed (rad/s) that a drive imposes on its first marker about its second one's z axis; 0
+/// without a drive.
 fn driven(model: &Model, state: &State) -> Result<f64, RuntimeError> {
     let mut rest = state.clone();
     rest.velocity.fill(0.0);
@@ -151,7 +155,7 @@ fn driven(model: &Model, state: &State) -> Result<f64, RuntimeError> {
         if !element.dynamic || model.class(index).rows.is_empty() {
             continue;
         }
-        // rows that change while nothing moves
+        // a drive's rows change with time while nothing moves
         let rates = Rows::new(model, vec![index]).rates(model, &at(&rest))?;
         if let &[a, b] = element.markers.as_slice()
             && rates.iter().any(|rate| *rate != 0.0)
@@ -164,13 +168,14 @@ fn driven(model: &Model, state: &State) -> Result<f64, RuntimeError> {
     Ok(fastest)
 }
 
-/// Whether the cycle has turned by about what it should by its rates before and after, measured by a step at its highest rate:
-/// where a cycle turns back both are small, where a mechanism locks the rate is as high as ever and the cycle stays behind.
+/// Whether the cycle has turned about as far as its rates before and after predict, as a share of a step at
+/// its highest rate. If a cycle reverses, both are small. If a mechanism locks, the rate remains high and the
+/// cycle falls behind.
 fn kept_up(turned: f64, wanted: f64, step: f64) -> bool {
     (turned - wanted).abs() <= BEHIND * step
 }
 
-/// What turns a model.
+/// The state of a dry turn.
 struct Turning<'a> {
     model: &'a Model,
     motion: SteadyMotion,
@@ -178,9 +183,9 @@ struct Turning<'a> {
     exact: Rows,
     mobility: Vec<f64>,
     dynamics: Dynamics,
-    /// The cycle's, where there is one.
+    /// The outputs of the cycle, if there is one.
     outputs: Option<Outputs>,
-    /// Without a cycle: how fast the angle grows (rad/s).
+    /// Without a cycle: the rate of the angle (rad/s).
     speed: f64,
     watch: Watch,
 }
@@ -223,7 +228,7 @@ impl<'a> Turning<'a> {
         Ok(outputs.watched_values)
     }
 
-    /// The place after `h` (s), with the cycle's angle and rate; `None` where the equations do not close.
+    /// The position after `h` (s), with the cycle's angle and rate; `None` if the equations do not close.
     fn advance(&mut self, from: &State, h: f64) -> Result<Option<(State, [f64; 2])>, RuntimeError> {
         let model = self.model;
         let mut next = from.clone();
@@ -253,8 +258,9 @@ impl<'a> Turning<'a> {
         Ok(Some((next, cycle)))
     }
 
-    /// Puts a place back on rows by the smallest changes, `x = Aᵀ (A Aᵀ)⁻¹ b`; whether they close. Angles keep the turns of the place
-    /// before: those of a gear differ from wheel to wheel.
+    /// Brings a position back onto rows by the smallest changes, `x = Aᵀ (A Aᵀ)⁻¹ b`. Returns whether the
+    /// rows close. Angles keep the turns of the position before, because the turns of a gear differ from
+    /// wheel to wheel.
     fn settle(&self, rows: &Rows, state: &mut State, limit: usize) -> Result<bool, RuntimeError> {
         let model = self.model;
         let scales = model.velocity_scales();
@@ -291,7 +297,8 @@ impl<'a> Turning<'a> {
         Ok(false)
     }
 
-    /// The lock beyond a place: the equations that stay open where its bodies are moved on and held.
+    /// The error for a lock beyond a position. It names the equations that remain open when the bodies are
+    /// moved further and held.
     fn locked(&self, state: &State, h: f64, angle: f64) -> Result<RuntimeError, RuntimeError> {
         let model = self.model;
         let moment = Moment {
