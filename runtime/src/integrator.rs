@@ -6,7 +6,7 @@
 //! ```text
 //! q' = q ∘ exp(u)      u = h v + h² ((½ − β) a + β a')      v' = v + h ((1 − γ) a + γ a')
 //! (1 − α_m) a' + α_m a = (1 − α_f) v̇' + α_f v̇
-//! α_m = (2ρ − 1)/(ρ + 1)   α_f = ρ/(ρ + 1)   γ = ½ + α_f − α_m   β = ¼ (γ + ½)²       (Chung and Hulbert 1993)
+//! α_m = (2ρ − 1)/(ρ + 1)   α_f = ρ/(ρ + 1)   γ = ½ + α_f − α_m   β = ¼ (γ + ½)²   (Chung, Hulbert 1993)
 //! ```
 //!
 //! Element states follow the first-order scheme of Jansen, Whiting and Hulbert (2000) with the same α_f:
@@ -327,8 +327,8 @@ impl Integrator {
     /// The position constraint holds at every step although the update differs from the motion by `C h³ v̈`.
     /// The velocity compensates for this along the constraints' normals, by `−C h² v̈`. When h changes, this
     /// part must change with h². Otherwise the multipliers take the difference and drop to first order. At
-    /// the start this part comes from v̈₀: it is the perturbed starting velocity of Arnold, Cardona, Brüls
-    /// 2016. The tangential part never changes.
+    /// the start this part comes from v̈₀: it is the perturbed starting velocity of Arnold, Cardona and Brüls
+    /// (2016). The tangential part never changes.
     pub fn set_defect(&mut self, defect: &[f64]) {
         self.defect.copy_from_slice(defect);
         for (i, b) in self.base_velocity.iter_mut().enumerate() {

@@ -1,8 +1,11 @@
-//! Motions of an assembled model that nothing holds: no constraint, and no force that answers a displacement or a velocity.
+//! Motions of an assembled model that nothing holds: no constraint prevents them, and no force responds to
+//! their displacement or velocity.
 //!
-//! With G the gradients of the constraints and N a basis of their null space, and K and D the derivatives of all loads by pose and
-//! velocity, at rest, a motion `N z` is loose where `Nᵀ K N z = 0` and `Nᵀ D N z = 0`, and where that stays so on a finite way along it (a contact with play
-//! answers only then). Loads that do not change with the motion (gas, gravity) hold nothing. Bodies count as rigid. The motion that turns the cycle is what the machine is for, and is left out.
+//! Let G be the gradients of the constraints and N a basis of their null space. Let K and D be the
+//! derivatives of all loads with respect to pose and velocity, at rest. A motion `N z` is loose if
+//! `Nᵀ K N z = 0` and `Nᵀ D N z = 0`, also after a finite distance along it: a contact with play responds
+//! only there. Loads that do not change with the motion (gas, gravity) hold nothing. Bodies count as rigid.
+//! The motion that turns the cycle is the purpose of the machine, so it is left out.
 
 use crate::assembly::at;
 use crate::assembly::rows::{Along, Rows, inputs};
@@ -15,30 +18,32 @@ use crate::state::{State, move_pose};
 use eng_system::code::Function;
 use nalgebra::{DMatrix, DVector};
 
-/// A singular value below this share of the largest is none.
+/// Share of the largest singular value below which one counts as zero.
 const NONE: f64 = 1e-7;
-/// Ways along a motion (of the model's length, or rad) where loads are asked again.
+/// Distances along a motion (in model lengths, or rad) at which loads are evaluated again.
 const WAYS: [f64; 6] = [0.01, -0.01, 0.05, -0.05, 0.3, -0.3];
-/// A share of a motion below this is none.
+/// Share of a motion below which a body does not take part.
 const NO_PART: f64 = 1e-6;
-/// A translation is pure, or a rotation, where the other is below this share of it (both as displacements of the model's length).
+/// A translation is pure if the rotation is below this share of it, and the reverse (both as displacements at
+/// the model's length).
 const PURE: f64 = 1e-3;
-/// Largest way of a centre of mass, as a share of the model's length a radian, in a rotation about it.
+/// Largest displacement of a centre of mass in a rotation about it, as a share of the model's length per
+/// radian.
 const CENTRED: f64 = 1e-3;
 
-/// Motions of bodies that hang together.
+/// Loose motions of a group of connected bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loose {
     /// Indices of the bodies that move: the heaviest, then the others in their order.
     pub bodies: Vec<usize>,
-    /// How many independent motions there are.
+    /// Number of independent motions.
     pub motions: usize,
-    /// In how many directions of space the heaviest body moves.
+    /// Number of directions of space in which the heaviest body moves.
     pub directions: usize,
-    /// Of a single motion that is a translation: its direction (inertial, unit length).
+    /// For a single motion that is a translation: its direction (inertial, unit length).
     pub along: Option<V3>,
-    /// Of a single motion that is a rotation: its axis (inertial, unit length), and whether it moves the centres of mass, so that gravity or
-    /// spin may hold it.
+    /// For a single motion that is a rotation: its axis (inertial, unit length), and whether it moves the
+    /// centres of mass. If it does, gravity or spin may hold it.
     pub about: Option<(V3, bool)>,
 }
 
@@ -46,7 +51,7 @@ pub struct Loose {
 ///
 /// # Errors
 ///
-/// What evaluating the elements says.
+/// Those of evaluating the elements.
 pub fn loose(model: &Model, state: &State) -> Result<Vec<Loose>, RuntimeError> {
     let mut rest = state.clone();
     rest.velocity.fill(0.0);
@@ -68,7 +73,8 @@ pub fn loose(model: &Model, state: &State) -> Result<Vec<Loose>, RuntimeError> {
         let scaled = of_rigid(matrix);
         let reduced = basis.transpose() * &scaled * &basis;
         let largest = reduced.amax();
-        // where all free motions are unanswered, what is left of the stiffness of held ones is rounding
+        // if no load responds to any free motion, the remaining stiffness is rounding of that of held
+        // directions
         if largest > ROUNDING * scaled.amax() && largest.is_finite() {
             held = stacked(&held, &(reduced / largest));
         }
@@ -82,7 +88,7 @@ pub fn loose(model: &Model, state: &State) -> Result<Vec<Loose>, RuntimeError> {
         }
     }
     let mut motions = &basis * null_space(&held);
-    // what answers only after a way: a contact with play, a spring that begins to be stretched
+    // some loads respond only after a distance: a contact with play, a spring that is slack at first
     let mut answered = Vec::new();
     for column in 0..motions.ncols() {
         let along = motions.column(column).into_owned();
@@ -94,7 +100,7 @@ pub fn loose(model: &Model, state: &State) -> Result<Vec<Loose>, RuntimeError> {
     Ok(groups(model, &rest, &motions))
 }
 
-/// Whether a load answers a motion, or its velocity, somewhere on a finite way along it.
+/// Whether a load responds to a motion, or to its velocity, at one of the [`WAYS`] along it.
 fn is_answered(
     model: &Model,
     rest: &State,
@@ -129,7 +135,7 @@ fn stacked(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     out
 }
 
-/// An orthonormal basis of what a matrix maps to zero, by the eigenvectors of its square.
+/// An orthonormal basis of the null space of a matrix, from the eigenvectors of its square.
 fn null_space(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let columns = matrix.ncols();
     if matrix.nrows() == 0 || columns == 0 {
@@ -145,7 +151,7 @@ fn null_space(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     })
 }
 
-/// What the constraints leave to the bodies as rigid ones, in scaled velocities.
+/// The motions that the constraints leave to the bodies, taken as rigid, in scaled velocities.
 fn free_motions(
     model: &Model,
     rest: &State,
@@ -170,11 +176,12 @@ fn free_motions(
     Ok(null_space(&gradients))
 }
 
-/// Whether the loads of an element change with the positions of its markers at rest: those of a damper or a brake do not.
+/// Whether the loads of an element change with the positions of its markers at rest. Those of a damper or a
+/// brake do not.
 ///
 /// # Errors
 ///
-/// What evaluating the element says.
+/// Those of evaluating the element.
 pub fn springs(model: &Model, state: &State, element: usize) -> Result<bool, RuntimeError> {
     let mut rest = state.clone();
     rest.velocity.fill(0.0);
@@ -182,24 +189,25 @@ pub fn springs(model: &Model, state: &State, element: usize) -> Result<bool, Run
     Ok(stiffness.amax() > 0.0)
 }
 
-/// A stiffness below this share of the largest is rounding.
+/// Share of the largest stiffness below which a stiffness is rounding.
 const ROUNDING: f64 = 1e-11;
-/// Largest turn of a body that sinks, as a displacement of the model's length over its way.
+/// Largest rotation of a sinking body, as its displacement at the model's length over the sinking distance.
 const UPRIGHT: f64 = 0.2;
 
-/// The spring that gives way most under gravity (m/s², inertial), and by how much (m): an estimate by the stiffness `K` at a position, at
-/// rest. With `N` the free motions, `f` the weights and `V` the directions in which `Nᵀ (K + Kᵀ) N/2` is positive, the bodies move by
-/// `u = N V (Vᵀ Nᵀ K N V)⁻¹ Vᵀ Nᵀ f`; counted is the change `Δ` of the spring's own force by that move, along
-/// gravity, over the spring's greatest stiffness `k`: `Δ/k`. The way of its ends would count sideways swing
-/// as well: across its axis a stretched spring is as stiff as a pendulum, `F/L` with its force `F` and length
-/// `L`. A spring that is softer along gravity than across gives way by more than is counted.
+/// The spring that yields most under gravity (m/s², inertial), and its deflection (m). This is an estimate
+/// from the stiffness `K` at a position, at rest. Let `N` be the free motions, `f` the weights and `V` the
+/// directions in which `Nᵀ (K + Kᵀ) N/2` is positive. The bodies move by `u = N V (Vᵀ Nᵀ K N V)⁻¹ Vᵀ Nᵀ f`.
+/// The deflection is `Δ/k`: the change `Δ` of the spring's own force along gravity in this move, over the
+/// spring's greatest stiffness `k`. The displacement of its ends would include sideways swing, because across
+/// its axis a stretched spring has only the stiffness of a pendulum, `F/L` with its force `F` and length `L`.
+/// For a spring that is softer along gravity than across, the estimate is too small.
 ///
-/// `None` where no spring gives way, where the bodies turn as they sink (a weak spring on a pendulum), and of
-/// bodies that an element with states holds: its stiffness is in the states.
+/// `None` if no spring yields, if the bodies turn as they sink (a weak spring on a pendulum), and for bodies
+/// on an element with states, whose stiffness is in the states.
 ///
 /// # Errors
 ///
-/// What evaluating the elements says.
+/// Those of evaluating the elements.
 pub fn sag(
     model: &Model,
     state: &State,
@@ -216,7 +224,7 @@ pub fn sag(
     let all: Vec<usize> = (0..model.velocities).collect();
     let basis = free_motions(model, &rest, &all)?;
     let [stiffness, _] = answers(model, &rest)?;
-    // loads are −K of a displacement
+    // the loads of a displacement x are −K x
     let scaled = DMatrix::from_fn(all.len(), all.len(), |i, j| {
         -0.5 * (stiffness[(i, j)] + stiffness[(j, i)]) * scales[i] * scales[j]
     });
@@ -295,7 +303,7 @@ pub fn sag(
     Ok(found)
 }
 
-/// Change of an element's force along `down` by small moves of the bodies (m, rad), over its greatest
+/// Change of an element's force along `down` in small moves of the bodies (m, rad), over its greatest
 /// stiffness (m).
 fn gives_way(
     model: &Model,
@@ -317,12 +325,12 @@ fn gives_way(
     Ok(ways.fold(0.0, f64::max))
 }
 
-/// `Jᵀ ∂W/∂x J` of all loads, by pose and by twist: velocities × velocities.
+/// `Jᵀ ∂W/∂x J` of all loads, with respect to pose and to twist: velocities × velocities.
 fn answers(model: &Model, rest: &State) -> Result<[DMatrix<f64>; 2], RuntimeError> {
     answers_of(model, rest, 0..model.elements.len())
 }
 
-/// The same of some elements.
+/// The same for some elements.
 fn answers_of(
     model: &Model,
     rest: &State,
@@ -409,7 +417,8 @@ fn cycle_row(model: &Model, rest: &State) -> Option<DVector<f64>> {
     Some(row)
 }
 
-/// Motions by the bodies that they move together. `motions` are orthonormal in scaled velocities of the bodies as rigid ones.
+/// Groups motions by the bodies that they move together. `motions` are orthonormal in scaled velocities of
+/// rigid bodies.
 fn groups(model: &Model, rest: &State, motions: &DMatrix<f64>) -> Vec<Loose> {
     let count = model.bodies.len();
     let part =
@@ -462,7 +471,7 @@ fn groups(model: &Model, rest: &State, motions: &DMatrix<f64>) -> Vec<Loose> {
     found
 }
 
-/// Direction or axis of a group's single motion, by its heaviest body.
+/// Direction or axis of a group's single motion, from its heaviest body.
 fn single(
     model: &Model,
     rest: &State,

@@ -1,33 +1,36 @@
 //! Eigenvalues and modes of the coupled system, linearised about a state of its motion.
 //!
-//! **Perturbed motion.** Along a motion of `M v̇ − Q(q, v, z, t) + Gᵀλ = 0`, `ż = f`, `Φ(q, t) = 0`, small moves u (rotations in ground
-//! axes, see `axes`) obey
+//! **Perturbed motion.** A motion satisfies `M v̇ − Q(q, v, z, t) + Gᵀλ = 0`, `ż = f`, `Φ(q, t) = 0`. Small
+//! moves u from it (rotations in ground axes, see `axes`) obey
 //!
 //! ```text
 //! M ü + D u̇ + K u + Gᵀδλ + F δz = 0        G u = 0        δż = f_q u + f_v u̇ + f_z δz
 //! ```
 //!
-//! with the exact blocks of Newton's matrix: K holds the stiffness of the constraints `∂(Gᵀλ)/∂q`, the inertia of the frozen velocities and
-//! accelerations, springs, films, gravity; time and with it every drive are held. `u = N x` with `GN = 0`, `NᵀMN = 1`. N changes
-//! along the motion; of all bases that with `NᵀMṄ = 0` is taken, the one that turns least (in the mass norm): `[M Gᵀ; G 0][Ṅ; μ] = [0; −ĠN]`.
-//! Then `NᵀMN̈ = −ṄᵀMṄ − NᵀṀṄ`, and
+//! with the exact blocks of Newton's matrix. K contains the stiffness of the constraints `∂(Gᵀλ)/∂q`, the
+//! inertia of the frozen velocities and accelerations, springs, films and gravity. Time is held, and so is
+//! every drive. `u = N x` with `GN = 0`, `NᵀMN = 1`. N changes along the motion. The basis with `NᵀMṄ = 0`
+//! turns least (in the mass norm): `[M Gᵀ; G 0][Ṅ; μ] = [0; −ĠN]`. Then `NᵀMN̈ = −ṄᵀMṄ − NᵀṀṄ`, and
 //!
 //! ```text
 //! ẍ + C ẋ + K_x x = −NᵀF δz        C = NᵀDN        K_x = NᵀKN + NᵀDṄ − ṄᵀMṄ − NᵀṀṄ
 //! ```
 //!
-//! without an approximation so far. (Without the terms of Ṅ a body that turns about a pin would seem to be held there by springs.)
+//! without an approximation so far. (Without the terms of Ṅ a body that turns about a pin would have a false
+//! stiffness.)
 //!
-//! **Frozen time.** These coefficients are held at their values of the moment, and `ξ̇ = A ξ`, `ξ = (x, ẋ, z)` solved for its
-//! eigenvalues. That is exact where they are constant: at rest, in steady travel, and about steady rotation of rigid bodies of
-//! revolution, which is tested (`constancy`). Else it is the picture of a moment, made only where it is asked for ([`Wanted::frozen`]) and marked as such:
-//! good for motions fast against the change of the coefficients, modes of an engine well above its speed, and wrong for whirl and
-//! its damping. Amplitudes of a flexible body are those in its own axes: the bending of a shaft that turns at Ω is seen from its body,
-//! shifted by up to ±Ω.
+//! **Frozen time.** The coefficients are held at their values of the moment, and the eigenvalues of
+//! `ξ̇ = A ξ`, `ξ = (x, ẋ, z)`, are computed. This is exact if the coefficients are constant: at rest, in
+//! steady travel, and about the steady rotation of rigid bodies of revolution. `constancy` tests it.
+//! Otherwise the modes describe one moment. They are computed only on request ([`Wanted::frozen`]) and
+//! marked. They are right for motions that are fast compared with the change of the coefficients, such as an
+//! engine's modes well above its speed, and wrong for whirl and its damping. Amplitudes of a flexible body
+//! are in its own axes, so the frequency of the bending of a shaft that turns at Ω is shifted by up to ±Ω.
 //!
-//! **Eigenvalues** `λ = −δ ± iω`: damped frequency ω/2π, undamped |λ|/2π, damping ratio −Re λ/|λ|. A double zero, such as that of a
-//! rotation that nothing holds, splits by the root of the rounding error; all below that ([`LinearModes::resolution`]) are sought again
-//! about zero, and those that nothing but rounding holds count as zeros (`slow`).
+//! **Eigenvalues** `λ = −δ ± iω`: damped frequency ω/2π, undamped |λ|/2π, damping ratio −Re λ/|λ|. Rounding
+//! splits a double zero, such as that of a free rotation, by the root of the rounding error. So all
+//! eigenvalues below that root ([`LinearModes::resolution`]) are computed again about zero. Those that only
+//! rounding holds count as zeros (`slow`).
 
 mod axes;
 mod constancy;
@@ -51,47 +54,49 @@ use energies::{Ledger, parts};
 use nalgebra::{Complex, DMatrix, DVector};
 use outputs::{Direction, Probe};
 
-/// Growth below this share of |λ| is rounding.
+/// Share of |λ| below which growth is rounding.
 const GROWTH: f64 = 1e-9;
-/// Numbers of a mode this close to the largest are as large: the first of them is made real.
+/// Relative distance within which numbers of a mode count as equally large. The first of the largest is made
+/// real, so that rounding does not decide the phase.
 const ALIKE: f64 = 1e-6;
 
-/// Which modes are worked out.
+/// The selection of modes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wanted {
-    /// Most oscillations, and most motions without oscillation: the slowest of each; `None`: all.
+    /// Number of the slowest oscillations, and of the slowest motions without oscillation; `None` means all.
     pub number: Option<u32>,
-    /// Largest |λ| (rad/s); `None`: no limit.
+    /// Largest |λ| (rad/s); `None` means no limit.
     pub up_to: Option<f64>,
-    /// Whether coefficients that change while bodies turn or move on are held at their values of the moment; else they are refused.
+    /// Whether to hold changing coefficients at their values of the moment. Otherwise they are an error.
     pub frozen: bool,
 }
 
-/// What the coefficients of the linearised motion are.
+/// The kind of coefficients of the linearised motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coefficients {
-    /// Constant while the bodies turn and move, or nothing does.
+    /// Constant along the motion, or at rest.
     Constant,
     /// Held at their values of the moment.
     Frozen,
-    /// They repeat, and the modes are those of a period.
+    /// Periodic, with the modes of a period.
     Periodic,
 }
 
-/// A motion `u(t) = Re (place e^{λt})` of the linearised system, scaled so that its kinetic energy has the peak of 1 J:
-/// `½ |λ|² u* M u = 1`.
+/// A motion `u(t) = Re (place e^{λt})` of the linearised system, scaled so that its kinetic energy has the
+/// peak of 1 J: `½ |λ|² u* M u = 1`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode {
     /// λ (1/s), its imaginary part not negative.
     pub value: Complex<f64>,
-    /// Moves of every body in the order of the model's velocities: δr (m), small rotation (rad), both in ground axes, modal amplitudes.
-    /// The largest, in the model's length and angles, is real and positive.
+    /// Moves of every body in the order of the model's velocities: δr (m), small rotation (rad), both in
+    /// ground axes, modal amplitudes. The largest, in the model's length and angles, is real and positive.
     pub place: DVector<Complex<f64>>,
-    /// Where its energy is.
+    /// The shares of its energy.
     pub shares: Shares,
     /// Amplitude of every channel (SI).
     pub outputs: Vec<Complex<f64>>,
-    /// What is known of it beside, about a motion that repeats; place, shares and outputs are those at the begin of its period.
+    /// Further data about a repeating motion. Place, shares and outputs belong to the beginning of its
+    /// period.
     pub repeating: Option<Repeating>,
 }
 
@@ -101,7 +106,7 @@ impl Mode {
         self.value.im > 0.0
     }
 
-    /// ω/2π (Hz); zero where it does not oscillate.
+    /// ω/2π (Hz); zero without oscillation.
     pub fn frequency(&self) -> f64 {
         self.value.im / std::f64::consts::TAU
     }
@@ -116,14 +121,14 @@ impl Mode {
         -self.value.re / self.value.norm()
     }
 
-    /// Whether it grows, by more than it is uncertain.
+    /// Whether it grows by more than its uncertainty.
     pub fn grows(&self) -> bool {
         let uncertain = |r: &Repeating| r.error + r.missed;
         let error = self.repeating.as_ref().map_or(0.0, uncertain);
         self.value.re > (GROWTH * self.value.norm()).max(error)
     }
 
-    /// The parts with most kinetic energy, the largest first: index and share.
+    /// Index and share of the parts with the most kinetic energy, the largest first.
     pub fn leading(&self, most: usize) -> Vec<(usize, f64)> {
         let mut order: Vec<(usize, f64)> =
             self.shares.kinetic.iter().copied().enumerate().collect();
@@ -133,32 +138,33 @@ impl Mode {
     }
 }
 
-/// What the linearised motion consists of.
+/// The modes of a linearised motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearModes {
-    /// Where it was linearised.
+    /// The moment of the linearisation.
     pub moment: Moment,
-    /// Whether the modes are those of the motion, or the picture of a moment.
+    /// Whether the modes belong to the motion or to one moment.
     pub coefficients: Coefficients,
-    /// The rate of the cycle's angle there (rad/s), if there is a cycle and it was asked for.
+    /// The rate of the cycle's angle there (rad/s), if the model has a cycle and the caller asked for it.
     pub cycle_speed: Option<f64>,
     /// Freedoms: coordinates x.
     pub freedoms: usize,
     /// States of elements: z.
     pub states: usize,
-    /// What [`Shares::kinetic`] counts.
+    /// The parts of [`Shares::kinetic`].
     pub parts: Vec<Part>,
-    /// What [`Shares::potential`] and [`Shares::lost`] count.
+    /// The paths of [`Shares::potential`] and [`Shares::lost`].
     pub stores: Vec<String>,
     /// Oscillations in the order of |λ|, then motions without oscillation in that order.
     pub modes: Vec<Mode>,
-    /// Oscillations and others that were not asked for.
+    /// Number of oscillations and of other motions outside the selection.
     pub left_out: [usize; 2],
-    /// Eigenvalues that are zero: of drifting and turning that nothing holds or drives.
+    /// Number of zero eigenvalues. They belong to drift and rotation that nothing holds or drives.
     pub zeros: usize,
-    /// |λ| (rad/s) below which an eigenvalue is found about zero, and counts as zero where nothing but rounding holds it.
+    /// Limit of |λ| (rad/s) below which an eigenvalue is computed about zero. It counts as zero if only
+    /// rounding holds it.
     pub resolution: f64,
-    /// The motion that repeats, where the modes are those of its period.
+    /// The repeating motion, if the modes are those of its period.
     pub orbit: Option<Orbit>,
 }
 
@@ -172,8 +178,8 @@ impl LinearModes {
 /// Linearises about a state on the constraints, with its accelerations and multipliers.
 ///
 /// # Errors
-/// When constraints depend on each other there, numbers are not finite, or coefficients change while bodies turn or move on and
-/// `wanted` does not take them as frozen.
+/// When constraints depend on each other there, when numbers are not finite, or when coefficients change
+/// along the motion and `wanted` is not frozen.
 pub fn linearise(
     model: &Model,
     state: &State,
@@ -235,7 +241,7 @@ pub fn linearise(
     })
 }
 
-/// An eigenvalue with its vector ξ and the rates of the moves u there.
+/// An eigenvalue with its vector ξ and the rates of the moves u.
 struct Found {
     value: Complex<f64>,
     vector: DVector<Complex<f64>>,
@@ -248,7 +254,8 @@ fn complex(real: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f6
     (real * a).zip_map(&(real * b), Complex::new)
 }
 
-/// The modes that are wanted, in order, with shares and outputs at a state. Coefficients, zeros and resolution are the caller's.
+/// The selected modes in their order, with shares and outputs at a state. The caller fills in coefficients,
+/// zeros and resolution.
 fn collected(
     model: &Model,
     state: &State,
@@ -320,7 +327,7 @@ fn mode(
         .vector
         .rows(2 * p, pair.vector.len() - 2 * p)
         .into_owned();
-    // 1 J, and the largest number real; where nothing but states moves, of length one
+    // scaled to 1 J with the largest number real; a mode in which only states move gets length one
     let size = coordinates.norm();
     let energetic = size > 1e-12 * states.norm();
     let length = if energetic {

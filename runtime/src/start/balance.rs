@@ -1,16 +1,18 @@
-//! Balance of the freedoms that nothing states, in the steady motion: Newton's method with the exact matrix, the load put on in
-//! portions.
+//! Balance of all freedoms without a stated value, in the steady motion. It uses Newton's method with the
+//! exact matrix, and applies the load in portions.
 //!
-//! Unknowns are increments of the places, multipliers λ of the constraints and efforts σ of what is held:
+//! Unknowns are increments of the positions, multipliers λ of the constraints and efforts σ of the held
+//! directions:
 //!
 //! ```text
-//! r = M v̇ − Q_v − Q_g − Σ JᵀW + Gᵀλ + Eᵀσ = (1 − s) r₀        Φ = 0        E: what is held stays
+//! r = M v̇ − Q_v − Q_g − Σ JᵀW + Gᵀλ + Eᵀσ = (1 − s) r₀        Φ = 0        E: held directions
 //! ```
 //!
-//! with the velocities and accelerations of the steady motion, s from 0 to 1 and r₀ the residual of the assembled place, so
-//! that s = 0 is solved there. The portions of s are halved where Newton's method fails. No iterate comes nearer to a shell than a
-//! quarter of the film that is left. At rest, a place without stiffness is no end of the search, and a balance that stands upside
-//! down is told apart (`stability`).
+//! with the velocities and accelerations of the steady motion. r₀ is the residual at the assembled position,
+//! so s = 0 is solved there. s grows to 1 in portions, which are halved if Newton's method fails. An iterate
+//! leaves at least a quarter of the remaining film, because beyond the shell the film laws have no meaning.
+//! At rest the search does not end at a position without stiffness, and it recognises a balance that is
+//! upside down (`stability`).
 
 mod holding;
 mod stability;
@@ -31,9 +33,10 @@ use eng_system::system::{Origin, Role};
 use nalgebra::{DMatrix, DVector};
 use telling::{locked, no_number, not_finite};
 
-/// A freedom whose stiffness is below this share of its inertia times the square of the engine's pace is held by nothing.
+/// Share of a freedom's inertia times the square of the engine's pace, below which its stiffness counts as
+/// zero.
 const NEUTRAL: f64 = 1e-6;
-/// Part of a film that an iterate leaves.
+/// Part of a film that an iterate must leave.
 const LEFT: f64 = 0.25;
 /// Largest move of an iterate, in the model's length or rad.
 const REACH: f64 = 0.2;
@@ -41,17 +44,17 @@ const REACH: f64 = 0.2;
 const ITERATIONS: usize = 25;
 /// Smallest portion of the load.
 const PORTION: f64 = 1e-3;
-/// Scaled effort above which a freedom without stiffness is loaded.
+/// Scaled effort above which a freedom without stiffness counts as loaded.
 const UNHELD: f64 = 1e-6;
-/// Move (m, or of a quaternion) up to which a balance was stated.
+/// Move (m, or of a quaternion) up to which a balance counts as the stated position.
 const STAYS: f64 = 1e-6;
-/// Rounds of velocities and accelerations.
+/// Most rounds in which velocities and accelerations are computed again.
 const ROUNDS: usize = 8;
 
-/// Why a balance was not found.
+/// The reason for a missing balance.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stop {
-    /// Something stands in the way.
+    /// An obstacle in the model.
     Obstacle(Obstacle),
     /// The model cannot be evaluated.
     Error(RuntimeError),
@@ -72,7 +75,8 @@ impl From<RuntimeError> for Stop {
     }
 }
 
-/// Whether a balance is the place itself that it was sought from; a quaternion and its negative are one orientation.
+/// Whether a balance is the position at which its search began. A quaternion and its negative are one
+/// orientation.
 fn stays(model: &Model, begin: &State, end: &State) -> bool {
     let near = |(a, b): (&f64, &f64), sign: f64| (a - sign * b).abs() <= STAYS;
     model.bodies.iter().all(|body| {
@@ -99,9 +103,9 @@ pub struct Balance<'a> {
     values: Vec<f64>,
     /// `start` rows on positions.
     stated: Rows,
-    /// Those of [stated rows; fixed rows] that hold, none following from others.
+    /// Independent rows among [stated rows; fixed rows]: none follows from the others.
     holding: Vec<usize>,
-    /// Rows of what is held beside the stated positions, in scaled velocities.
+    /// Rows of the directions held besides the stated positions, in scaled velocities.
     fixed: DMatrix<f64>,
     fixed_names: Vec<(Origin, bool)>,
     factors: Vec<f64>,
@@ -114,13 +118,13 @@ pub struct Balance<'a> {
     unit: f64,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
-    /// Rows of what is held at another angle of a turn, in scaled velocities.
+    /// Rows of the held directions at another angle of a turn, in scaled velocities.
     turned: Option<DMatrix<f64>>,
-    /// Whether the inertia of bent bodies that turn counts.
+    /// Whether the inertia of the bending of turning bodies counts.
     softened: bool,
 }
 
-/// A place with its multipliers and efforts.
+/// A position with its multipliers and efforts.
 #[derive(Clone, Debug)]
 struct Place {
     state: State,
@@ -128,7 +132,7 @@ struct Place {
 }
 
 impl<'a> Balance<'a> {
-    /// Decides what moves, what is held and what is in balance, at an assembled state.
+    /// Divides the freedoms into moving, held and balanced ones, at an assembled state.
     pub fn new(model: &'a Model, state: &State) -> Result<Balance<'a>, Stop> {
         let system = &model.compiled.system;
         let motion = SteadyMotion::new(model, state).map_err(|e| locked(model, e))?;
@@ -190,7 +194,7 @@ impl<'a> Balance<'a> {
         self.imbalance(place)
     }
 
-    /// The same with the velocities as they are.
+    /// The same residual with the present velocities.
     fn imbalance(&mut self, place: &Place) -> Result<DVector<f64>, Stop> {
         let model = self.model;
         let (n, m) = (model.velocities, model.rows);
@@ -236,7 +240,7 @@ impl<'a> Balance<'a> {
         Ok(out)
     }
 
-    /// The matrix of the step's equations at the place of the last residual.
+    /// Fills the matrix of the step's equations at the position of the last residual.
     fn fill(&mut self, weights: Weights) -> Result<(), RuntimeError> {
         let model = self.model;
         self.plan.fill(
@@ -251,7 +255,8 @@ impl<'a> Balance<'a> {
         )
     }
 
-    /// The scaled matrix at the place of the last residual; velocities follow the place ([`SteadyMotion::slopes`]).
+    /// The scaled matrix at the position of the last residual. Velocities depend on the position
+    /// ([`SteadyMotion::slopes`]).
     fn matrix(&mut self, state: &State) -> Result<DMatrix<f64>, Stop> {
         let model = self.model;
         let (n, m, s) = (model.velocities, model.rows, model.states);
@@ -318,7 +323,7 @@ impl<'a> Balance<'a> {
         Ok(out)
     }
 
-    /// Brings a state into balance: its places, velocities and multipliers.
+    /// Brings the positions, velocities and multipliers of a state into balance.
     pub fn solve(&mut self, state: &mut State) -> Result<Equilibrium, Stop> {
         if self.turns() {
             return self.turning(state);
@@ -330,7 +335,7 @@ impl<'a> Balance<'a> {
         match self.search(state) {
             Ok(found) if found.unstable.is_none() || stays(self.model, &begin, state) => Ok(found),
             Ok(found) => {
-                // Newton's method has gone to a balance beside: there may be one that stands
+                // Newton's method found another balance that is unstable; a stable one may exist
                 let mut other = begin;
                 match self.descend(&mut other) {
                     Ok(Some(stable)) if stable.unstable.is_none() => {
@@ -353,19 +358,19 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// By the load in portions; velocities follow.
+    /// Searches with the load in portions. Velocities depend on the position.
     fn search(&mut self, state: &mut State) -> Result<Equilibrium, Stop> {
         let (place, found) = self.balanced(state)?;
         self.told_of(state, &place, found)
     }
 
-    /// Where the search begins.
+    /// The first position of the search.
     fn assembled(&mut self, state: &State) -> Result<Place, Stop> {
         let mut place = Place {
             state: state.clone(),
             efforts: DVector::zeros(self.holding.len() + self.neutral.nrows()),
         };
-        // what hangs has no stiffness but by what carries it
+        // a hanging body has no stiffness except through the loads that carry it
         if self.rests() {
             self.carry(&mut place)?;
         } else {
@@ -406,7 +411,7 @@ impl<'a> Balance<'a> {
         Ok((place, found))
     }
 
-    /// By following the motion at rest; `None` where that comes to no balance.
+    /// Searches by following the motion at rest; `None` if it reaches no balance.
     fn descend(&mut self, state: &mut State) -> Result<Option<Equilibrium>, Stop> {
         let mut place = Place {
             state: state.clone(),
@@ -429,7 +434,7 @@ impl<'a> Balance<'a> {
         (1e-5 * self.model.tolerance / self.model.length).max(1e-14)
     }
 
-    /// Takes a balance as the state, and tells of it.
+    /// Makes a balance the state, and returns its report.
     fn told_of(
         &mut self,
         state: &mut State,
@@ -464,7 +469,7 @@ impl<'a> Balance<'a> {
         Ok(found)
     }
 
-    /// Puts the load on in portions, with the velocities and accelerations as they are.
+    /// Applies the load in portions, with the present velocities and accelerations.
     fn load(
         &mut self,
         place: &mut Place,
@@ -502,7 +507,7 @@ impl<'a> Balance<'a> {
         Ok(())
     }
 
-    /// Newton's method; what stood in the way, if it failed.
+    /// Newton's method. On failure it returns the obstacle.
     fn newton(
         &mut self,
         place: &mut Place,
@@ -548,7 +553,7 @@ impl<'a> Balance<'a> {
                 last = f64::INFINITY;
             }
         }
-        // A film that is nearly gone is what stands in the way; else the balance that is farthest from zero.
+        // The obstacle is a film that has nearly vanished; without one, the row with the largest residual.
         let ratios = film_ratios(model, &place.state.pose);
         let thinnest =
             ratios
@@ -572,7 +577,8 @@ impl<'a> Balance<'a> {
         })))
     }
 
-    /// Moves by a step of Newton's method, scaled as its matrix and `size` large, as far as [`Self::allowed`]; gives that part of it.
+    /// Moves by a step of Newton's method, scaled like its matrix and `size` large, as far as
+    /// [`Self::allowed`]. Returns the part of the step.
     fn advance(&self, place: &mut Place, step: &DVector<f64>, size: f64) -> f64 {
         let scales = self.motion.scales();
         let increment: Vec<f64> = (0..scales.len()).map(|i| step[i] * scales[i]).collect();
@@ -599,7 +605,7 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// The part of an increment that leaves films and reason.
+    /// The part of an increment that leaves enough of every film and stays below [`REACH`].
     fn allowed(&self, pose: &[f64], increment: &[f64], size: f64, trial: &mut [f64]) -> f64 {
         let before = film_ratios(self.model, pose);
         let mut factor = (REACH / size).min(1.0);

@@ -1,24 +1,28 @@
-//! The steady motion of an engine at a place: which velocities and accelerations it has when nothing but what is stated moves.
+//! The steady motion of an engine at a position: its velocities and accelerations when only the stated
+//! motions occur.
 //!
-//! The constraints leave freedoms. Their velocities are given in this order, each kind as far as those before it leave free
-//! (least squares where a kind contradicts itself):
+//! The constraints leave freedoms. The following kinds of conditions give their velocities in this order.
+//! Each kind decides only the freedoms that earlier kinds leave. If conditions of one kind contradict each
+//! other, least squares decide.
 //!
 //! 1. velocities stated by `start` that are not zero;
 //! 2. the rate of each eccentricity, seen from its shell: zero;
 //! 3. modal rates: zero;
 //! 4. velocities that `start` states to be zero;
 //! 5. velocities stated by `guess`;
-//! 6. relative rates of what damps, then of what springs (the rows of its forces' derivatives): zero;
-//! 7. what is left has the least kinetic energy.
+//! 6. relative rates of dampers, then of springs (the rows of their forces' derivatives): zero;
+//! 7. the remaining freedoms: least kinetic energy.
 //!
-//! Along a path that is known at all angles of a period ([`SteadyMotion::along_path`]) all velocities are the path's own, changed by
-//! least squares (scaled) so that the constraints, 1 and 4 hold.
+//! Along a path that is known at all angles of a period ([`SteadyMotion::along_path`]) the velocities are
+//! those of the path. The least scaled change makes the constraints, 1 and 4 hold.
 //!
-//! Zeros come after the films: a shaft that is stated to turn about the ground's axis alone tilts by microradians in its bearings
-//! and turns about its own axis, else its pins would circle in their shells as fast as the shaft turns.
+//! Stated zeros come after the films for this reason: a shaft that is stated to turn about the ground's axis
+//! alone tilts by microradians in its bearings, and then turns about its own axis. Otherwise its pins would
+//! circle in their shells at the speed of the shaft.
 //!
-//! Which combinations of rows decide is settled once, at the assembled place; at any other the same combinations give the
-//! velocities by a linear system. The steady acceleration is their rate along the motion itself.
+//! The deciding combinations of rows are chosen once, at the assembled position. At any other position the
+//! same combinations give the velocities by a linear system. The steady acceleration is the rate of these
+//! velocities along the motion itself.
 
 use super::picking::{DETERMINED, split, split_above, unit_rows};
 use crate::assembly::at;
@@ -34,23 +38,24 @@ use eng_system::code::Function;
 use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
-/// A row shorter than this (in scaled velocities) says nothing.
+/// Length (in scaled velocities) below which a row counts as empty.
 const EMPTY: f64 = 1e-12;
-/// Share of a stated velocity that tilts of shafts have.
+/// Share of a stated velocity that the tilting of shafts may have.
 const TILTS: f64 = 1e-2;
-/// Share of an element's stiffest direction below which it does not count as held.
+/// Share of an element's largest stiffness below which a direction does not count as held.
 const SOFT: f64 = 1e-6;
-/// Scaled increment of a place over which rates are compared.
+/// Scaled increment of a position for differences of rates.
 const DIFFERENCE: f64 = 1e-5;
-/// Part of the time in which the motion goes about its own size, between two velocities whose difference is an acceleration.
+/// Time between two velocities for a difference quotient, as a part of the time in which the motion covers
+/// about its own size.
 const APART: f64 = 5e-4;
 
-/// What gives velocities; the order is that of [`self`].
+/// A source of velocities, in the order of [`self`].
 #[derive(Clone, Debug)]
 enum Wish {
-    /// Some of the rows that state velocities.
+    /// Some of the rows of stated velocities.
     Stated(Rows, Vec<usize>),
-    /// These velocities.
+    /// These velocities themselves.
     Own(Vec<usize>),
     Films,
     Loads(Vec<usize>),
@@ -61,24 +66,24 @@ struct Level {
     wish: Wish,
     /// Factors of its rows.
     factors: Vec<f64>,
-    /// Combinations that decide.
+    /// The deciding combinations of the rows.
     pick: DMatrix<f64>,
 }
 
-/// The steady motion over all places near the assembled one.
+/// The steady motion at all positions near the assembled one.
 #[derive(Clone, Debug)]
 pub struct SteadyMotion {
     constraints: Rows,
     factors: Vec<f64>,
     levels: Vec<Level>,
-    /// Rows for what nothing else decides: space × mass, of the assembled place.
+    /// Rows for the freedoms without another condition: space × mass, at the assembled position.
     rest: DMatrix<f64>,
     scales: Vec<f64>,
-    /// What the constraints leave free at the assembled place, in scaled velocities.
+    /// The directions that the constraints leave free at the assembled position, in scaled velocities.
     pub free: DMatrix<f64>,
 }
 
-/// Rows that velocities keep at a place: `rows · y + values = 0`, y the scaled velocities.
+/// Conditions on velocities at a position: `rows · y + values = 0`, with the scaled velocities y.
 pub struct Kept {
     /// H.
     pub rows: DMatrix<f64>,
@@ -88,19 +93,19 @@ pub struct Kept {
 }
 
 impl Kept {
-    /// The least change of scaled velocities by which the rows give `wanted`.
+    /// The least change of scaled velocities that changes the rows by `wanted`.
     pub fn least(&self, wanted: &DVector<f64>) -> Result<DVector<f64>, NoMotion> {
         let solved = self.square.solve(wanted).ok_or(NoMotion::Singular)?;
         Ok(self.rows.tr_mul(&solved))
     }
 }
 
-/// Why there is no steady motion.
+/// The reason for a missing steady motion.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoMotion {
     /// The mechanism is locked here, or numbers are not finite.
     Singular,
-    /// Something else failed.
+    /// Another error.
     Error(RuntimeError),
 }
 
@@ -111,7 +116,7 @@ impl From<RuntimeError> for NoMotion {
 }
 
 impl SteadyMotion {
-    /// Decides what gives the velocities, at an assembled state.
+    /// Chooses the sources of the velocities at an assembled state.
     pub fn new(model: &Model, state: &State) -> Result<SteadyMotion, NoMotion> {
         let films = films(model);
         let loads = |damping: bool| -> Vec<usize> {
@@ -138,8 +143,8 @@ impl SteadyMotion {
         SteadyMotion::decide(model, state, wishes, DETERMINED)
     }
 
-    /// The rows that velocities along a path must keep. Stated zeros come after the shapes and frames of flexible bodies: a shaft that
-    /// sags turns about an axis that is tilted.
+    /// The conditions on velocities along a path. Stated zeros come after the shapes and frames of flexible
+    /// bodies, because a sagging shaft turns about a tilted axis.
     pub fn along_path(model: &Model, state: &State) -> Result<SteadyMotion, NoMotion> {
         let flexible = model
             .bodies
@@ -148,11 +153,12 @@ impl SteadyMotion {
             .flat_map(|b| b.velocity..b.velocity + b.width());
         let [moving, still, _] = stated(model, state)?;
         let wishes = vec![moving, Wish::Own(flexible.collect()), still];
-        // a drive that turns a shaft leaves its tilts alone to the speed that is stated of it: they do not make up for a difference
+        // without this limit the tilts of a driven shaft would compensate a difference between drive and
+        // stated speed
         SteadyMotion::decide(model, state, wishes, TILTS)
     }
 
-    /// Combinations of a wish's rows of which those before leave no more than `least` decide nothing.
+    /// A combination of a wish's rows counts only if earlier rows leave more than `least` of it.
     fn decide(
         model: &Model,
         state: &State,
@@ -232,7 +238,7 @@ impl SteadyMotion {
         }
     }
 
-    /// Rows `matrix · y + values` that are wished to be zero, y the scaled velocities.
+    /// The rows `matrix · y + values` of a wish, which should be zero for the scaled velocities y.
     fn wished(
         &self,
         model: &Model,
@@ -271,7 +277,8 @@ impl SteadyMotion {
         Ok((values, matrix))
     }
 
-    /// Derivatives of an element's wrenches by velocities and by positions, each brought to the size of one; soft rows are zero.
+    /// Derivatives of an element's wrenches with respect to velocities and positions, each scaled to the size
+    /// of one. Soft rows are zero.
     pub(crate) fn load_derivatives(
         &self,
         model: &Model,
@@ -314,7 +321,7 @@ impl SteadyMotion {
                     elements::call(model, class_index, Function::Tangent, &work, &mut out)?;
                     work[tape + base + d] = [0.0; 2];
                     for i in 0..wrenches {
-                        // a force at the model's length weighs as a torque
+                        // a force counts with the model's length as its arm, to be comparable with a torque
                         let slope = out[rows + i][0] * if i % 6 < 3 { model.length } else { 1.0 };
                         for w in 0..jacobian.ncols() {
                             matrix[(i, first + w)] += slope * jacobian[(d, w)];
@@ -331,7 +338,7 @@ impl SteadyMotion {
                     matrix.row_mut(i).scale_mut(f64::from(u8::from(keep)));
                 }
             } else {
-                // an open contact answers nothing here, though it may elsewhere: its rows stay
+                // an open contact has no slope here but may have one elsewhere, so its rows remain
                 matrix.fill(0.0);
             }
             made.push(matrix);
@@ -339,7 +346,7 @@ impl SteadyMotion {
         Ok(made)
     }
 
-    /// Velocities at a place.
+    /// Velocities at a position.
     pub fn velocity(&self, model: &Model, state: &State) -> Result<Vec<f64>, NoMotion> {
         let (matrix, rhs, _) = self.equations(model, state)?;
         let y = matrix.lu().solve(&rhs).ok_or(NoMotion::Singular)?;
@@ -349,8 +356,8 @@ impl SteadyMotion {
         Ok(y.iter().zip(&self.scales).map(|(y, s)| y * s).collect())
     }
 
-    /// How the velocities answer a move of the place (scaled velocities by scaled increments), as far as the films ask: a pin that is
-    /// carried from the axis it turns about would circle in its shell.
+    /// Derivative of the velocities with respect to the position (scaled), as far as the rows of the films
+    /// need it: a pin that is displaced from its axis of rotation would circle in its shell.
     pub fn slopes(
         &self,
         model: &Model,
@@ -388,7 +395,7 @@ impl SteadyMotion {
         matrix.lu().solve(&rhs).ok_or(NoMotion::Singular)
     }
 
-    /// The rows that velocities on a path keep, at a place.
+    /// The conditions on the velocities of a path at a position.
     fn kept(&self, model: &Model, state: &State) -> Result<Kept, RuntimeError> {
         let (values, rows) = self.constraint_rows(model, state)?;
         let mut parts = vec![weighed(values, rows, &self.factors)];
@@ -414,7 +421,8 @@ impl SteadyMotion {
         })
     }
 
-    /// The velocities nearest to wished ones (scaled) that keep their rows at a place, and these rows.
+    /// The velocities nearest to given ones (scaled) that satisfy the conditions at a position, and these
+    /// conditions.
     pub fn nearest(
         &self,
         model: &Model,
@@ -423,7 +431,7 @@ impl SteadyMotion {
     ) -> Result<(Vec<f64>, Kept), NoMotion> {
         let kept = self.kept(model, state)?;
         let mut y = DVector::from_fn(model.velocities, |i, _| wished[i] / self.scales[i]);
-        // once more for what rounding leaves
+        // the second pass removes the rounding of the first
         for _ in 0..2 {
             let missed = &kept.rows * &y + &kept.values;
             y -= kept.least(&missed)?;
@@ -435,7 +443,7 @@ impl SteadyMotion {
         Ok((velocity, kept))
     }
 
-    /// What a place misses of the constraints, and their rows, in scaled increments.
+    /// The violation of the constraints at a position, and their rows, in scaled increments.
     pub fn missed_places(
         &self,
         model: &Model,
@@ -446,7 +454,7 @@ impl SteadyMotion {
         Ok(weighed(values, matrix, &self.factors))
     }
 
-    /// What velocities miss of the rows that they keep at a place, and these rows, in scaled velocities.
+    /// The violation of the conditions on velocities at a position, and these rows, in scaled velocities.
     pub fn missed_rates(
         &self,
         model: &Model,
@@ -465,7 +473,7 @@ impl SteadyMotion {
             .filter(|l| l.pick.nrows() > 0 && !matches!(l.wish, Wish::Own(_) | Wish::Loads(_)))
     }
 
-    /// What the rows that are kept give at the velocities of a state.
+    /// The values of the conditions for the velocities of a state.
     pub fn missed(&self, model: &Model, state: &State) -> Result<DVector<f64>, RuntimeError> {
         let rates = self.constraints.rates(model, &at(state))?;
         let mut out: Vec<f64> = rates
@@ -530,7 +538,7 @@ impl SteadyMotion {
         Ok((matrix, rhs, films))
     }
 
-    /// Velocities at a place, and their rates along the motion: one-sided differences of fourth order.
+    /// Velocities at a position, and their rates along the motion by one-sided differences of fourth order.
     pub fn rates(&self, model: &Model, state: &State) -> Result<(Vec<f64>, Vec<f64>), NoMotion> {
         // f' = (−25 f₀ + 48 f₁ − 36 f₂ + 16 f₃ − 3 f₄)/12h
         const WEIGHTS: [f64; 5] = [-25.0, 48.0, -36.0, 16.0, -3.0];
@@ -557,7 +565,8 @@ impl SteadyMotion {
         Ok((velocity, rate))
     }
 
-    /// Moves a place along the motion by h (s), a step of Runge and Kutta's fourth order; gives the velocities there.
+    /// Moves a position along the motion by h (s) in one fourth-order Runge–Kutta step. Returns the
+    /// velocities there.
     pub fn advance(
         &self,
         model: &Model,
@@ -580,7 +589,7 @@ impl SteadyMotion {
         stage(&mean, 1.0)
     }
 
-    /// How fast the motion goes about its own size (1/s).
+    /// The rate (1/s) at which the motion covers its own size.
     pub fn pace(&self, velocity: &[f64]) -> f64 {
         velocity
             .iter()
@@ -589,13 +598,13 @@ impl SteadyMotion {
     }
 }
 
-/// Elements that are films.
+/// Indices of the films among the elements.
 fn films(model: &Model) -> Vec<usize> {
     let journals = &model.compiled.system.journals;
     journals.iter().map(|j| j.element as usize).collect()
 }
 
-/// All modal rates.
+/// Indices of all modal rates.
 pub fn modal(model: &Model) -> Vec<usize> {
     model
         .bodies
@@ -613,7 +622,7 @@ fn rows_of(model: &Model, wanted: impl Fn(usize) -> bool) -> Rows {
     )
 }
 
-/// Velocities stated not to be zero, to be zero, and guessed.
+/// Three wishes: stated velocities other than zero, stated zeros, and guessed velocities.
 fn stated(model: &Model, state: &State) -> Result<[Wish; 3], RuntimeError> {
     let of = |exact| {
         rows_of(model, |e| {
@@ -688,7 +697,8 @@ fn rates_of_eccentricities(model: &Model, pose: &[f64], velocity: &[f64]) -> Vec
     rates
 }
 
-/// Rates of the eccentricities of all journals, seen from their shells, by velocities: two rows (x, y) a journal.
+/// Derivative of the eccentricity rates of all journals (seen from their shells) with respect to velocities:
+/// two rows (x, y) for each journal.
 pub fn eccentricity_rates(model: &Model, state: &State) -> DMatrix<f64> {
     let count = model.compiled.system.journals.len();
     let mut matrix = DMatrix::zeros(2 * count, model.velocities);
