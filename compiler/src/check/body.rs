@@ -16,7 +16,7 @@ use eng_system::Dimension;
 const ATTRIBUTES: [&str; 4] = ["mass", "inertia", "products_of_inertia", "center_of_mass"];
 const STARTS: [&str; 4] = ["position", "rotation", "velocity", "angular_velocity"];
 
-/// Whether the block of a body gives a value to a name: `big = [0, -41, 0] mm`.
+/// Whether the block of a body assigns a value to a name: `big = [0, -41, 0] mm`.
 pub(super) fn states(body: &Declaration, name: &str) -> bool {
     block_of(body).is_some_and(|block| {
         block
@@ -33,7 +33,7 @@ fn moment_of_inertia() -> Dimension {
 }
 
 impl<'p> Checker<'p> {
-    /// Offers the word `marker` before a name whose value is a place.
+    /// Adds the fix of writing `marker` before a name whose value is a place.
     pub(super) fn offer_marker(
         &self,
         message: Diagnostic,
@@ -122,7 +122,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// A marker's name is its own.
+    /// Refuses a second marker with the same name.
     pub(super) fn marker_name(&mut self, known: &mut Vec<&'p Name>, marker: &'p Declaration) {
         if marker.name.text == "origin" {
             self.report(

@@ -1,4 +1,4 @@
-//! The functions that the language itself has.
+//! Types of the functions of the language.
 
 use super::Checker;
 use super::mismatch::Due;
@@ -10,10 +10,10 @@ use eng_grammar::ast::{Argument, Expr, ExprKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
-/// A vector or components, as the functions of vectors take them.
+/// A vector or components, as an argument of a function of vectors.
 struct Directed {
     quantity: Quantity,
-    /// A vector in space rather than components.
+    /// Whether it is a vector in space and not components.
     spatial: bool,
     framed: bool,
     length: Option<u32>,
@@ -96,7 +96,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// The type of a function whose rule is its own.
+    /// The type of a call of a function with a rule of its own.
     fn of_own_rule(
         &mut self,
         name: &str,
@@ -172,7 +172,7 @@ impl<'p> Checker<'p> {
             .is_error()
     }
 
-    /// A function of a plain number, where an angle may stand for one.
+    /// Checks the argument of a function of a plain number. An angle may replace the number.
     pub(super) fn plain_argument(
         &mut self,
         name: &str,
@@ -350,7 +350,8 @@ impl<'p> Checker<'p> {
             self.report(message);
             return Type::Error;
         }
-        // A computed value: cosines of small angles are angles, products of axes take part in torques.
+        // A computed value may be an angle: components of axes are small angles, and products of axes occur
+        // in torques.
         let quantity = Quantity {
             soft: true,
             ..p.quantity.times(&q.quantity)
@@ -519,7 +520,7 @@ impl<'p> Checker<'p> {
         result.map_or(Type::Error, |(ty, _)| ty)
     }
 
-    /// The common type of two arguments of `min` or `max`; a bare number lacks its unit.
+    /// The common type of two arguments of `min` or `max`. A bare number beside a quantity is an error.
     fn extreme_of(&mut self, known: &Type, span: Span, ty: &Type, expr: &Expr, what: &str) -> Type {
         if let (Some(p), Some(q)) = (known.quantity(), ty.quantity())
             && q.dim.is_one()

@@ -12,7 +12,7 @@ use crate::typed::Callee;
 use eng_grammar::ast::{Argument, Expr, ExprKind, Form, Kind};
 use eng_grammar::{Diagnostic, Span};
 
-/// A place for an argument.
+/// A parameter that takes an argument.
 #[derive(Clone, Debug)]
 pub(super) struct Slot {
     pub name: String,
@@ -20,13 +20,13 @@ pub(super) struct Slot {
     pub optional: bool,
     /// Where it is declared.
     pub span: Option<Span>,
-    /// The unit its own default uses.
+    /// The unit of its default.
     pub unit: Option<String>,
-    /// Taken by name only.
+    /// Whether it takes an argument by name only.
     pub named_only: bool,
 }
 
-/// Words that mean something only in certain places, and where.
+/// Words with a meaning only in certain places, and these places.
 const PLACED: [(&str, &str); 8] = [
     (
         "at",
@@ -59,7 +59,7 @@ impl<'p> Checker<'p> {
         if let ExprKind::Name(name) = &callee.kind {
             let found = self.find(scope, name).is_some();
             let built_in = crate::functions::find(name);
-            // A value named `length` does not hide the function.
+            // A value called like a function of the language does not hide the function in a call.
             if let Some(built_in) = built_in
                 && (!found
                     || !matches!(
@@ -143,7 +143,7 @@ impl<'p> Checker<'p> {
         arguments: &[Argument],
     ) -> Type {
         if signature.name.is_empty() && signature.result.is_error() {
-            // A function that calls itself.
+            // The function calls itself.
             for argument in arguments {
                 self.infer(scope, &argument.value);
             }
@@ -183,7 +183,7 @@ impl<'p> Checker<'p> {
         result
     }
 
-    /// Notes what the dimension variables of a function stand for at a use of it.
+    /// Stores the dimensions of the variables of a function at a use.
     fn solved(&mut self, place: Span, solution: Solution) {
         if !solution.is_empty() {
             self.findings.solutions.insert(place, solution);
@@ -245,7 +245,7 @@ impl<'p> Checker<'p> {
         );
     }
 
-    /// Checks arguments against parameters: names, number, types. Whether all is well.
+    /// Checks arguments against parameters: names, number, types. Returns whether all are right.
     pub(super) fn arguments(
         &mut self,
         scope: &Scope<'p>,
@@ -281,7 +281,7 @@ impl<'p> Checker<'p> {
                         .at(name.span, "no parameter of this name");
                         if let Some(near) = near {
                             message = message.meant(name.span, near);
-                            // The same mistake is not told again as a missing argument.
+                            // a misspelled argument is not reported a second time as a missing one
                             if let Some(meant) = slots.iter().position(|slot| slot.name == near) {
                                 given[meant] = given[meant].or(Some(name.span));
                             }
@@ -392,7 +392,7 @@ impl<'p> Checker<'p> {
         !self.fit(value, &found, &expected, &due).is_error()
     }
 
-    /// A function or table where one of a signature is due.
+    /// Checks a function or table against a needed signature.
     pub(super) fn function_for(
         &mut self,
         expr: &Expr,
@@ -443,7 +443,7 @@ impl<'p> Checker<'p> {
         Type::Error
     }
 
-    /// A class where one of an interface is due.
+    /// Checks a class against a needed interface.
     pub(super) fn class_for(
         &mut self,
         expr: &Expr,
@@ -493,7 +493,7 @@ impl<'p> Checker<'p> {
         }
         let promised = self.slots_of(interface);
         let own = self.slots_of(class);
-        // arguments without names are told by their places
+        // a use through the interface may give arguments without names, so their order matters
         let first_odd = promised
             .iter()
             .zip(&own)
@@ -550,7 +550,7 @@ fn has_variables(ty: &Type) -> bool {
     }
 }
 
-/// Finds what a parameter's dimension variables stand for, given an argument.
+/// Finds the dimensions of a parameter's variables from an argument.
 pub(super) fn solve(parameter: &Type, found: &Type, solution: &mut Solution) {
     match (parameter, found) {
         (Type::Scalar(quantity), _) => {
@@ -613,7 +613,7 @@ fn solve_quantity(parameter: &Quantity, found: &Quantity, solution: &mut Solutio
             }
         }
         [] if alone => {
-            // A harder or more definite argument says more about the variable.
+            // An argument with a more definite quantity decides the variable.
             if let [(number, _)] = parameter.dim.variables.as_slice()
                 && let Some(old) = solution.get(*number)
             {

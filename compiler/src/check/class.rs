@@ -1,4 +1,4 @@
-//! Definitions: models, components, classes, interfaces, records; and the uses of classes in them.
+//! Definitions (models, components, classes, interfaces, records) and the uses of classes in them.
 
 use super::Checker;
 use super::describe::{kind_word, with_article};
@@ -12,7 +12,7 @@ use eng_grammar::ast::{
 };
 use eng_grammar::{Diagnostic, Span};
 
-/// What an item is called in messages, and whether it may stand in a definition of a kind.
+/// The name of an item in messages if the item must not be in a definition of this kind, with advice.
 pub(super) fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'static str)> {
     let holds_parts = matches!(kind, Kind::Model | Kind::Component);
     let class = matches!(
@@ -238,8 +238,7 @@ impl<'p> Checker<'p> {
         seen.push(name);
     }
 
-    /// The type of what `kind name = Class(…)` makes; says what is wrong with the class.
-    /// A name that is no class, with the classes of the kind that is due.
+    /// Reports an unknown class, with the known classes of the needed kind.
     fn unknown_class(&mut self, module: u32, kind: Kind, name: &str, span: Span) {
         let word = match kind {
             Kind::Part => "component",
@@ -298,6 +297,7 @@ impl<'p> Checker<'p> {
         self.report(message);
     }
 
+    /// The type of the element that `kind name = Class(…)` makes. Reports a wrong class.
     pub(super) fn element_type(&mut self, scope: &Scope<'p>, declaration: &'p Declaration) -> Type {
         let scope = self.binders(scope, &declaration.index);
         let kind = declaration.kind;
@@ -387,7 +387,7 @@ impl<'p> Checker<'p> {
                         .with_fix(format!("write `{right}`"), declaration.kind_span, right);
                 }
                 self.report(message);
-                // What it is, is known: its members are not in doubt.
+                // the intended class is certain, so its members can be checked
                 match right {
                     Some(_) => Type::Instance(id),
                     None => Type::Error,
@@ -447,7 +447,7 @@ impl<'p> Checker<'p> {
         Type::Error
     }
 
-    /// A use of a class: arguments, and the block behind it.
+    /// Checks a use of a class: its arguments and its block.
     fn element(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
         let ty = self.element_type(outer, declaration);
         let scope = self.binders(outer, &declaration.index);
@@ -506,7 +506,7 @@ impl<'p> Checker<'p> {
     }
 }
 
-/// Where an item begins: the part of it that a message should show.
+/// The beginning of an item, as the place of a message.
 pub(super) fn item_place(item: &Item) -> Span {
     match &item.kind {
         ItemKind::Binding(binding) => binding.name.span,

@@ -1,4 +1,4 @@
-//! Types as written, and the things that are declared with one: bindings, parameters, functions.
+//! Types as written, and declarations with types: bindings, parameters, functions.
 
 use super::Checker;
 use super::mismatch::Due;
@@ -14,12 +14,12 @@ use eng_grammar::ast::{
 use eng_grammar::{Diagnostic, Span};
 use std::sync::Arc;
 
-/// Types that the language itself gives.
+/// Types of the language itself.
 const BUILT_IN_TYPES: [&str; 9] = [
     "Int", "Bool", "Text", "Vector", "Vector2", "Vector3", "Marker", "Body", "ModeSet",
 ];
 
-/// The unit that an expression is written in, if it is a literal.
+/// The unit of an expression, if it is a literal.
 pub(super) fn written_unit(expr: &Expr) -> Option<String> {
     match &expr.kind {
         ExprKind::Number { unit, .. } | ExprKind::List { unit, .. } => unit.as_ref().map(unit_text),
@@ -32,7 +32,7 @@ pub(super) fn written_unit(expr: &Expr) -> Option<String> {
 }
 
 impl<'p> Checker<'p> {
-    /// The type that is written, which is handed on.
+    /// The type as written. Stores it in the findings.
     pub(super) fn ty(&mut self, scope: &Scope<'p>, ty: &TypeExpr) -> Type {
         let found = self.type_of_text(scope, ty);
         self.findings.types.insert(ty.span, found.clone());
@@ -189,8 +189,8 @@ impl<'p> Checker<'p> {
         })
     }
 
-    /// Of what is declared by a dimension that is no point, whatever its name: where the dimension has points, it is a difference
-    /// of them.
+    /// The kind of a value declared by a dimension that is no point. If the dimension has points, the value
+    /// is a difference of them, whatever the name of the dimension.
     fn kind_of(&self, dim: &Dim) -> PointKind {
         let has_points = dim.variables.is_empty()
             && self
@@ -231,7 +231,7 @@ impl<'p> Checker<'p> {
         self.report(message);
     }
 
-    /// A type that must be a dimension.
+    /// The quantity of a type that must be a dimension.
     fn quantity(&mut self, scope: &Scope<'p>, ty: &TypeExpr) -> Option<Quantity> {
         match &ty.kind {
             TypeExprKind::Product(left, right) | TypeExprKind::Quotient(left, right) => {
@@ -277,7 +277,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// Refuses a `param` that decides a count.
+    /// Refuses a `param` in an expression for a count, because counts must be known while compiling.
     pub(super) fn structural(&mut self, scope: &Scope<'p>, expr: &Expr) {
         let mut names: Vec<(String, Span)> = Vec::new();
         collect_names(expr, &mut names);
@@ -293,7 +293,7 @@ impl<'p> Checker<'p> {
             let Some(binding) = binding.filter(|b| b.kind == BindingKind::Param) else {
                 continue;
             };
-            // A count that is a `param` is refused where it is declared.
+            // A count that is a `param` is refused at its declaration.
             let ty = self.name(scope, &name, span);
             if ty.is_error() || matches!(ty, Type::Int | Type::Bool | Type::Text) {
                 continue;
@@ -309,7 +309,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// Offers `const` for `param`.
+    /// Adds the fix of writing `const` for `param`.
     fn const_instead(&self, message: Diagnostic, binding: &Binding) -> Diagnostic {
         let message = message.with_help("make it a `const`");
         let span = binding.name.span;
@@ -361,7 +361,8 @@ impl<'p> Checker<'p> {
                 }
                 let found = self.fit(value, &plain, declared, &due());
                 if found.is_error() {
-                    // The declaration holds for what reads it; axes and units of the value are not looked at.
+                    // Readers of the binding use the declared type, so axes and units of the value do not
+                    // matter.
                     self.binding_needs(outer, binding, declared);
                     return if declared.is_error() {
                         Type::Error
@@ -370,7 +371,7 @@ impl<'p> Checker<'p> {
                     };
                 }
                 match declared {
-                    // The declaration holds, whatever the value is; known lengths are more.
+                    // The declared type counts, whatever the value is; only known lengths of lists add to it.
                     Type::List { .. } => found,
                     _ => declared.clone(),
                 }
@@ -400,7 +401,7 @@ impl<'p> Checker<'p> {
         self.arrayed(&binding.index, ty)
     }
 
-    /// What an output shows becomes columns of numbers.
+    /// The type of an output, which must be shown as columns of numbers.
     fn shown(&mut self, binding: &Binding, ty: Type) -> Type {
         if binding.kind != BindingKind::Output || ty.is_error() {
             return ty;
@@ -449,7 +450,7 @@ impl<'p> Checker<'p> {
         Type::Error
     }
 
-    /// What a binding must have to mean something.
+    /// Checks that a binding has the parts that its kind needs.
     fn binding_needs(&mut self, scope: &Scope<'p>, binding: &Binding, ty: &Type) {
         let around = scope
             .definition
@@ -460,7 +461,7 @@ impl<'p> Checker<'p> {
             let in_interface = around == Some(Kind::Interface);
             let without_value = match binding.kind {
                 BindingKind::Const => matches!(around, Some(Kind::Model | Kind::Interface)),
-                // Where a `param` does not belong, that alone is said.
+                // A `param` at a wrong place gets only the message about its place.
                 BindingKind::Param => around.is_some_and(|kind| kind != Kind::Component),
                 BindingKind::Let => around == Some(Kind::Record),
                 BindingKind::State => false,
@@ -577,7 +578,7 @@ impl<'p> Checker<'p> {
                 quantity,
                 framed: true,
             },
-            // Components are named as those along the stated axes.
+            // The components are along the stated axes.
             Type::List {
                 ref element,
                 length,
@@ -620,7 +621,7 @@ impl<'p> Checker<'p> {
         ty
     }
 
-    /// The interface that a class says it fits.
+    /// The interface that a class declares to fill.
     pub(super) fn interface_of(&mut self, class: DefinitionId) -> Option<DefinitionId> {
         let declaration = self.declaration(class)?;
         let eng_grammar::ast::Form::Class {

@@ -7,7 +7,7 @@ use crate::resolve::suggest::LONGEST;
 use eng_grammar::ast::Kind;
 use eng_system::Dimension;
 
-/// Names that say most, where several dimensions have the same exponents.
+/// Preferred names for exponents that several dimensions share.
 const PREFERRED: [&str; 18] = [
     "Length",
     "Mass",
@@ -29,7 +29,8 @@ const PREFERRED: [&str; 18] = [
     "AngularAcceleration",
 ];
 
-/// The unit that was likely meant by one that is not known: of those as near, one as long and as usual as possible.
+/// The likely meaning of an unknown unit. Among equally near units it is one of the same length, and a usual
+/// one.
 pub(super) fn nearest_unit<'a>(
     name: &str,
     known: impl Iterator<Item = &'a String>,
@@ -54,12 +55,12 @@ pub(super) fn nearest_unit<'a>(
         .map(|(.., unit)| unit.clone())
 }
 
-/// The name of a dimension that is a base itself: what is missing or too much, where it is that simple.
+/// Whether a dimension is a base dimension. A surplus is named only in this simple case.
 fn is_base(dimension: Dimension) -> bool {
     (0..eng_system::dimension::BASES).any(|base| dimension == Dimension::base(base))
 }
 
-/// `joint`, `body`: as it is written.
+/// The word of a kind in a text: `joint`, `body`.
 pub(super) fn kind_word(kind: Kind) -> &'static str {
     match kind {
         Kind::Model => "model",
@@ -90,7 +91,7 @@ pub(super) fn with_article(noun: &str) -> String {
 }
 
 impl Checker<'_> {
-    /// The names of all dimensions of the same exponents, points left out.
+    /// The names of all dimensions with the same exponents, without points.
     fn names_of(&self, dimension: Dimension) -> Vec<&str> {
         let all: Vec<&str> = self
             .program
@@ -138,7 +139,7 @@ impl Checker<'_> {
         text
     }
 
-    /// The name with what it is made of: `Pressure (kg/m/s^2)`.
+    /// The name with the SI base units: `Pressure (kg/m/s^2)`.
     pub(super) fn quantity_in_full(&self, quantity: &Quantity) -> String {
         let name = self.quantity_name(quantity);
         if !quantity.dim.variables.is_empty() {
@@ -159,13 +160,13 @@ impl Checker<'_> {
         }
     }
 
-    /// The base dimension by which a is more than b.
+    /// The base dimension by which a exceeds b.
     pub(super) fn surplus(&self, a: &Quantity, b: &Quantity) -> Option<String> {
         let ratio = a.dim.over(&b.dim);
         (ratio.variables.is_empty() && is_base(ratio.base)).then(|| self.dimension_name(&ratio))
     }
 
-    /// The unit that the declaration itself uses, or a usual one.
+    /// The unit in the declaration itself, or a usual one.
     pub(super) fn unit_for(&self, own: Option<&str>, wanted: &Quantity) -> Option<String> {
         if !wanted.dim.variables.is_empty() {
             return None;
@@ -260,7 +261,7 @@ impl Checker<'_> {
         }
     }
 
-    /// A unit in which a reader expects this dimension.
+    /// The usual unit of a dimension.
     pub(super) fn usual_unit(&self, quantity: &Quantity) -> Option<String> {
         let dimension = quantity.dim.base;
         if let PointKind::Point(name) = &quantity.kind

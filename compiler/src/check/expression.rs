@@ -9,7 +9,7 @@ use crate::program::unit_text;
 use eng_grammar::ast::{Binder, Expr, ExprKind, IndexArgument, UnaryOp, UnitExpr};
 use eng_grammar::{Diagnostic, Span};
 
-/// The number of elements of a range or list, where it is written in plain numbers.
+/// The number of elements of a range or list, if it is written in plain numbers.
 pub(super) fn literal_length(range: &Expr) -> Option<u32> {
     let whole = |expr: &Expr| match &expr.kind {
         ExprKind::Number {
@@ -42,7 +42,7 @@ pub(super) fn counts_from_one(range: &Expr) -> bool {
 }
 
 impl<'p> Checker<'p> {
-    /// The type of an expression, which is handed on.
+    /// The type of an expression. Stores it in the findings.
     pub(super) fn infer(&mut self, scope: &Scope<'p>, expr: &Expr) -> Type {
         let ty = self.type_of(scope, expr);
         self.findings.types.insert(expr.span, ty.clone());
@@ -119,7 +119,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// Something that must be true or false.
+    /// Checks an expression that must be true or false.
     pub(super) fn condition(&mut self, scope: &Scope<'p>, expr: &Expr, what: &str) {
         let ty = self.infer(scope, expr);
         if ty.is_error() || ty == Type::Bool {
@@ -136,7 +136,7 @@ impl<'p> Checker<'p> {
         );
     }
 
-    /// A unit after a list or a parenthesis: the numbers inside must be plain.
+    /// The type of a list or parenthesis with a unit behind it. The numbers inside must be plain.
     fn scaled(&mut self, scope: &Scope<'p>, ty: Type, unit: &UnitExpr, inside: Span) -> Type {
         let Some(quantity) = self.quantity_of(scope, unit) else {
             return Type::Error;
@@ -217,7 +217,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// Says where bare numbers stand beside quantities in a list: `[0, 0, bore]`.
+    /// Reports bare numbers beside quantities in a list: `[0, 0, bore]`. Returns whether there are any.
     fn lacks_units(&mut self, items: &[Expr], types: &[Type], span: Span) -> bool {
         let quantity = types
             .iter()
@@ -278,7 +278,7 @@ impl<'p> Checker<'p> {
         true
     }
 
-    /// The common type of two values that stand for one.
+    /// The common type of two alternatives.
     pub(super) fn join(
         &mut self,
         (a, a_span): (&Type, Span),
@@ -316,7 +316,7 @@ impl<'p> Checker<'p> {
                 };
             }
             (Type::Body(_), Type::Body(_)) if a != b => return Type::Body(None),
-            // Classes that are chosen between: what matters is the interface.
+            // A choice between classes has the type of their common interface.
             (Type::Class(c), Type::Class(d)) if c != d => {
                 let (c, d) = (self.interface_of(*c), self.interface_of(*d));
                 if let (Some(c), Some(d)) = (c, d)
@@ -352,7 +352,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// The locals that binders give.
+    /// The scope with the names of binders.
     pub(super) fn binders(&mut self, scope: &Scope<'p>, binders: &[Binder]) -> Scope<'p> {
         let mut inner = scope.clone();
         for binder in binders {
@@ -460,7 +460,7 @@ impl<'p> Checker<'p> {
                     );
                     return Type::Error;
                 };
-                // The step is a difference even where the ends are points.
+                // The step is a difference even if the ends are points.
                 let ends = Quantity {
                     kind: super::types::Kind::Difference,
                     ..whole

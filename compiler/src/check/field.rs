@@ -1,4 +1,4 @@
-//! What stands after a dot.
+//! The types of fields: the name after a dot.
 
 use super::Checker;
 use super::scope::Scope;
@@ -62,7 +62,7 @@ impl<'p> Checker<'p> {
                     return Type::Instance(weld);
                 }
                 if super::body::states(declared, &name.text) {
-                    // told there: its word `marker` is missing
+                    // the missing word `marker` is reported there
                     return Type::Error;
                 }
                 if name.text == "support" && declared.kind == eng_grammar::ast::Kind::Flexible {
@@ -226,7 +226,7 @@ impl<'p> Checker<'p> {
                 return Type::Error;
             }
         };
-        // Axes are computed: their products and components may stand for small angles.
+        // Axes are computed values, so their products and components may be small angles.
         let soft = matches!(name.text.as_str(), "x" | "y" | "z");
         Type::vector(Quantity {
             soft,

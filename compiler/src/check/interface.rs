@@ -1,4 +1,4 @@
-//! Interfaces: whether a class gives what it says to give.
+//! Interfaces: whether a class has the parameters and outputs that its interface promises.
 
 use super::Checker;
 use super::scope::Member;
@@ -11,7 +11,7 @@ use eng_grammar::Diagnostic;
 use eng_grammar::ast::{Binding, BindingKind, Declaration, Form, ItemKind, Kind, Name};
 
 impl<'p> Checker<'p> {
-    /// Whether a class gives what its interface promises.
+    /// Checks that a class fills its interface.
     pub(super) fn conformity(&mut self, id: DefinitionId, declaration: &'p Declaration) {
         let Form::Class { interface, .. } = &declaration.form else {
             return;
@@ -89,7 +89,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// What an interface asks for, in its order.
+    /// The parameters and outputs of an interface, in its order.
     fn promises(&mut self, interface: DefinitionId) -> Vec<&'p Binding> {
         let declaration = self.declaration(interface);
         let block = declaration.and_then(super::scope::block_of);
@@ -123,7 +123,7 @@ impl<'p> Checker<'p> {
         fits.then_some(own)
     }
 
-    /// Says where a member differs from what is promised.
+    /// Reports a difference between a member and its promise.
     fn as_promised(
         &mut self,
         id: DefinitionId,
@@ -187,7 +187,8 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// Whether a class is no journal, or one that fills the interface of films; a message where it does not say so.
+    /// Whether a class is not a journal, or a journal that fills the interface of films. Reports a journal
+    /// that does not declare this interface.
     fn is_film(
         &mut self,
         id: DefinitionId,

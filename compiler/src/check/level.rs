@@ -1,8 +1,8 @@
-//! What depends on velocities and what on accelerations. Constraints hold positions; accelerations, reactions and rates
-//! of states are known in outputs only.
+//! The levels of values: parameters, positions, velocities, accelerations. Constraints may use positions
+//! only. Accelerations, reactions and rates of states are known in outputs only.
 //!
-//! A run over the definitions after their types are known to be right: every value gets its level, functions are
-//! followed with the levels of their arguments, and each statement says which level it can bear.
+//! This pass runs after the types of all definitions are right. Every value gets its level. Functions are
+//! followed with the levels of their arguments. Each statement has a highest permitted level.
 
 use super::scope::{Found, Member, Scope, block_of};
 use super::types::Type;
@@ -17,10 +17,10 @@ use eng_grammar::{Diagnostic, Span};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// Most calls that are followed; a text that nests more is taken for what its arguments say.
+/// Most calls that are followed. Beyond this number a call has the highest level of its arguments.
 const MOST_CALLS: u32 = 100_000;
 
-/// How a level came about.
+/// The origin of a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Cause {
     Velocity,
@@ -32,7 +32,8 @@ enum Cause {
     Reaction,
 }
 
-/// -1: parameters and time; 0: positions; 1: velocities and states; 2: accelerations, reactions and rates of states.
+/// -1: parameters and time; 0: positions; 1: velocities and states; 2: accelerations, reactions and rates of
+/// states.
 #[derive(Clone, Copy, Debug)]
 struct Level {
     order: i8,
@@ -80,7 +81,7 @@ impl Level {
     }
 }
 
-/// A value as far as levels matter.
+/// A value, reduced to its level.
 #[derive(Clone)]
 enum Abstract<'p> {
     Number(Level),
@@ -108,7 +109,7 @@ impl Abstract<'_> {
     }
 }
 
-/// Where an expression is followed.
+/// The surroundings of an expression that is followed.
 #[derive(Clone)]
 struct Place<'p> {
     scope: Scope<'p>,
@@ -220,7 +221,7 @@ impl<'p> Levels<'_, 'p> {
         }
     }
 
-    /// Says what is wrong where a level is higher than a statement can bear.
+    /// Reports a level above the highest permitted one.
     fn bear(&mut self, level: Level, most: i8, span: Span, use_: &str) {
         let Some((at, cause)) = level.cause.filter(|_| level.order > most) else {
             return;
@@ -393,7 +394,7 @@ impl<'p> Levels<'_, 'p> {
         let key = (id, name.to_owned());
         match self.known.get(&key) {
             Some(Progress::Done(value)) => return value.clone(),
-            // Circles were said before; there is none here.
+            // circles were reported before, so this value is harmless here
             Some(Progress::Open) => return Abstract::Number(FREE),
             None => {}
         }
@@ -431,7 +432,7 @@ impl<'p> Levels<'_, 'p> {
                         .member_type(id, name, member, binding.name.span);
                     self.given(&ty)
                 }
-                // An interface's output: as high as a law may have it outside of outputs.
+                // The output of an interface has the highest level that a law may give it outside of outputs.
                 BindingKind::Output if binding.value.is_none() => {
                     Abstract::Number(Level::new(1, span, Cause::Velocity))
                 }
@@ -462,7 +463,7 @@ impl<'p> Levels<'_, 'p> {
         self.value(&inner, value)
     }
 
-    /// What is known of something by its type alone.
+    /// The level of a value of which only the type is known.
     fn given(&mut self, ty: &Type) -> Abstract<'p> {
         match ty {
             Type::Marker => Abstract::Marker,

@@ -1,4 +1,4 @@
-//! Lints of literals; names of lints, each once in a definition.
+//! Lints of literals, and the rule that a definition uses each lint name once.
 
 use super::Checker;
 use super::scope::{Scope, block_of};
@@ -6,11 +6,11 @@ use crate::codes;
 use eng_grammar::ast::{Function, Item, ItemKind, Name, Statement, UnitExpr};
 use eng_grammar::{Diagnostic, Span};
 
-/// An angle of more rad than this (three turns) was probably meant in degrees.
+/// Angle (rad, about three turns) above which a literal was probably meant in degrees.
 const MANY_TURNS: f64 = 20.0;
 
 impl<'p> Checker<'p> {
-    /// Tells of a name that two `advise`s of one definition or function have.
+    /// Reports a name that two `advise`s of one definition or function share.
     pub(super) fn names_of_lints(&mut self) {
         for module in &self.program.modules {
             self.lints_of(&module.file.items);
@@ -52,7 +52,7 @@ impl<'p> Checker<'p> {
         here.push(name);
     }
 
-    /// `180 rad`: tells of an angle that is many turns, unless the definition around accepts it.
+    /// Warns of an angle of many turns, such as `180 rad`, unless the surrounding definition accepts it.
     pub(super) fn many_turns(
         &mut self,
         scope: &Scope<'p>,

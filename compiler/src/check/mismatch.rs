@@ -1,4 +1,4 @@
-//! Whether a value can stand where a type is due, and the messages where it cannot.
+//! Whether a value fits an expected type, and the messages about one that does not.
 
 use super::Checker;
 use super::describe::with_article;
@@ -9,14 +9,14 @@ use eng_grammar::ast::{Expr, ExprKind, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
-/// What is due, in words, and where that is said.
+/// The expected value in words, and the place of its declaration.
 #[derive(Clone, Debug)]
 pub(super) struct Due {
     /// "`width` of `Short`".
     pub what: String,
-    /// Where the type was declared, with a few words.
+    /// The place of the type's declaration, with a label.
     pub declared: Option<(Span, String)>,
-    /// The unit that the declaration itself uses.
+    /// The unit in the declaration itself.
     pub unit: Option<String>,
 }
 
@@ -42,7 +42,7 @@ impl Due {
     }
 }
 
-/// Whether nothing but numbers without units is written.
+/// Whether an expression consists of numbers without units.
 fn is_plain_literal(expr: &Expr) -> bool {
     match &expr.kind {
         ExprKind::Number { unit, .. } => unit.is_none(),
@@ -71,7 +71,7 @@ fn unit_of(expr: &Expr) -> Option<&eng_grammar::ast::UnitExpr> {
 }
 
 impl<'p> Checker<'p> {
-    /// Infers `expr` and checks that it can stand where `expected` is due. Gives what it was found to be, read as due.
+    /// Infers `expr` and checks that it fits `expected`. Returns its type, read as the expected one.
     pub(super) fn expect(
         &mut self,
         scope: &super::scope::Scope<'p>,
@@ -83,7 +83,7 @@ impl<'p> Checker<'p> {
         self.fit(expr, &found, expected, due)
     }
 
-    /// Infers `expr`; what is due ranks the guesses for units that are not known.
+    /// Infers `expr`. The expected type ranks the suggestions for unknown units.
     pub(super) fn infer_as(
         &mut self,
         scope: &super::scope::Scope<'p>,
@@ -104,7 +104,7 @@ impl<'p> Checker<'p> {
         found
     }
 
-    /// As [`Checker::expect`], for a type that is known.
+    /// Like [`Checker::expect`], for an inferred type.
     pub(super) fn fit(&mut self, expr: &Expr, found: &Type, expected: &Type, due: &Due) -> Type {
         if found.is_error() || expected.is_error() {
             return Type::Error;
@@ -313,7 +313,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// The message for a number of the wrong quantity; always the error type.
+    /// Reports a number of the wrong quantity. Returns the error type.
     pub(super) fn misfit(
         &mut self,
         expr: &Expr,
@@ -408,7 +408,7 @@ impl<'p> Checker<'p> {
         message
     }
 
-    /// The message for `66 Hz` where an angular velocity is due, and its kin.
+    /// The message for `66 Hz` in place of an angular velocity, and for similar mistakes.
     pub(super) fn other_angle(
         &self,
         expr: &Expr,

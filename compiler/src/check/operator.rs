@@ -9,7 +9,7 @@ use eng_grammar::ast::{BinaryOp, Expr, ExprKind, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
-/// As it is written.
+/// The operator as written.
 fn sign(op: BinaryOp) -> &'static str {
     match op {
         BinaryOp::Or => "or",
@@ -50,7 +50,8 @@ impl<'p> Checker<'p> {
         self.operated(op, op_span, (left, &a), (right, &b))
     }
 
-    /// Says where a factor is a unit that a blank parts from the unit before it, `4 N*m *s/rad`, or a point: `4 kg*m.s`.
+    /// Reports a unit that a blank separates from the unit before it (`4 N*m *s/rad`), or a point in a unit
+    /// (`4 kg*m.s`).
     fn blank_in_unit(
         &mut self,
         scope: &Scope<'p>,
@@ -133,7 +134,7 @@ impl<'p> Checker<'p> {
         true
     }
 
-    /// The type of an operator between two sides of known types; not of `and` and `or`.
+    /// The type of an operator between two sides of known types, except `and` and `or`.
     pub(super) fn operated(
         &mut self,
         op: BinaryOp,
@@ -142,7 +143,7 @@ impl<'p> Checker<'p> {
         (right, b): (&Expr, &Type),
     ) -> Type {
         if a.is_error() || b.is_error() {
-            // A comparison is a condition whatever its sides are.
+            // A comparison is a condition, even after an error in its sides.
             return match op {
                 BinaryOp::Equal
                 | BinaryOp::NotEqual
@@ -195,7 +196,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// Both sides of a constraint: scalars, or vectors.
+    /// Checks both sides of a constraint, which are scalars or vectors.
     pub(super) fn equation(&mut self, scope: &Scope<'p>, expr: &Expr) {
         let inner = strip(expr);
         let ExprKind::Binary {
@@ -289,7 +290,7 @@ impl<'p> Checker<'p> {
                     Err(misfit) => self.operands(sides, misfit, p, q),
                 }
             }
-            // A list of three beside a vector is one in the ground's axes.
+            // A list of three beside a vector is a vector in the ground's axes.
             (Type::Vector { quantity: p, .. }, Type::List { .. })
             | (Type::List { .. }, Type::Vector { quantity: p, .. }) => {
                 let (list, expr) = if matches!(a, Type::List { .. }) {
@@ -345,7 +346,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// Whether a unit with a shifted zero shows this kind of points.
+    /// Whether these points have a unit with a shifted zero.
     pub(super) fn is_affine_point(&self, quantity: &Quantity) -> bool {
         match &quantity.kind {
             Kind::Point(name) => self
@@ -498,7 +499,7 @@ impl<'p> Checker<'p> {
                     if items.iter().all(|item| matches!(item.kind, ExprKind::Number { unit: None, .. })))
         };
         let (in_full_a, in_full_b) = (self.quantity_in_full(p), self.quantity_in_full(q));
-        // A bare number beside a quantity lacks its unit.
+        // A bare number beside a quantity has no unit.
         for (expr, own, other, other_expr) in [
             (sides.right, q, p, sides.left),
             (sides.left, p, q, sides.right),
@@ -589,7 +590,7 @@ impl<'p> Checker<'p> {
                 Type::Vector { quantity, .. } => Some(quantity.clone()),
                 other => other.components().map(|(quantity, _)| quantity),
             };
-            // a length that is small beside any part; of anything else the usual unit
+            // for a length a value that is small beside any part, otherwise one of the usual unit
             let small = match quantity {
                 Some(quantity) if quantity.dim.is_one() => "1e-6".to_owned(),
                 Some(quantity) if quantity.dim.base == Dimension::LENGTH => "1 um".to_owned(),
@@ -618,7 +619,7 @@ struct Sides<'e> {
     right: &'e Expr,
 }
 
-/// Without the parentheses around it.
+/// The expression without its parentheses.
 fn strip(expr: &Expr) -> &Expr {
     match &expr.kind {
         ExprKind::Paren { inner, unit: None } => strip(inner),
@@ -626,7 +627,7 @@ fn strip(expr: &Expr) -> &Expr {
     }
 }
 
-/// A written exponent as a ratio: `2`, `-1`, `0.5`, `1/3`, `(3/2)`.
+/// A written exponent as a ratio of integers: `2`, `-1`, `0.5`, `1/3`, `(3/2)`.
 fn ratio(expr: &Expr) -> Option<(i32, i32)> {
     match &strip(expr).kind {
         ExprKind::Number {

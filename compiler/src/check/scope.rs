@@ -1,7 +1,8 @@
-//! What a name means at a place.
+//! The meaning of a name at a place.
 //!
-//! Looked up from inside out: binders and function parameters; markers of the body around; names of the class whose
-//! use has the block around; members of the definition around; the module's names; what is built in.
+//! The search goes from inside out: binders and function parameters; markers of the surrounding body; names
+//! of the class in whose use the block is; members of the surrounding definition; names of the module; names
+//! of the language.
 
 use super::types::{BodyRef, Quantity, Type};
 use super::{Checker, Progress};
@@ -17,7 +18,7 @@ use eng_system::Dimension;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// A named thing of a definition.
+/// A named member of a definition.
 #[derive(Clone, Copy)]
 pub(super) enum Member<'p> {
     Parameter(&'p Parameter),
@@ -26,7 +27,7 @@ pub(super) enum Member<'p> {
     Table(&'p Table),
     /// A body, marker, element, part or cycle.
     Declaration(&'p Declaration),
-    /// The reaction that every joint and drive gives; `true` for the torque.
+    /// The reaction of a joint or drive; `true` for the torque.
     Reaction(bool),
 }
 
@@ -43,30 +44,30 @@ impl Member<'_> {
     }
 }
 
-/// The named things of a definition.
+/// The named members of a definition.
 pub(super) struct ClassTable<'p> {
     pub(super) members: BTreeMap<&'p str, Member<'p>>,
 }
 
-/// A place in a program, as names see it.
+/// The surroundings of a place that decide the meaning of names.
 #[derive(Clone)]
 pub(super) struct Scope<'p> {
     pub(super) module: u32,
-    /// The model, class, component, interface or record around.
+    /// The surrounding model, class, component, interface or record.
     pub(super) definition: Option<DefinitionId>,
-    /// The body around.
+    /// The surrounding body.
     pub(super) body: Option<&'p Declaration>,
-    /// The class whose use has the block around.
+    /// The class in whose use the surrounding block is.
     pub(super) at_use: Option<DefinitionId>,
     /// Binders and function parameters, innermost last.
     pub(super) locals: Vec<(String, Type)>,
     /// Dimension variables.
     pub(super) generics: Vec<(String, u32)>,
-    /// Inside an output.
+    /// Whether the place is inside an output.
     pub(super) output: bool,
 }
 
-/// What a name was found to be.
+/// The meaning found for a name.
 pub(super) enum Found<'p> {
     Local(Type),
     BodyMarker(&'p Declaration),
@@ -74,7 +75,7 @@ pub(super) enum Found<'p> {
     Top(DefinitionId),
 }
 
-/// Messages up to which a name that is not known is compared with those that are.
+/// Number of messages above which an unknown name is no longer compared with the known ones.
 const EXPLAINED: usize = 100;
 
 impl<'p> Scope<'p> {
@@ -106,7 +107,7 @@ pub(super) fn block_of(declaration: &Declaration) -> Option<&Block> {
     }
 }
 
-/// Names that the language itself gives.
+/// Names of the language itself.
 pub(super) const BUILT_IN_NAMES: [&str; 4] = ["pi", "time", "ground", "cycle"];
 
 impl<'p> Checker<'p> {
@@ -117,7 +118,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// The members of a definition; names met twice are reported when it is made.
+    /// The members of a definition. Making the table reports repeated names.
     pub(super) fn class_table(&mut self, id: DefinitionId) -> Rc<ClassTable<'p>> {
         if let Some(table) = self.tables.get(&id) {
             return table.clone();
@@ -164,7 +165,7 @@ impl<'p> Checker<'p> {
         table
     }
 
-    /// What constrains has its reactions as outputs; nothing else in it is called so.
+    /// Refuses members of joints and drives called `force` or `torque`: these names are their reactions.
     fn reactions_are_taken(&mut self, id: DefinitionId, members: &BTreeMap<&'p str, Member<'p>>) {
         let Some(declaration) = self.declaration(id) else {
             return;
@@ -208,7 +209,7 @@ impl<'p> Checker<'p> {
         self.class_table(id).members.get(name).copied()
     }
 
-    /// What a name means, without what is built in.
+    /// The meaning of a name, without the names of the language.
     pub(super) fn find(&mut self, scope: &Scope<'p>, name: &str) -> Option<Found<'p>> {
         if let Some((_, ty)) = scope.locals.iter().rev().find(|(n, _)| n == name) {
             self.read_locals.insert(name.to_owned());
@@ -235,7 +236,7 @@ impl<'p> Checker<'p> {
 
     /// The type of a name.
     pub(super) fn name(&mut self, scope: &Scope<'p>, name: &str, span: Span) -> Type {
-        // A body's mass is a name in its block, for its inertia.
+        // In a body's block `mass` is a name, so that the inertia can use it.
         let local = scope.locals.iter().any(|(n, _)| n == name);
         if name == "mass" && !local && scope.body.is_some_and(has_mass) {
             return Type::Scalar(Quantity::hard(Dimension::MASS));
@@ -267,7 +268,7 @@ impl<'p> Checker<'p> {
             }
             "ground" => return Type::Marker,
             "cycle" => return Type::Cycle,
-            // In a body every body has it; elsewhere it is a marker's member.
+            // Every body has the marker `origin`. Outside a body the name is a member of markers.
             "origin" if scope.body.is_some() => return Type::Marker,
             _ => {}
         }
@@ -276,7 +277,7 @@ impl<'p> Checker<'p> {
     }
 
     fn unknown_name(&mut self, scope: &Scope<'p>, name: &str, span: Span) {
-        // nobody reads what was meant in a hundred places, and each costs a look at all names
+        // nobody reads a hundred suggestions, and each costs a comparison with all names
         if self.diagnostics.len() > EXPLAINED {
             let message =
                 Diagnostic::error(codes::UNKNOWN_NAME, format!("there is no `{name}` here"));
@@ -323,7 +324,7 @@ impl<'p> Checker<'p> {
         self.report(message);
     }
 
-    /// The module that defines a name which is not in scope.
+    /// The module that defines an unknown name.
     pub(super) fn module_of(&self, name: &str) -> Option<String> {
         let elsewhere = self.program.modules.iter().find(|module| {
             module.file.items.iter().any(|item| {
@@ -335,7 +336,7 @@ impl<'p> Checker<'p> {
             .or_else(|| self.program.offered.get(name).map(|o| o.module.clone()))
     }
 
-    /// Offers to take a name from a module.
+    /// Offers a `use` item for a name of a module.
     pub(super) fn offer_use(
         &self,
         message: Diagnostic,
@@ -423,7 +424,7 @@ impl<'p> Checker<'p> {
         })
     }
 
-    /// The type of a member of a definition, as the definition itself sees it.
+    /// The type of a member of a definition, seen from inside the definition.
     pub(super) fn member_type(
         &mut self,
         id: DefinitionId,
@@ -468,7 +469,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// Infers a named value once; a value that needs itself is an error.
+    /// Infers a named value once. A value that depends on itself is an error.
     pub(super) fn remembered(
         &mut self,
         id: DefinitionId,
@@ -497,7 +498,7 @@ impl<'p> Checker<'p> {
         self.depth += 1;
         let ty = infer(self);
         self.depth -= 1;
-        // A circle has put an error there meanwhile.
+        // If the value is in a circle, the inference has stored an error type meanwhile.
         let ty = match self.values.get(&key) {
             Some(Progress::Done(error)) => error.clone(),
             _ => ty,
@@ -509,14 +510,14 @@ impl<'p> Checker<'p> {
     /// `T` in as many lists as there are binders.
     pub(super) fn arrayed(&self, index: &[eng_grammar::ast::Binder], ty: Type) -> Type {
         index.iter().rev().fold(ty, |ty, binder| {
-            // Places count as the binder does: `pin[i in 2..4]` has no `pin[1]`.
+            // Indices are the values of the binder: `pin[i in 2..4]` has no `pin[1]`.
             let from_one = super::expression::counts_from_one(&binder.range);
             let length = super::expression::literal_length(&binder.range).filter(|_| from_one);
             Type::list(ty, length)
         })
     }
 
-    /// `base.name` for an instance of a class, a part, or a record: what is visible from outside.
+    /// The type of `base.name` for an instance of a class, a part, or a record, seen from outside.
     pub(super) fn field_of_instance(
         &mut self,
         id: DefinitionId,
@@ -538,7 +539,7 @@ impl<'p> Checker<'p> {
         };
         self.used.insert((id, name.text.clone()));
         let ty = self.member_type(id, &name.text, member, name.span);
-        // Seen from outside, an output's vectors have the axes that the class states.
+        // From outside, an output's vectors have the axes that the class states.
         match (member, ty) {
             (Member::Binding(binding), Type::Vector { quantity, .. })
                 if binding.kind == BindingKind::Output =>
@@ -594,7 +595,7 @@ impl<'p> Checker<'p> {
     }
 }
 
-/// A marker that stands in a body's block.
+/// A marker in a body's block.
 pub(super) fn marker_of<'p>(body: &'p Declaration, name: &str) -> Option<&'p Declaration> {
     block_of(body)?
         .items

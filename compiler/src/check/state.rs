@@ -14,7 +14,7 @@ use eng_grammar::ast::{
 use eng_grammar::{Diagnostic, Span};
 
 impl<'p> Checker<'p> {
-    /// Every state has a rate and every rate a state.
+    /// Checks that every state has a rate and every rate a state.
     pub(super) fn states_and_rates(&mut self, id: DefinitionId, declaration: &'p Declaration) {
         let items = || block_of(declaration).into_iter().flat_map(|b| &b.items);
         let mut rates: Vec<&'p Name> = Vec::new();
@@ -70,7 +70,8 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// The scale of a state is a difference of such values; a state that starts at zero has none of its own.
+    /// Checks the scale of a state, which is a difference of its values. A state that starts at zero must
+    /// state a scale.
     pub(super) fn scale_of_state(&mut self, scope: &Scope<'p>, binding: &Binding, ty: &Type) {
         let name = &binding.name.text;
         if let Some(scale) = &binding.scale {
@@ -110,7 +111,7 @@ impl<'p> Checker<'p> {
         );
     }
 
-    /// The unit, as written after a zero with its space, of an expression that is zero by its text alone.
+    /// The written unit (with its space) of an expression that is a literal zero.
     fn written_zero(&self, expr: &Expr) -> Option<String> {
         match &expr.kind {
             ExprKind::Number { value, unit, .. } if *value == 0.0 => match unit {

@@ -55,7 +55,7 @@ impl<'p> Checker<'p> {
                 self.message(scope, message);
             }
             Statement::Rate { state, value } => {
-                // Whether it is a state at all is said elsewhere.
+                // another check reports a name that is not a state
                 let found = self.find(scope, &state.text).is_some();
                 let rate = match found.then(|| self.name(scope, &state.text, state.span)) {
                     Some(Type::Scalar(quantity)) => {
@@ -74,7 +74,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// `accept usual`: names of lints that the texts or the language have.
+    /// Checks `accept usual`: the name must be that of a lint of the texts or the language.
     fn accept(&mut self, names: &[Name]) {
         for name in names {
             if self.lints.contains(name.text.as_str()) {
@@ -99,7 +99,7 @@ impl<'p> Checker<'p> {
 
     /// The `{expression as unit}` places of a message.
     pub(super) fn message(&mut self, scope: &Scope<'p>, message: &Name) {
-        // The parser has said what cannot be read in it.
+        // the parser has reported unreadable parts of the message
         let mut said = Diagnostics::new();
         let parts = parse_message(message, &mut said);
         for part in &parts {

@@ -8,7 +8,7 @@ use crate::program::{Unit, unit_text};
 use eng_grammar::ast::UnitExpr;
 use eng_grammar::{Diagnostic, Span};
 
-/// Prefixes of the SI, micro as it is written here.
+/// Prefixes of the SI. Micro is `u`.
 const PREFIXES: [(&str, &str); 9] = [
     ("n", "1e-9"),
     ("u", "1e-6"),
@@ -22,7 +22,7 @@ const PREFIXES: [(&str, &str); 9] = [
 ];
 
 impl<'p> Checker<'p> {
-    /// A unit's size; says which of its names is not known.
+    /// The size of a unit. Reports unknown names in it.
     pub(super) fn unit(&mut self, scope: &Scope<'p>, unit: &UnitExpr) -> Option<Unit> {
         for (place, factor) in unit.factors.iter().enumerate() {
             let name = &factor.name.text;
@@ -116,12 +116,12 @@ impl<'p> Checker<'p> {
                 .find(|known| known.eq_ignore_ascii_case(name))
                 .cloned()
         };
-        // `uN`: a prefix of a unit that the library has without it
+        // `uN`: a prefix before a unit of the library
         let prefixed = PREFIXES.iter().find_map(|(prefix, factor)| {
             let plain = name.strip_prefix(prefix)?;
             let unit = units.get(plain)?;
             let fitting = wanted.is_none_or(|wanted| unit.dimension == wanted);
-            // `umm` is a slip, no prefix of `mm`
+            // `umm` is a misspelling: `mm` has a prefix already
             let has_one = |plain: &str| {
                 let bare = |(prefix, _): &(&str, &str)| plain.strip_prefix(prefix);
                 PREFIXES
@@ -160,7 +160,7 @@ impl<'p> Checker<'p> {
         self.report(message);
     }
 
-    /// What a number in this unit is.
+    /// The quantity of a number in this unit.
     pub(super) fn quantity_of(&mut self, scope: &Scope<'p>, unit: &UnitExpr) -> Option<Quantity> {
         let unit = self.unit(scope, unit)?;
         let kind = match unit.point {
@@ -207,7 +207,7 @@ impl<'p> Checker<'p> {
             .is_ok_and(|unit| unit.offset != 0.0);
         let fits = match quantity.fits(&unit) {
             Ok(()) => true,
-            // Shown in a unit of the same size, a difference and a point are the same number, unless the zero moves.
+            // In a unit without a shifted zero, a difference and a point show the same number.
             Err(super::types::Misfit::Point) => !affine,
             Err(_) => false,
         };

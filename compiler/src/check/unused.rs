@@ -1,4 +1,4 @@
-//! Warnings: what is taken or named, but not used.
+//! Warnings about names that are taken with `use` or defined, but not used.
 
 use super::Checker;
 use super::scope::block_of;
@@ -11,7 +11,7 @@ use eng_grammar::ast::{BindingKind, ItemKind, Kind, UseNames};
 pub(super) fn warn(checker: &mut Checker<'_>) {
     let program = checker.program;
     for (index, module) in program.modules.iter().enumerate() {
-        // The library is read by many: what one program does not use is no mistake in it.
+        // The library serves many programs, so an unused name in it is no mistake.
         if module.path == PRELUDE || module.path.starts_with("std.") {
             continue;
         }
