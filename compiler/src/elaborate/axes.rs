@@ -1,4 +1,4 @@
-//! Axes of vectors and of components: what is a vector in space, and along which axes numbers are.
+//! Axes of vectors and of components: whether a value is a vector in space, and the axes of its numbers.
 
 use super::scalar::{Scalar, Stage};
 use super::value::{Axes, ScopeId, Shown, Value};
@@ -10,7 +10,7 @@ use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::system::{BodyRef, Slot};
 
-/// What several numbers are together.
+/// The meaning of several numbers together.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Sort {
     /// A vector in space: components in ground axes.
@@ -22,7 +22,7 @@ pub(crate) enum Sort {
 }
 
 impl<'a> Elaborator<'a, '_> {
-    /// A value for what is done with it in space: an output becomes the vector that it shows.
+    /// A value for an operation in space. An output becomes the vector that it shows.
     pub fn in_space(&mut self, value: Value<'a>, span: Span) -> Eval<Value<'a>> {
         match value {
             Value::Shown(Shown {
@@ -62,7 +62,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// Components of a vector along axes; as recorded where these are the recorded ones.
+    /// Components of a vector along axes. Along the recorded axes they are the recorded components.
     pub fn components_along(
         &mut self,
         axes: Axes,
@@ -95,8 +95,8 @@ impl<'a> Elaborator<'a, '_> {
         a == b || (rigid(a) && rigid(b) && self.parallel(a, b))
     }
 
-    /// Whether axes are parallel as the text states them: those of one body at one orientation. Markers of a flexible body turn
-    /// against each other by its deformation alone.
+    /// Whether the text states parallel axes: those of one body with one orientation. Markers of a flexible
+    /// body count as parallel too, although its deformation turns them against each other.
     pub fn parallel(&self, a: Axes, b: Axes) -> bool {
         if a == b {
             return true;
@@ -116,7 +116,7 @@ impl<'a> Elaborator<'a, '_> {
                 marker.body == BodyRef::Ground && marker.placed_at.is_none() && !turned
             }
             (Axes::Marker(a), Axes::Marker(b)) => {
-                // where `ground` as an argument lies is known at the start only
+                // the position of `ground` as an argument is known only at the start
                 let (a, b) = (&self.markers[a as usize], &self.markers[b as usize]);
                 let placed = a.placed_at.is_some() || b.placed_at.is_some();
                 a.body == b.body && a.orientation == b.orientation && !placed
@@ -124,7 +124,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The path of what has the axes: `ground`, `block.main[1]`.
+    /// The path of the owner of axes: `ground`, `block.main[1]`.
     pub fn axes_path(&self, axes: Axes) -> String {
         match axes {
             Axes::Ground => "ground".to_owned(),
@@ -132,7 +132,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The axes of two things that are taken together component by component; a message where they differ.
+    /// The common axes of two values in an operation on components. Reports different axes.
     pub fn together(&mut self, (a, a_span): (Sort, Span), (b, b_span): (Sort, Span)) -> Eval<Sort> {
         match (a, b) {
             (Sort::Along(p), Sort::Along(q)) if !self.parallel(p, q) => {
@@ -156,7 +156,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The numbers of a vector or list, and what they are.
+    /// The numbers of a vector or list, and their meaning.
     pub fn sorted(&mut self, value: Value<'a>, span: Span) -> Eval<(Vec<Scalar>, Sort)> {
         Ok(match self.in_space(value, span)? {
             Value::Vector(v) => (v.to_vec(), Sort::Space),
@@ -165,7 +165,7 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
-    /// The value of numbers that are of a sort.
+    /// The value of numbers with a meaning.
     pub fn of_sort(numbers: Vec<Scalar>, sort: Sort) -> Value<'a> {
         match (<[Scalar; 3]>::try_from(numbers), sort) {
             (Ok(v), Sort::Space) => Value::Vector(v),
@@ -184,15 +184,15 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// A value where a type is declared: a list of three is a vector by its components in ground axes where a `Vector`
-    /// is due.
+    /// A value read as its declared type. In place of a `Vector`, a list of three numbers is a vector in
+    /// ground axes.
     pub fn declared(&mut self, value: Value<'a>, ty: Option<&ast::TypeExpr>) -> Eval<Value<'a>> {
         let Some(ty) = ty else { return Ok(value) };
         let ty = self.type_at(ty.span)?;
         Ok(self.read_as(value, &ty))
     }
 
-    /// [`Elaborator::declared`] for a type that is known.
+    /// [`Elaborator::declared`] for a resolved type.
     pub fn read_as(&mut self, value: Value<'a>, ty: &Type) -> Value<'a> {
         match (ty, value) {
             (Type::Vector { .. }, Value::List(items)) => {
@@ -225,7 +225,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// Notes that a parameter which is declared as a point may be given in units with a zero of their own.
+    /// Notes that a parameter is declared as a point, so `--set` may use units with a shifted zero.
     fn counted_from_a_zero(&mut self, value: Scalar) {
         if value.stage == Stage::Bind
             && let Op::Input(index) = self.bench.bind.graph.op(value.node)
@@ -235,7 +235,8 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The value of an output with the axes that it states. Numbers of a list are then those along these axes.
+    /// The value of an output with its stated axes. The numbers of a list are then components along these
+    /// axes.
     pub fn shown(&mut self, value: Value<'a>, axes: Axes, span: Span) -> Eval<Value<'a>> {
         Ok(match value {
             Value::Vector(space) => Value::Shown(Shown {

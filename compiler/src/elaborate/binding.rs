@@ -1,4 +1,4 @@
-//! The bind graph: expressions of parameters alone, evaluated once a parameter set.
+//! The bind graph: expressions of parameters alone, evaluated once for each parameter set.
 
 use super::scalar::{FIXED, Flag, Scalar, Stage};
 use super::value::{ScopeId, Value};
@@ -17,7 +17,7 @@ use std::collections::BTreeSet;
 /// The largest number that a model may hold (SI): its square is still a number.
 const LARGEST: f64 = 1e150;
 
-/// The node that a parameter takes its value from when it is not set.
+/// The node with the default of a parameter.
 pub type ParameterDefault = Node;
 
 /// Part of a message with numbers in it.
@@ -36,7 +36,7 @@ pub struct Check {
     pub holds: Node,
     /// A lint.
     pub advise: bool,
-    /// The name under which a lint is accepted; empty where it has none.
+    /// The name of a lint for `accept`; empty without a name.
     pub name: String,
     /// The author's message.
     pub message: Vec<MessagePart>,
@@ -57,7 +57,7 @@ pub struct BindProgram {
     pub fixed: Vec<f64>,
     /// Path of the body, marker or element that each slot belongs to.
     pub slot_owners: Vec<String>,
-    /// What a parameter is when it is not set.
+    /// Defaults of the parameters.
     pub defaults: Vec<ParameterDefault>,
     /// Paths, units and limits of the parameters.
     pub parameters: Vec<Parameter>,
@@ -66,14 +66,14 @@ pub struct BindProgram {
 }
 
 impl BindProgram {
-    /// The first table that is read outside its points, with the values of all nodes.
+    /// The first table that is evaluated outside its points, given the values of all nodes.
     fn outside(&self, values: &[Pair], tables: &[Table]) -> Option<Box<Outside>> {
         let nodes = self.function.graph.nodes();
         let [outside, _] = crate::ir::interpret::outside(nodes, values, tables);
         outside.map(Box::new)
     }
 
-    /// Parameters that a node is made of, rising; those whose defaults are made of others are left out for these.
+    /// Parameters in a node, ascending. A parameter whose default depends on others is replaced by these.
     fn leaves(&self, node: Node) -> Vec<u32> {
         let nodes = self.function.graph.nodes();
         let mut seen = vec![false; nodes.len()];
@@ -107,7 +107,8 @@ impl BindProgram {
 }
 
 impl BindProgram {
-    /// The parameters and tables that a value is made of: of parameters that others give their default those others.
+    /// The parameters and tables that decide a value. A parameter whose default depends on others is replaced
+    /// by these.
     fn decided_by(&self, value: Node, tables: &[Table]) -> Vec<Origin> {
         let graph = &self.function.graph;
         let mut waiting = vec![value];
@@ -158,7 +159,7 @@ impl BindProgram {
         found
     }
 
-    /// Whether a default is a number of the text, and not made of parameters or tables.
+    /// Whether a default is a number of the text, without parameters or tables.
     fn is_stated(&self, default: Node) -> bool {
         let graph = &self.function.graph;
         let mut waiting = vec![default];
@@ -176,7 +177,8 @@ impl BindProgram {
 impl BindCode for BindProgram {
     fn bind(&self, overrides: &[Option<f64>], tables: &[Table]) -> Result<Bound, BindError> {
         let nodes = self.function.graph.nodes();
-        // both lanes hold the same number: the operations are those of the generated code
+        // both lanes hold the same number, so that these are the operations of the generated code, with the
+        // same bits
         let mut values: Vec<Pair> = Vec::with_capacity(nodes.len());
         for op in nodes {
             let value = match *op {
@@ -224,7 +226,8 @@ impl BindCode for BindProgram {
             if at(&check.holds) == 1.0 {
                 continue;
             }
-            // where its numbers do not exist nothing can be said of them: a table that ends, a root
+            // a number that does not exist (beyond the end of a table, a root of a negative number) cannot be
+            // shown
             let known = |part: &MessagePart| match part {
                 MessagePart::Text(_) => true,
                 MessagePart::Value(n, _) => at(n).is_finite(),
@@ -305,36 +308,36 @@ impl BindCode for BindProgram {
 #[derive(Clone, Copy)]
 pub(crate) struct Asked<'a> {
     pub advise: bool,
-    /// The name under which it is accepted.
+    /// Its name for `accept`.
     pub name: Option<&'a ast::Name>,
     pub condition: &'a ast::Expr,
     pub message: &'a ast::Name,
 }
 
-/// What the text states of a value that becomes a parameter.
+/// The text of a value that becomes a parameter.
 #[derive(Clone, Copy)]
 pub(crate) struct Stated<'a> {
     pub expr: &'a ast::Expr,
-    /// Of each number in it.
+    /// Dimension of each number in the value.
     pub dimension: Dimension,
     pub limits: Option<&'a (ast::Expr, ast::Expr)>,
     /// The place of the parameter.
     pub span: Span,
-    /// Where `expr` and `limits` are evaluated.
+    /// The scope of `expr` and `limits`.
     pub scope: ScopeId,
 }
 
-/// What the author of a `require` or `advise` says, evaluated where the condition is.
+/// The author's message of a `require` or `advise`, evaluated in the scope of the condition.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Message {
-    /// With its expressions as written.
+    /// The text, with its expressions as written.
     pub text: String,
     pub parts: Vec<Part>,
-    /// Dimension of what its condition compares, where it compares two numbers.
+    /// Dimension of the two numbers that its condition compares, if it is a comparison.
     pub compared: Option<Dimension>,
 }
 
-/// Part of a message before it is known of which stage its numbers are.
+/// Part of a message, before the stage of its numbers is known.
 #[derive(Clone, Debug)]
 pub(crate) enum Part {
     Text(String),
@@ -345,7 +348,7 @@ pub(crate) enum Part {
     },
 }
 
-/// What is said of some things, as a title.
+/// The title of a message about several paths.
 fn titled(text: &str, paths: &[&str]) -> String {
     match paths {
         [] | [""] => text.to_owned(),
@@ -353,7 +356,7 @@ fn titled(text: &str, paths: &[&str]) -> String {
     }
 }
 
-/// The place of something in the texts.
+/// The span of a location.
 pub(crate) fn span_of(place: Location) -> Span {
     Span {
         source: eng_grammar::SourceId(place.source),
@@ -362,7 +365,7 @@ pub(crate) fn span_of(place: Location) -> Span {
     }
 }
 
-/// The part of an expression that an element of its list is written as; the whole of what is no list.
+/// The expression of one element of a written list; the whole expression if it is not a list.
 fn element(list: &ast::Expr, index: usize) -> &ast::Expr {
     match &list.kind {
         ast::ExprKind::List { items, unit: None } => items.get(index).unwrap_or(list),
@@ -372,8 +375,8 @@ fn element(list: &ast::Expr, index: usize) -> &ast::Expr {
 }
 
 impl<'a> Elaborator<'a, '_> {
-    /// Makes every number of parameters alone in a value a parameter of its own, so that it can be set by its path and
-    /// stays out of the code.
+    /// Makes each number in a value that depends on parameters alone a parameter of its own. So `--set` can
+    /// set it by its path, and it is no constant of the generated code.
     pub fn parameterise(
         &mut self,
         value: Value<'a>,
@@ -464,7 +467,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The unit that a literal is written in.
+    /// The unit of a literal.
     pub fn literal_unit(&self, expr: &ast::Expr) -> Option<DisplayUnit> {
         self.unit_of_literal(expr).map(DisplayUnit::from)
     }
@@ -481,7 +484,7 @@ impl<'a> Elaborator<'a, '_> {
         self.program.unit(unit).ok()
     }
 
-    /// Where the first constant stands that an expression names: `firing[i]`, `-offset`.
+    /// The place of the first constant that an expression names: `firing[i]`, `-offset`.
     fn named_by(&self, expr: &ast::Expr, scope: ScopeId) -> Option<Location> {
         let name = match &expr.kind {
             ast::ExprKind::Name(name) => name,
@@ -504,11 +507,11 @@ impl<'a> Elaborator<'a, '_> {
         None
     }
 
-    /// The unit of the parameter that a value is made of: `bore` or `bore/2` is shown as `bore` is.
+    /// The unit of the parameter in a value: `bore/2` has the unit of `bore`.
     fn unit_of_parameter(&self, value: Scalar, dimension: Dimension) -> Option<DisplayUnit> {
         let graph = &self.bench.bind.graph;
         let mut waiting = vec![value.node];
-        // near the value, or not the quantity it stands for
+        // a parameter deeper than this in the expression is hardly the quantity of the value
         for _ in 0..32 {
             let op = graph.op(waiting.pop()?);
             if let Op::Input(index) = op
@@ -522,7 +525,7 @@ impl<'a> Elaborator<'a, '_> {
         None
     }
 
-    /// The unit of a literal of a dimension in an expression: of `2*27 mm` the millimetre.
+    /// The unit of a literal with this dimension in an expression: the millimetre for `2*27 mm`.
     fn unit_within(&self, expr: &ast::Expr, dimension: Dimension) -> Option<DisplayUnit> {
         if let Some(unit) = self.unit_of_literal(expr) {
             return (unit.dimension == dimension).then(|| DisplayUnit::from(unit));
@@ -542,7 +545,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The unit in which people expect a dimension.
+    /// The usual unit of a dimension.
     fn usual_unit(&self, dimension: Dimension) -> DisplayUnit {
         if dimension.is_one() {
             return DisplayUnit::si(dimension);
@@ -553,10 +556,10 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The unit in which a dimension is shown if nothing else is stated.
+    /// The display unit of a dimension without a stated unit.
     pub fn natural_unit(&self, dimension: Dimension) -> DisplayUnit {
         let plain = dimension.without_angle();
-        // the SI unit with a name of its own, if there is one
+        // a unit with a name of its own, if there is one
         for symbol in ["N", "Pa", "J", "W", "deg", "rpm", "Hz"] {
             if let Some(unit) = self.program.units.get(symbol) {
                 let same = match symbol {
@@ -582,7 +585,7 @@ impl<'a> Elaborator<'a, '_> {
                 offset: 0.0,
             };
         }
-        // angle is soft: beside other dimensions it is not shown
+        // angle is soft: the unit shows it only if no other dimension is left
         if plain.is_one() {
             DisplayUnit::si(dimension)
         } else {
@@ -590,8 +593,8 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// `require` and `advise`. Conditions of parameters alone become checks of the bind graph; the others are returned with
-    /// their message.
+    /// Evaluates a `require` or `advise`. A condition of parameters alone becomes a check of the bind graph.
+    /// Another condition is returned with its message.
     pub fn requirement(
         &mut self,
         asked: Asked<'a>,
@@ -658,7 +661,7 @@ impl<'a> Elaborator<'a, '_> {
                 }
                 let message = places(Diagnostic::warning(codes::ADVISED, text.clone()))
                     .acceptable(name.map_or("", |name| &name.text));
-                // told once of all that it is said of
+                // equal messages become one message about several paths
                 match self.advised.iter_mut().find(|(known, _)| *known == message) {
                     Some((_, paths)) => paths.push(path.to_owned()),
                     None => self.advised.push((message, vec![path.to_owned()])),
@@ -668,7 +671,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// Tells of the `advise`s on what is known while compiling that do not hold.
+    /// Reports failed `advise`s on values known while compiling.
     pub fn tell_advised(&mut self) {
         for (mut message, paths) in std::mem::take(&mut self.advised) {
             let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
@@ -677,7 +680,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// A condition, or true where one of the `if`s around takes its other side.
+    /// A condition that is true if one of the surrounding `if`s takes its other side.
     fn where_it_counts(&mut self, truth: Truth) -> Truth {
         let guards = self.guards.clone();
         guards.into_iter().fold(truth, |truth, (guard, _)| {
@@ -689,7 +692,7 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
-    /// A message with the numbers that are known while compiling; the other expressions stand as they are written.
+    /// A message with the numbers known while compiling. Other expressions appear as written.
     fn known_text(&self, message: Message) -> String {
         message
             .parts
@@ -708,7 +711,7 @@ impl<'a> Elaborator<'a, '_> {
             .collect()
     }
 
-    /// The dimension of the two numbers that a condition compares; `None` of any other.
+    /// The dimension of the two numbers that a condition compares; `None` for another condition.
     pub(super) fn compared(
         &mut self,
         condition: &'a ast::Expr,

@@ -45,7 +45,7 @@ impl<'a> Elaborator<'a, '_> {
         self.add_marker(BodyRef::Ground, "ground".into(), None, [zero; 3], identity)
     }
 
-    /// The marker on the ground that lies where a partner is at the start.
+    /// The marker on the ground that coincides with a partner at the start.
     pub fn ground_at(&mut self, partner: u32, path: String, span: Span) -> u32 {
         let zero = self.zero();
         let identity = self.identity();
@@ -79,7 +79,7 @@ impl<'a> Elaborator<'a, '_> {
             shape: None,
             placed_at: None,
         });
-        // those without a place in the text are not the user's to use, and a component offers more than each use takes
+        // no warning about an unused marker if the text has no place for it, or if a component offers it
         self.used_markers.push(span.is_none() || self.in_part);
         self.markers.len() as u32 - 1
     }
@@ -91,7 +91,7 @@ impl<'a> Elaborator<'a, '_> {
         self.add_marker(body, path, None, [zero; 3], identity)
     }
 
-    /// A marker whose place comes from the reduction of a mesh.
+    /// A marker whose position comes from the reduction of a mesh.
     pub fn marker_of_mesh(
         &mut self,
         body: BodyRef,
@@ -107,7 +107,7 @@ impl<'a> Elaborator<'a, '_> {
         marker
     }
 
-    /// Something refers to a marker.
+    /// Notes that an item refers to a marker.
     pub fn used_marker(&mut self, marker: u32) {
         if let Some(used) = self.used_markers.get_mut(marker as usize) {
             *used = true;
@@ -191,7 +191,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(self.normalise(&v))
     }
 
-    /// Refuses two stated directions along one line: x is made perpendicular to z.
+    /// Refuses two stated directions along one line, because x must be made perpendicular to z.
     pub fn not_parallel(
         &mut self,
         x: Option<[Scalar; 3]>,
@@ -231,7 +231,8 @@ impl<'a> Elaborator<'a, '_> {
         v.map(|s| self.bench.divide(s, length))
     }
 
-    /// Marker → body from stated x and z directions (unit vectors in body axes): z is kept, x is made perpendicular to it.
+    /// Matrix marker → body from stated x and z directions (unit vectors in body axes). z is kept, and x is
+    /// made perpendicular to it.
     pub fn orientation(&mut self, x: Option<[Scalar; 3]>, z: Option<[Scalar; 3]>) -> Matrix {
         let ex = self.unit_vector(0);
         let ey = self.unit_vector(1);
@@ -240,8 +241,9 @@ impl<'a> Elaborator<'a, '_> {
             (None, None) => (ex, ez),
             (Some(x), Some(z)) => (x, z),
             (None, Some(z)) => {
-                // y nearest to the body's z axis, so that a bore in the plane across the crank has y along the crank at any angle; x
-                // nearest to the body's x axis where z itself is close to the body's z
+                // y nearest to the body's z axis. So a bore in the plane across the crank has y along the
+                // crank at any angle. If z is within 26° (cosine 0.9) of the body's z, this direction is
+                // ill-defined, and x is nearest to the body's x axis.
                 let limit = self.bench.constant(0.9);
                 let along = self.bench.unary(z[2], crate::ir::Graph::abs);
                 let free = self.bench.compare(along, limit, crate::ir::Graph::less);
@@ -254,7 +256,7 @@ impl<'a> Elaborator<'a, '_> {
                 (chosen, z)
             }
             (Some(x), None) => {
-                // the body's z axis made perpendicular, or its y axis where x is close to z
+                // the body's z axis made perpendicular to x; if x is close to it, the body's y axis
                 let limit = self.bench.constant(0.9);
                 let along = self.bench.unary(x[2], crate::ir::Graph::abs);
                 let free = self.bench.compare(along, limit, crate::ir::Graph::less);
@@ -288,7 +290,7 @@ impl<'a> Elaborator<'a, '_> {
         self.normalise(&rest)
     }
 
-    /// Three numbers of parameters alone.
+    /// Three numbers that depend on parameters alone.
     pub fn bind_vector(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<[Node; 3]> {
         let value = self.evaluate(expr, scope)?;
         let v = self.as_vector(value, expr.span)?;
@@ -415,7 +417,7 @@ impl<'a> Elaborator<'a, '_> {
         for item in &block.items {
             match &item.kind {
                 ItemKind::Declaration(d) if d.kind == Kind::Marker => {
-                    // a marker's own message does not hide those of its neighbours
+                    // an error in one marker does not hide those of its neighbours
                     let entry = match self.markers_of(d, reference, own, own) {
                         Ok(marker) => Entry::Value(marker),
                         Err(_) => Entry::Failed,
@@ -445,7 +447,7 @@ impl<'a> Elaborator<'a, '_> {
         self.bind_check(flag, message, path, span);
     }
 
-    /// Principal moments of a real body: none exceeds the sum of the others.
+    /// Requires that no principal moment exceeds the sum of the others, as in every real body.
     fn triangle(&mut self, moments: [Node; 3], i: usize, path: &str, span: Span) {
         let graph = &mut self.bench.bind.graph;
         let others = graph.add(moments[(i + 1) % 3], moments[(i + 2) % 3]);
@@ -466,7 +468,7 @@ impl<'a> Elaborator<'a, '_> {
         );
     }
 
-    /// A condition of parameters that the language itself asks for.
+    /// Adds a condition on parameters that the language itself requires.
     pub fn bind_check(
         &mut self,
         flag: Node,
@@ -489,7 +491,7 @@ impl<'a> Elaborator<'a, '_> {
         });
     }
 
-    /// `start` and `guess` inside a body.
+    /// Evaluates `start` and `guess` inside a body.
     pub fn body_start(
         &mut self,
         body: u32,
@@ -556,7 +558,8 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    /// exp(v~) of a rotation vector (Rodrigues); the series at zero.
+    /// exp(v~) of a rotation vector (Rodrigues). Near zero it uses the series, because the formula is 0/0
+    /// there.
     fn rotation_matrix(&mut self, v: [Node; 3]) -> Matrix {
         let g = &mut self.bench.bind.graph;
         let mut square = g.constant(0.0);

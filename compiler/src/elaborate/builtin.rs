@@ -1,4 +1,4 @@
-//! The functions that the language itself has.
+//! Evaluation of the functions of the language.
 
 use super::axes::Sort;
 use super::scalar::{Scalar, Stage};
@@ -13,7 +13,7 @@ use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
 impl<'a> Elaborator<'a, '_> {
-    /// Tells of `cos(16)`: a number of the text that is more than a turn in rad, and no angle.
+    /// Warns of `cos(16)`: a number of the text that is more than a turn in rad and has no unit of angle.
     fn angle_without_unit(
         &mut self,
         name: &str,
@@ -60,7 +60,7 @@ impl<'a> Elaborator<'a, '_> {
         arguments: &'a [ast::Argument],
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
-        // a rate says how its argument is evaluated
+        // `der` changes the evaluation of its argument, so it comes before the arguments
         if let Kind::Rate = function.kind {
             return self.rate(span, arguments, scope);
         }
@@ -151,7 +151,7 @@ impl<'a> Elaborator<'a, '_> {
             }
             "norm" => {
                 let [a] = self.take::<1>(values, span)?;
-                // the length is the same along all axes
+                // the length is the same in all axes, so the recorded components serve
                 let x = match a.0 {
                     Value::Shown(shown) => shown.components.to_vec(),
                     other => self.as_components(other, a.1)?,
@@ -257,7 +257,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// `sum`, `min` or `max` of an empty list: no element tells of which dimension it would be.
+    /// Reports `sum`, `min` or `max` of an empty list, which has no dimension.
     fn nothing(&mut self, name: &str, span: Span) -> super::Reported {
         self.report(
             Diagnostic::error(codes::EMPTY_LIST, format!("`{name}` of an empty list"))
@@ -326,8 +326,9 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// Unwrapped angle of marker a about b.z, from b.x to a.x: the reference (the angle at the last accepted state) plus the
-    /// difference in (−π, π], which is smooth as long as a step turns by less than half a turn.
+    /// Unwrapped angle of marker a about b.z, from b.x to a.x: the reference (the angle at the last accepted
+    /// state) plus the difference in (−π, π], which is smooth as long as a step turns by less than half a
+    /// turn.
     pub fn rotation(&mut self, a: u32, b: u32, span: Span) -> Eval<Scalar> {
         let known = self
             .bench
@@ -409,7 +410,7 @@ impl<'a> Elaborator<'a, '_> {
             .collect();
         let rates = self.rates.clone();
         let Some(element) = self.bench.element.as_mut() else {
-            // of parameters alone
+            // a value of parameters alone has no rate
             let zero: Vec<Scalar> = components
                 .iter()
                 .map(|_| self.bench.constant(0.0))

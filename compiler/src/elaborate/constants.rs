@@ -1,4 +1,4 @@
-//! Numbers that are known at the top of the root module.
+//! Numbers of constants at the top of the root module.
 
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval};
@@ -14,7 +14,7 @@ pub(crate) struct Constants<'a, 'd> {
 }
 
 impl<'a, 'd> Constants<'a, 'd> {
-    /// Of the root module; `None` for a program without modules.
+    /// An evaluator for the root module; `None` for a program without modules.
     pub fn new(
         typed: &'a TypedProgram,
         sources: &'a mut SourceMap,
@@ -28,8 +28,8 @@ impl<'a, 'd> Constants<'a, 'd> {
         Some(Constants { elaborator, scope })
     }
 
-    /// The number (SI) of an expression, or those of a list, with what checking it found. Where there is none, a
-    /// message was given.
+    /// The number (SI) of an expression, or those of a list, given its findings. `None` after a reported
+    /// error.
     pub fn numbers(&mut self, expr: &'a Expr, findings: Findings) -> Option<Vec<f64>> {
         self.elaborator.later.extend(findings);
         let found = self.known(expr).ok();

@@ -32,7 +32,7 @@ impl<'a> Elaborator<'a, '_> {
         let [x_name, y_name] = names.as_slice() else {
             return self.checked(None, columns.span, "`columns` is no list of two texts");
         };
-        // a module in a folder reads beside itself
+        // names of files are relative to the module's folder
         let module_path = &self.program.modules[module as usize].path;
         let path = match module_path.rsplit_once('.') {
             Some((folder, _)) if !module_path.starts_with("std.") => {
@@ -137,7 +137,7 @@ impl<'a> Elaborator<'a, '_> {
             let number = number + 1;
             let row = cells(line, *separator);
             numbers.push(number);
-            // what lies beyond the header, but empty cells of a separator at the end
+            // cells beyond the header, except empty ones after a separator at the end
             if row.iter().skip(*header).any(|cell| !cell.is_empty()) {
                 let told = Diagnostic::error(
                     codes::FILE_CONTENT,
@@ -158,7 +158,7 @@ impl<'a> Elaborator<'a, '_> {
             }
             for ((name, unit, place), column) in wanted.iter().zip(&mut columns) {
                 let cell = row.get(*place).map_or("", String::as_str);
-                // a decimal comma is read where the comma does not separate cells
+                // a comma is a decimal sign if it does not separate cells
                 let plain = if *separator == ',' {
                     cell.to_owned()
                 } else {
@@ -267,13 +267,13 @@ impl<'a> Elaborator<'a, '_> {
     }
 }
 
-/// What the rows of a file are read with.
+/// Settings for reading the rows of a file.
 struct Rows<'r> {
     path: &'r str,
     separator: char,
-    /// Columns that the first row names.
+    /// Number of columns in the first row.
     header: usize,
-    /// Name, unit and place of the columns that are read.
+    /// Name, unit and position of the columns to read.
     wanted: [(&'r str, &'r DisplayUnit, usize); 2],
 }
 
@@ -284,7 +284,7 @@ fn cells(line: &str, separator: char) -> Vec<String> {
         .collect()
 }
 
-/// A line of a file as a message shows it.
+/// A line of a file, shortened for a message.
 fn shortened(line: &str) -> String {
     const SHOWN: usize = 40;
     let line = line.trim();

@@ -1,4 +1,4 @@
-//! One model from start to end, and the flat system that comes out.
+//! The elaboration of one model from start to end, and the resulting flat system.
 
 use super::scalar::Workbench;
 use super::value::{ScopeId, Value};
@@ -22,11 +22,11 @@ pub struct Elaborated {
     pub system: Arc<System>,
     /// Functions of each class, by the same index.
     pub classes: Vec<ClassFunctions>,
-    /// What the functions were derived from, by the same index.
+    /// The bodies from which the functions were derived, by the same index.
     pub bodies: Vec<ClassBody>,
     /// The bind graph.
     pub bind: Arc<BindProgram>,
-    /// What is to be reduced, by the index that bodies name.
+    /// Sources of flexible bodies, by the index in the bodies.
     pub flexible: Vec<FlexibleSource>,
 }
 
@@ -60,7 +60,7 @@ pub enum Structural {
     Record(DefinitionId, Vec<(String, Structural)>),
 }
 
-/// Elaborates a model. `None` where an error was reported.
+/// Elaborates a model. `None` after an error.
 pub fn elaborate(
     typed: &TypedProgram,
     sources: &mut SourceMap,
@@ -138,7 +138,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         elaborator
     }
 
-    /// A value brought from another elaboration.
+    /// A value from another elaboration.
     fn structural_value(&mut self, value: &Structural) -> Value<'a> {
         match value {
             Structural::Int(i) => Value::Int(*i),
@@ -193,14 +193,14 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         self.bench.element = None;
         let cycle = cycle?;
         self.columns_have_names_of_their_own(cycle.is_some())?;
-        // what failed would seem to tie nothing
+        // after an error, elements are missing, and bodies would falsely seem loose
         if !self.diagnostics.has_errors() {
             self.connections(span);
         }
         self.flatten(name, cycle)
     }
 
-    /// Each channel is a column of the results, beside those of every run.
+    /// Refuses channels with the names of columns that every run has.
     fn columns_have_names_of_their_own(&mut self, cycle: bool) -> Eval<()> {
         let mut known: BTreeMap<&str, Option<u32>> = eng_system::recorded::of_every_run(cycle)
             .map(|name| (name, None))
@@ -245,7 +245,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         self.block(items, scope);
     }
 
-    /// The elements, and the classes that they share: those are the same if their graphs and their messages are.
+    /// The elements with their shared classes. Two classes are equal if their graphs and messages are equal.
     fn share_classes(&mut self) -> Eval<Shared> {
         let drafts = std::mem::take(&mut self.elements);
         let mut class_of: BTreeMap<String, u32> = BTreeMap::new();
@@ -253,7 +253,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         for draft in drafts {
             let body = &draft.body;
             self.bench.bind.owner.clone_from(&draft.origin.path);
-            // classes are the same if their graphs and their messages are
+            // the key of a class: its graph and its messages
             let key = format!(
                 "{}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
                 draft.class_name,
@@ -273,7 +273,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                     let made = match body.functions() {
                         Ok(f) => f,
                         Err(error) => {
-                            // the evaluator puts in no operation without a derivative
+                            // the evaluator inserts only operations with a derivative, so this is unreachable
                             let path = &draft.origin.path;
                             let what = format!("{path} cannot be differentiated: {error}");
                             return self.checked(None, draft.span, &what);
@@ -347,7 +347,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             elements,
         } = self.share_classes()?;
         for check in &mut self.checks {
-            // one of the model itself
+            // a check of the model itself
             if check.path.is_empty() {
                 check.path.clone_from(&name);
             }
@@ -396,7 +396,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         Ok(elaborated)
     }
 
-    /// Whether an element acts in the model (for the topology).
+    /// Whether an element acts on bodies, for the topology.
     pub fn acts(role: Role) -> bool {
         role == Role::Dynamic
     }

@@ -13,7 +13,7 @@ use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 use eng_system::system::Role;
 
-/// What is set at the start.
+/// The target of a start value.
 #[derive(Clone, Debug)]
 pub(crate) enum StartTarget {
     /// A body's origin.
@@ -24,7 +24,7 @@ pub(crate) enum StartTarget {
     AngularVelocity(u32),
 }
 
-/// What waits until all elements are known.
+/// An item that waits until all elements are known.
 #[derive(Clone, Debug)]
 pub(crate) enum Pending<'a> {
     Start {
@@ -33,7 +33,7 @@ pub(crate) enum Pending<'a> {
         value: &'a ast::Expr,
         scope: ScopeId,
     },
-    /// `start`/`guess` of an expression: position or velocity is found out when it is lowered.
+    /// `start`/`guess` of an expression. Lowering it shows whether it is a position or a velocity.
     StartExpression {
         exact: bool,
         target: &'a ast::Expr,
@@ -100,7 +100,7 @@ impl<'a> Elaborator<'a, '_> {
                 self.cycle_of(d, scope);
             }
         }
-        // messages were given; what can be elaborated still is, for more messages in one run
+        // after an error the other items are still elaborated, so that one run reports more errors
         for item in items {
             if let ItemKind::Binding(b) = &item.kind
                 && b.kind == BindingKind::Param
@@ -111,7 +111,8 @@ impl<'a> Elaborator<'a, '_> {
                 let _ = self.model_attribute(a, scope);
             }
         }
-        // bodies before parts before elements, unless one needs another
+        // bodies come before parts and parts before elements, because the later ones usually need the earlier
+        // ones
         let rank = |kind| match kind {
             Kind::Body | Kind::Flexible | Kind::Marker => Some(0),
             Kind::Part => Some(1),
@@ -144,7 +145,7 @@ impl<'a> Elaborator<'a, '_> {
                     });
                 }
                 ItemKind::Statement(statement) => {
-                    // a message was given
+                    // the error was reported
                     let _ = self.condition_of_block(statement, scope, &path, None);
                 }
                 _ => {}
@@ -152,7 +153,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// A `require` or `advise` of a model or a component, or at the use of a component.
+    /// Evaluates a `require` or `advise` of a model or a component, or at the use of a component.
     fn condition_of_block(
         &mut self,
         statement: &'a Statement,
@@ -311,7 +312,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// Calls a record, which makes a value.
+    /// Makes the value of a record from its call.
     pub fn construct(
         &mut self,
         id: DefinitionId,
@@ -364,7 +365,7 @@ impl<'a> Elaborator<'a, '_> {
                 } => self.lower_start_expression(exact, target, value, scope),
                 Pending::Output { binding, scope } => self.lower_output(binding, scope),
             };
-            // a message was given
+            // the error was reported
             let _ = result;
             self.bench.element = None;
             self.in_output = false;
@@ -402,7 +403,8 @@ impl<'a> Elaborator<'a, '_> {
                 (self.rotate(local, &w), per_time)
             }
             StartTarget::Rotation(_, matrix) => {
-                // x·Y, y·Z, z·X of the actual and the stated axes vanish together at alignment
+                // x·Y, y·Z, z·X of the actual axes x, y, z and the stated axes X, Y, Z all vanish at
+                // alignment
                 let column = |j: usize| {
                     [0, 1, 2].map(|i| Scalar {
                         stage: Stage::Bind,
@@ -480,7 +482,7 @@ impl<'a> Elaborator<'a, '_> {
                         element.stated.push((index as u32, stated));
                     }
                 }
-                // an angle is reached at any turn: the stated one is counted afterwards
+                // the sine closes the angle at any turn; the stated turns are counted afterwards
                 let sine = self.bench.unary(difference, |g, n| g.unary(Op::Sin, n));
                 let cosine = self.bench.unary(difference, |g, n| g.unary(Op::Cos, n));
                 difference = self.bench.binary(sine, cosine, crate::ir::Graph::atan2);
@@ -498,7 +500,7 @@ impl<'a> Elaborator<'a, '_> {
         self.start_element(role, path, target.span, dimension, rows)
     }
 
-    /// Whether a value of the element being lowered depends on a marker's twist.
+    /// Whether a value of the present element depends on a marker's twist.
     fn uses_twist(&self, node: Node) -> bool {
         let Some(element) = self.bench.element.as_ref() else {
             return false;

@@ -14,22 +14,22 @@ use eng_system::layout::InputLayout;
 use eng_system::system::{Channel, Origin, OutputInfo, Role, StateInfo};
 use eng_system::{Dimension, DisplayUnit};
 
-/// Most operations of one element before its derivatives: compiling takes seconds then.
+/// Most operations of one element, without its derivatives. Compiling so many takes seconds.
 const MOST_OPERATIONS: usize = 100_000;
 
-/// How the numbers of an output are shown.
+/// The display of the numbers of an output.
 pub(crate) struct Columns {
     pub dimension: Dimension,
-    /// As stated; else the natural unit of the dimension.
+    /// The stated unit; `None` means the natural unit of the dimension.
     pub display: Option<DisplayUnit>,
     /// Whether the text declares the dimension.
     pub declared: bool,
-    /// How its class calls the marker along whose axes its components are.
+    /// The class's name of the marker whose axes the components have.
     pub frame: Option<String>,
 }
 
 impl Columns {
-    /// In the natural unit of a dimension.
+    /// Columns in the natural unit of a dimension.
     pub fn of(dimension: Dimension) -> Columns {
         Columns {
             dimension,
@@ -76,13 +76,13 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    /// The unit that an output states.
+    /// The stated unit of an output.
     pub fn display_of(&mut self, output: &ast::Binding) -> Eval<Option<DisplayUnit>> {
         let unit = output.display.as_ref().map(|unit| self.unit(unit));
         Ok(unit.transpose()?.map(DisplayUnit::from))
     }
 
-    /// Adds an output: of a vector the components along the axes that it states.
+    /// Adds an output. A vector becomes its components along the stated axes.
     fn add_output(
         &mut self,
         name: &str,
@@ -145,7 +145,8 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    /// Joints and drives: the wrench on the first marker from the constraints, at its origin, in the second marker's axes.
+    /// Adds the outputs `force` and `torque` of joints and drives: the wrench of the constraints on the first
+    /// marker, at its origin, in the second marker's axes.
     pub fn reaction_outputs(&mut self, class: Class<'a>, draft: &mut Draft) -> Eval<()> {
         if !matches!(class.declaration.kind, Kind::Joint | Kind::Drive) {
             return Ok(());
@@ -179,7 +180,7 @@ impl<'a> Elaborator<'a, '_> {
             let n = g.negate(gradient[i]);
             scalar(n)
         });
-        // δR = R δπ~ : torque k in marker axes is Σ ∂/∂R_ij (R e_k~)_ij with (R e_k~) = columns of R crossed
+        // δR = R δπ~, so torque k in marker axes is Σ ∂/∂R_ij (R e_k~)_ij; R e_k~ consists of columns of R
         let r: Vec<Node> = (0..9).map(|i| g.input(first + 3 + i)).collect();
         let torque = [0usize, 1, 2].map(|k| {
             let (i1, i2) = ((k + 1) % 3, (k + 2) % 3);
@@ -219,7 +220,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    /// Closes the element being lowered: compact layout, channels, draft of the class.
+    /// Finishes the present element: compact layout, channels, draft of the class.
     pub fn finish_element(
         &mut self,
         origin: Origin,
@@ -292,7 +293,7 @@ impl<'a> Elaborator<'a, '_> {
                     (None, None) => String::new(),
                 };
                 let path = match (role, info.name.as_str()) {
-                    // a model's own output is its element
+                    // an output of the model is an element of its own
                     (Role::Output, name) => match name.find(['.', '[']) {
                         Some(at) => format!("{}{}", origin.path, &name[at..]),
                         None => origin.path.clone(),
@@ -349,7 +350,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(index)
     }
 
-    /// `joint.output` and the names of its class.
+    /// The value of `joint.output`, or of another name of its class.
     pub fn element_field(&mut self, index: u32, name: &ast::Name) -> Eval<Value<'a>> {
         let draft = &self.elements[index as usize];
         let shape = draft.outputs.iter().find(|s| s.name == name.text).cloned();
@@ -407,7 +408,7 @@ impl<'a> Elaborator<'a, '_> {
         }))
     }
 
-    /// An element that is only a start condition: rows = value − target.
+    /// Adds an element that is only a start condition: rows = value − target.
     pub fn start_element(
         &mut self,
         role: Role,
@@ -442,7 +443,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    /// An element that has outputs only. The frame of a copied component is that of its channel.
+    /// Adds an element with outputs only. A copied component keeps the frame of its channel.
     pub fn output_element(
         &mut self,
         path: String,
@@ -487,7 +488,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 }
 
-/// Copies a graph with inputs at their places in the compact layout.
+/// Copies a graph with its inputs moved to the compact layout.
 fn compact(graph: &Graph, layout: &InputLayout) -> (Graph, Vec<Node>) {
     let mut out = Graph::new();
     let mut map: Vec<Node> = Vec::with_capacity(graph.nodes().len());

@@ -1,4 +1,4 @@
-//! What names and fields mean.
+//! The values of names and fields.
 
 use super::binding::Stated;
 use super::scalar::{Scalar, Stage};
@@ -12,11 +12,11 @@ use eng_system::layout::InputLayout;
 use eng_system::system::BodyRef;
 
 impl<'a> Elaborator<'a, '_> {
-    /// The value of a name; a message if there is none.
+    /// The value of a name. Reports a name without a value.
     pub fn lookup(&mut self, name: &str, scope: ScopeId, span: Span) -> Eval<Value<'a>> {
         match self.try_lookup(name, scope, span)? {
             Some(value) => Ok(value),
-            // the checker lets the reactions of a joint pass, which only its outputs know
+            // the checker accepts the reactions of a joint everywhere in it, but only its outputs have them
             None if matches!(name, "force" | "torque") => Err(self.report(
                 Diagnostic::error(
                     codes::OUTPUTS_ONLY,
@@ -166,7 +166,7 @@ impl<'a> Elaborator<'a, '_> {
                 self.markers_of(declaration, BodyRef::Ground, scope, scope)
             }
             Lazy::Element(declaration) => {
-                // it may be asked for while another is being lowered
+                // another element may be under construction at this first use, so it is set aside
                 let element = self.bench.element.take();
                 let rates = self.rates.take();
                 let in_output = std::mem::replace(&mut self.in_output, false);
@@ -195,7 +195,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(Value::Family(values))
     }
 
-    /// One value of a definition, as its declaration says: an output has the axes that it states.
+    /// A value of a definition, read as its declaration. An output has its stated axes.
     pub fn bound_value(
         &mut self,
         binding: &'a ast::Binding,
@@ -327,7 +327,7 @@ impl<'a> Elaborator<'a, '_> {
         [0, 1, 2].map(|i| self.bench.constant(if i == axis { 1.0 } else { 0.0 }))
     }
 
-    /// The local index of a marker in the element being lowered.
+    /// The local index of a marker in the present element.
     pub fn local_marker(&mut self, marker: u32, span: Option<Span>) -> Eval<u32> {
         self.used_marker(marker);
         let local =

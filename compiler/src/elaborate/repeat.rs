@@ -1,15 +1,17 @@
-//! What stands for every value of an index: bodies, elements, analyses, members of lists.
+//! Repetition over the values of an index: bodies, elements, analyses, members of lists.
 
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Entry, Eval};
 use eng_grammar::ast;
 use std::collections::BTreeSet;
 
-/// What is done for each combination of binders: scope with their values, and the combination's name.
+/// The action for each combination of binders: it gets a scope with their values, and the combination's
+/// index.
 pub(crate) type Visit<'v, E> = dyn FnMut(&mut E, ScopeId, &[usize]) -> Eval<()> + 'v;
 
 impl<'a> Elaborator<'a, '_> {
-    /// Runs `f` for every combination of the binders' values, with a scope that holds them and the index text `[2,1]`.
+    /// Runs `f` for every combination of the binders' values, with a scope of these values and their index
+    /// `[2,1]`.
     pub fn for_each(
         &mut self,
         binders: &'a [ast::Binder],
@@ -31,7 +33,7 @@ impl<'a> Elaborator<'a, '_> {
         };
         let range = self.evaluate(&first.range, scope)?;
         let values: Vec<Value<'a>> = self.read(Self::without_axes(range), first.range.span)?;
-        // instances are named by their values where these are whole numbers and differ, else by position
+        // different whole numbers become the indices of the instances; other values give positions
         let mut named = Vec::with_capacity(values.len());
         for value in &values {
             match value {

@@ -1,37 +1,39 @@
-//! Scalars in two stages: those of parameters alone live in the bind graph, those of the motion in an element's graph.
+//! Scalars in two stages: those of parameters alone are in the bind graph, and those of the motion in an
+//! element's graph.
 //!
-//! A value of the bind stage that meets one of the motion becomes a constant of the element: the class's code is
-//! the same for every instance, the number comes from the instance's slots. Literals of a class's text stay in its code.
+//! If an expression combines both stages, the bind value becomes a constant of the element. So the code of a
+//! class is the same for every instance, and the number comes from the instance's slots. Literals of a
+//! class's text stay in its code.
 
 use crate::ir::{Graph, Node, Op};
 use eng_system::Dimension;
 use eng_system::layout::{InputLayout, MARKER_WIDTH};
 use std::collections::HashMap;
 
-/// Which graph a scalar's node is of.
+/// The graph of a scalar's node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
-    /// Parameters alone.
+    /// The bind graph: parameters alone.
     Bind,
-    /// Poses, twists, states, time.
+    /// The element's graph: poses, twists, states, time.
     Motion,
 }
 
-/// A number (SI). Its dimension is known to the typed tree alone.
+/// A number (SI). Only the typed tree has its dimension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scalar {
     pub stage: Stage,
     pub node: Node,
 }
 
-/// A truth value that is not known while compiling.
+/// A truth value whose value may depend on parameters or on the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Flag {
     pub stage: Stage,
     pub node: Node,
 }
 
-/// Room for every element while it is lowered; compacted to its real size at the end.
+/// The input layout of every element while it is lowered. At the end it is compacted to the used inputs.
 pub(crate) const PROVISIONAL: InputLayout = InputLayout {
     markers: 64,
     states: 64,
@@ -48,11 +50,11 @@ pub(crate) const FIXED: u32 = 1 << 24;
 #[derive(Debug, Default)]
 pub(crate) struct BindBuilder {
     pub graph: Graph,
-    /// Numbers that stay slots although they are known: table handles and literals given as arguments.
+    /// Known numbers that are slots all the same: table handles, and literals as arguments of a class.
     pub fixed: Vec<f64>,
-    /// Path of the thing that asks for slots now.
+    /// Path of the present user of slots.
     pub owner: String,
-    /// Who asked first, by slot.
+    /// Path of the first user, by slot.
     pub owners: Vec<String>,
     slots: Vec<Node>,
     slot_of: HashMap<Node, u32>,
@@ -70,7 +72,7 @@ impl BindBuilder {
         eng_system::system::Slot(index)
     }
 
-    /// A number that is not folded into code.
+    /// A number that must not be folded into code.
     pub fn fixed(&mut self, value: f64) -> Node {
         let index = FIXED + self.fixed.len() as u32;
         self.fixed.push(value);
@@ -93,7 +95,7 @@ pub(crate) struct ElementBuilder {
     constant_of: HashMap<Node, u32>,
     /// Pairs of local markers and the unwrapped angle's node.
     pub rotations: Vec<(u32, u32, Node)>,
-    /// Angles a start states: index of the rotation, bind node.
+    /// Angles stated by a `start`: index of the rotation, bind node.
     pub stated: Vec<(u32, Node)>,
     /// Channels it reads.
     pub signals: Vec<u32>,
@@ -102,9 +104,9 @@ pub(crate) struct ElementBuilder {
     pub rows: Vec<RowDraft>,
     /// Loads by local marker.
     pub loads: Vec<[Node; 6]>,
-    /// Of each `apply` the local markers: on, against.
+    /// The local markers of each `apply`: on, against.
     pub applied: Vec<(u32, Option<u32>)>,
-    /// Conditions of functions that were called.
+    /// Conditions of called functions.
     pub asked: Vec<Asked>,
 }
 
@@ -112,7 +114,7 @@ pub(crate) struct ElementBuilder {
 #[derive(Debug)]
 pub(crate) struct Asked {
     pub advise: bool,
-    /// The name under which it is accepted; empty where it has none.
+    /// Its name for `accept`; empty without a name.
     pub name: String,
     pub flag: Flag,
     pub message: super::binding::Message,
@@ -125,7 +127,7 @@ pub(crate) struct StateDraft {
     pub name: String,
     pub dimension: Dimension,
     pub start: Node,
-    /// From which size on its errors matter.
+    /// The size that its errors are measured by.
     pub scale: Node,
     pub rate: Option<Node>,
 }
@@ -177,7 +179,7 @@ impl ElementBuilder {
         self.graph.input(PROVISIONAL.signal(index as u32))
     }
 
-    /// The layout with just the room that is used.
+    /// The layout with the used inputs only.
     pub fn layout(&self) -> InputLayout {
         InputLayout {
             markers: self.markers.len() as u32,
@@ -212,7 +214,7 @@ pub(crate) fn compact_input(index: u32, to: &InputLayout) -> u32 {
     }
 }
 
-/// The two graphs that are being built.
+/// The two graphs under construction.
 #[derive(Debug, Default)]
 pub(crate) struct Workbench {
     pub bind: BindBuilder,
@@ -227,7 +229,7 @@ impl Workbench {
         }
     }
 
-    /// The value of a scalar that is known while compiling.
+    /// The value of a scalar, if it is known while compiling.
     pub fn known(&self, a: Scalar) -> Option<f64> {
         match a.stage {
             Stage::Bind => self.bind.graph.as_constant(a.node),
@@ -342,7 +344,7 @@ impl Workbench {
         Flag { stage, node }
     }
 
-    /// A comparison of numbers known while compiling is known too.
+    /// The value of a flag, if it is known while compiling.
     pub fn known_flag(&self, flag: Flag) -> Option<bool> {
         if flag.stage != Stage::Bind {
             return None;
@@ -379,7 +381,7 @@ impl Workbench {
         }
     }
 
-    /// A flag of the bind stage reaches an element as a constant 1 or 0.
+    /// A flag in the element's graph. One of the bind stage becomes a constant 1 or 0.
     pub fn lift_flag(&mut self, flag: Flag) -> Node {
         if flag.stage == Stage::Motion || self.element.is_none() {
             return flag.node;

@@ -14,20 +14,20 @@ pub(crate) struct Points {
     pub x: Vec<f64>,
     /// Values (SI).
     pub y: Vec<f64>,
-    /// How messages show arguments and values.
+    /// Display units of arguments and values in messages.
     pub units: (DisplayUnit, DisplayUnit),
-    /// The file that they are from, and the line of each.
+    /// The file of the points, and the line of each.
     pub file: Option<(String, Vec<usize>)>,
 }
 
-/// What lints look at in a table (SI).
+/// The data of a table for lints (SI).
 struct Measured<'p> {
     argument: &'p [f64],
     value: &'p [f64],
-    /// Of a spline that closes over it.
+    /// The period of a closed spline.
     period: Option<f64>,
     is_pressure: bool,
-    /// Where the values are stated.
+    /// The place of the values.
     stated: Span,
 }
 
@@ -91,7 +91,7 @@ impl<'a> Elaborator<'a, '_> {
         }
         let points = match (kind.as_str(), plain.as_slice()) {
             ("points", [xs, ys]) => {
-                // as the text writes them, so that a message can tell them
+                // the units of the text, for messages
                 let unit = |e: &Self, list: &ast::Expr, dimension| {
                     e.literal_unit(list)
                         .unwrap_or_else(|| e.natural_unit(dimension))
@@ -156,8 +156,8 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// Refuses a value below zero of what counts from zero: absolute pressures, temperatures. Cycle angles are points, too, but have no such
-    /// end.
+    /// Refuses negative absolute pressures and temperatures. Cycle angles are points too, but may be
+    /// negative.
     fn refuse_below_zero(
         &mut self,
         table: &ast::Table,
@@ -167,7 +167,7 @@ impl<'a> Elaborator<'a, '_> {
         let declared = table.result.as_ref().map(|t| self.sources.text(t.span));
         let named = declared.and_then(|name| self.program.dimensions.get(name));
         let is_point = named.is_some_and(|named| named.point_of.is_some());
-        // the zero itself may be written in a unit that counts from elsewhere, and is rounded
+        // a zero in a unit with a shifted zero, such as -273.15 degC, is rounded
         let largest = values
             .iter()
             .fold(0.0_f64, |most, value| most.max(value.abs()));
@@ -265,7 +265,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 }
 
-/// What is wrong with the points, in their units and at their line.
+/// The message about wrong points, in their units and at their line.
 fn points_text(
     error: &TableError,
     (x, y): &(DisplayUnit, DisplayUnit),
@@ -306,15 +306,16 @@ fn points_text(
     }
 }
 
-/// Pressure (Pa) beyond what pumps of fuel injection give, which is some 3000 bar.
+/// Pressure (Pa) far above that of pumps for fuel injection, which is some 3000 bar.
 const MOST_PRESSURE: f64 = 1e9;
 
-/// A gap of a period that is longer than this many usual distances of the points, and than this share of the period, is told.
+/// A warning reports a gap in a period that is longer than this many usual distances of the points and than
+/// this share of the period.
 const GAP_DISTANCES: f64 = 3.0;
 const GAP_SHARE: f64 = 0.05;
 
-/// Where the points of a periodic table leave out the end of the period: the last argument, the first of the next period, and the
-/// median distance of the points (all in the argument's unit).
+/// The gap at the end of the period of a periodic table: the last argument, the first of the next period, and
+/// the median distance of the points (all in the argument's unit).
 fn period_gap(x: &[f64], period: f64) -> Option<(f64, f64, f64)> {
     let next = x.first()? + period;
     let last = *x.last()?;

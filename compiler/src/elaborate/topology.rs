@@ -1,4 +1,4 @@
-//! What hangs together: bodies, elements, ground. The rank of the constraints is the runtime's business.
+//! Connections of bodies, elements and ground. The runtime computes the rank of the constraints.
 
 use super::Elaborator;
 use super::binding::span_of;
@@ -20,8 +20,8 @@ impl Elaborator<'_, '_> {
         unused
     }
 
-    /// The message where an element has equations, but all its markers are on one body that does not bend. `bodies` are those of its
-    /// markers; the ground comes after all bodies.
+    /// The message about an element with equations whose markers are all on one rigid body. `bodies` are
+    /// those of its markers; the ground has the index after all bodies.
     fn against_itself(
         &self,
         element: &super::ElementDraft<'_>,
@@ -57,7 +57,8 @@ impl Elaborator<'_, '_> {
         }
     }
 
-    /// Elements between markers of one thing: all that they do cancels. Loads without `against` come from outside and count.
+    /// Elements between markers of one body, whose loads cancel. Loads without `against` are external and do
+    /// not cancel.
     fn idle_elements(&mut self) -> Vec<Diagnostic> {
         let found: Vec<(String, Diagnostic)> = (self.elements.iter())
             .filter(|element| element.role == Role::Dynamic)
@@ -74,7 +75,8 @@ impl Elaborator<'_, '_> {
         told.map(|(_, message)| message).collect()
     }
 
-    /// The message where the loads of an element act between one marker and itself, or between markers of one body that does not bend.
+    /// The message about an element whose loads act between a marker and itself, or between markers of one
+    /// rigid body.
     fn loads_itself(&self, element: &super::ElementDraft<'_>) -> Option<Diagnostic> {
         let global = |local: &u32| element.markers.get(*local as usize).copied();
         let body = |local: &u32| Some(self.markers.get(global(local)? as usize)?.body);
@@ -116,7 +118,7 @@ impl Elaborator<'_, '_> {
         )
     }
 
-    /// The message where an equation of angles, such as a gear's, is given the same two markers twice.
+    /// The message about an equation of angles, such as a gear's, with the same two markers twice.
     fn geared_to_itself(&self, element: &super::ElementDraft<'_>) -> Option<Diagnostic> {
         let arguments = &element.source.as_ref()?.arguments;
         let given = arguments.iter().filter(|(_, argument)| {
@@ -146,8 +148,8 @@ impl Elaborator<'_, '_> {
         )
     }
 
-    /// Whether all bodies fly freely, and that is meant: nothing touches the ground, there is no cycle, and gravity is stated to be zero or
-    /// a body begins with a velocity.
+    /// Whether all bodies are meant to fly freely: no element touches the ground, there is no cycle, and the
+    /// text states zero gravity or a body begins with a velocity.
     fn flies(&self, grounded: bool) -> bool {
         let graph = &self.bench.bind.graph;
         let zero = |n: &crate::ir::Node| graph.as_constant(*n) == Some(0.0);
@@ -266,7 +268,7 @@ impl Elaborator<'_, '_> {
     }
 }
 
-/// Paths of things by their place in the text, both in the order of the text.
+/// Paths, grouped by their place in the text, in the order of the text.
 fn by_place<'o>(origins: impl Iterator<Item = &'o Origin>) -> Vec<(Location, Vec<&'o str>)> {
     let mut places: Vec<(Location, Vec<&str>)> = Vec::new();
     for origin in origins {
@@ -281,7 +283,7 @@ fn by_place<'o>(origins: impl Iterator<Item = &'o Origin>) -> Vec<(Location, Vec
     places
 }
 
-/// Paths in a sentence; many are shortened.
+/// Paths as a list in a sentence. A long list is shortened.
 pub(super) fn listed(paths: &[&str]) -> String {
     match paths {
         [first, second, .., last] if paths.len() > 5 => {

@@ -1,4 +1,5 @@
-//! Which loads the elements of a model can put on a marker: what the static modes of a flexible body are made for.
+//! The loads that the elements of a model can put on a marker. A flexible body needs static modes for these
+//! loads.
 
 use super::flexible::{TermDraft, TermKind};
 use super::{Elaborated, Elaborator};
@@ -15,27 +16,28 @@ use eng_system::system::{BodyInertia, BodyRef, Element, Role};
 
 /// Random states at which an element is tried.
 const TRIALS: usize = 12;
-/// A component that never reaches this share of a wrench is not counted: friction of a film, misalignment.
+/// Share of a wrench that a component must reach to count. Friction of a film and misalignment remain below
+/// it.
 const SHARE: f64 = 0.01;
-/// Moments count as forces at this arm (m).
+/// Arm (m) that converts moments to forces for the comparison.
 const ARM: f64 = 0.1;
-/// Distance of the partners in a trial (m), and their relative tilt (rad): small, as in an assembled engine.
+/// Distance of the partners in a trial (m): small, as in an assembled engine.
 const APART: f64 = 1e-5;
-/// Relative tilt of the partners (rad).
+/// Relative tilt of the partners (rad): small, as in an assembled engine.
 const TILT: f64 = 1e-4;
 /// Angular velocity of a trial (rad/s).
 const SPIN: f64 = 300.0;
 
-/// What reaches a marker.
+/// The loads on a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Transmitted {
     /// Wrench components along the marker's axes.
     pub freedoms: Freedoms,
-    /// Whether an element looks at the marker's axes or turns it.
+    /// Whether an element depends on the marker's axes or turns it.
     pub turns: bool,
 }
 
-/// What the elements of a model can put on a marker of the system.
+/// The loads that the elements of a model can put on a marker of the system.
 pub fn transmitted(elaborated: &Elaborated, slots: &[f64], marker: u32) -> Transmitted {
     let system = &elaborated.system;
     let mut found = Transmitted::default();
@@ -54,7 +56,8 @@ pub fn transmitted(elaborated: &Elaborated, slots: &[f64], marker: u32) -> Trans
     found
 }
 
-/// One element, at random states near those of an assembled engine: partners at one place with parallel z axes.
+/// The loads of one element, found at random states near those of an assembled engine: partners at one
+/// position with parallel z axes.
 fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) -> Transmitted {
     let everything = Transmitted {
         freedoms: ALL_FREEDOMS,
@@ -89,7 +92,7 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
     let mut found = Transmitted::default();
     let mut greatest = [0.0f64; 6];
     let mut tries = 0;
-    // what a parameter of zero switches off may be switched on
+    // a parameter of zero may switch a load off; `--set` can switch it on, so it is also tried as one
     let switched: Vec<f64> = constants
         .iter()
         .map(|x| if *x == 0.0 { 1.0 } else { *x })
@@ -110,7 +113,7 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
         for (most, x) in greatest.iter_mut().zip(wrench) {
             *most = most.max(x.abs());
         }
-        // the same with the marker turned: axes that matter change something
+        // the same state with the marker turned: if its axes matter, the values change
         let mut turned = inputs.clone();
         let small = rotation_of([0.3 * TILT, -0.5 * TILT, 0.2]);
         let product = times(rotation, &small);
@@ -178,7 +181,7 @@ fn wrench(layout: &InputLayout, values: &[f64], place: u32, rotation: &[f64]) ->
     wrench
 }
 
-/// The components whose greatest value is a good part of the greatest of all.
+/// The components whose greatest value reaches [`SHARE`] of the greatest of all.
 fn counted(wrench: &[f64; 6]) -> Freedoms {
     let weighed = |i: usize| wrench[i] / if i < 3 { 1.0 } else { ARM };
     let whole = (0..6).map(weighed).fold(0.0, f64::max);
@@ -208,7 +211,8 @@ fn times(a: &[f64], b: &[f64; 9]) -> [f64; 9] {
     std::array::from_fn(|i| (0..3).map(|k| a[i / 3 * 3 + k] * b[3 * k + i % 3]).sum())
 }
 
-/// Numbers in -1…1 that are the same everywhere (xorshift; G. Marsaglia, J. Stat. Softw. 8 (2003) 14).
+/// Pseudo-random numbers in -1…1, the same on every machine (xorshift; G. Marsaglia, J. Stat. Softw. 8 (2003)
+/// 14).
 struct Random(u64);
 
 impl Random {
@@ -221,14 +225,14 @@ impl Random {
 }
 
 impl Elaborator<'_, '_> {
-    /// Gives the mode sets their freedoms, and says what they leave out.
+    /// Gives the mode sets their freedoms, and warns of loads without a mode.
     pub fn flexible_sources(&mut self, elaborated: &mut Elaborated) {
         let drafts: Vec<_> = self.flexible.drain(..).flatten().collect();
         if drafts.is_empty() {
             return;
         }
         let defaults = vec![None; elaborated.system.parameters.len()];
-        // parameters that fit no model are said when it is bound
+        // an error in parameters is reported when the model is bound
         let slots = elaborated
             .bind
             .bind(&defaults, &elaborated.system.tables)
@@ -260,7 +264,7 @@ impl Elaborator<'_, '_> {
                 source.modes.push(match term.kind {
                     TermKind::Static | TermKind::Constraint => {
                         for interface in &at {
-                            // listed freedoms are their author's choice
+                            // the author chose listed freedoms, so they give no warning
                             served[interface.marker as usize] |= match term.freedoms {
                                 Some(_) => ALL_FREEDOMS,
                                 None => interface.freedoms,
@@ -311,7 +315,7 @@ impl Elaborator<'_, '_> {
     }
 }
 
-/// The messages for terms without freedoms whose markers nothing loads: they have none.
+/// The warnings about terms without modes: they list no freedoms, and no element loads their markers.
 fn idle_terms(
     terms: &[TermDraft],
     loads: &[Transmitted],
@@ -331,7 +335,8 @@ fn idle_terms(
             continue;
         }
         told.push(term.span);
-        // the constraint modes and the held ones of `craig_bampton` are one term of the text
+        // `craig_bampton` is one term of the text, but makes two here: constraint modes and modes with held
+        // markers
         let is_normal = |t: &TermDraft| matches!(t.kind, TermKind::Normal(_));
         let of_text = |normal: bool| {
             let same = |t: &TermDraft| t.span == term.span && is_normal(t) == normal;
@@ -361,7 +366,8 @@ fn idle_terms(
 }
 
 impl Elaborated {
-    /// Markers of a flexible body, by their index in its source, that an element turns or whose axes it looks at.
+    /// For each marker of a flexible body, by its index in the source: whether an element turns it or depends
+    /// on its axes.
     pub fn turned_markers(&self, flexible: u32) -> Vec<bool> {
         let defaults = vec![None; self.system.parameters.len()];
         let slots = self

@@ -1,4 +1,4 @@
-//! What the typed tree says of the expressions that are being evaluated.
+//! Access to the typed tree during elaboration.
 
 use super::expression::Truth;
 use super::scalar::Scalar;
@@ -21,8 +21,8 @@ impl<'a> Elaborator<'a, '_> {
         self.checked(found, place, "it has no type")
     }
 
-    /// The dimension of each number in the value of the expression, or in values of the declared type, at a place;
-    /// none for what is no number.
+    /// The dimension of each number in the value of the expression, or of the declared type, at a place. It
+    /// is that of a plain number if the value has no numbers.
     pub fn dimension_at(&mut self, place: Span, scope: ScopeId) -> Eval<Dimension> {
         let quantity = self.type_at(place)?.each().unwrap_or_default();
         if quantity.dim.variables.is_empty() {
@@ -34,7 +34,7 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
-    /// What the dimension variables of the function around a scope stand for.
+    /// The dimensions of the variables of the function that surrounds a scope.
     pub fn solution(&self, scope: ScopeId) -> Option<Rc<Solution>> {
         let mut at = Some(scope);
         while let Some(id) = at {
@@ -47,8 +47,8 @@ impl<'a> Elaborator<'a, '_> {
         None
     }
 
-    /// What the dimension variables of a generic function stand for at a use of it, a call or an expression that hands
-    /// it on.
+    /// The dimensions of the variables of a generic function at a use: a call, or an expression that passes
+    /// the function.
     pub fn solution_at(&self, place: Span, scope: ScopeId) -> Option<Rc<Solution>> {
         let later = self.later.solutions.get(&place);
         let found = later.or_else(|| self.typed.findings.solutions.get(&place))?;
@@ -65,7 +65,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(parts)
     }
 
-    /// The function or term of the language that the call at a place calls; none where it calls a value.
+    /// The function or term of the language that the call at a place calls; `None` if it calls a value.
     pub fn callee_at(&self, place: Span) -> Option<Callee> {
         let later = self.later.callees.get(&place);
         later
@@ -81,19 +81,21 @@ impl<'a> Elaborator<'a, '_> {
         self.checked(found, place, "its arguments are not known")
     }
 
-    /// Something that a program without errors has: a finding, a required part of a declaration, one of the known words.
+    /// An item that every program without errors has: a finding, a required part of a declaration, a known
+    /// word.
     ///
-    /// It is always there: elaboration begins only after a check without errors; the checker infers every expression and
-    /// type of every definition, whether it is used or not, and reports each missing or unknown part. A text that shows
-    /// otherwise has found a mistake of the checker, and no text may make the compiler stop or guess.
+    /// The item always exists. Elaboration begins only after a check without errors. The checker infers every
+    /// expression and type of every definition, used or not, and reports each missing or unknown part. If the
+    /// item is missing, the checker has a fault. No text may make the compiler panic or guess, so this is an
+    /// error.
     pub fn checked<T>(&mut self, found: Option<T>, place: Span, what: &str) -> Eval<T> {
         found.ok_or_else(|| self.contradiction(place, what))
     }
 
-    /// A value read as what the checker found it to be.
+    /// A value read as the kind that the checker found.
     ///
-    /// It is of that kind: the checker fits the type of an expression to the place where it stands, and each operation
-    /// of the evaluator gives the kind of value that the type of its expression says.
+    /// The value always has this kind. The checker fits the type of an expression to its context. Each
+    /// operation of the evaluator gives the kind of value that belongs to the type of its expression.
     pub fn read<T: Reading<'a>>(&mut self, value: Value<'a>, place: Span) -> Eval<T> {
         T::read(value).map_err(|found| {
             let (due, found) = (T::KIND, found.kind());
@@ -116,9 +118,9 @@ impl<'a> Elaborator<'a, '_> {
     }
 }
 
-/// What a value can be read as; a value of another kind comes back.
+/// A kind of value that can be read. A value of another kind is returned as the error.
 pub(crate) trait Reading<'a>: Sized {
-    /// For messages.
+    /// The name of the kind in messages.
     const KIND: &'static str;
 
     fn read(value: Value<'a>) -> Result<Self, Value<'a>>;

@@ -15,9 +15,9 @@ pub(crate) struct ScopeId(pub u32);
 #[derive(Clone, Debug)]
 pub(crate) struct Closure<'a> {
     pub function: &'a ast::Function,
-    /// Where its free names are looked up.
+    /// The scope of its free names.
     pub scope: ScopeId,
-    /// Handed on as a value: what its dimension variables stand for.
+    /// For a function passed as a value: the dimensions of its variables.
     pub solution: Option<Rc<Solution>>,
 }
 
@@ -29,17 +29,17 @@ pub(crate) enum Value<'a> {
     Text(String),
     Scalar(Scalar),
     Flag(Flag),
-    /// A vector in space, by its components in ground axes.
+    /// A vector in space, as its components in ground axes.
     Vector([Scalar; 3]),
     /// A vector in space with the axes that an output states for it.
     Shown(Shown),
     List(Vec<Value<'a>>),
-    /// Numbers along axes that are known; no vector until `vector(c, m)` makes one of them.
+    /// Numbers along known axes. Only `vector(c, m)` makes a vector of them.
     Components(Vec<Scalar>, Axes),
-    /// Things named by the values of their binders: `pin[i in 2..4]`.
+    /// Values indexed by their binders: `pin[i in 2..4]`.
     Family(Vec<(Vec<usize>, Value<'a>)>),
     Marker(u32),
-    /// `ground` before it is known whether it is an argument.
+    /// `ground`, before its use decides whether it is an argument.
     Ground,
     Body(u32),
     /// Index into the elaborator's elements.
@@ -49,13 +49,13 @@ pub(crate) enum Value<'a> {
     Part(ScopeId),
     Closure(Closure<'a>),
     Table(TableValue),
-    /// A class, record, model, component: something that is called with arguments.
+    /// A class, record, model or component, which is called with arguments.
     Definition(DefinitionId),
     Cycle,
     ModeSet(Rc<Vec<super::ModePart>>),
 }
 
-/// The axes along which components are.
+/// The axes of components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Axes {
     Ground,
@@ -63,13 +63,13 @@ pub(crate) enum Axes {
     Marker(u32),
 }
 
-/// An output that is a vector. `.x` takes the component that is shown; everything else takes the vector in space.
+/// An output that is a vector. `.x` reads the shown component. All other operations use the vector in space.
 #[derive(Clone, Debug)]
 pub(crate) struct Shown {
-    /// Along the axes.
+    /// Components along the axes.
     pub components: [Scalar; 3],
     pub axes: Axes,
-    /// In ground axes, where that is known without turning the components back.
+    /// The vector in ground axes, if it is known without turning the components back.
     pub space: Option<[Scalar; 3]>,
 }
 
@@ -81,7 +81,7 @@ pub(crate) struct TableValue {
 }
 
 impl Value<'_> {
-    /// Whether it is several numbers: a vector or a list.
+    /// Whether it has several numbers: a vector or a list.
     pub fn is_several(&self) -> bool {
         matches!(
             self,
@@ -89,7 +89,7 @@ impl Value<'_> {
         )
     }
 
-    /// For messages.
+    /// The name of the kind in messages.
     pub fn kind(&self) -> &'static str {
         match self {
             Value::Int(_) => "a whole number",
