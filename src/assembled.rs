@@ -1,11 +1,12 @@
 //! The assembled models of a program: what no text shows, and where their markers are.
 
-use crate::analysis::Analysis;
+use crate::analysis::{Analysis, Findings};
 use crate::counted::counted;
 use crate::lint::{Covered, Finding, accepted, diagnostics, needed, needless, sift};
 use crate::program::{Bodies, Program};
-use crate::{Error, TopologyReport, render};
+use crate::{Error, RuntimeError, TopologyReport, render};
 use eng_grammar::{Diagnostics, SourceMap};
+use eng_runtime::start::turn::Turned;
 use eng_system::lint::Accepted;
 use eng_system::system::System;
 use serde::Serialize;
@@ -98,7 +99,7 @@ impl Program {
                 }
                 Err(other) => return Err(other),
             };
-            heard.take(&analysis);
+            let turned = heard.take(&analysis);
             match topology(self, name, &analysis) {
                 Ok((report, bends)) => {
                     // of analyses that differ in loads and speeds alone one is turned; a body that must bend is no geometry
@@ -110,7 +111,11 @@ impl Program {
                         found.tell(hanging.iter());
                         // what falls tumbles, and a turn of it comes to no lock that is one of its lengths
                         if hanging.is_none() {
-                            found.tell(analysis.dry_turn()?.iter());
+                            let lock = match turned {
+                                Some(turned) => analysis.lock(turned)?,
+                                None => analysis.dry_turn()?,
+                            };
+                            found.tell(lock.iter());
                         }
                     }
                     found.facts.push(assembles(&analysis, &report, bends));
@@ -214,11 +219,13 @@ struct Heard {
 }
 
 impl Heard {
-    /// Listens to an analysis; one whose parameters cannot be used is told elsewhere.
-    fn take(&mut self, analysis: &Analysis) {
-        let Ok(mut findings) = analysis.findings() else {
-            return;
-        };
+    /// Takes the findings of an analysis, and gives its dry turn where a lint made one. Parameters that cannot
+    /// be used are reported elsewhere.
+    fn take(&mut self, analysis: &Analysis) -> Option<Result<Turned, RuntimeError>> {
+        let Findings {
+            list: mut findings,
+            turned,
+        } = analysis.findings().ok()?;
         findings.extend(analysis.findings_of_start());
         let system = &analysis.model().compiled().system;
         let sifted = sift(findings, system);
@@ -239,6 +246,7 @@ impl Heard {
             }
             None => self.models.push((Arc::clone(system), sifted.accepted)),
         }
+        turned
     }
 
     /// Tells each thing once, and what the text accepts.

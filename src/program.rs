@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Report};
 use crate::model::Model;
-use crate::reduction::{Outlines, Reducer, Reduction, inspect};
+use crate::reduction::{Looks, Reducer, Reduction};
 use crate::sources::Sources;
 use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses};
 use eng_compiler::models::SharedModels;
@@ -49,7 +49,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
         };
     }
     let typed = eng_compiler::check::check(resolved, &texts, &mut diagnostics);
-    let shared = SharedModels::default();
+    let (shared, looks) = (SharedModels::default(), Looks::default());
     let mut plans = Vec::new();
     if !diagnostics.has_errors() {
         plans = analyses(&typed, &mut texts, sources, &mut diagnostics);
@@ -57,7 +57,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
         for model in models_of(&typed.program) {
             let made = shared.model(&typed, &mut texts, sources, model, &[], &mut diagnostics);
             for flexible in made.iter().flat_map(|made| &made.elaborated.flexible) {
-                for found in inspect(sources, flexible) {
+                for found in looks.inspect(sources, flexible) {
                     diagnostics.push(found);
                 }
             }
@@ -86,7 +86,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             texts: Arc::clone(&texts),
             file: file.to_owned(),
             reducer: Reducer::default(),
-            outlines: Outlines::default(),
+            looks,
         }),
     });
     Checked {
@@ -166,7 +166,7 @@ struct Inner {
     texts: Arc<SourceMap>,
     file: String,
     reducer: Reducer,
-    outlines: Outlines,
+    looks: Looks,
 }
 
 /// What stands for the flexible bodies of a model.
@@ -384,7 +384,7 @@ impl Program {
             let Inner {
                 sources,
                 reducer,
-                outlines,
+                looks,
                 ..
             } = &*self.inner;
             let made = match bodies {
@@ -392,10 +392,10 @@ impl Program {
                     reduced.push(Arc::clone(&reduction.body));
                     reductions.push(reduction);
                 }),
-                Bodies::Rigid => outlines
+                Bodies::Rigid => looks
                     .outline(sources, source, &turned)
                     .map(|outline| reduced.push(Arc::new(outline.rigid()))),
-                Bodies::Loose => outlines
+                Bodies::Loose => looks
                     .outline(sources, source, &turned)
                     .map(|outline| reduced.push(Arc::new(outline.loose()))),
             };

@@ -1,8 +1,8 @@
-//! A reduced body as a file: everything that a run, its tables and the recovery of nodes and stresses need,
-//! read in one go.
+//! Contents of files that are kept: a reduced body with everything that a run, its tables and the recovery of
+//! nodes and stresses need, and other serializable values in the same frame.
 //!
 //! ```text
-//! magic (8 bytes) | version u32 | length of the whole u64 | key (32 bytes) | contents … | SHA-256 of all before (32 bytes)
+//! magic (8 bytes) | version u32 | length of the whole u64 | contents … | SHA-256 of all before (32 bytes)
 //! ```
 //!
 //! The head is little-endian, the contents are in the format of `postcard`, which keeps the bits of every
@@ -16,6 +16,7 @@ use crate::mesh::Mesh;
 use crate::reduce::{Reduced, Report, Request};
 use crate::surface::Surface;
 use eng_system::reduced::ReducedBody;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
@@ -31,7 +32,7 @@ const HEAD: usize = 8 + 4 + 8;
 /// Bytes of the hash at the end.
 const HASH: usize = 32;
 
-/// Why bytes are no stored body.
+/// Why bytes are not the contents of a kept file.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum StoreError {
     /// It begins otherwise.
@@ -124,6 +125,58 @@ pub fn request_text(request: &Request) -> String {
     format!("{request:?}")
 }
 
+/// A value as the bytes of a file.
+///
+/// # Errors
+/// Where a list of the value does not know its length.
+pub fn to_bytes(value: &impl Serialize) -> Result<Vec<u8>, StoreError> {
+    let mut out = Vec::with_capacity(1 << 16);
+    out.extend_from_slice(&MAGIC);
+    out.extend_from_slice(&FORMAT_VERSION.to_le_bytes());
+    out.extend_from_slice(&[0; 8]);
+    let mut out = postcard::to_extend(value, out).map_err(senseless)?;
+    let length = (out.len() + HASH) as u64;
+    if let Some(place) = out.get_mut(HEAD - 8..HEAD) {
+        place.copy_from_slice(&length.to_le_bytes());
+    }
+    let hash = Sha256::digest(&out);
+    out.extend_from_slice(&hash);
+    Ok(out)
+}
+
+/// The value of the bytes of a file.
+///
+/// # Errors
+/// Bytes of no kept file, of another version, cut off, altered, or of another type.
+pub fn from_bytes<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, StoreError> {
+    let Some(head) = bytes.strip_prefix(&MAGIC) else {
+        return Err(StoreError::NotABody);
+    };
+    let found = bytes.len() as u64;
+    let short = |expected| StoreError::Length { expected, found };
+    let least = (HEAD + HASH) as u64;
+    let (version, head) = head.split_first_chunk().ok_or(short(least))?;
+    let version = u32::from_le_bytes(*version);
+    if version != FORMAT_VERSION {
+        return Err(StoreError::Version { found: version });
+    }
+    let (length, _) = head.split_first_chunk().ok_or(short(least))?;
+    let expected = u64::from_le_bytes(*length);
+    if expected != found || found < least {
+        return Err(short(expected.max(least)));
+    }
+    let (signed, hash) = bytes.split_at(bytes.len() - HASH);
+    if Sha256::digest(signed).as_slice() != hash {
+        return Err(StoreError::Altered);
+    }
+    let contents = signed.get(HEAD..).unwrap_or_default();
+    let (value, rest) = postcard::take_from_bytes(contents).map_err(senseless)?;
+    match rest {
+        [] => Ok(value),
+        _ => Err(senseless("something follows its contents")),
+    }
+}
+
 /// A reduced body with all that is kept of its reduction.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StoredBody {
@@ -183,18 +236,7 @@ impl StoredBody {
     /// # Errors
     /// None of a body whose lists have a length, as all of these have.
     pub fn to_bytes(&self) -> Result<Vec<u8>, StoreError> {
-        let mut out = Vec::with_capacity(8 * self.shapes.len() + (1 << 16));
-        out.extend_from_slice(&MAGIC);
-        out.extend_from_slice(&FORMAT_VERSION.to_le_bytes());
-        out.extend_from_slice(&[0; 8]);
-        let mut out = postcard::to_extend(self, out).map_err(senseless)?;
-        let length = (out.len() + HASH) as u64;
-        if let Some(place) = out.get_mut(HEAD - 8..HEAD) {
-            place.copy_from_slice(&length.to_le_bytes());
-        }
-        let hash = Sha256::digest(&out);
-        out.extend_from_slice(&hash);
-        Ok(out)
+        to_bytes(self)
     }
 
     /// From the bytes of a file.
@@ -202,31 +244,7 @@ impl StoredBody {
     /// # Errors
     /// What is no stored body, of another version, cut off, altered, or contradicts itself.
     pub fn from_bytes(bytes: &[u8]) -> Result<StoredBody, StoreError> {
-        let Some(head) = bytes.strip_prefix(&MAGIC) else {
-            return Err(StoreError::NotABody);
-        };
-        let found = bytes.len() as u64;
-        let short = |expected| StoreError::Length { expected, found };
-        let least = (HEAD + HASH) as u64;
-        let (version, head) = head.split_first_chunk().ok_or(short(least))?;
-        let version = u32::from_le_bytes(*version);
-        if version != FORMAT_VERSION {
-            return Err(StoreError::Version { found: version });
-        }
-        let (length, _) = head.split_first_chunk().ok_or(short(least))?;
-        let expected = u64::from_le_bytes(*length);
-        if expected != found || found < least {
-            return Err(short(expected.max(least)));
-        }
-        let (signed, hash) = bytes.split_at(bytes.len() - HASH);
-        if Sha256::digest(signed).as_slice() != hash {
-            return Err(StoreError::Altered);
-        }
-        let contents = signed.get(HEAD..).unwrap_or_default();
-        let (stored, rest) = postcard::take_from_bytes::<Self>(contents).map_err(senseless)?;
-        if !rest.is_empty() {
-            return Err(senseless("something follows its contents"));
-        }
+        let stored: StoredBody = from_bytes(bytes)?;
         match stored.defect() {
             Some(problem) => Err(StoreError::Contents { problem }),
             None => Ok(stored),

@@ -13,6 +13,7 @@ use crate::significant::short;
 use crate::simulation::run_error_with;
 use crate::{Error, Quantity, RuntimeError};
 use eng_compiler::elaborate::AnalysisPlan;
+use eng_runtime::start::turn::{Turned, turn};
 use eng_runtime::{
     Advance, LinearModes, Pace, PeriodicSummary, RunSummary, Slow, StartReport, Verdict, Warning,
 };
@@ -32,6 +33,13 @@ pub struct Analysis {
     stepped_here: Option<(&'static str, String)>,
     replaced: Vec<String>,
     recording: Recording,
+}
+
+/// Findings of lints on an analysis.
+pub(crate) struct Findings {
+    pub list: Vec<Finding>,
+    /// The dry turn that the lints of cylinders made, where there are cylinders.
+    pub turned: Option<Result<Turned, RuntimeError>>,
 }
 
 /// Steps after which a cycle that has turned by less than this part of a run stands.
@@ -301,24 +309,30 @@ impl Analysis {
         Ok(Machine::new(system, &self.bound()?, &self.plan.kind))
     }
 
-    /// What lints say of its numbers, and of the model as it is assembled, with the `advise`s that the start does not follow. What
-    /// does not assemble is told elsewhere.
-    pub(crate) fn findings(&self) -> Result<Vec<Finding>, Error> {
+    /// Findings of lints on its numbers and on the assembled model, with the `advise`s that the start does not
+    /// keep. A model that does not assemble is reported elsewhere.
+    pub(crate) fn findings(&self) -> Result<Findings, Error> {
         let (compiled, overrides) = (self.model.compiled(), &self.overrides);
-        let mut found = lint::of_numbers(compiled, overrides, &self.bound()?);
-        let Ok(mut model) = eng_runtime::model::Model::bind(compiled, overrides) else {
-            return Ok(found);
-        };
-        if let Ok(state) = eng_runtime::assembly::assemble(&mut model) {
+        let bound = self.bound()?;
+        let mut list = lint::of_numbers(compiled, overrides, &bound);
+        let mut turned = None;
+        let model = eng_runtime::model::Model::bind(compiled, overrides);
+        let assembled = model.and_then(|mut model| {
+            let state = eng_runtime::assembly::assemble(&mut model)?;
+            Ok((model, state))
+        });
+        if let Ok((model, state)) = assembled {
             let origin = &self.plan.origin;
-            found.extend(lint::of_start(&model, &state, &self.plan.kind, origin));
+            list.extend(lint::of_start(&model, &state, &self.plan.kind, origin));
             // the points of a sweep turn alike
             let first = self.plan.point.is_empty() || self.plan.origin.path.ends_with("[1]");
             if first {
-                found.extend(lint::of_turn(compiled, overrides, &self.bound()?));
+                let (found, turn) = lint::of_turn(compiled, overrides, &bound);
+                list.extend(found);
+                turned = turn;
             }
         }
-        Ok(found)
+        Ok(Findings { list, turned })
     }
 
     /// Where the markers that the text states and the bodies' origins are, as assembled: body, path and place (m, ground's axes).
@@ -465,8 +479,18 @@ impl Analysis {
     /// Where the machine locks when it is turned through its cycle by its geometry alone, as a warning: a run need not come there.
     /// Asked of machines that [`Analysis::hanging`] finds held: what falls is turned nowhere by geometry.
     pub fn dry_turn(&self) -> Result<Option<eng_grammar::Diagnostic>, Error> {
-        let turned =
-            eng_runtime::start::turn::turn(self.model.compiled(), &self.overrides, &mut |_| Ok(()));
+        self.lock(turn(
+            self.model.compiled(),
+            &self.overrides,
+            &mut |_| Ok(()),
+        ))
+    }
+
+    /// The warning of a dry turn that locked.
+    pub(crate) fn lock(
+        &self,
+        turned: Result<Turned, RuntimeError>,
+    ) -> Result<Option<eng_grammar::Diagnostic>, Error> {
         match turned {
             Ok(_) => Ok(None),
             Err(cause @ RuntimeError::Locked { .. }) => {

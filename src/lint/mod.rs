@@ -7,6 +7,8 @@ mod numbers;
 mod rods;
 mod turned;
 
+pub(crate) use turned::turned as of_turn;
+
 use crate::codes;
 use crate::places::{MOST_PLACES, decided, related, span};
 use crate::significant::significant;
@@ -138,15 +140,6 @@ pub(crate) fn of_start(
     found.extend(cycle::step(&start, kind, analysis));
     found.extend(cycle::sampling(&start, kind, analysis));
     found
-}
-
-/// What lints say of the cylinders of a model that is turned through its cycle by its geometry.
-pub(crate) fn of_turn(
-    compiled: &Compiled,
-    overrides: &[Option<f64>],
-    bound: &Bound,
-) -> Vec<Finding> {
-    turned::turned(compiled, overrides, bound)
 }
 
 /// Findings that are told and those that the text accepts, these by the index of the acceptance.

@@ -7,6 +7,7 @@ use super::assembled::Start;
 use super::{Finding, short};
 use crate::codes;
 use crate::machine::at;
+use eng_runtime::RuntimeError;
 use eng_runtime::assembly::rows;
 use eng_runtime::model::Model;
 use eng_runtime::rotation::V3;
@@ -74,12 +75,13 @@ struct Watched<'s> {
     beyond: Option<(f64, bool)>,
 }
 
-/// What is probably wrong in the cylinders of a model; nothing where it has none, does not turn, or locks, which is told elsewhere.
-pub(super) fn turned(
+/// Probable mistakes in the cylinders of a model, and how far it turned: `None` where it has no cylinder and
+/// was not turned. A lock is no finding here: the caller has its error.
+pub(crate) fn turned(
     compiled: &Compiled,
     overrides: &[Option<f64>],
     bound: &Bound,
-) -> Vec<Finding> {
+) -> (Vec<Finding>, Option<Result<Turned, RuntimeError>>) {
     let system = &compiled.system;
     let of = |firing: &FiringInfo, local: u32| {
         let markers = &system.elements[firing.element as usize].markers;
@@ -106,7 +108,7 @@ pub(super) fn turned(
         })
         .collect();
     if cylinders.is_empty() {
-        return Vec::new();
+        return (Vec::new(), None);
     }
     let mut shaft = None;
     // the cycle's angle at the first and the last place, and the finding if it falls
@@ -126,17 +128,19 @@ pub(super) fn turned(
     });
     match found {
         Ok(Turned::Whole) => {}
-        Ok(Turned::Back(angle)) => return swings(system, angle).into_iter().collect(),
-        Ok(Turned::Not) | Err(_) => return Vec::new(),
+        Ok(Turned::Back(angle)) => {
+            return (swings(system, angle).into_iter().collect(), Some(found));
+        }
+        Ok(Turned::Not) | Err(_) => return (Vec::new(), Some(found)),
     }
     let doubts = cylinders.iter().flat_map(|c| c.doubts(compiled));
     let slanted = cylinders.iter().filter_map(|c| c.slanted(compiled, shaft?));
     let falls = angles.is_some_and(|[first, last]| last < first);
-    doubts
+    let doubts = doubts
         .chain(slanted)
         .chain(backwards.filter(|_| falls))
-        .chain(gravity(system, bound, &cylinders, shaft))
-        .collect()
+        .chain(gravity(system, bound, &cylinders, shaft));
+    (doubts.collect(), Some(found))
 }
 
 /// Gas over a cycle whose angle swings and never comes round.

@@ -1,11 +1,15 @@
-//! Reductions kept on disk, by what they were made from.
+//! Reductions and looks at meshes kept on disk, by what they were made from.
 //!
 //! A file is named by the hash of the request and of the files that the text names. It lists every file that was read, those that
 //! others include too, with their hashes: one that has changed since makes the file useless.
 
 use crate::Sources;
 use eng_flexible::Files;
-use eng_flexible::store::{Key, StoredBody, content_hash, hexadecimal};
+use eng_flexible::store::{
+    Key, StoreError, StoredBody, content_hash, from_bytes, hexadecimal, to_bytes,
+};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::cell::RefCell;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -22,6 +26,10 @@ impl<'a> Recorded<'a> {
             sources,
             opened: RefCell::new(Vec::new()),
         }
+    }
+
+    pub fn sources(&self) -> &Sources {
+        self.sources
     }
 
     /// Those that were opened and are there, with the hashes of their contents.
@@ -63,29 +71,62 @@ pub(super) fn key(sources: &Sources, request: &str, files: &[&str]) -> Option<Ke
     Some(Key::new(&hashes?, request))
 }
 
-fn place(folder: &Path, key: &Key) -> PathBuf {
-    folder.join(format!("{}.reduced", key.text()))
+/// What the cache keeps, a type an ending of files.
+pub(super) trait Kept: Serialize + DeserializeOwned {
+    const ENDING: &str;
+
+    fn key(&self) -> Key;
+
+    /// Names and values; those of files that were read have the names and hashes of [`Recorded::read_files`].
+    fn files(&self) -> &[(String, String)];
+
+    /// From the bytes of a file.
+    fn from_bytes(bytes: &[u8]) -> Result<Self, StoreError> {
+        from_bytes(bytes)
+    }
 }
 
-/// The body of a key, if it is kept and all its files are as they were. One that is damaged is made again.
-pub(super) fn load(sources: &Sources, key: &Key) -> Option<StoredBody> {
-    let bytes = crate::regular::read(&place(sources.cache()?, key)).ok()?;
-    let stored = StoredBody::from_bytes(&bytes).ok()?;
-    let unchanged = stored.provenance.iter().all(|(name, value)| {
+impl Kept for StoredBody {
+    const ENDING: &str = "reduced";
+
+    fn key(&self) -> Key {
+        self.key
+    }
+
+    fn files(&self) -> &[(String, String)] {
+        &self.provenance
+    }
+
+    fn from_bytes(bytes: &[u8]) -> Result<Self, StoreError> {
+        StoredBody::from_bytes(bytes)
+    }
+}
+
+fn place<T: Kept>(folder: &Path, key: &Key) -> PathBuf {
+    folder.join(format!("{}.{}", key.text(), T::ENDING))
+}
+
+/// What is kept of a key, if all its files are as they were. One that is damaged is made again.
+pub(super) fn load<T: Kept>(sources: &Sources, key: &Key) -> Option<T> {
+    let bytes = crate::regular::read(&place::<T>(sources.cache()?, key)).ok()?;
+    let kept = T::from_bytes(&bytes).ok()?;
+    let unchanged = kept.files().iter().all(|(name, value)| {
         let Some(file) = name.strip_prefix(FILE) else {
             return true;
         };
         hash_of(sources, file).is_some_and(|hash| hexadecimal(&hash) == *value)
     });
-    (stored.key == *key && unchanged).then_some(stored)
+    (kept.key() == *key && unchanged).then_some(kept)
 }
 
-/// Keeps a body: whole or not at all. What prevents it is no error of the model.
-pub(super) fn save(sources: &Sources, stored: &StoredBody) -> Result<(), std::io::Error> {
+/// Keeps it: whole or not at all. What prevents it is no error of the model.
+pub(super) fn save<T: Kept>(sources: &Sources, kept: &T) -> Result<(), std::io::Error> {
     let Some(folder) = sources.cache() else {
         return Ok(());
     };
-    let bytes = stored.to_bytes().map_err(std::io::Error::other)?;
-    // threads that reduce the same body at once write to files of their own
-    crate::results::replace_file(&place(folder, &stored.key), |file| file.write_all(&bytes))
+    let bytes = to_bytes(kept).map_err(std::io::Error::other)?;
+    // threads that make the same at once write to files of their own
+    crate::results::replace_file(&place::<T>(folder, &kept.key()), |file| {
+        file.write_all(&bytes)
+    })
 }

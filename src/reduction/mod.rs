@@ -1,23 +1,22 @@
 //! Flexible bodies between the compiler and the runtime: meshes are looked at for `check`, reduced for a run.
 
 mod cache;
-mod outline;
+mod look;
 mod request;
 mod sense;
 mod table;
 
-pub(crate) use outline::Outlines;
+pub(crate) use look::Looks;
 
 use crate::Sources;
 use crate::codes;
-use eng_flexible::markers::select;
 use eng_flexible::mesh::Mesh;
 use eng_flexible::modes::Dropped;
 use eng_flexible::reduce::{Report, Served};
 use eng_flexible::store::{Key, StoredBody};
 use eng_flexible::{Files, FlexibleError, Part, read_mesh};
 use eng_grammar::{Diagnostic, SourceId, Span};
-use eng_system::flexible::{FlexibleSource, MarkerPlace, MatrixSource};
+use eng_system::flexible::{FlexibleSource, MatrixSource};
 use eng_system::reduced::ReducedBody;
 use eng_system::system::Location;
 use std::io::Read;
@@ -122,41 +121,6 @@ fn mesh_of(files: &dyn Files, source: &FlexibleSource) -> Result<Mesh, Box<Diagn
     Ok(mesh)
 }
 
-/// What is wrong or doubtful with mesh and markers, without reducing.
-pub(crate) fn inspect(sources: &Sources, source: &FlexibleSource) -> Vec<Diagnostic> {
-    let mesh = match mesh_of(sources, source) {
-        Ok(mesh) => mesh,
-        Err(diagnostic) => return vec![*diagnostic],
-    };
-    let mut found = sense::doubts(&mesh, source);
-    found.extend(sense::refusal(&mesh, source).map(|refusal| *refusal));
-    let index = mesh.node_index();
-    for marker in &source.markers {
-        let wrong = match &marker.place {
-            MarkerPlace::Node(id) if index.contains_key(id) => None,
-            MarkerPlace::Node(id) => Some(FlexibleError::Structure {
-                problem: format!("{}: the mesh has no node {id}", marker.name),
-                advice: "check the number; or gather nodes by a ring or a set".into(),
-            }),
-            _ => match request::marker(marker).place {
-                eng_flexible::markers::Place::Gathered { nodes, .. } => {
-                    select(&mesh, &marker.name, &nodes).err()
-                }
-                eng_flexible::markers::Place::Node(_) => None,
-            },
-        };
-        if let Some(error) = wrong {
-            found.push(*failed(
-                codes::MESH_MARKER,
-                &error,
-                marker.at,
-                "this marker",
-            ));
-        }
-    }
-    found
-}
-
 /// Reduces each body of a program once, however many models and analyses use it.
 #[derive(Debug, Default)]
 pub(crate) struct Reducer {
@@ -174,7 +138,7 @@ impl Reducer {
         let text = request::text(source);
         let key = cache::key(sources, &text, &request::files(source));
         let known = key.and_then(|key| self.known(&key)).or_else(|| {
-            let stored = Arc::new(cache::load(sources, &key?)?);
+            let stored: Arc<StoredBody> = Arc::new(cache::load(sources, &key?)?);
             self.keep(&stored);
             Some(stored)
         });

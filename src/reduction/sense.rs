@@ -1,10 +1,11 @@
 //! What is doubtful about a mesh: units that make no engine part, cards that were not read, markers that cannot turn.
 
+use super::look::Facts;
 use super::{failed, span};
 use crate::codes;
 use crate::significant::short;
 use eng_flexible::FlexibleError;
-use eng_flexible::mesh::{Carries, Code, Element, ElementKind, Mesh, Variant};
+use eng_flexible::mesh::{Carries, Code, Element, ElementKind, Mesh, Unread, Variant};
 use eng_grammar::Diagnostic;
 use eng_system::flexible::{FlexibleSource, MarkerPlace};
 use eng_system::reduced::ReducedMarker;
@@ -17,21 +18,9 @@ const DENSITIES: (f64, f64) = (50.0, 25_000.0);
 const MODULI: (f64, f64) = (1e6, 2e12);
 
 /// Doubts about a mesh in SI.
-pub(super) fn doubts(mesh: &Mesh, source: &FlexibleSource) -> Vec<Diagnostic> {
+pub(super) fn doubts(mesh: &Facts, source: &FlexibleSource) -> Vec<Diagnostic> {
     let mut found = Vec::new();
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for node in &mesh.nodes {
-        for ((l, h), x) in low.iter_mut().zip(&mut high).zip(node.position) {
-            *l = l.min(x);
-            *h = h.max(x);
-        }
-    }
-    let size = low
-        .iter()
-        .zip(&high)
-        .map(|(l, h)| h - l)
-        .fold(0.0, f64::max);
+    let size = mesh.size;
     let outside = |x: f64, (least, most): (f64, f64)| x.is_nan() || x < least || x > most;
     let mut odd = Vec::new();
     if outside(size, SIZES) {
@@ -108,7 +97,7 @@ fn means(ignored: &str, name: &str) -> bool {
 }
 
 /// The supports of the deck, where the body does not use them.
-fn supports_left_out(mesh: &Mesh, source: &FlexibleSource) -> Option<Diagnostic> {
+fn supports_left_out(mesh: &Facts, source: &FlexibleSource) -> Option<Diagnostic> {
     if source.support_of_deck || source.stiffness.is_some() {
         return None;
     }
@@ -147,7 +136,7 @@ fn supports_left_out(mesh: &Mesh, source: &FlexibleSource) -> Option<Diagnostic>
 
 /// Texts of `ignore` that mean nothing in the file.
 fn ignored_for_nothing<'a>(
-    mesh: &'a Mesh,
+    mesh: &'a Facts,
     source: &'a FlexibleSource,
 ) -> impl Iterator<Item = Diagnostic> + 'a {
     let nothing = |ignored: &&String| {
@@ -171,10 +160,10 @@ fn ignored_for_nothing<'a>(
 /// Why a mesh can't be reduced as it is: stiffness, mass and constraints that are not read, elements whose rules are not reproduced.
 /// With matrices of another code none of this matters.
 pub(super) fn refusal(mesh: &Mesh, source: &FlexibleSource) -> Option<Box<Diagnostic>> {
-    if source.stiffness.is_some() {
-        return None;
-    }
-    unread(mesh, source).or_else(|| {
+    unread(&mesh.unread, source).or_else(|| {
+        if source.stiffness.is_some() {
+            return None;
+        }
         let rules = super::request::rules(source.element_rules);
         let error = eng_flexible::fe::form::check(mesh, rules.stiffness).err()?;
         Some(failed(
@@ -186,10 +175,12 @@ pub(super) fn refusal(mesh: &Mesh, source: &FlexibleSource) -> Option<Box<Diagno
     })
 }
 
-/// What is not read and not ignored.
-fn unread(mesh: &Mesh, source: &FlexibleSource) -> Option<Box<Diagnostic>> {
-    let lost: Vec<_> = mesh
-        .unread
+/// Cards and keywords that are not read and not ignored, unless another code gives the matrices.
+pub(super) fn unread(unread: &[Unread], source: &FlexibleSource) -> Option<Box<Diagnostic>> {
+    if source.stiffness.is_some() {
+        return None;
+    }
+    let lost: Vec<_> = unread
         .iter()
         .filter(|unread| unread.carries != Carries::Nothing)
         .filter(|unread| !source.mesh.ignored.iter().any(|i| means(i, &unread.name)))

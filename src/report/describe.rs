@@ -170,7 +170,7 @@ impl Described {
             set,
             inputs,
             accepted: {
-                let sifted = crate::lint::sift(analysis.findings()?, system);
+                let sifted = crate::lint::sift(analysis.findings()?.list, system);
                 crate::lint::accepted(system, &sifted.accepted)
             },
             machine: Machine::new(system, &bound, analysis.kind()),

@@ -176,7 +176,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         .hanging()?
         .into_iter()
         .for_each(|d| diagnostics.push(d));
-    let mut findings = analysis.findings()?;
+    let mut findings = analysis.findings()?.list;
     for warning in &outcome.warnings {
         // a run repeats what its parameters are advised at its start
         let repeated = |advice: &eng_system::code::Advice| {

@@ -6,6 +6,7 @@ use crate::mesh::Mesh;
 use crate::sparse::product::{Lanes, TOGETHER, pack, unpack};
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 use faer::traits::pulp::{Arch, Simd, WithSimd};
+use serde::{Deserialize, Serialize};
 
 /// The mass matrix over full freedoms, M = M_s ⊗ I₃ + M_g: solids, shells and plain point masses are the same
 /// in all directions and need one number a pair of nodes; the rest is general.
@@ -19,7 +20,7 @@ pub struct Mass {
 }
 
 /// Mass properties of a structure that moves as a rigid body, about the origin of the basic frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RigidMass {
     /// Mass (kg).
     pub mass: f64,

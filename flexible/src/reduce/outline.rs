@@ -8,6 +8,7 @@ use crate::mesh::Mesh;
 use crate::reduce::Report;
 use crate::rotary::split_offsets;
 use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
+use serde::{Deserialize, Serialize};
 
 /// Frequency (Hz) of the motions of markers in [`Outline::loose`]: that of stiff static modes.
 const STIFF: f64 = 2e4;
@@ -16,7 +17,7 @@ const SHARE: f64 = 1e-3;
 
 /// A body as a rigid one, of the mass and inertia that its mesh has, with its markers where the mesh has
 /// them.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outline {
     /// Mass, first moment and inertia about the frame's origin.
     mass: RigidMass,

@@ -1,0 +1,194 @@
+//! Flexible bodies of a model that is only checked: their files are read, not reduced.
+
+use super::cache::{self, Kept, Recorded};
+use super::{failed, mesh_of, reduction_failed, request, sense};
+use crate::{Sources, codes};
+use eng_flexible::FlexibleError;
+use eng_flexible::markers::{Place, select};
+use eng_flexible::mesh::{Material, Mesh, SupportCards, Unread};
+use eng_flexible::reduce::{Outline, outline};
+use eng_flexible::store::Key;
+use eng_grammar::{Diagnostic, Severity};
+use eng_system::flexible::{FlexibleSource, MarkerPlace, ModeTerm};
+use serde::{Deserialize, Serialize};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The answers of a body's files to the questions of a check. Only bodies without an error have one.
+#[derive(Debug, Serialize, Deserialize)]
+struct Look {
+    key: Key,
+    /// Name and hash of each file that was read.
+    files: Vec<(String, String)>,
+    facts: Facts,
+    outline: Outline,
+}
+
+/// The facts of a mesh in SI that decide its warnings.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Facts {
+    /// Largest extent along an axis (m).
+    pub size: f64,
+    pub materials: Vec<Material>,
+    pub support_cards: Vec<SupportCards>,
+    pub unread: Vec<Unread>,
+    pub doubts: Vec<String>,
+}
+
+impl Facts {
+    fn of(mesh: &Mesh) -> Facts {
+        let extent = |axis: usize| {
+            let places = || mesh.nodes.iter().filter_map(|node| node.position.get(axis));
+            let low = places().fold(f64::INFINITY, |low, x| low.min(*x));
+            let high = places().fold(f64::NEG_INFINITY, |high, x| high.max(*x));
+            high - low
+        };
+        Facts {
+            size: (0..3).map(extent).fold(0.0, f64::max),
+            materials: mesh.materials.clone(),
+            support_cards: mesh.support_cards.clone(),
+            unread: mesh.unread.clone(),
+            doubts: mesh.doubts.clone(),
+        }
+    }
+}
+
+impl Kept for Look {
+    const ENDING: &str = "look";
+
+    fn key(&self) -> Key {
+        self.key
+    }
+
+    fn files(&self) -> &[(String, String)] {
+        &self.files
+    }
+}
+
+/// Looks at the bodies of a program. Each is made once, however many models and analyses have it, and kept in
+/// the cache: the matrices of a mesh cost more than all the rest of a check.
+#[derive(Debug, Default)]
+pub(crate) struct Looks {
+    known: Mutex<Vec<Arc<Look>>>,
+}
+
+impl Looks {
+    /// The errors and doubts of mesh and markers.
+    pub(crate) fn inspect(&self, sources: &Sources, source: &FlexibleSource) -> Vec<Diagnostic> {
+        let key = key(sources, source);
+        if let Some(look) = key.and_then(|key| self.find(sources, &key)) {
+            let mut found = sense::doubts(&look.facts, source);
+            found.extend(sense::unread(&look.facts.unread, source).map(|refusal| *refusal));
+            return found;
+        }
+        let files = Recorded::new(sources);
+        let mesh = match mesh_of(&files, source) {
+            Ok(mesh) => mesh,
+            Err(diagnostic) => return vec![*diagnostic],
+        };
+        let mut found = sense::doubts(&Facts::of(&mesh), source);
+        found.extend(sense::refusal(&mesh, source).map(|refusal| *refusal));
+        found.extend(wrong_markers(&mesh, source));
+        if !found.iter().any(|d| d.severity == Severity::Error) {
+            // an error of the matrices is reported where the model is compiled
+            let _ = self.make(key, &files, mesh, source);
+        }
+        found
+    }
+
+    /// The outline of a body. `turned` says which markers an element turns.
+    pub(crate) fn outline(
+        &self,
+        sources: &Sources,
+        source: &FlexibleSource,
+        turned: &[bool],
+    ) -> Result<Outline, Box<Diagnostic>> {
+        let key = key(sources, source);
+        let look = match key.and_then(|key| self.find(sources, &key)) {
+            Some(look) => look,
+            None => {
+                let files = Recorded::new(sources);
+                let mesh = mesh_of(&files, source)?;
+                if let Some(refusal) = sense::refusal(&mesh, source) {
+                    return Err(refusal);
+                }
+                self.make(key, &files, mesh, source)?
+            }
+        };
+        sense::bare_markers(&look.outline.turns, source, turned)?;
+        Ok(look.outline.clone())
+    }
+
+    fn find(&self, sources: &Sources, key: &Key) -> Option<Arc<Look>> {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = known.iter().find(|look| look.key == *key).map(Arc::clone);
+        drop(known);
+        found.or_else(|| Some(self.remember(cache::load(sources, key)?)))
+    }
+
+    fn make(
+        &self,
+        key: Option<Key>,
+        files: &Recorded,
+        mesh: Mesh,
+        source: &FlexibleSource,
+    ) -> Result<Arc<Look>, Box<Diagnostic>> {
+        let facts = Facts::of(&mesh);
+        let request = request::request(source, files)?;
+        let outline = outline(mesh, &request).map_err(|e| reduction_failed(&e, source))?;
+        let look = |key, files| Look {
+            key,
+            files,
+            facts,
+            outline,
+        };
+        // a file that can be read once and not again has no key, and its look is not kept
+        let Some(key) = key else {
+            return Ok(Arc::new(look(Key([0; 32]), Vec::new())));
+        };
+        let look = self.remember(look(key, files.read_files()));
+        // without it the next check reads the mesh again
+        let _ = cache::save(files.sources(), &*look);
+        Ok(look)
+    }
+
+    fn remember(&self, look: Look) -> Arc<Look> {
+        let look = Arc::new(look);
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known.push(Arc::clone(&look));
+        look
+    }
+}
+
+/// The key of a look: modes are not computed, so bodies that differ in computed modes alone share one.
+fn key(sources: &Sources, source: &FlexibleSource) -> Option<Key> {
+    let mut looked = source.clone();
+    looked
+        .modes
+        .retain(|term| matches!(term, ModeTerm::Given { .. }));
+    cache::key(sources, &request::text(&looked), &request::files(source))
+}
+
+/// Markers whose nodes the mesh does not have.
+fn wrong_markers(mesh: &Mesh, source: &FlexibleSource) -> Vec<Diagnostic> {
+    let index = mesh.node_index();
+    let markers = source.markers.iter().filter_map(|marker| {
+        let error = match &marker.place {
+            MarkerPlace::Node(id) if index.contains_key(id) => return None,
+            MarkerPlace::Node(id) => FlexibleError::Structure {
+                problem: format!("{}: the mesh has no node {id}", marker.name),
+                advice: "check the number; or gather nodes by a ring or a set".into(),
+            },
+            _ => match request::marker(marker).place {
+                Place::Gathered { nodes, .. } => select(mesh, &marker.name, &nodes).err()?,
+                Place::Node(_) => return None,
+            },
+        };
+        Some(*failed(
+            codes::MESH_MARKER,
+            &error,
+            marker.at,
+            "this marker",
+        ))
+    });
+    markers.collect()
+}
