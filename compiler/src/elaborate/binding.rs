@@ -177,8 +177,7 @@ impl BindProgram {
 impl BindCode for BindProgram {
     fn bind(&self, overrides: &[Option<f64>], tables: &[Table]) -> Result<Bound, BindError> {
         let nodes = self.function.graph.nodes();
-        // both lanes hold the same number, so that these are the operations of the generated code, with the
-        // same bits
+        // both lanes hold the same number, so these are the operations of the generated code
         let mut values: Vec<Pair> = Vec::with_capacity(nodes.len());
         for op in nodes {
             let value = match *op {
