@@ -1,15 +1,15 @@
-//! What can go wrong between a finite-element file and a reduced body.
+//! Errors on the way from a finite-element file to a reduced body.
 
 use thiserror::Error;
 
-/// Where in a file something was found.
+/// A place in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
     /// The file as a whole.
     File,
     /// A line, from 1.
     Line(u64),
-    /// A byte of a binary file, and which record this is, from 1.
+    /// A record of a binary file, from 1, and its first byte.
     Record {
         /// Number of the record.
         record: u64,
@@ -28,17 +28,17 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// A file that can't be read as what it should be.
+/// An unreadable file.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{file}{place}: {problem}")]
 pub struct FileProblem {
     /// The file as the model names it.
     pub file: String,
-    /// Where.
+    /// The place.
     pub place: Place,
-    /// What is wrong, with card, keyword or matrix name and the text found.
+    /// The problem, with the name of the card, keyword or matrix and the text found.
     pub problem: String,
-    /// What to do; empty where nothing sensible can be said.
+    /// The remedy; empty without one.
     pub advice: String,
 }
 
@@ -59,7 +59,7 @@ impl FileProblem {
     }
 }
 
-/// A part of a request that an error is about.
+/// The part of a request that caused an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// A marker, by its index in the request.
@@ -73,66 +73,65 @@ pub enum Part {
 /// An error of this crate.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FlexibleError {
-    /// A file is not what it should be.
+    /// A problem in a file.
     #[error(transparent)]
     File(#[from] FileProblem),
-    /// The mesh makes no sense as a structure: an inverted element, a mechanism, no mass.
+    /// The mesh is no structure: an inverted element, a mechanism, no mass.
     #[error("{problem}")]
     Structure {
-        /// What is wrong, with ids.
+        /// The problem, with ids.
         problem: String,
-        /// What to do.
+        /// The remedy.
         advice: String,
     },
-    /// A matrix is not what it should be: not finite, not symmetric, of the wrong size.
+    /// A wrong matrix: not finite, not symmetric, of another size.
     #[error("{problem}")]
     Matrix {
-        /// What is wrong.
+        /// The problem.
         problem: String,
-        /// What to do.
+        /// The remedy.
         advice: String,
     },
-    /// A matrix that must be regular is singular, or so nearly that its factor means nothing.
+    /// A matrix that must be regular is singular, or nearly singular, so its factor is useless.
     #[error("{problem}")]
     Singular {
-        /// Row of the matrix, from 0, whose pivot vanished: one of the freedoms that can move without
-        /// resistance.
+        /// Row of the matrix, from 0, whose pivot vanished. Its freedom can move without resistance.
         row: usize,
-        /// What is wrong, by the row's number; the caller knows which node it is.
+        /// The problem, with the row's number. The caller knows the node.
         problem: String,
-        /// What to do.
+        /// The remedy.
         advice: String,
     },
-    /// A row of an interface can't be held: nothing moves it, or only together with the others.
+    /// A row of an interface cannot be held: it does not move, or only together with the others.
     #[error("{problem}")]
     Row {
-        /// Number of the row, from 0; the caller knows which marker it is.
+        /// Number of the row, from 0. The caller knows the marker.
         row: usize,
-        /// What is wrong, by the row's label.
+        /// The problem, with the row's label.
         problem: String,
-        /// What to do.
+        /// The remedy.
         advice: String,
     },
-    /// What is wrong with a part of the request.
+    /// A problem in a part of the request.
     #[error("{error}")]
     Of {
-        /// Which part.
+        /// The part.
         part: Part,
-        /// What is wrong.
+        /// The error.
         error: Box<FlexibleError>,
     },
-    /// An iteration did not come to its end.
+    /// An iteration did not converge.
     #[error("{problem}")]
     Numerical {
-        /// What did not work.
+        /// The problem.
         problem: String,
-        /// What to do.
+        /// The remedy.
         advice: String,
     },
 }
 
 impl FlexibleError {
-    /// What to do about it; empty where nothing sensible can be said.
+    /// The remedy; empty without one.
     pub fn advice(&self) -> &str {
         match self {
             FlexibleError::File(problem) => &problem.advice,
@@ -145,7 +144,7 @@ impl FlexibleError {
         }
     }
 
-    /// The part of the request that it is about, where it is about one.
+    /// The part of the request that caused the error, if it is known.
     pub fn part(&self) -> Option<Part> {
         match self {
             FlexibleError::Of { part, .. } => Some(*part),
@@ -153,7 +152,7 @@ impl FlexibleError {
         }
     }
 
-    /// As an error of a part of the request; one that has a part keeps it.
+    /// The same error with a part of the request. An error with a part keeps it.
     pub(crate) fn of(self, part: Part) -> Self {
         match self {
             FlexibleError::Of { .. } => self,

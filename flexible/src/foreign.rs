@@ -1,4 +1,4 @@
-//! Matrices and mode shapes of another code for a mesh: which freedom each row is, and their units.
+//! Matrices and mode shapes of another code for a mesh: the freedom of each row, and the units.
 
 use crate::error::{FlexibleError, Part};
 use crate::fe::NodalMatrix;
@@ -12,29 +12,29 @@ use crate::solve::factor::diagonal;
 use crate::sparse::SymmetricMatrix;
 use crate::units::MeshUnits;
 
-/// Part of the largest diagonal below which a negative one is rounding.
+/// Part of the largest diagonal entry below which a negative one counts as rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Which freedom each row of foreign matrices is.
+/// The freedom of each row of foreign matrices.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub enum RowOrder {
-    /// As the files of the matrices say.
+    /// Given by the files of the matrices.
     #[default]
     OfFile,
-    /// All nodes of the mesh by ascending number, so many freedoms each: 3 (translations) or 6.
+    /// All nodes of the mesh by ascending number, with 3 (translations) or 6 freedoms each.
     Ascending(u8),
-    /// As listed.
+    /// Given by a list.
     Listed(ForeignFreedoms),
 }
 
-/// Stiffness and mass of another code, in place of those that the mesh's elements give.
+/// Stiffness and mass of another code, in place of those of the mesh's elements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForeignMatrices {
-    /// K, as its file holds it.
+    /// K in the form of its file.
     pub stiffness: ForeignMatrix,
-    /// M, as its file holds it.
+    /// M in the form of its file.
     pub mass: ForeignMatrix,
-    /// Which freedoms the rows of both are.
+    /// The freedoms of the rows of both.
     pub order: RowOrder,
     /// Units of the files. The mesh is in SI.
     pub units: MeshUnits,
@@ -43,27 +43,27 @@ pub struct ForeignMatrices {
 /// Mode shapes of another code.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GivenModes {
-    /// As their file holds them.
+    /// Modes in the form of their file.
     pub modes: ForeignModes,
-    /// Units of the file: a translation is in its unit of length where a rotation is in radians.
+    /// Units of the file. Translations are in its unit of length, rotations in radians.
     pub units: MeshUnits,
 }
 
-/// Where a matrix is.
+/// The source of a matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MatrixFile<'a> {
     /// The file.
     pub file: &'a str,
-    /// What it is stated to be.
+    /// Its stated format.
     pub format: MatrixFormat,
-    /// The matrix's name in the file; empty: the only one there.
+    /// The matrix's name in the file. Empty means the only matrix there.
     pub name: &'a str,
     /// CalculiX's `.dof`, which lists the freedoms of its rows.
     pub freedoms: Option<&'a str>,
 }
 
 impl MatrixFile<'_> {
-    /// Reads the matrix, its freedoms from the list of its own or else from `others`.
+    /// Reads the matrix. Its freedoms come from its own list, else from `others`.
     fn read(
         &self,
         files: &dyn Files,
@@ -78,11 +78,12 @@ impl MatrixFile<'_> {
 }
 
 impl ForeignMatrices {
-    /// Reads stiffness and mass; a list of freedoms of one holds for both. `per_node`: freedoms a node where
-    /// rows are all nodes by ascending number; `None`: as the files say.
+    /// Reads stiffness and mass. A list of freedoms of one applies to both. `per_node` is the number of
+    /// freedoms of each node if rows are all nodes by ascending number. With `None` the files give the
+    /// freedoms.
     ///
     /// # Errors
-    /// As the readers give them; a list of freedoms of another length.
+    /// Those of the readers; a list of freedoms of another length.
     pub fn read(
         files: &dyn Files,
         stiffness: MatrixFile,
@@ -108,8 +109,8 @@ impl ForeignMatrices {
     /// K and M in SI with the freedom of each row.
     ///
     /// # Errors
-    /// As [`ForeignMatrix::to_symmetric`]; sizes that don't fit the stated order; rows that no one names;
-    /// scalar points.
+    /// Those of [`ForeignMatrix::to_symmetric`]; sizes that don't fit the stated order; rows without a
+    /// freedom; scalar points.
     pub fn nodal(&self, mesh: &Mesh) -> Result<(NodalMatrix, NodalMatrix), FlexibleError> {
         let stiffness = self
             .one(mesh, &self.stiffness, MatrixKind::Stiffness)

@@ -1,11 +1,11 @@
 //! Geometric stiffness in modes, load by load: see [`eng_system::reduced::Geometric`].
 //!
-//! Each reference load is put on the finite-element model at rest, and the initial-stress matrix of its
-//! stresses is taken into the modes. Inertial loads are those of the rigid body, by the mesh's own mass: `−M
-//! E_j R_k` for `ω_j ω_k`, `−M R_r` for `ω̇`, `−M R_t` for `Aᵀ(r̈ − g)`. A body on supports passes them to
-//! its supports. In a free body each load is balanced by the inertia of the rigid motion that it causes; the
-//! sum of all loads needs no balance, so nothing is lost, and the loads of `ω̇` and of `r̈` balance
-//! themselves: their blocks vanish.
+//! Each reference load acts on the finite-element model at rest. The initial-stress matrix of its stresses is
+//! projected on the modes. Inertial loads are those of the rigid body with the mesh's own mass: `−M E_j R_k`
+//! for `ω_j ω_k`, `−M R_r` for `ω̇`, `−M R_t` for `Aᵀ(r̈ − g)`. In a supported body they go to the supports.
+//! In a free body the inertia of the rigid motion that a load causes balances it. The sum of all loads needs
+//! no balance, so this loses nothing. The loads of `ω̇` and of `r̈` balance themselves, so their blocks
+//! vanish.
 
 use crate::error::FlexibleError;
 use crate::fe::geometric::GeometricStiffness;
@@ -20,10 +20,10 @@ use eng_system::reduced::{Block, Geometric, MarkerStiffness};
 /// Pairs of axes of [`Geometric::spin`].
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
-/// Reference loads whose matrices a thread holds at a time.
+/// Most reference loads whose matrices a thread holds at once.
 const MOST_CASES: usize = 8;
 
-/// The model whose stresses count.
+/// The model that gives the stresses.
 #[derive(Clone, Copy, Debug)]
 pub struct Model<'a> {
     /// The mesh (SI), with ties.
@@ -32,7 +32,7 @@ pub struct Model<'a> {
     pub full: &'a fe::Structure,
     /// Integration rules.
     pub rules: &'a Rules,
-    /// From full freedoms to free ones.
+    /// Reduction from full freedoms to free ones.
     pub reduction: &'a Reduction,
     /// Stiffness and mass over the free ones.
     pub structure: &'a Structure<'a>,
@@ -40,11 +40,11 @@ pub struct Model<'a> {
     pub motions: &'a [f64],
 }
 
-/// The blocks for shapes (over full freedoms, one after the other) and for unit loads at freedoms of markers:
-/// index of the marker, component, full freedom.
+/// The blocks for shapes (over full freedoms, one after the other) and for unit loads at freedoms of markers
+/// (index of the marker, component, full freedom).
 ///
 /// # Errors
-/// As static modes; a mesh without elements that have stresses.
+/// Those of static modes; a mesh without elements that have stresses.
 pub fn geometric(
     model: &Model,
     shapes: &[f64],
@@ -115,8 +115,8 @@ pub fn geometric(
     Ok(out)
 }
 
-/// The blocks of displacements over free freedoms, one after the other: the cases are shared among the
-/// machine's threads, each computed by one alone.
+/// The blocks of displacements over free freedoms, one after the other. Threads share the cases, and one
+/// thread computes a case alone, so the bits do not depend on their number.
 fn reduced(
     model: &Model,
     vectors: &[f64],
@@ -159,7 +159,7 @@ fn reduced(
     Ok(blocks)
 }
 
-/// Φᵀ K_σ Φ, symmetric to the bit.
+/// Φᵀ K_σ Φ, exactly symmetric.
 fn in_modes(matrix: &dyn SymmetricOperator, shapes: &[f64], modes: usize) -> Block {
     let product = products(matrix.size(), shapes, &applied(matrix, shapes));
     let at = |i: usize, j: usize| product.get(j * modes + i).copied().unwrap_or(0.0);

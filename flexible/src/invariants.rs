@@ -1,7 +1,7 @@
 //! From shapes over all nodes to the constants of a floating frame: see [`eng_system::reduced::Invariants`].
 //!
-//! The shapes are those of all freedoms of the mesh, ties expanded, so that the mass is the mesh's own, exact
-//! for a consistent one.
+//! The shapes cover all freedoms of the mesh, with ties expanded. So the mass is the mesh's own, and the
+//! constants are exact for a consistent mass.
 
 use crate::fe::{FreedomMap, Mass};
 use crate::modes::{applied, products};
@@ -13,7 +13,7 @@ use faer::{Accum, MatMut, MatRef, Par};
 /// Pairs of axes of the centrifugal blocks.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
-/// Triples of freedoms whose products are added up at a time: their panels stay in the cache.
+/// Triples of freedoms whose products are summed together. Their panels fit in the cache.
 const TOGETHER: usize = 256;
 
 /// A structure over the full freedoms of its mesh (SI, basic axes).
@@ -47,17 +47,17 @@ pub fn turned(freedoms: &FreedomMap, axis: usize, x: &[f64]) -> Vec<f64> {
 }
 
 /// The constants for shapes (one after the other over the full freedoms) and their `ΦᵀKΦ` by rows. Damping is
-/// zero: it is the body's, not the mesh's.
+/// zero here, because it is an attribute of the body and not of the mesh.
 ///
-/// Where the mass is the same in all directions it commutes with `E_k`, so that all blocks n × n follow from
-/// the nine products `S_ij = (M Φ)_iᵀ Φ_j` of the shapes' components i, j: `ΦᵀME_kΦ = S_ji − S_ij` for i, j,
-/// k cyclic, and from `(e_j × u)·(e_k × v) = (e_j·e_k)(u·v) − (e_k·u)(e_j·v)` the centrifugal ones. The rest,
-/// of beams and offset masses, is turned in full, on the nodes that have it.
+/// A mass that is equal in all directions commutes with `E_k`. So all blocks n × n follow from the nine
+/// products `S_ij = (M Φ)_iᵀ Φ_j` of the shapes' components i, j. `ΦᵀME_kΦ = S_ji − S_ij` for i, j, k cyclic.
+/// The centrifugal blocks follow from `(e_j × u)·(e_k × v) = (e_j·e_k)(u·v) − (e_k·u)(e_j·v)`. The remaining
+/// mass, of beams and offset masses, is turned explicitly on its nodes.
 pub fn invariants(full: &Full, shapes: &[f64], stiffness: &[f64]) -> Invariants {
     let size = full.freedoms.size();
     let n = shapes.len().checked_div(size).unwrap_or(0);
     let mut out = Invariants::zero(n);
-    // column-major products with `rows` rows to row-major blocks
+    // converts column-major products with `rows` rows to row-major blocks
     let block = |columns: &[f64], rows: usize, first: usize, count: usize| -> Vec<f64> {
         (first..first + count)
             .flat_map(|row| (0..n).map(move |column| (row, column)))
@@ -108,7 +108,7 @@ fn add(out: &mut [f64], block: &[f64], factor: f64) {
     }
 }
 
-/// Adds what the part of the mass that is the same in all directions gives.
+/// Adds the contributions of the mass that is equal in all directions.
 fn add_alike(full: &Full, shapes: &[f64], n: usize, out: &mut Invariants) {
     let size = full.freedoms.size();
     let mut inertial = vec![0.0; shapes.len()];
@@ -182,12 +182,12 @@ fn component_products(
     out
 }
 
-/// Mass that is not the same in all directions, on the nodes that have it.
+/// The mass that differs with the direction, on its nodes.
 struct Directed<'a> {
     matrix: &'a SymmetricMatrix,
     /// First freedoms of the triples (translations or rotations of a node) that it touches.
     triples: Vec<usize>,
-    /// Place among the rows of `triples` of each freedom.
+    /// Row of each freedom among the rows of `triples`.
     place: Vec<u32>,
 }
 

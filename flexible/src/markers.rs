@@ -1,25 +1,25 @@
-//! Markers on a mesh: a node, or nodes gathered around a place and tied to a centre.
+//! Markers on a mesh: one node, or several nodes tied to a centre.
 
 use crate::error::{FlexibleError, Part};
 use crate::mesh::{Mesh, Node, Tie};
 
-/// Where a marker is.
+/// The place of a marker.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Place {
     /// The node of this id.
     Node(u64),
-    /// Nodes, tied to a centre.
+    /// Several nodes, tied to a centre.
     Gathered {
-        /// Which nodes.
+        /// The nodes.
         nodes: Selection,
-        /// How they are tied.
+        /// The kind of tie.
         tie: Spider,
-        /// Where the centre is (m); else the mean place of the nodes, or the middle of a ring.
+        /// Position of the centre (m). `None`: the mean position of the nodes, or the middle of a ring.
         center: Option<[f64; 3]>,
     },
 }
 
-/// How nodes are tied to a marker.
+/// The kind of tie between nodes and a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Spider {
     /// The marker follows the mean motion of the nodes (least squares) and adds no stiffness: RBE3.
@@ -29,7 +29,7 @@ pub enum Spider {
     Rigid,
 }
 
-/// Nodes of a mesh.
+/// A selection of nodes of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Selection {
     /// A named set of the file.
@@ -67,9 +67,9 @@ pub enum Selection {
 pub struct MarkerRequest {
     /// Its name in the model: `main[2]`.
     pub name: String,
-    /// Where it is.
+    /// Its place.
     pub place: Place,
-    /// Rotation matrix marker → mesh, row-major: its freedoms count along the columns.
+    /// Rotation matrix marker → mesh, row-major. The columns are the directions of its freedoms.
     pub axes: [f64; 9],
 }
 
@@ -86,8 +86,8 @@ fn refuse(problem: String, advice: &str) -> FlexibleError {
 /// Indices of the nodes of a selection, ascending.
 ///
 /// # Errors
-/// A set or property that the mesh does not have (its own are named); a ring without an axis, a plane without
-/// a normal; fewer than three nodes.
+/// A set or property that the mesh does not have (the error lists the existing ones); a ring without an axis,
+/// a plane without a normal; fewer than three nodes.
 pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>, FlexibleError> {
     match selection {
         Selection::Set(set) => match mesh.sets.get(set) {
@@ -167,8 +167,8 @@ pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>
     }
 }
 
-/// Nodes by their height along an axis through a point and their distance from it (m); `None` where the axis
-/// has no direction.
+/// For each node its height along an axis through a point and its distance from the axis (m); `None` if the
+/// axis has no direction.
 fn around(
     mesh: &Mesh,
     point: &[f64; 3],
@@ -190,7 +190,7 @@ fn around(
     Some(nodes.map(|(index, _)| index).collect())
 }
 
-/// Nodes that can hold a marker: three or more.
+/// Requires at least three nodes. Fewer do not determine a mean rotation.
 fn at_least_three(
     nodes: Vec<u32>,
     problem: impl Fn(usize) -> String,
@@ -206,10 +206,10 @@ fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Adds what the markers need to a mesh (in SI), centres and ties, and gives the node of each marker.
+/// Adds the centres and ties of markers to a mesh (in SI), and returns the node of each marker.
 ///
 /// # Errors
-/// Nodes and sets that are not there; fewer than three nodes to be averaged.
+/// Missing nodes and sets; fewer than three nodes in an average.
 pub fn place(mesh: &mut Mesh, markers: &[MarkerRequest]) -> Result<Vec<u32>, FlexibleError> {
     let index = mesh.node_index();
     let mut next = mesh.nodes.iter().map(|node| node.id).max().unwrap_or(0);

@@ -1,7 +1,7 @@
-//! A finite-element mesh as the files give it: nodes, elements, masses, springs, ties, supports, sets.
+//! A finite-element mesh in the form of its files: nodes, elements, masses, springs, ties, supports, sets.
 //!
-//! Places are in the basic (global) frame of the file; [`Mesh::frames`] holds the nodes' analysis frames, in
-//! which foreign matrices, supports and tie components are written. Node and element *indices* (`u32`) count
+//! Positions are in the basic (global) frame of the file. [`Mesh::frames`] holds the nodes' analysis frames;
+//! foreign matrices, supports and tie components refer to them. Node and element *indices* (`u32`) count
 //! from 0 in the order of the file; *ids* are the file's own numbers.
 
 use serde::{Deserialize, Serialize};
@@ -15,25 +15,24 @@ use crate::error::FlexibleError;
 pub struct Node {
     /// The file's number.
     pub id: u64,
-    /// Place in the basic frame.
+    /// Position in the basic frame.
     pub position: [f64; 3],
     /// Index into [`Mesh::frames`] of its analysis frame; `None`: the basic frame.
     pub frame: Option<u32>,
 }
 
 /// An analysis frame at a node: the rotation matrix frame → basic, row-major (columns are the frame's axes).
-/// A cylindrical or spherical frame is one such entry a node, evaluated at the node.
+/// A cylindrical or spherical frame has one such entry for each node, evaluated at the node.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Rotation frame → basic.
     pub rotation: [[f64; 3]; 3],
 }
 
-/// The code whose rules a mesh was written for: the same name stands for different elements in different
-/// codes.
+/// The code for which a mesh was written. One name means different elements in different codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Code {
-    /// None: gmsh, or made by a program.
+    /// No code: gmsh, or a mesh made by a program.
     #[default]
     None,
     /// Nastran (MSC, NX).
@@ -44,18 +43,18 @@ pub enum Code {
     CalculiX,
 }
 
-/// How a file names the integration of a solid, beside its shape.
+/// The integration of a solid as its file names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub enum Variant {
-    /// By its shape alone: `C3D8`, `CTETRA`; what that means is the code's business.
+    /// The shape alone: `C3D8`, `CTETRA`. The code decides its meaning.
     #[default]
     Plain,
-    /// The letters behind the number of nodes in Abaqus and CalculiX, `R` of `C3D20R`: a bit for each of
-    /// [`VARIANT_LETTERS`].
+    /// The letters behind the number of nodes in Abaqus and CalculiX, such as `R` of `C3D20R`, with a bit for
+    /// each of [`VARIANT_LETTERS`].
     Letters(u8),
-    /// `IN` and `ISOP` of Nastran's `PSOLID`, where they are not left out.
+    /// `IN` and `ISOP` of Nastran's `PSOLID`, if stated.
     Network {
-        /// Points along a direction; zero: with bubble functions, as where it is left out.
+        /// Points along a direction. Zero means bubble functions, which are the default.
         points: u8,
         /// Full integration of the shear.
         full: bool,
@@ -73,17 +72,17 @@ pub struct Element {
     pub id: u64,
     /// Shape and order of nodes.
     pub kind: ElementKind,
-    /// How the file names its integration.
+    /// Its integration as the file names it.
     pub variant: Variant,
     /// Index into [`Mesh::properties`].
     pub property: u32,
-    /// Where its nodes start in [`Mesh::connectivity`].
+    /// Start of its nodes in [`Mesh::connectivity`].
     pub first: u32,
     /// For a beam: index into [`Mesh::beam_axes`].
     pub beam: Option<u32>,
 }
 
-/// Place and direction of a beam's section.
+/// Position and direction of a beam's section.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BeamAxes {
     /// Vector in the section's first plane (basic frame), not parallel to the beam.
@@ -94,7 +93,7 @@ pub struct BeamAxes {
     pub released: [u8; 2],
 }
 
-/// What elements are made of.
+/// Material and section of elements.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Property {
     /// The file's number or name.
@@ -110,11 +109,11 @@ pub struct Property {
 pub enum Section {
     /// A solid.
     Solid,
-    /// A shell of this thickness and added mass an area.
+    /// A shell with a thickness and an added mass per area.
     Shell {
         /// Thickness.
         thickness: f64,
-        /// Mass an area beside the material's.
+        /// Mass per area in addition to the material's.
         mass_per_area: f64,
     },
     /// A beam.
@@ -134,9 +133,9 @@ pub struct BeamSection {
     pub product: f64,
     /// Torsion constant.
     pub torsion: f64,
-    /// Shear area factors for y and z; zero: no shear flexibility.
+    /// Shear area factors for y and z. Zero means no shear flexibility.
     pub shear: [f64; 2],
-    /// Mass a length beside the material's.
+    /// Mass per length in addition to the material's.
     pub mass_per_length: f64,
 }
 
@@ -169,11 +168,11 @@ pub struct PointMass {
 pub struct Spring {
     /// The file's number.
     pub id: u64,
-    /// Stiffness: force or torque an extension.
+    /// Stiffness: force or torque per extension.
     pub stiffness: f64,
     /// Index of the node and freedom 0…5 in the node's analysis frame.
     pub first: (u32, u8),
-    /// The other end; `None`: the ground.
+    /// The other end; `None` means the ground.
     pub second: Option<(u32, u8)>,
 }
 
@@ -187,23 +186,23 @@ pub enum Tie {
         id: u64,
         /// Index of the node that moves the others.
         independent: u32,
-        /// Nodes that follow, and which of their components do.
+        /// Dependent nodes, and their dependent components.
         dependent: Vec<(u32, u8)>,
     },
     /// The reference node follows the weighted mean motion of the others (least squares).
     Averaging {
         /// The file's number.
         id: u64,
-        /// Index of the node that follows.
+        /// Index of the dependent node.
         reference: u32,
-        /// Its components that follow.
+        /// Its dependent components.
         reference_components: u8,
-        /// Nodes, weights, and which of their components take part.
+        /// Nodes, weights, and the components that take part.
         independent: Vec<(u32, f64, u8)>,
     },
     /// Σ coefficient · freedom = 0; the first term's freedom depends on the others.
     Equation {
-        /// The file's number, or its place in the file.
+        /// The file's number, or the position in the file.
         id: u64,
         /// Node, freedom 0…5, coefficient.
         terms: Vec<(u32, u8, f64)>,
@@ -224,7 +223,7 @@ pub struct Support {
 pub struct SupportCards {
     /// Name of the card or keyword: `SPC1`, `*BOUNDARY`.
     pub name: String,
-    /// How many.
+    /// Number of them.
     pub count: u64,
     /// File and line of the first.
     pub first: (String, u64),
@@ -251,14 +250,14 @@ impl Set {
     }
 }
 
-/// What an unread card or keyword could have carried.
+/// The kind of content of an unread card or keyword.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Carries {
-    /// Output requests, loads, comments: nothing that reduction needs.
+    /// Output requests, loads, comments. The reduction does not need them.
     Nothing,
-    /// Mass, stiffness or a constraint: results differ without it.
+    /// Mass, stiffness or a constraint. Results are wrong without it.
     Structure,
-    /// Not known.
+    /// Unknown content.
     Unknown,
 }
 
@@ -267,18 +266,18 @@ pub enum Carries {
 pub struct Unread {
     /// Name of the card or keyword.
     pub name: String,
-    /// How many.
+    /// Number of them.
     pub count: u64,
     /// File and line of the first.
     pub first: (String, u64),
-    /// What is lost.
+    /// The kind of lost content.
     pub carries: Carries,
 }
 
 /// A mesh.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Mesh {
-    /// The code it was written for.
+    /// The code for which it was written.
     pub code: Code,
     /// Nodes in the order of the file.
     pub nodes: Vec<Node>,
@@ -300,17 +299,17 @@ pub struct Mesh {
     pub springs: Vec<Spring>,
     /// Ties.
     pub ties: Vec<Tie>,
-    /// Supports the file asks for.
+    /// Supports in the file.
     pub supports: Vec<Support>,
-    /// The cards or keywords they come from.
+    /// The cards or keywords of the supports.
     pub support_cards: Vec<SupportCards>,
     /// Freedoms the file names as its interface (`ASET`).
     pub interface: Vec<Support>,
     /// Sets by name.
     pub sets: BTreeMap<String, Set>,
-    /// What was not read.
+    /// Unread cards and keywords.
     pub unread: Vec<Unread>,
-    /// What was read as its own code reads it, and may be meant otherwise.
+    /// Notes on contents that were read by the rules of their code but may have another intention.
     pub doubts: Vec<String>,
 }
 
@@ -323,7 +322,7 @@ impl Mesh {
             .unwrap_or(&[])
     }
 
-    /// The nodes that elements of these indices have, sorted.
+    /// The nodes of the elements with these indices, sorted.
     pub(crate) fn nodes_of_all(&self, elements: &[u32]) -> Vec<u32> {
         let known = elements
             .iter()
@@ -335,13 +334,14 @@ impl Mesh {
         nodes
     }
 
-    /// Gives a material to a mesh whose file has none: to all its solids. Materials of the file that lack
-    /// only the density take it from this one.
+    /// Gives a material to all solids of a mesh without materials. Materials of the file that lack only the
+    /// density take the density of this one.
     ///
     /// # Errors
-    /// When the mesh has whole materials of its own, or one whose elasticity is another than this one's (by 5
-    /// % of Young's modulus, 0.05 of Poisson's ratio); nothing that takes one; values that make no isotropic
-    /// material (Young's modulus positive, Poisson's ratio above -1 and below 1/2, density not negative).
+    /// When the mesh has complete materials of its own, or one with another elasticity (by 5 % of Young's
+    /// modulus, 0.05 of Poisson's ratio); when the mesh has no element that takes a material; when the values
+    /// are not those of an isotropic material (Young's modulus positive, Poisson's ratio above -1 and below
+    /// 1/2, density not negative).
     pub fn set_material(
         &mut self,
         young: f64,

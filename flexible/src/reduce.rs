@@ -28,7 +28,7 @@ use eng_system::flexible::Damping;
 use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
 use interface::MarkerFreedoms;
 
-/// The rounding of a stiffness above which it is told: more than files of 13 digits leave.
+/// Rounding of a stiffness above which a warning reports it. Files of 13 digits have less.
 const FEW_DIGITS: f64 = 1e-12;
 
 /// Freedoms of a marker: bits 0…5 are x, y, z and the rotations about them, along the marker's axes.
@@ -43,13 +43,13 @@ pub struct Interface {
 /// A part of a mode set.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Term {
-    /// A displacement under each unit load at these freedoms (attachment modes).
+    /// Attachment modes: the displacement under each unit load at these freedoms.
     Static(Vec<Interface>),
-    /// A displacement for each unit displacement of these freedoms with the others held (constraint modes).
+    /// Constraint modes: the displacement for each unit displacement of these freedoms, with the others held.
     Constraint(Vec<Interface>),
-    /// Normal modes; with freedoms held where there are any.
+    /// Normal modes, with held freedoms if any are listed.
     Normal {
-        /// Which.
+        /// The selection of modes.
         modes: Modes,
         /// Held besides the supports.
         fixed: Vec<Interface>,
@@ -58,15 +58,15 @@ pub enum Term {
     Given(GivenModes),
 }
 
-/// What is to be reduced, and how.
+/// A request for a reduction.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Integration rules.
     pub rules: Rules,
     /// Markers.
     pub markers: Vec<MarkerRequest>,
-    /// Markers that are held, as their ties let them be: an averaging one by the mean motion of its nodes.
-    /// Without any, and without those of the deck, the body is free and has mean axes.
+    /// Held markers. The tie decides the held motion: an averaging tie holds the mean motion of its nodes.
+    /// Without held markers, and without supports of the deck, the body is free and has mean axes.
     pub support: Vec<Interface>,
     /// Markers all of whose nodes are held in all freedoms.
     pub held_nodes: Vec<usize>,
@@ -76,26 +76,26 @@ pub struct Request {
     pub terms: Vec<Term>,
     /// Modal damping ratio.
     pub damping_ratio: f64,
-    /// The ratio holds up to this frequency (Hz) and rises to one at five times it; infinite: it holds for
-    /// all.
+    /// The ratio holds up to this frequency (Hz) and rises to one at five times it. Infinite: it holds for
+    /// all frequencies.
     pub damping_up_to: f64,
-    /// Whether stresses of spin, acceleration and of loads at the markers change the stiffness.
+    /// Whether stresses from spin, acceleration and loads at the markers change the stiffness.
     pub geometric_stiffness: bool,
-    /// Stiffness and mass of another code in place of those of the elements, which then are there for
+    /// Stiffness and mass of another code in place of those of the elements. The elements then serve for
     /// pictures only.
     pub matrices: Option<ForeignMatrices>,
-    /// Loads at markers of which [`Report::unserved`] tells those that the set does not serve.
+    /// Loads at markers. [`Report::unserved`] lists those without a mode in the set.
     pub asked: Vec<Interface>,
 }
 
 impl Request {
-    /// Whether something holds the body.
+    /// Whether a support holds the body.
     fn is_held(&self) -> bool {
         !self.support.is_empty() || !self.held_nodes.is_empty() || self.support_of_deck
     }
 }
 
-/// A reduction with what recovery needs.
+/// A reduction with the data for recovery.
 #[derive(Clone, Debug)]
 pub struct Reduced {
     /// The body.
@@ -106,28 +106,29 @@ pub struct Reduced {
     pub freedoms: FreedomMap,
     /// The mesh with the markers' nodes and ties.
     pub mesh: Mesh,
-    /// For tables.
+    /// Data for tables and warnings.
     pub report: Report,
 }
 
-/// How far a foreign mass may be from that of the mesh's volumes before it is told.
+/// Relative difference of a foreign mass from that of the mesh's volumes above which a warning reports it.
 const MASS_APART: f64 = 0.05;
 
-/// How far the masses along x, y and z may be apart before it is told, as a part of the largest: files of few
-/// digits are nearer.
+/// Difference of the masses along x, y and z, as a part of the largest, above which a warning reports it.
+/// Files with few digits have less.
 const DIRECTED: f64 = 1e-4;
 
-/// How many nodes a message names.
+/// Most nodes in a message.
 const NAMED: usize = 5;
 
-/// Forces of a rigid motion above this part don't cancel: something holds the structure.
+/// Part of the forces of a rigid motion above which they do not cancel, because a support holds the
+/// structure.
 const RESISTED: f64 = 1e-6;
 
 /// Reduces a mesh in SI.
 ///
 /// # Errors
-/// As the steps give them: meshes that make no sense, mechanisms, markers that are not there, freedoms that a
-/// marker does not have, foreign matrices that don't fit the mesh.
+/// Those of the steps: meshes that are no structure, mechanisms, missing markers, freedoms that a marker does
+/// not have, foreign matrices that don't fit the mesh.
 pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleError> {
     if request.geometric_stiffness && request.matrices.is_some() {
         return Err(FlexibleError::Structure {
@@ -141,13 +142,13 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         estimate: fe::volume::estimate(&mesh).map(BodyMass::from),
         ..Report::default()
     };
-    // rows are those of the mesh before it has nodes of markers
+    // the rows belong to the mesh before markers add nodes
     let nodal = match &request.matrices {
         Some(foreign) => Some(foreign.nodal(&mesh)?),
         None => None,
     };
     let places = place(&mut mesh, &request.markers)?;
-    // another code's mass has its point masses in it
+    // the mass matrix of another code includes its point masses
     let own = nodal.is_none();
     if own {
         split_offsets(&mut mesh);
@@ -174,12 +175,12 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     report.rigid_residual = match &structure.rigid {
         Some(rigid) => rigid.residual(),
         None if held_by_file => 0.0,
-        // the stiffness before it is held
+        // the test needs the stiffness without supports
         None => residuals(&full.stiffness, &motions)
             .into_iter()
             .fold(0.0, f64::max),
     };
-    // as large as the one over free freedoms, and not needed any more
+    // it is as large as the matrix over free freedoms and not needed any more, so its memory is freed
     full.stiffness = SymmetricMatrix::default();
 
     let mut candidates = Candidates {
@@ -233,7 +234,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         inertia: constants.inertia,
     }
     .into();
-    // the mass of rows that the file's supports took away is not in it
+    // a file with supports lacks the mass of the held rows, so the comparison would be false
     if request.matrices.is_some() && !held_by_file {
         warn_of_mass(&mut report);
     }
@@ -257,7 +258,8 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     })
 }
 
-/// The freedoms that the request holds: markers, all nodes of markers, the supports of the deck.
+/// The freedoms that the request holds: those of markers, of all nodes of markers, and the supports of the
+/// deck.
 fn stated_supports(
     mesh: &Mesh,
     markers: &MarkerFreedoms<'_>,
@@ -276,7 +278,7 @@ fn stated_supports(
     Ok(held)
 }
 
-/// Warns where a foreign mass is not that of the mesh's volumes.
+/// Warns if a foreign mass differs from that of the mesh's volumes.
 fn warn_of_mass(report: &mut Report) {
     let Some(estimate) = &report.estimate else {
         return;
@@ -359,7 +361,8 @@ fn of_deck(mesh: &Mesh) -> Result<Vec<Support>, FlexibleError> {
     Ok(mesh.supports.clone())
 }
 
-/// Stiffness and mass over full freedoms, of the elements or of another code, and what the latter holds.
+/// Stiffness and mass over full freedoms, of the elements or of another code, and the freedoms that the other
+/// code holds.
 fn matrices(
     mesh: &Mesh,
     request: &Request,
@@ -430,7 +433,7 @@ fn matrices(
     Ok((found.structure, found.missing))
 }
 
-/// Whether matrices make a structure that rigid motion does not stretch.
+/// Whether the matrices are those of a structure that rigid motion does not stretch.
 fn is_structure(mesh: &Mesh, stiffness: &NodalMatrix, mass: &NodalMatrix) -> bool {
     from_matrices(mesh, stiffness, mass).is_ok_and(|found| {
         let full = &found.structure;
@@ -439,7 +442,7 @@ fn is_structure(mesh: &Mesh, stiffness: &NodalMatrix, mass: &NodalMatrix) -> boo
     })
 }
 
-/// Stiffness and mass that fit the other way round.
+/// The error for stiffness and mass in the wrong order.
 fn exchanged(stiffness: &NodalMatrix, mass: &NodalMatrix) -> FlexibleError {
     FlexibleError::Matrix {
         problem: format!(
@@ -451,7 +454,7 @@ fn exchanged(stiffness: &NodalMatrix, mass: &NodalMatrix) -> FlexibleError {
     }
 }
 
-/// Refuses a free structure whose matrices leave out a direction altogether.
+/// Refuses a free structure whose matrices lack a whole direction.
 fn check_movable(mesh: &Mesh, found: &fe::ForeignStructure) -> Result<(), FlexibleError> {
     let freedoms = &found.structure.freedoms;
     let missing = |node: u32| -> u8 {
@@ -466,7 +469,7 @@ fn check_movable(mesh: &Mesh, found: &fe::ForeignStructure) -> Result<(), Flexib
             continue;
         }
         let missing = missing(index);
-        // axes of its own mix the directions
+        // a node with axes of its own has parts of all directions
         moved |= match node.frame {
             Some(_) if missing & 0b111 != 0b111 => 0b111,
             _ => !missing & 0b111,
@@ -499,7 +502,7 @@ fn check_movable(mesh: &Mesh, found: &fe::ForeignStructure) -> Result<(), Flexib
     })
 }
 
-/// A singular row by its node.
+/// An error about a singular row, with the node in place of the row's number.
 fn at_node(error: FlexibleError, reduction: &Reduction) -> FlexibleError {
     match error {
         FlexibleError::Singular {
@@ -521,7 +524,7 @@ fn at_node(error: FlexibleError, reduction: &Reduction) -> FlexibleError {
     }
 }
 
-/// Says when the stiffness has few digits, and what that does to the first frequency.
+/// Warns if the stiffness has few digits, with the effect on the first frequency.
 fn warn_of_rounding(structure: &Structure, set: &ModeSet, report: &mut Report) {
     if report.rigid_residual <= FEW_DIGITS {
         return;
@@ -532,7 +535,7 @@ fn warn_of_rounding(structure: &Structure, set: &ModeSet, report: &mut Report) {
         report.rigid_residual
     );
     if let (Some(rigid), Some(first)) = (&structure.rigid, set.eigenvalues.first()) {
-        // f ~ √λ
+        // f ~ √λ, so a relative error of λ counts half
         let uncertain = 0.5 * rigid.noise() / first;
         text += &format!(", which makes the first frequency uncertain by about {uncertain:.0e}");
     }
@@ -540,7 +543,7 @@ fn warn_of_rounding(structure: &Structure, set: &ModeSet, report: &mut Report) {
     report.warnings.push(text);
 }
 
-/// Frequencies, what modes are made of, and effective masses.
+/// Frequencies, origin and effective masses of the modes.
 fn mode_reports(
     set: &ModeSet,
     frequencies: &[f64],

@@ -1,23 +1,23 @@
-//! Point masses in a floating frame: their rotary inertia turns with its node, and a mass beside its node
-//! moves round it.
+//! Point masses in a floating frame: their rotary inertia turns with the node, and a mass beside its node
+//! moves around the node.
 //!
-//! The constants of [`crate::invariants`] let the mass matrix act on nodal velocities in body axes. That is
-//! exact for what is alike in all directions. The inertia J of a point mass is constant in the axes of its
-//! node, whose angular velocity there is
+//! The constants of [`crate::invariants`] let the mass matrix act on nodal velocities in body axes. This is
+//! exact for mass that is equal in all directions. The inertia J of a point mass is constant in the axes of
+//! its node. The angular velocity of the node in these axes is
 //!
 //! ```text
 //! ω_n = ω + θ̇ + ω × θ + ½ θ × (θ × ω) − ½ θ × θ̇ + …
 //! ```
 //!
-//! The terms of first order are those of the mass matrix. Those of second order meet the frame's own ω in `½
-//! ω_n·J ω_n`, so they belong to the same order of the energy: without them a spinning disc has a wrong
-//! gyroscopic moment. With `Φ` the rows of the node's rotation and `J_k` the rows of J they add
+//! The mass matrix contains the terms of first order. In `½ ω_n·J ω_n` the terms of second order multiply the
+//! frame's own ω, so they belong to the same order of the energy. Without them a spinning disc has a wrong
+//! gyroscopic moment. With the rows `Φ` of the node's rotation and the rows `J_k` of J they add
 //!
 //! ```text
 //! H_kl += ½ sym(Φᵀ J_k Φ_l + Φᵀ J_l Φ_k) − J_kl ΦᵀΦ        G_k −= ½ Φᵀ J_k~ Φ
 //! ```
 //!
-//! to the centrifugal and the Coriolis blocks. The rotary inertia of beams' sections does without.
+//! to the centrifugal and the Coriolis blocks. The rotary inertia of beam sections has no such terms here.
 
 use crate::fe::FreedomMap;
 use crate::mesh::{Mesh, Node, PointMass, Tie};
@@ -26,12 +26,12 @@ use eng_system::reduced::Invariants;
 /// Pairs of axes of the centrifugal blocks.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
-/// The largest part of a mass matrix that counts as rounding.
+/// Largest part of a mass matrix that counts as rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Puts masses that stand beside their nodes on nodes of their own, tied rigidly to the first, where only the
-/// inertia about their centre stays. Mass and stiffness of the structure are the same; but now the mass moves
-/// with its own place, not with its node's. Masses that differ with the direction stay as they are.
+/// Moves each mass beside its node to a new node at its centre, with its inertia about this centre. A rigid
+/// tie connects the new node to the old one. Mass and stiffness of the structure do not change, but the mass
+/// now moves with its own position. Masses that differ with the direction are left as they are.
 pub fn split_offsets(mesh: &mut Mesh) {
     let mut id = mesh.nodes.iter().map(|node| node.id).max().unwrap_or(0);
     let mut number = mesh.point_masses.iter().map(|p| p.id).max().unwrap_or(0);
@@ -75,8 +75,8 @@ pub fn split_offsets(mesh: &mut Mesh) {
     mesh.point_masses.extend(added);
 }
 
-/// Mass, offset and central inertia of a matrix that is a rigid body's about a point beside its centre: `[m
-/// I, −m c~; m c~, J]`.
+/// Mass, offset and central inertia of the mass matrix of a rigid body about a point beside its centre,
+/// `[m I, −m c~; m c~, J]`. `None` for another matrix.
 fn rigid_body(matrix: &[[f64; 6]; 6]) -> Option<(f64, [f64; 3], [[f64; 3]; 3])> {
     let mass = matrix[0][0];
     let alike = (0..3).all(|i| {
@@ -85,7 +85,7 @@ fn rigid_body(matrix: &[[f64; 6]; 6]) -> Option<(f64, [f64; 3], [[f64; 3]; 3])> 
             (matrix[i][j] - expected).abs() <= ROUNDING * mass
         })
     });
-    // −m c~ above the diagonal: its entries (1, 2), (2, 0), (0, 1) are m c
+    // the entries (1, 2), (2, 0), (0, 1) of the block −m c~ above the diagonal are m c
     let moment = [matrix[1][5], matrix[2][3], matrix[0][4]];
     let [x, y, z] = moment;
     let coupling = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
@@ -110,14 +110,13 @@ fn rigid_body(matrix: &[[f64; 6]; 6]) -> Option<(f64, [f64; 3], [[f64; 3]; 3])> 
             }
         })
     });
-    // less than the mass alone has about the node: no rigid body's
+    // an inertia below that of the mass alone about the node belongs to no rigid body
     (0..3)
         .all(|i| inertia[i][i] >= 0.0)
         .then_some((mass, c, inertia))
 }
 
-/// Adds what turning with their nodes does to the rotary inertia of point masses: see the head of this
-/// module.
+/// Adds the second-order terms of the rotary inertia of point masses: see the head of this module.
 pub fn add_turning(
     constants: &mut Invariants,
     points: &[PointMass],

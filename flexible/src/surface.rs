@@ -5,9 +5,9 @@ use crate::mesh::{ElementKind, Mesh};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Triangles of the outer faces of solids and of shells and facets, and the lines of beams: indices of nodes.
-/// A face with mid-side nodes becomes a triangle at each corner and the triangles of what they leave, so that
-/// it bends with all its nodes.
+/// Triangles of the outer faces of solids and of shells and facets, and the lines of beams, as indices of
+/// nodes. A face with mid-side nodes becomes a triangle at each corner and triangles of the remaining middle.
+/// So the drawn face bends with all its nodes.
 #[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Surface {
     /// Corners of each triangle, anticlockwise as seen from outside.
@@ -19,10 +19,10 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The surface of a mesh. Elements whose nodes are not there are left out.
+    /// The surface of a mesh. Elements with missing nodes are left out.
     pub fn new(mesh: &Mesh) -> Surface {
         let mut surface = Surface::default();
-        // faces by their corners: how often, and the element and face first seen
+        // for each face, by its corners: number of occurrences, and the first element and face
         let mut seen: BTreeMap<Vec<u32>, (u32, u32, usize)> = BTreeMap::new();
         for (index, element) in (0..).zip(&mesh.elements) {
             let nodes = mesh.nodes_of(element);
@@ -55,7 +55,7 @@ impl Surface {
             let all = element.kind.description().faces;
             let Some(face) = all.get(place) else { continue };
             let ring = around(element.kind, mesh.nodes_of(element), face);
-            // a solid's faces are listed as seen from inside
+            // the table lists the corners of a solid's face as seen from inside
             let inside = all.len() > 1;
             for [a, b, c] in cut(&ring) {
                 let triangle = if inside { [a, c, b] } else { [a, b, c] };
@@ -81,7 +81,7 @@ impl Surface {
     }
 }
 
-/// Triangles of a face, whose corners come each with the mid-side node after it.
+/// Triangles of a face. Each corner comes with the mid-side node after it.
 fn cut(ring: &[(u32, Option<u32>)]) -> Vec<[u32; 3]> {
     let mut triangles = Vec::new();
     let mut inner = Vec::new();

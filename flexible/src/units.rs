@@ -1,4 +1,4 @@
-//! Units of finite-element files, which never say theirs.
+//! Units of finite-element files. The files do not state their units.
 
 use crate::mesh::{BeamSection, Mesh, Section, Tie};
 
@@ -55,7 +55,7 @@ impl Mesh {
             }
         }
         for spring in &mut self.springs {
-            // the force that goes with freedom i of the first end, a unit of freedom j of the second
+            // unit of the force on freedom i of the first end per unit of freedom j of the second
             let second = spring.second.map_or(spring.first.1, |(_, freedom)| freedom);
             let scale = freedom_scale(usize::from(spring.first.1), length)
                 * freedom_scale(usize::from(second), length);
@@ -63,7 +63,7 @@ impl Mesh {
         }
         for tie in &mut self.ties {
             if let Tie::Equation { terms, .. } = tie {
-                // u [m] = length · u [file]: a translation's coefficient is one a length
+                // u [m] = length · u [file], so the coefficient of a translation has the unit 1/length
                 for (_, freedom, coefficient) in terms {
                     if *freedom < 3 {
                         *coefficient /= length;
@@ -74,7 +74,7 @@ impl Mesh {
     }
 }
 
-/// One for a translation, a length for a rotation.
+/// Factor of a freedom: one for a translation, a length for a rotation.
 fn freedom_scale(freedom: usize, length: f64) -> f64 {
     if freedom < 3 { 1.0 } else { length }
 }
