@@ -2,7 +2,7 @@
 
 use eng_report::figure::Upright;
 use eng_system::code::Bound;
-use eng_system::system::{AnalysisKind, Slot, System};
+use eng_system::system::{AnalysisKind, Rows, Slot, System};
 
 /// A machine with the parameters of an analysis.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +40,7 @@ impl Machine {
         Machine {
             journals: journals(system, bound),
             cycle_period: cycle_period(system, bound),
-            periodic: kind.repeats(),
+            periodic: kind.rows() == Rows::Cycle,
             upright: upright(system, bound),
             firing: firing(system, bound),
         }

@@ -66,3 +66,24 @@ fn the_flexible_body_of_the_reference_is_one() {
     let codes: Vec<&str> = report.diagnostics().iter().map(|d| d.code).collect();
     assert_eq!(codes, ["E0730"], "{report}");
 }
+
+/// The reference names every kind of analysis and each of its arguments.
+#[test]
+fn the_reference_names_all_analyses_and_their_arguments() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/language.md");
+    let text = std::fs::read_to_string(path).expect("the reference");
+    let (_, rest) = text.split_once("\n## Analyses\n").expect("its section");
+    let (section, _) = rest.split_once("\n## ").expect("its end");
+    for kind in eng_system::analysis::KINDS {
+        let name = kind.name;
+        assert!(section.contains(&format!("{name}(")), "{name}");
+        for argument in kind.arguments {
+            let shown = [
+                format!("`{}`", argument.name),
+                format!("{}:", argument.name),
+            ];
+            let named = shown.iter().any(|shown| section.contains(shown));
+            assert!(named, "`{}` of `{name}`", argument.name);
+        }
+    }
+}

@@ -10,7 +10,7 @@ use eng_runtime::{
     Sample, Slow, StartReport, Verdict, Warning, run_linear, run_periodic, run_transient,
 };
 use eng_system::recorded::recorded;
-use eng_system::system::{AnalysisKind, Location, Origin};
+use eng_system::system::{AnalysisKind, Location, Origin, Rows};
 use std::ops::ControlFlow;
 
 /// What was solved, besides the samples that the recorder has taken.
@@ -81,7 +81,7 @@ impl Analysis {
                 recorder.modes(&found);
                 solved.modes = Some(found);
             }
-            AnalysisKind::Assemble => self.assembled(recorder)?,
+            AnalysisKind::Assemble(_) => self.assembled(recorder)?,
         }
         Ok(solved)
     }
@@ -164,7 +164,7 @@ impl Analysis {
     fn header(&self) -> Result<Results, Error> {
         let system = &self.model.compiled().system;
         let mut results = Results::new(self.name(), self.model.name());
-        if self.plan.kind.gives_modes() {
+        if self.plan.kind.rows() == Rows::Modes {
             let bound = eng_runtime::model::Model::bind(self.model.compiled(), &self.overrides)
                 .map_err(|cause| self.error(cause))?;
             crate::modes::push_columns(&mut results, &bound)?;

@@ -4,7 +4,8 @@
 //! *slots*, which the bind graph fills from the parameters. Every thing keeps its path and its places in the text.
 
 pub use crate::analysis::{
-    Analysis, AnalysisKind, Extent, Linear, Periodic, PointValue, Start, StepControl, Transient,
+    Analysis, AnalysisKind, Extent, Linear, Periodic, PointValue, Rows, Start, StepControl,
+    Transient,
 };
 use crate::dimension::{Dimension, DisplayUnit};
 use crate::layout::InputLayout;

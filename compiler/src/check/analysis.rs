@@ -7,19 +7,18 @@ use super::mismatch::Due;
 use super::scope::Scope;
 use super::types::{Quantity, Type};
 use crate::codes;
+use crate::resolve::suggest::nearest;
 use eng_grammar::ast::{Argument, Binder, Declaration, Expr, ExprKind, Form, Kind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
+use eng_system::analysis::{self, Counted, KINDS, KindRow, Takes};
+use eng_system::system::Start;
 
 const EXAMPLE: &str =
     "for instance `analysis run = transient(Model(), duration: 1 s, sample: 1 ms)`";
 
 const STATE_A_CYCLE: &str =
     "state the cycle in the model: `cycle angle = rotation(a, ground) { period = 720 deg }`";
-/// What can be done with a model.
-const ANALYSES: [&str; 4] = ["transient", "periodic", "linear", "assemble"];
-/// How a motion can begin.
-const STARTS: [&str; 2] = ["quasi_static", "assembled"];
 
 impl<'p> Checker<'p> {
     pub(super) fn analysis(&mut self, scope: &Scope<'p>, declaration: &'p Declaration) {
@@ -52,36 +51,40 @@ impl<'p> Checker<'p> {
             ExprKind::Name(name) => name.as_str(),
             _ => "",
         };
-        match name {
-            "transient" | "periodic" | "linear" | "assemble" => {
+        match analysis::kind(name) {
+            Some(kind) => {
                 self.read_locals.clear();
-                self.model_and_options(&scope, name, value.span, arguments);
+                self.model_and_options(&scope, kind, value.span, arguments);
                 self.unread_indices(&declaration.index);
             }
-            "static" => {
+            None if name == "static" => {
                 self.not_built(callee.span, &format!("`{name}` analyses"));
             }
-            _ => {
-                let mut message = Diagnostic::error(
-                    codes::ANALYSIS,
-                    format!("there is no analysis `{}`", self.sources.text(callee.span)),
-                )
-                .at(
-                    callee.span,
-                    "`transient`, `periodic`, `linear` or `assemble`",
-                );
-                let near = match name {
-                    "modes" | "modal" | "eigen" | "eigenmodes" => Some("linear"),
-                    _ => crate::resolve::suggest::nearest(name, ANALYSES),
-                };
-                if let Some(near) = near {
-                    message = message.meant(callee.span, near);
-                } else {
-                    message = message.with_help(EXAMPLE);
-                }
-                self.report(message);
-            }
+            None => self.no_kind(callee.span, name),
         }
+    }
+
+    /// There is no analysis of a name.
+    fn no_kind(&mut self, callee: Span, name: &str) {
+        let mut names: Vec<String> = KINDS
+            .iter()
+            .map(|kind| format!("`{}`", kind.name))
+            .collect();
+        let last = names.pop().unwrap_or_default();
+        let mut message = Diagnostic::error(
+            codes::ANALYSIS,
+            format!("there is no analysis `{}`", self.sources.text(callee)),
+        )
+        .at(callee, format!("{} or {last}", names.join(", ")));
+        let elsewhere = KINDS.iter().find(|kind| kind.also_called.contains(&name));
+        let near = elsewhere.map(|kind| kind.name);
+        let near = near.or_else(|| nearest(name, KINDS.iter().map(|kind| kind.name)));
+        if let Some(near) = near {
+            message = message.meant(callee, near);
+        } else {
+            message = message.with_help(EXAMPLE);
+        }
+        self.report(message);
     }
 
     /// Warns of an index that no argument reads: all points of the sweep are the same.
@@ -109,112 +112,42 @@ impl<'p> Checker<'p> {
     fn model_and_options(
         &mut self,
         scope: &Scope<'p>,
-        name: &str,
+        kind: &KindRow,
         span: Span,
         arguments: &[Argument],
     ) {
+        let name = kind.name;
         let Some((first, rest)) = arguments.split_first() else {
             self.bad_analysis(span, &format!("`{name}` needs a model"), "of which model?");
             return;
         };
         let with_cycle = self.model_of(scope, first);
-        let slot = |name: &str, ty: Type, optional: bool, unit: &str| Slot {
-            name: name.to_owned(),
-            ty,
-            optional,
-            span: None,
-            unit: (!unit.is_empty()).then(|| unit.to_owned()),
-            named_only: true,
-        };
-        let time = Type::Scalar(Quantity::hard(Dimension::TIME));
-        let transient = name == "transient";
-        let periodic = name == "periodic";
-        let linear = name == "linear";
-        let moves = transient || periodic || linear;
-        // A time or an angle, which the cycle counts.
-        let extents: &[&str] = match name {
-            "transient" => &["duration", "sample"],
-            "linear" => &["after", "over"],
-            _ => &[],
-        };
-        let mut slots = Vec::new();
-        if moves {
-            slots = vec![
-                slot("step", time, true, "us"),
-                slot("tolerance", Type::one(), true, ""),
-                slot("rho", Type::one(), true, ""),
-            ];
+        if let Some(why) = kind.needs_cycle
+            && with_cycle == Some(false)
+        {
+            self.report(
+                Diagnostic::error(
+                    codes::NO_CYCLE,
+                    format!("`{name}` {why}, but the model has no cycle"),
+                )
+                .at(first.value.span, "this model states none")
+                .with_help(STATE_A_CYCLE),
+            );
         }
-        if linear {
-            let frequency = Type::Scalar(Quantity::hard(Dimension::ONE.over(Dimension::TIME)));
-            slots.push(slot("number", Type::Int, true, ""));
-            slots.push(slot("up_to", frequency, true, "Hz"));
-            slots.push(slot("frozen", Type::Bool, true, ""));
-        }
-        if periodic {
-            let angle = Type::Scalar(Quantity::hard(Dimension::ANGLE));
-            slots.push(slot("sample", angle, true, "deg"));
-            slots.push(slot("change", Type::one(), true, "%"));
-            slots.push(slot("cycles", Type::Int, true, ""));
-            if with_cycle == Some(false) {
-                self.report(
-                    Diagnostic::error(
-                        codes::NO_CYCLE,
-                        "`periodic` runs cycle by cycle, but the model has no cycle",
-                    )
-                    .at(first.value.span, "this model states none")
-                    .with_help(STATE_A_CYCLE),
-                );
-            }
-        }
-        let mut others: Vec<Argument> = Vec::new();
-        let mut given: Vec<(&str, Span)> = Vec::new();
-        for argument in rest {
-            let own = argument
-                .name
-                .as_ref()
-                .filter(|n| extents.contains(&n.text.as_str()) || (moves && n.text == "start"));
-            match own {
-                Some(label) => {
-                    if let Some((_, first)) = given.iter().find(|(n, _)| *n == label.text) {
-                        self.report(
-                            Diagnostic::error(
-                                codes::ARGUMENT_TWICE,
-                                format!("`{}` is given twice", label.text),
-                            )
-                            .at(argument.value.span, "again here")
-                            .also(*first, "first here"),
-                        );
-                    }
-                    given.push((&label.text, argument.value.span));
-                    if label.text == "start" {
-                        self.start_word(&argument.value);
-                        continue;
-                    }
-                    // a turn of the fastest body, where there is no cycle
-                    let cycle = if label.text == "over" {
-                        None
-                    } else {
-                        with_cycle
-                    };
-                    self.extent(scope, name, &label.text, &argument.value, cycle);
-                }
-                None => others.push(argument.clone()),
-            }
-        }
-        // Known to the common check, so that a misspelling finds them.
-        for label in extents.iter().copied() {
-            let present = label != "duration" || given.iter().any(|(n, _)| *n == label);
-            slots.push(slot(
-                label,
-                Type::Scalar(Quantity::hard(Dimension::TIME)),
-                present,
-                "s",
-            ));
-        }
-        if moves {
-            slots.push(slot("start", Type::one(), true, ""));
-        }
+        let (given, others) = self.own_forms(scope, kind, rest, with_cycle);
+        // all of them, so that a misspelling finds them
+        let slots: Vec<Slot> = kind
+            .arguments
+            .iter()
+            .map(|argument| Slot {
+                name: argument.name.to_owned(),
+                ty: plain_type(argument.takes),
+                optional: !argument.required || given.contains(&argument.name),
+                span: None,
+                unit: (!argument.unit.is_empty()).then(|| argument.unit.to_owned()),
+                named_only: true,
+            })
+            .collect();
         let mut solution = super::types::Solution::default();
         self.arguments(scope, name, &slots, &others, span, &mut solution);
         let place = |wanted: &str| {
@@ -222,17 +155,63 @@ impl<'p> Checker<'p> {
                 .find(|a| a.name.as_ref().is_some_and(|n| n.text == wanted))
                 .map(|a| a.value.span)
         };
-        if let (Some(frozen), Some(over)) = (place("frozen"), place("over")) {
-            self.report(
-                Diagnostic::error(
-                    codes::ANALYSIS,
-                    "modes are those of a period or of a frozen moment, not of both",
-                )
-                .at(frozen, "for one moment")
-                .also(over, "for a motion that repeats")
-                .with_help("give one of the two, or none where the coefficients are constant"),
-            );
+        for apart in kind.apart {
+            if let (Some(one), Some(other)) = (place(apart.first.0), place(apart.second.0)) {
+                self.report(
+                    Diagnostic::error(codes::ANALYSIS, apart.title)
+                        .at(one, apart.first.1)
+                        .also(other, apart.second.1)
+                        .with_help(apart.help),
+                );
+            }
         }
+    }
+
+    /// Checks the arguments that no plain type describes: times or angles, words. Gives their names, and the other arguments.
+    fn own_forms(
+        &mut self,
+        scope: &Scope<'p>,
+        kind: &KindRow,
+        arguments: &[Argument],
+        with_cycle: Option<bool>,
+    ) -> (Vec<&'static str>, Vec<Argument>) {
+        let mut others: Vec<Argument> = Vec::new();
+        let mut given: Vec<(&'static str, Span)> = Vec::new();
+        for argument in arguments {
+            let named = |name: &str| argument.name.as_ref().is_some_and(|n| n.text == name);
+            let row = kind.arguments.iter().find(|row| named(row.name));
+            let Some((row, form)) = row.map(|row| (row, row.takes)) else {
+                others.push(argument.clone());
+                continue;
+            };
+            if !matches!(form, Takes::Extent(_) | Takes::Start) {
+                others.push(argument.clone());
+                continue;
+            }
+            let value = &argument.value;
+            if let Some((_, first)) = given.iter().find(|(name, _)| *name == row.name) {
+                self.report(
+                    Diagnostic::error(
+                        codes::ARGUMENT_TWICE,
+                        format!("`{}` is given twice", row.name),
+                    )
+                    .at(value.span, "again here")
+                    .also(*first, "first here"),
+                );
+            }
+            given.push((row.name, value.span));
+            match form {
+                Takes::Extent(Counted::ByCycle) => {
+                    self.extent(scope, kind.name, row, value, with_cycle);
+                }
+                // a turn of the fastest body, where there is no cycle
+                Takes::Extent(Counted::ByFastest) => {
+                    self.extent(scope, kind.name, row, value, None);
+                }
+                _ => self.start_word(value),
+            }
+        }
+        (given.into_iter().map(|(name, _)| name).collect(), others)
     }
 
     /// `Model(arguments)`; whether the model has a cycle, if it is known.
@@ -285,7 +264,8 @@ impl<'p> Checker<'p> {
             ExprKind::Error => return,
             _ => "",
         };
-        if STARTS.contains(&word) {
+        let known = || Start::NAMED.iter().map(|(word, _)| *word);
+        if known().any(|start| start == word) {
             return;
         }
         let mut message = Diagnostic::error(
@@ -293,7 +273,7 @@ impl<'p> Checker<'p> {
             "`start` of an analysis is `quasi_static` or `assembled`",
         )
         .at(value.span, "neither of these words");
-        message = match crate::resolve::suggest::nearest(word, STARTS) {
+        message = match nearest(word, known()) {
             Some(near) => message
                 .meant(value.span, near),
             None => message.with_help(
@@ -308,7 +288,7 @@ impl<'p> Checker<'p> {
         &mut self,
         scope: &Scope<'p>,
         analysis: &str,
-        name: &str,
+        argument: &analysis::Argument,
         value: &Expr,
         with_cycle: Option<bool>,
     ) {
@@ -316,10 +296,11 @@ impl<'p> Checker<'p> {
         if ty.is_error() {
             return;
         }
+        let name = argument.name;
         let due = Due {
             what: format!("`{name}` of `{analysis}`"),
             declared: None,
-            unit: Some(if name == "sample" { "ms" } else { "s" }.to_owned()),
+            unit: Some(argument.unit.to_owned()),
         };
         let time = Quantity::hard(Dimension::TIME);
         match ty.quantity() {
@@ -342,5 +323,18 @@ impl<'p> Checker<'p> {
             }
             None => self.wrong_type(value, &ty, &Type::Scalar(time), &due),
         }
+    }
+}
+
+/// The type of an argument for the common check of calls; that of one with a form of its own is not asked.
+fn plain_type(takes: Takes) -> Type {
+    let of = |dimension: Dimension| Type::Scalar(Quantity::hard(dimension));
+    match takes {
+        Takes::Number | Takes::Start => Type::one(),
+        Takes::Count => Type::Int,
+        Takes::Time | Takes::Extent(_) => of(Dimension::TIME),
+        Takes::Angle => of(Dimension::ANGLE),
+        Takes::Frequency => of(Dimension::ONE.over(Dimension::TIME)),
+        Takes::Switch => Type::Bool,
     }
 }

@@ -27,17 +27,13 @@ pub(super) struct Slot {
 }
 
 /// Words with a meaning only in certain places, and these places.
-const PLACED: [(&str, &str); 8] = [
+const PLACED: [(&str, &str); 4] = [
     (
         "at",
         "the place of a marker: `marker pin = at(origin, z: [1, 0, 0])`",
     ),
     ("csv", "the source of a table"),
     ("points", "the source of a table"),
-    ("transient", "the right side of an analysis"),
-    ("periodic", "the right side of an analysis"),
-    ("linear", "the right side of an analysis"),
-    ("assemble", "the right side of an analysis"),
     ("origin", "a marker of every body"),
 ];
 
@@ -75,7 +71,11 @@ impl<'p> Checker<'p> {
             {
                 return ty;
             }
-            if !found && let Some((_, place)) = PLACED.iter().find(|(word, _)| word == name) {
+            let analysis = eng_system::analysis::kind(name);
+            let placed = PLACED.iter().find(|(word, _)| word == name);
+            let place = placed.map(|(_, place)| *place);
+            let place = place.or(analysis.map(|_| "the right side of an analysis"));
+            if !found && let Some(place) = place {
                 self.report(
                     Diagnostic::error(codes::MISPLACED, format!("`{name}` is no function"))
                         .at(callee.span, format!("it is {place}")),

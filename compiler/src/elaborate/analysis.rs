@@ -7,24 +7,10 @@ use crate::program::DefinitionId;
 use crate::typed::{TypedProgram, settable};
 use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
+use eng_system::analysis::{self, Argument, Given, Start, Takes, Unplanned};
 use eng_system::host::Host;
-use eng_system::system::{
-    Analysis, AnalysisKind, Extent, Linear, Origin, Periodic, PointValue, Start, StepControl,
-    Transient,
-};
+use eng_system::system::{Analysis, AnalysisKind, Extent, Origin, PointValue};
 use eng_system::{Dimension, DisplayUnit};
-
-/// Samples an analysis may take: all are kept in memory until it ends.
-const MOST_SAMPLES: f64 = 1e7;
-
-/// Samples of a duration without `sample`.
-const PLAIN_SAMPLES: f64 = 1000.0;
-/// Distance of samples over the cycle angle (rad) without `sample`: half a degree.
-const PLAIN_ANGLE: f64 = std::f64::consts::PI / 360.0;
-/// `change` and `cycles` of `periodic`, where they are not stated, and most cycles.
-const PLAIN_CHANGE: f64 = 1e-3;
-const PLAIN_CYCLES: u32 = 40;
-const MOST_CYCLES: f64 = 1e5;
 
 /// An analysis and the model that it needs.
 #[derive(Clone, Debug, PartialEq)]
@@ -145,20 +131,16 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<AnalysisPlan> {
         let (callee, arguments) = self.called(value)?;
         let kind = match &callee.kind {
-            ExprKind::Name(n)
-                if ["transient", "periodic", "linear", "assemble"].contains(&n.as_str()) =>
-            {
-                n.as_str()
-            }
-            _ => return self.checked(None, callee.span, "no kind of analysis"),
+            ExprKind::Name(name) => analysis::kind(name),
+            _ => None,
         };
+        let kind = self.checked(kind, callee.span, "no kind of analysis")?;
         let first = self.checked(arguments.first(), value.span, "an analysis of no model")?;
         let (model, constants, set) = self.model_call(&first.value, scope)?;
-        let kind = match kind {
-            "assemble" => AnalysisKind::Assemble,
-            "periodic" => AnalysisKind::Periodic(self.periodic(arguments, scope)?),
-            "linear" => AnalysisKind::Linear(self.linear(arguments, scope)?),
-            _ => AnalysisKind::Transient(self.transient(arguments, value.span, scope)?),
+        let given = self.given(kind.arguments, arguments, scope)?;
+        let kind = match (kind.plan)(&given) {
+            Ok(kind) => kind,
+            Err(reason) => self.unplanned(reason, arguments, value.span)?,
         };
         let model_name = match self.program.item(model).map(|i| &i.kind) {
             Some(ItemKind::Declaration(d)) => d.name.text.clone(),
@@ -185,246 +167,107 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
-    /// An argument of an analysis: its value (SI), dimension and place.
-    fn option(
+    /// The arguments of an analysis, evaluated and within their limits.
+    fn given(
         &mut self,
+        rows: &[Argument],
         arguments: &'a [ast::Argument],
-        wanted: &str,
         scope: ScopeId,
-    ) -> Eval<Option<(f64, Dimension, Span)>> {
-        let Some(argument) = named(arguments, wanted) else {
-            return Ok(None);
-        };
-        let v = self.evaluate(&argument.value, scope)?;
-        let s = self.as_scalar(v, argument.value.span)?;
-        let x = self.structural(s, argument.value.span)?;
-        let dimension = self.dimension_at(argument.value.span, scope)?;
-        Ok(Some((x, dimension, argument.value.span)))
+    ) -> Eval<Given> {
+        let mut given = Given::default();
+        for row in rows {
+            if let Some(argument) = named(arguments, row.name) {
+                let value = self.argument(row, &argument.value, scope)?;
+                given.state(row.name, value);
+            }
+        }
+        Ok(given)
     }
 
-    /// Whether an argument of an analysis is true; `false` without it.
-    fn switch(
+    fn argument(
         &mut self,
-        arguments: &'a [ast::Argument],
-        wanted: &str,
+        row: &Argument,
+        expr: &'a ast::Expr,
         scope: ScopeId,
-    ) -> Eval<bool> {
-        let Some(argument) = named(arguments, wanted) else {
-            return Ok(false);
-        };
-        let stated = self.evaluate(&argument.value, scope)?;
-        self.read(stated, argument.value.span)
+    ) -> Eval<analysis::Value> {
+        match row.takes {
+            Takes::Start => {
+                let start = match &expr.kind {
+                    ExprKind::Name(word) => {
+                        let named = Start::NAMED.iter().find(|(name, _)| name == word);
+                        named.map(|(_, start)| analysis::Value::Start(*start))
+                    }
+                    _ => None,
+                };
+                self.checked(start, expr.span, "no start")
+            }
+            Takes::Switch => {
+                let stated = self.evaluate(expr, scope)?;
+                Ok(analysis::Value::Switch(self.read(stated, expr.span)?))
+            }
+            Takes::Extent(_) => {
+                let value = self.limited(row, expr, scope)?;
+                let dimension = self.dimension_at(expr.span, scope)?;
+                if dimension == Dimension::TIME {
+                    Ok(analysis::Value::Extent(Extent::Time(value)))
+                } else if dimension == Dimension::ANGLE {
+                    Ok(analysis::Value::Extent(Extent::Angle(value)))
+                } else {
+                    self.checked(None, expr.span, "neither a time nor an angle")
+                }
+            }
+            Takes::Number | Takes::Count | Takes::Time | Takes::Angle | Takes::Frequency => {
+                Ok(analysis::Value::Number(self.limited(row, expr, scope)?))
+            }
+        }
     }
 
-    fn transient(
+    /// A number (SI) within the limits of its argument.
+    fn limited(&mut self, row: &Argument, expr: &'a ast::Expr, scope: ScopeId) -> Eval<f64> {
+        let value = self.evaluate(expr, scope)?;
+        let value = self.as_scalar(value, expr.span)?;
+        let value = self.structural(value, expr.span)?;
+        let Some(limit) = row.limits.iter().find(|limit| !(limit.fits)(value)) else {
+            return Ok(value);
+        };
+        let found = if value == 0.0 {
+            "this is zero"
+        } else if value < 0.0 {
+            "this is negative"
+        } else {
+            "this is too large"
+        };
+        let label = limit.told.map_or(found, |(label, _)| label);
+        let title = format!("`{}` must be {}", row.name, limit.due);
+        let mut message = Diagnostic::error(codes::ANALYSIS_VALUE, title).at(expr.span, label);
+        if let Some((_, help)) = limit.told {
+            message = message.with_help(help);
+        }
+        Err(self.report(message))
+    }
+
+    /// Arguments that do not fit each other.
+    fn unplanned(
         &mut self,
+        reason: Unplanned,
         arguments: &'a [ast::Argument],
         span: Span,
-        scope: ScopeId,
-    ) -> Eval<Transient> {
-        let duration = self.option(arguments, "duration", scope)?;
-        let sample = self.option(arguments, "sample", scope)?;
-        let duration = self.checked(duration, span, "no duration")?;
-        let duration = self.extent("duration", duration)?;
-        let sample = match sample {
-            Some(s) => {
-                let extent = self.extent("sample", s)?;
-                let many = match (duration, extent) {
-                    (Extent::Time(whole), Extent::Time(part))
-                    | (Extent::Angle(whole), Extent::Angle(part)) => whole / part > MOST_SAMPLES,
-                    _ => false,
-                };
-                if many {
-                    return Err(self.report(
-                        Diagnostic::error(
-                            codes::ANALYSIS_VALUE,
-                            "`sample` must be at least a ten-millionth of `duration`",
-                        )
-                        .at(s.2, "more samples than memory holds")
-                        .with_help("sample more coarsely, or run for a shorter time"),
-                    ));
-                }
-                extent
+    ) -> Eval<AnalysisKind> {
+        match reason {
+            Unplanned::Refused {
+                argument,
+                title,
+                label,
+                help,
+            } => {
+                let place = named(arguments, argument).map_or(span, |a| a.value.span);
+                Err(self.report(
+                    Diagnostic::error(codes::ANALYSIS_VALUE, title)
+                        .at(place, label)
+                        .with_help(help),
+                ))
             }
-            None => match duration {
-                Extent::Time(whole) => Extent::Time(whole / PLAIN_SAMPLES),
-                Extent::Angle(_) => Extent::Angle(PLAIN_ANGLE),
-            },
-        };
-        let (step, rho_infinity) = self.steps(arguments, scope)?;
-        Ok(Transient {
-            duration,
-            sample,
-            step,
-            rho_infinity,
-            start: self.start(arguments, Start::Automatic)?,
-        })
-    }
-
-    /// The state of the start is a balance, unless something else is stated; a transient to a later one begins as others do.
-    fn linear(&mut self, arguments: &'a [ast::Argument], scope: ScopeId) -> Eval<Linear> {
-        let after = match self.option(arguments, "after", scope)? {
-            Some(after) => Some(self.extent("after", after)?),
-            None => None,
-        };
-        let number = match self.option(arguments, "number", scope)? {
-            Some((x, _, s)) => {
-                let due = "at least 1 and at most 100000; without it all modes are given";
-                Some(self.fitting("number", x, (1.0..=1e5).contains(&x), due, s)? as u32)
-            }
-            None => None,
-        };
-        let up_to = match self.option(arguments, "up_to", scope)? {
-            Some((x, _, s)) => {
-                let fits = x > 0.0 && x.is_finite();
-                Some(std::f64::consts::TAU * self.fitting("up_to", x, fits, "positive", s)?)
-            }
-            None => None,
-        };
-        let over = match self.option(arguments, "over", scope)? {
-            Some(over) => Some(self.extent("over", over)?),
-            None => None,
-        };
-        let frozen = self.switch(arguments, "frozen", scope)?;
-        let (step, rho_infinity) = self.steps(arguments, scope)?;
-        let unstated = match after {
-            Some(_) => Start::Automatic,
-            None => Start::QuasiStatic,
-        };
-        Ok(Linear {
-            after,
-            step,
-            rho_infinity,
-            start: self.start(arguments, unstated)?,
-            number,
-            up_to,
-            over,
-            frozen,
-        })
-    }
-
-    fn periodic(&mut self, arguments: &'a [ast::Argument], scope: ScopeId) -> Eval<Periodic> {
-        let sample = match self.option(arguments, "sample", scope)? {
-            Some((x, _, s)) => {
-                let fits = x > 0.0 && x.is_finite();
-                self.fitting("sample", x, fits, "positive", s)?
-            }
-            None => PLAIN_ANGLE,
-        };
-        let change = match self.option(arguments, "change", scope)? {
-            Some((x, _, s)) => {
-                let due = "positive and below 1; 0.1 % is the default";
-                self.fitting("change", x, x > 0.0 && x < 1.0, due, s)?
-            }
-            None => PLAIN_CHANGE,
-        };
-        let cycles = match self.option(arguments, "cycles", scope)? {
-            Some((x, _, s)) if x < 2.0 => {
-                return Err(self.report(
-                    Diagnostic::error(codes::ANALYSIS_VALUE, "`cycles` must be at least 2")
-                        .at(s, "too few to see one repeat")
-                        .with_help(
-                            "it is the number of cycles after which to give up; 40 is the default",
-                        ),
-                ));
-            }
-            Some((x, _, s)) => {
-                let due = "at most 100000; 40 is the default";
-                self.fitting("cycles", x, x <= MOST_CYCLES, due, s)? as u32
-            }
-            None => PLAIN_CYCLES,
-        };
-        let (step, rho_infinity) = self.steps(arguments, scope)?;
-        Ok(Periodic {
-            sample,
-            step,
-            rho_infinity,
-            start: self.start(arguments, Start::Automatic)?,
-            change,
-            cycles,
-        })
-    }
-
-    /// `step`, `tolerance` and `rho`.
-    fn steps(
-        &mut self,
-        arguments: &'a [ast::Argument],
-        scope: ScopeId,
-    ) -> Eval<(StepControl, f64)> {
-        let step = self.option(arguments, "step", scope)?;
-        let tolerance = self.option(arguments, "tolerance", scope)?;
-        let step = match step {
-            Some((h, _, s)) => {
-                let positive = h > 0.0 && h.is_finite();
-                Some(self.fitting("step", h, positive, "positive", s)?)
-            }
-            None => None,
-        };
-        let tolerance = match tolerance {
-            Some((t, _, s)) => {
-                let due = "positive and at most 1e6; 1 is the default";
-                let fits = t > 0.0 && t <= 1e6;
-                Some(self.fitting("tolerance", t, fits, due, s)?)
-            }
-            None => None,
-        };
-        let step = match (step, tolerance) {
-            (Some(step), Some(tolerance)) => StepControl::FixedTo { step, tolerance },
-            (Some(step), None) => StepControl::Fixed(step),
-            (None, tolerance) => StepControl::Tolerance(tolerance.unwrap_or(1.0)),
-        };
-        let rho_infinity = match self.option(arguments, "rho", scope)? {
-            Some((r, _, s)) => {
-                let due = "from 0 to below 1; 0.8 is the default";
-                self.fitting("rho", r, (0.0..1.0).contains(&r), due, s)?
-            }
-            None => 0.8,
-        };
-        Ok((step, rho_infinity))
-    }
-
-    fn start(&mut self, arguments: &'a [ast::Argument], unstated: Start) -> Eval<Start> {
-        let Some(argument) = named(arguments, "start") else {
-            return Ok(unstated);
-        };
-        match &argument.value.kind {
-            ExprKind::Name(n) if n == "quasi_static" => Ok(Start::QuasiStatic),
-            ExprKind::Name(n) if n == "assembled" => Ok(Start::Assembled),
-            _ => self.checked(None, argument.value.span, "no start"),
-        }
-    }
-
-    /// A number that `fits`, else a message that says what would.
-    fn fitting(&mut self, name: &str, value: f64, fits: bool, due: &str, span: Span) -> Eval<f64> {
-        if fits {
-            return Ok(value);
-        }
-        let found = if value == 0.0 {
-            "zero"
-        } else if value < 0.0 {
-            "negative"
-        } else {
-            "too large"
-        };
-        Err(self.report(
-            Diagnostic::error(codes::ANALYSIS_VALUE, format!("`{name}` must be {due}"))
-                .at(span, format!("this is {found}")),
-        ))
-    }
-
-    fn extent(
-        &mut self,
-        name: &str,
-        (value, dimension, span): (f64, Dimension, Span),
-    ) -> Eval<Extent> {
-        let positive = value > 0.0 && value.is_finite();
-        self.fitting(name, value, positive, "positive", span)?;
-        if dimension == Dimension::TIME {
-            Ok(Extent::Time(value))
-        } else if dimension == Dimension::ANGLE {
-            Ok(Extent::Angle(value))
-        } else {
-            self.checked(None, span, "neither a time nor an angle")
+            Unplanned::Absent(name) => self.checked(None, span, name),
         }
     }
 

@@ -207,7 +207,7 @@ impl Found<'_> {
 
 /// Whether an analysis gives modes instead of samples.
 pub(super) fn are_modes(plan: &AnalysisPlan) -> bool {
-    plan.analysis.kind.gives_modes()
+    plan.analysis.kind.rows() == eng_system::analysis::Rows::Modes
 }
 
 /// Places of several analyses, and what tells them apart.

@@ -186,7 +186,7 @@ impl<'a> Reporter<'a, '_> {
                 && self
                     .models
                     .plan(&member.label.analysis)
-                    .is_some_and(|p| p.analysis.kind.repeats())
+                    .is_some_and(|p| p.analysis.kind.rows() == eng_system::analysis::Rows::Cycle)
         })
     }
 

@@ -1,0 +1,125 @@
+//! `linear`: eigenvalues, damping and modes about a state.
+
+use super::argument::{POSITIVE, RHO, START, STEP, TOLERANCE, argument, limit};
+use super::{
+    AnalysisKind, Apart, Counted, Extent, Given, Kind, KindRow, Rows, Start, StepControl, Takes,
+    Unplanned,
+};
+use std::f64::consts::TAU;
+
+/// Eigenvalues and modes of the motion linearised about a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linear {
+    /// How far a transient runs to the state; `None`: the start itself is the state.
+    pub after: Option<Extent>,
+    /// Steps of that transient.
+    pub step: StepControl,
+    /// Its spectral radius at infinite frequency, 0…1.
+    pub rho_infinity: f64,
+    /// How the motion begins.
+    pub start: Start,
+    /// Most oscillations, and most motions without oscillation, that are reported: the slowest of each.
+    pub number: Option<u32>,
+    /// Largest |λ| (rad/s) that is reported.
+    pub up_to: Option<f64>,
+    /// The period of the motion about which the modes are, where coefficients repeat; `None`: about a state.
+    pub over: Option<Extent>,
+    /// Whether coefficients that change while bodies turn are held at their values of the moment.
+    pub frozen: bool,
+}
+
+pub(super) const ROW: KindRow = KindRow {
+    name: "linear",
+    about: "eigenvalues, damping and modes about a state",
+    also_called: &["modes", "modal", "eigen", "eigenmodes"],
+    needs_cycle: None,
+    arguments: &[
+        STEP,
+        TOLERANCE,
+        RHO,
+        argument(
+            "number",
+            Takes::Count,
+            "",
+            &[limit(
+                |x| (1.0..=1e5).contains(&x),
+                "at least 1 and at most 100000; without it all modes are given",
+            )],
+            "how many oscillations are kept, the slowest; all by default",
+        ),
+        argument(
+            "up_to",
+            Takes::Frequency,
+            "Hz",
+            POSITIVE,
+            "the highest frequency that is kept; all by default",
+        ),
+        argument(
+            "frozen",
+            Takes::Switch,
+            "",
+            &[],
+            "whether coefficients that change are held at the moment",
+        ),
+        argument(
+            "after",
+            Takes::Extent(Counted::ByCycle),
+            "s",
+            POSITIVE,
+            "how long a transient runs to the state; without it the state is the start",
+        ),
+        argument(
+            "over",
+            Takes::Extent(Counted::ByFastest),
+            "s",
+            POSITIVE,
+            "the period of a motion that repeats, about which the modes are",
+        ),
+        START,
+    ],
+    apart: &[Apart {
+        first: ("frozen", "for one moment"),
+        second: ("over", "for a motion that repeats"),
+        title: "modes are those of a period or of a frozen moment, not of both",
+        help: "give one of the two, or none where the coefficients are constant",
+    }],
+    plan,
+};
+
+/// The state of the start is a balance, unless something else is stated; a transient to a later one begins as others do.
+fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
+    let after = given.extent("after");
+    let unstated = match after {
+        Some(_) => Start::Automatic,
+        None => Start::QuasiStatic,
+    };
+    Ok(AnalysisKind::Linear(Linear {
+        after,
+        step: given.steps(),
+        rho_infinity: given.rho(),
+        start: given.start(unstated),
+        // within its limits
+        number: given.number("number").map(|x| x as u32),
+        up_to: given.number("up_to").map(|hertz| TAU * hertz),
+        over: given.extent("over"),
+        frozen: given.switch("frozen"),
+    }))
+}
+
+impl Kind for Linear {
+    fn step(&self) -> Option<StepControl> {
+        self.after.map(|_| self.step)
+    }
+
+    fn step_mut(&mut self) -> Option<&mut StepControl> {
+        Some(&mut self.step)
+    }
+
+    fn start(&self) -> Start {
+        self.start
+    }
+
+    fn rows(&self) -> Rows {
+        Rows::Modes
+    }
+}

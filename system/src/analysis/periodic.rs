@@ -1,0 +1,111 @@
+//! `periodic`: whole cycles until the motion repeats.
+
+use super::argument::{PLAIN_ANGLE, POSITIVE, RHO, START, STEP, TOLERANCE, argument, limit};
+use super::{
+    AnalysisKind, Extent, Given, Kind, KindRow, Limit, Rows, Start, StepControl, Takes, Unplanned,
+};
+
+/// `change` and `cycles` where they are not stated, and most cycles.
+const PLAIN_CHANGE: f64 = 1e-3;
+const PLAIN_CYCLES: u32 = 40;
+const MOST_CYCLES: f64 = 1e5;
+
+/// A transient that runs until the cycle repeats; its result is the last cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Periodic {
+    /// Distance of the samples (rad of the cycle angle), shortened so that whole ones fill a cycle.
+    pub sample: f64,
+    /// Steps.
+    pub step: StepControl,
+    /// Spectral radius at infinite frequency, 0…1.
+    pub rho_infinity: f64,
+    /// How it begins.
+    pub start: Start,
+    /// Largest change from cycle to cycle, and largest estimated distance to the limit, as a share of each channel's swing.
+    pub change: f64,
+    /// Most cycles.
+    pub cycles: u32,
+}
+
+pub(super) const ROW: KindRow = KindRow {
+    name: "periodic",
+    about: "the last of as many cycles as it takes until the motion repeats",
+    also_called: &[],
+    needs_cycle: Some("runs cycle by cycle"),
+    arguments: &[
+        STEP,
+        TOLERANCE,
+        RHO,
+        argument(
+            "sample",
+            Takes::Angle,
+            "deg",
+            POSITIVE,
+            "the distance of samples, 0.5° by default",
+        ),
+        argument(
+            "change",
+            Takes::Number,
+            "%",
+            &[limit(
+                |x| x > 0.0 && x < 1.0,
+                "positive and below 1; 0.1 % is the default",
+            )],
+            "the largest change that counts as a repeat, 0.1 % of a swing by default",
+        ),
+        argument(
+            "cycles",
+            Takes::Count,
+            "",
+            &[
+                Limit {
+                    fits: |x| x >= 2.0,
+                    due: "at least 2",
+                    told: Some((
+                        "too few to see one repeat",
+                        "it is the number of cycles after which to give up; 40 is the default",
+                    )),
+                },
+                limit(|x| x <= MOST_CYCLES, "at most 100000; 40 is the default"),
+            ],
+            "the number of cycles after which to give up, 40 by default",
+        ),
+        START,
+    ],
+    apart: &[],
+    plan,
+};
+
+fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
+    Ok(AnalysisKind::Periodic(Periodic {
+        sample: given.number("sample").unwrap_or(PLAIN_ANGLE),
+        step: given.steps(),
+        rho_infinity: given.rho(),
+        start: given.start(Start::Automatic),
+        change: given.number("change").unwrap_or(PLAIN_CHANGE),
+        // within its limits
+        cycles: given.number("cycles").map_or(PLAIN_CYCLES, |x| x as u32),
+    }))
+}
+
+impl Kind for Periodic {
+    fn step(&self) -> Option<StepControl> {
+        Some(self.step)
+    }
+
+    fn step_mut(&mut self) -> Option<&mut StepControl> {
+        Some(&mut self.step)
+    }
+
+    fn start(&self) -> Start {
+        self.start
+    }
+
+    fn sampling(&self) -> Option<(Extent, Option<Extent>)> {
+        Some((Extent::Angle(self.sample), None))
+    }
+
+    fn rows(&self) -> Rows {
+        Rows::Cycle
+    }
+}

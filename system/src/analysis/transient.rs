@@ -1,0 +1,112 @@
+//! `transient`: the motion in time.
+
+use super::argument::{PLAIN_ANGLE, POSITIVE, RHO, START, STEP, TOLERANCE, argument};
+use super::{
+    AnalysisKind, Argument, Counted, Extent, Given, Kind, KindRow, Rows, Start, StepControl, Takes,
+    Unplanned,
+};
+
+/// Samples an analysis may take: all are kept in memory until it ends.
+const MOST_SAMPLES: f64 = 1e7;
+/// Samples of a duration without `sample`.
+const PLAIN_SAMPLES: f64 = 1000.0;
+
+/// A transient analysis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transient {
+    /// How long.
+    pub duration: Extent,
+    /// Distance of the samples.
+    pub sample: Extent,
+    /// Steps.
+    pub step: StepControl,
+    /// Spectral radius at infinite frequency, 0…1.
+    pub rho_infinity: f64,
+    /// How it begins.
+    pub start: Start,
+}
+
+pub(super) const ROW: KindRow = KindRow {
+    name: "transient",
+    about: "the motion in time",
+    also_called: &[],
+    needs_cycle: None,
+    arguments: &[
+        STEP,
+        TOLERANCE,
+        RHO,
+        Argument {
+            required: true,
+            ..argument(
+                "duration",
+                Takes::Extent(Counted::ByCycle),
+                "s",
+                POSITIVE,
+                "how long it runs, a time or an angle of the cycle",
+            )
+        },
+        argument(
+            "sample",
+            Takes::Extent(Counted::ByCycle),
+            "ms",
+            POSITIVE,
+            "the distance of samples; by default 0.5° of an angle, a thousandth of a time",
+        ),
+        START,
+    ],
+    apart: &[],
+    plan,
+};
+
+fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
+    let duration = given.extent("duration");
+    let duration = duration.ok_or(Unplanned::Absent("duration"))?;
+    let sample = match (given.extent("sample"), duration) {
+        (Some(sample), _) => sample,
+        (None, Extent::Time(whole)) => Extent::Time(whole / PLAIN_SAMPLES),
+        (None, Extent::Angle(_)) => Extent::Angle(PLAIN_ANGLE),
+    };
+    let many = match (duration, sample) {
+        (Extent::Time(whole), Extent::Time(part)) | (Extent::Angle(whole), Extent::Angle(part)) => {
+            given.extent("sample").is_some() && whole / part > MOST_SAMPLES
+        }
+        _ => false,
+    };
+    if many {
+        return Err(Unplanned::Refused {
+            argument: "sample",
+            title: "`sample` must be at least a ten-millionth of `duration`",
+            label: "more samples than memory holds",
+            help: "sample more coarsely, or run for a shorter time",
+        });
+    }
+    Ok(AnalysisKind::Transient(Transient {
+        duration,
+        sample,
+        step: given.steps(),
+        rho_infinity: given.rho(),
+        start: given.start(Start::Automatic),
+    }))
+}
+
+impl Kind for Transient {
+    fn step(&self) -> Option<StepControl> {
+        Some(self.step)
+    }
+
+    fn step_mut(&mut self) -> Option<&mut StepControl> {
+        Some(&mut self.step)
+    }
+
+    fn start(&self) -> Start {
+        self.start
+    }
+
+    fn sampling(&self) -> Option<(Extent, Option<Extent>)> {
+        Some((self.sample, Some(self.duration)))
+    }
+
+    fn rows(&self) -> Rows {
+        Rows::Samples
+    }
+}
