@@ -1,13 +1,13 @@
-//! The form of each solid: the table of rules by which a code's name stands for a stiffness.
+//! The form of each solid: a table of rules from the names of each code to a stiffness.
 //!
-//! `RULES` is read from above; the first line that fits an element says how it is made, or why it is
-//! refused. A new form is a variant of [`Form`], its mechanics in a file of its own, and a line.
+//! The first line of `RULES` that fits an element gives its form, or the reason to refuse it. A new form
+//! needs a variant of [`Form`], a file with its mechanics, and a line.
 //!
-//! CalculiX' C3D8R has one point, also for its mass, which then lacks the element's own inertia, and
-//! stiffness against hourglasses that resists rigid rotation in elements that are no parallelepipeds. Nastran
-//! takes shear at fewer points by default, and does not publish which: its quadratic elements and wedges are
-//! computed in full and told. A mesh of no code (gmsh) names no rule. Full integration of its 8-node
-//! hexahedra would lock in bending, so they have incompatible modes.
+//! CalculiX' C3D8R is refused. It has one point, also for its mass, which then lacks the element's own
+//! inertia. Its hourglass stiffness resists rigid rotation in elements that are not parallelepipeds. Nastran
+//! integrates shear at fewer points by default and does not publish them. So its quadratic elements and
+//! wedges are integrated in full, with a warning. A mesh of no code (gmsh) names no rule. Its 8-node
+//! hexahedra would lock in bending with full integration, so they have incompatible modes.
 //!
 //! Sources: Abaqus Theory Guide 3.2.4 and its matrices; CalculiX 2.20 (`e_c3d.f`, `shape8hu.f`, `shape8hr.f`)
 //! and its frequencies; MSC Nastran Quick Reference Guide, `PSOLID`.
@@ -22,14 +22,14 @@ use crate::element::{ElementKind, MOST_NODES, Shape};
 use crate::error::FlexibleError;
 use crate::mesh::{Code, Element, Material, Mesh, VARIANT_LETTERS, Variant};
 
-/// How the stiffness of a solid is made.
+/// The form of a solid's stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Form {
-    /// At points enough for full rank.
+    /// Integrated at enough points for full rank.
     Full,
-    /// At fewer: 2³ for the 20-node hexahedron, 2 for the 6-node wedge.
+    /// Integrated at fewer points: 2³ for the 20-node hexahedron, 2 for the 6-node wedge.
     Reduced,
-    /// 8-node hexahedron whose dilatation is its mean everywhere (B-bar; Abaqus Theory Guide 3.2.4).
+    /// 8-node hexahedron with its mean dilatation at all points (B-bar; Abaqus Theory Guide 3.2.4).
     MeanDilatation,
     /// 8-node hexahedron with nine incompatible modes, condensed.
     Incompatible,
@@ -37,19 +37,19 @@ pub enum Form {
     Bubbles,
 }
 
-/// What a form adds to the strains of an element's points.
+/// A function for the terms that a form adds to the strains at an element's points.
 ///
 /// # Errors
-/// The Jacobian (m³) where it is not positive.
+/// The Jacobian (m³), if it is not positive.
 pub(super) type Correction =
     fn(&Table, &[[f64; 3]; MOST_NODES], &Material, &mut [EnhancedPoint]) -> Result<(), f64>;
 
-/// Functions that a form has inside an element beside those of its nodes.
+/// The functions of a form inside an element, in addition to those of its nodes.
 pub(super) struct Inner {
-    /// How many; each has three amplitudes.
+    /// Number of functions; each has three amplitudes.
     pub(super) count: u32,
-    /// Puts them behind the functions of so many nodes, at a point of the reference domain. They are zero
-    /// where the element's own functions are one: at its nodes.
+    /// Writes them behind the functions of the given number of nodes, at a point of the reference domain.
+    /// They are zero at the nodes, where the element's own functions are one.
     pub(super) put: fn(&mut Shape, usize, [f64; 3]),
 }
 
@@ -79,7 +79,7 @@ impl Form {
         shape
     }
 
-    /// What it adds to the strains of the shape functions; `None`: nothing.
+    /// The terms that it adds to the strains of the shape functions; `None` without such terms.
     pub(super) fn correction(self) -> Option<Correction> {
         match self {
             Form::Full | Form::Reduced | Form::Bubbles => None,
@@ -89,22 +89,22 @@ impl Form {
     }
 }
 
-/// What a rule makes of an element's name.
+/// The verdict of a rule on an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
     Form(Form),
-    /// A form that is not quite its code's: why.
+    /// A form that differs from that of its code, with the difference for a warning.
     Told(Form, &'static str),
-    /// Why its form can't be had, and what to do.
+    /// No form, with the reason and the remedy.
     Refused(&'static str, &'static str),
 }
 
-/// Whose rules give an element its form.
+/// The owner of the rules for an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Whose {
-    /// The text's: all in full.
+    /// The text: full integration of all.
     InFull,
-    /// Nobody's: a mesh of no code.
+    /// No code: a mesh of gmsh or of a program.
     Nobody,
     Nastran,
     Abaqus,
@@ -112,7 +112,7 @@ enum Whose {
 }
 
 impl Whose {
-    /// Whose rules hold for a mesh written for a code.
+    /// The owner of the rules for a mesh of a code.
     fn of(mesh: Code, rule: StiffnessRule) -> Self {
         match (rule, mesh) {
             (StiffnessRule::Full, _) => Whose::InFull,
@@ -135,12 +135,12 @@ impl Whose {
     }
 }
 
-/// The variants that a rule is for.
+/// The variants that a rule covers.
 #[derive(Clone, Copy)]
 enum For {
     /// All.
     Any,
-    /// No letters, and no `PSOLID` that says more than its bubble functions.
+    /// No letters, and no `PSOLID` except with bubble functions.
     Plain,
     /// These letters and no others.
     Letters(&'static str),
@@ -148,7 +148,7 @@ enum For {
     AnyLetters,
     /// `IN` of `PSOLID`, with `ISOP = FULL`.
     InFull(u8),
-    /// `IN` of `PSOLID`: so many points or more.
+    /// `IN` of `PSOLID`: this number of points or more.
     Points(u8),
 }
 
@@ -159,7 +159,7 @@ impl For {
             | (For::Plain, Variant::Plain | Variant::Network { points: 0, .. })
             | (For::AnyLetters, Variant::Letters(_)) => true,
             (For::Letters(wanted), Variant::Letters(letters)) => {
-                // Σ of distinct bits: each letter stands once
+                // the sum of distinct bits, because each letter occurs once
                 let bits = wanted
                     .chars()
                     .filter_map(|letter| VARIANT_LETTERS.find(letter));
@@ -175,7 +175,7 @@ impl For {
 /// A line of the table.
 struct Rule {
     whose: &'static [Whose],
-    /// Kinds; none: all.
+    /// Kinds; an empty list means all.
     kinds: &'static [ElementKind],
     variants: For,
     verdict: Verdict,
@@ -195,7 +195,7 @@ const fn rule(
     }
 }
 
-/// The forms of solids by code, kind and variant. The first line that fits holds.
+/// The forms of solids by code, kind and variant. The first fitting line counts.
 const RULES: &[Rule] = {
     use ElementKind::{Hexahedron8, Hexahedron20, Tetrahedron4, Tetrahedron10, Wedge6};
     use For::{Any, AnyLetters, Letters, Plain, Points};
@@ -274,7 +274,7 @@ const RULES: &[Rule] = {
 
 const IN_FULL: &str = "; or state `element_rules = exact`, which integrates them in full";
 
-/// What the table says of an element.
+/// The verdict of the table on an element.
 fn verdict(kind: ElementKind, variant: Variant, mesh: Code, stated: StiffnessRule) -> Verdict {
     let whose = Whose::of(mesh, stated);
     RULES
@@ -291,7 +291,7 @@ fn verdict(kind: ElementKind, variant: Variant, mesh: Code, stated: StiffnessRul
 /// The form of a solid.
 ///
 /// # Errors
-/// A variant whose rule is not reproduced.
+/// A variant without a rule here.
 pub(crate) fn form(
     mesh: &Mesh,
     element: &Element,
@@ -306,7 +306,7 @@ pub(crate) fn form(
     }
 }
 
-/// The mass rule of a solid: a variant's own where the code's rules hold for what its file names.
+/// The mass rule of a solid. If the rules of the file's code apply, a variant can have its own.
 pub(super) fn mass_rule(mesh: &Mesh, element: &Element, rules: &Rules) -> MassRule {
     match (rules.stiffness, rules.mass, element.variant, mesh.code) {
         (StiffnessRule::Named, MassRule::Exact, Variant::Letters(_), Code::CalculiX) => {
@@ -351,7 +351,7 @@ fn name(mesh: &Mesh, kind: ElementKind, variant: Variant) -> String {
     format!("{plain}{letters}")
 }
 
-/// Solids by type: how many, and the number of the first.
+/// For each type of solid: the count, and the number of the first.
 fn types(mesh: &Mesh) -> BTreeMap<(ElementKind, Variant), (usize, u64)> {
     let mut types = BTreeMap::new();
     for element in &mesh.elements {
@@ -365,10 +365,10 @@ fn types(mesh: &Mesh) -> BTreeMap<(ElementKind, Variant), (usize, u64)> {
     types
 }
 
-/// Refuses a mesh with solids whose rule is not reproduced.
+/// Refuses a mesh with solids that have no rule here.
 ///
 /// # Errors
-/// All such types, with their numbers of elements and what to do.
+/// All such types, with their numbers of elements and the remedy.
 pub fn check(mesh: &Mesh, rule: StiffnessRule) -> Result<(), FlexibleError> {
     let mut refused = Vec::new();
     let mut advised: Vec<&str> = Vec::new();
@@ -394,7 +394,7 @@ pub fn check(mesh: &Mesh, rule: StiffnessRule) -> Result<(), FlexibleError> {
     })
 }
 
-/// What is to be told of the forms that a mesh's solids take.
+/// The warnings about the forms of a mesh's solids.
 pub fn told(mesh: &Mesh, rule: StiffnessRule) -> Vec<String> {
     let mut told = Vec::new();
     for ((kind, variant), (count, _)) in types(mesh) {

@@ -1,4 +1,5 @@
-//! Numbering of the mesh's freedoms: three translations a node, six where it turns, in basic axes.
+//! Numbering of the mesh's freedoms in basic axes: three translations for each node, and three rotations if
+//! the node has them.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,26 +9,26 @@ use super::rules::StiffnessRule;
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, ElementKind, Mesh, PointMass, Tie};
 
-/// Where each node's freedoms stand in a full vector: translations x, y, z (m), then rotations x, y, z (rad),
+/// Position of each node's freedoms in a full vector: translations x, y, z (m), then rotations x, y, z (rad),
 /// in basic axes.
 ///
-/// Nodes turn (have rotations) at beams, at the independent node of a rigid tie, at the reference of an
-/// averaging one, at point masses with rotary inertia or an offset, and where a spring or an equation names a
-/// rotation. A node that nothing uses (a point that only gives a direction) has no freedoms.
+/// These nodes have rotations: nodes of beams, the independent node of a rigid tie, the reference node of an
+/// averaging tie, nodes of point masses with rotary inertia or an offset, and nodes whose rotation occurs in
+/// a spring or an equation. An unused node, such as a point that only gives a direction, has no freedoms.
 ///
-/// Behind the mesh's nodes come inner ones, of solids whose form has functions of its own inside
-/// ([`super::form::Form`]): three amplitudes (m) each. They move in no rigid motion, and no tie, support or
-/// marker names them.
+/// Inner nodes follow those of the mesh. They belong to solids whose form has functions inside the element
+/// ([`super::form::Form`]), with three amplitudes (m) each. They do not move in a rigid motion, and no tie,
+/// support or marker names them.
 #[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(
     try_from = "(Vec<u32>, Vec<(u32, u32)>)",
     into = "(Vec<u32>, Vec<(u32, u32)>)"
 )]
 pub struct FreedomMap {
-    /// First freedom of each node, inner ones too, and the number of all freedoms.
+    /// First freedom of each node, including inner ones, and the number of all freedoms.
     first: Vec<u32>,
-    /// Of each element with inner nodes, where its nodes start in the mesh's connectivity (ascending), and
-    /// the end of its inner nodes among all of them.
+    /// For each element with inner nodes: the start of its nodes in the mesh's connectivity (ascending), and
+    /// the end of its inner nodes among all inner nodes.
     inner: Vec<(u32, u32)>,
 }
 
@@ -97,7 +98,8 @@ impl FreedomMap {
         Ok(self)
     }
 
-    /// At least `count` freedoms a node (0, 3 or 6), and what the ties need.
+    /// The numbering with at least `count` freedoms for each node (0, 3 or 6) and the freedoms that ties
+    /// need.
     pub(super) fn with_ties(mesh: &Mesh, mut count: Vec<u32>) -> Result<Self, FlexibleError> {
         let mut need = |node: u32, freedoms: u32| {
             if let Some(n) = count.get_mut(node as usize) {
@@ -157,12 +159,12 @@ impl FreedomMap {
         self.all_nodes().saturating_sub(inner)
     }
 
-    /// Number of nodes, inner ones too.
+    /// Number of nodes, including inner ones.
     pub(crate) fn all_nodes(&self) -> usize {
         self.first.len().saturating_sub(1)
     }
 
-    /// The inner nodes of the element whose nodes start here in the mesh's connectivity.
+    /// The inner nodes of the element whose nodes start at `start` in the mesh's connectivity.
     pub(super) fn inner_of(&self, start: u32) -> std::ops::Range<u32> {
         let Ok(place) = self.inner.binary_search_by_key(&start, |(start, _)| *start) else {
             return 0..0;
@@ -191,12 +193,12 @@ impl FreedomMap {
         }
     }
 
-    /// Whether a node turns.
+    /// Whether a node has rotations.
     pub fn has_rotation(&self, node: u32) -> bool {
         self.of(node).len() == 6
     }
 
-    /// The freedom of a component 0…5 of a node, where there is one.
+    /// The freedom of a component 0…5 of a node, if it exists.
     pub fn freedom(&self, node: u32, component: u8) -> Option<usize> {
         let range = self.of(node);
         (usize::from(component) < range.len()).then(|| range.start + usize::from(component))
@@ -207,7 +209,8 @@ impl FreedomMap {
         if freedom >= self.size() {
             return None;
         }
-        // the last node that starts at or before the freedom; empty nodes before it start there too
+        // the last node that starts at or before the freedom; nodes without freedoms start there too, but
+        // come earlier
         let node = self
             .first
             .partition_point(|&first| first as usize <= freedom)
@@ -216,7 +219,7 @@ impl FreedomMap {
     }
 }
 
-/// A numbering as it is stored: first freedoms, and the elements with inner nodes.
+/// The stored form of a numbering: first freedoms, and the elements with inner nodes.
 type Stored = (Vec<u32>, Vec<(u32, u32)>);
 
 impl From<FreedomMap> for Stored {
@@ -256,12 +259,12 @@ fn too_many() -> FlexibleError {
     wrong("the mesh has more than 4 billion freedoms".into(), "")
 }
 
-/// Freedoms of a node that has this component.
+/// Number of freedoms of a node with this component.
 fn needs(component: u8) -> u32 {
     if component < 3 { 3 } else { 6 }
 }
 
-/// Whether a point mass is the same in all directions and at its node: then it needs no rotations.
+/// Whether a point mass is equal in all directions and is at its node. Such a mass needs no rotations.
 pub(super) fn is_isotropic(point: &PointMass) -> bool {
     let matrix = &point.matrix;
     (0..6).all(|i| {
@@ -272,8 +275,8 @@ pub(super) fn is_isotropic(point: &PointMass) -> bool {
     })
 }
 
-/// Direction in basic axes of a component 0…5 of a node of a checked mesh: an axis of its analysis frame,
-/// along which it moves or about which it turns.
+/// Direction in basic axes of a component 0…5 of a node of a checked mesh: the axis of its analysis frame for
+/// this translation or rotation.
 pub(super) fn direction(mesh: &Mesh, node: u32, component: u8) -> [f64; 3] {
     let axis = usize::from(component % 3);
     let frame = mesh

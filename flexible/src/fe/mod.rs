@@ -1,11 +1,11 @@
 //! The finite-element kernel: a mesh becomes stiffness and mass.
 //!
 //! ```text
-//! Mesh (SI) ──check──▶ freedoms ──assemble──▶ Structure { stiffness, mass } ──ties──▶ Reduction (full = T · free)
+//! Mesh (SI) ──check──▶ freedoms ─assemble─▶ Structure { stiffness, mass } ─ties─▶ Reduction (full = T · free)
 //! ```
 //!
-//! Everything is in SI and in the basic frame; analysis frames are turned in where supports, ties and springs
-//! are read.
+//! All quantities are in SI and in the basic frame. Supports, ties and springs are turned from their analysis
+//! frames when they are read.
 
 pub mod assemble;
 mod averaging;

@@ -1,17 +1,17 @@
-//! Which quadrature each element uses, and how mass is spread.
+//! The quadrature of each element, and the distribution of its mass.
 
 use super::form::Form;
 use crate::element::quadrature::Point;
 use crate::element::{ElementKind, Shape};
 use serde::{Deserialize, Serialize};
 
-/// Which code's rules give each solid its form: see [`super::form`].
+/// The code whose rules give each solid its form: see [`super::form`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum StiffnessRule {
-    /// Those of the code that the mesh was written for.
+    /// The code for which the mesh was written.
     #[default]
     Named,
-    /// Full integration of every solid, whatever the file names:
+    /// Full integration of every solid, whatever its type in the file:
     ///
     /// | element | points |
     /// | --- | --- |
@@ -20,40 +20,41 @@ pub enum StiffnessRule {
     /// | wedge 6, 15 | 3 × 2, 3 × 3 |
     /// | pyramid 5, 13 | 2³, 3³ |
     Full,
-    /// Those of CalculiX 2.20.
+    /// CalculiX 2.20.
     CalculiX,
-    /// Those of Abaqus.
+    /// Abaqus.
     Abaqus,
-    /// Those of Nastran, as far as they are public.
+    /// Nastran, as far as its rules are public.
     Nastran,
 }
 
-/// Integration and form of the elements' mass. The foreign rules differ in solids only. Beams are consistent
-/// in all.
+/// Integration and form of the elements' mass. The rules of the codes differ in solids only. The mass of
+/// beams is consistent in all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum MassRule {
     /// Consistent mass, integrated exactly for any element, curved ones included.
     #[default]
     Exact,
-    /// CalculiX 2.20: consistent mass integrated at the points of the stiffness, so that the 10-node
-    /// tetrahedron's is under-integrated at 4 points. Checked against its matrices for C3D8, C3D10 and C3D20,
+    /// CalculiX 2.20: consistent mass integrated at the points of the stiffness. So the mass of the 10-node
+    /// tetrahedron is under-integrated at 4 points. Checked against its matrices for C3D8, C3D10 and C3D20,
     /// against its frequencies for C3D6, C3D8I and C3D20R.
     CalculiX,
-    /// Abaqus: linear elements lumped by row sums, the 10-node tetrahedron exact, other quadratic solids at
-    /// their full stiffness points. Checked against its matrices for C3D4, C3D8, C3D10, C3D20 and C3D20R.
+    /// Abaqus: linear elements are lumped by row sums, the 10-node tetrahedron is exact, and other quadratic
+    /// solids are integrated at their full stiffness points. Checked against its matrices for C3D4, C3D8,
+    /// C3D10, C3D20 and C3D20R.
     Abaqus,
-    /// Diagonal mass: row sums for linear elements; the exact diagonal scaled to the element's mass for
-    /// quadratic ones (E. Hinton, T. Rock, O. C. Zienkiewicz, Earthq. Eng. Struct. Dyn. 4, 1976), whose row
-    /// sums are partly negative.
+    /// Diagonal mass. Linear elements have row sums. The row sums of quadratic elements are partly negative,
+    /// so these have the exact diagonal, scaled to the element's mass (E. Hinton, T. Rock, O. C. Zienkiewicz,
+    /// Earthq. Eng. Struct. Dyn. 4, 1976).
     Lumped,
 }
 
 /// The rules of an assembly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Rules {
-    /// For stiffness.
+    /// Rule for stiffness.
     pub stiffness: StiffnessRule,
-    /// For mass.
+    /// Rule for mass.
     pub mass: MassRule,
 }
 
@@ -91,7 +92,7 @@ impl Rules {
     }
 }
 
-/// How an element's consistent mass becomes its mass.
+/// The step from an element's consistent mass to its mass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Spread {
     Consistent,
@@ -132,7 +133,7 @@ fn mass_points(kind: ElementKind, form: Form, rule: MassRule) -> Vec<Point> {
 /// Shape functions at the points of a rule.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
-    /// Place in the reference domain.
+    /// Position in the reference domain.
     pub(super) at: [f64; 3],
     pub(super) weight: f64,
     pub(super) shape: Shape,
@@ -152,9 +153,9 @@ fn samples(kind: ElementKind, form: Form, points: &[Point]) -> Vec<Sample> {
 /// Samples of one kind of element.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
-    /// How the stiffness of a solid is made of its samples.
+    /// The form of a solid's stiffness.
     pub(super) form: Form,
-    /// The element of the corners alone, in the middle of a solid.
+    /// The shape functions of the element with corners alone, in the middle of a solid.
     pub(super) corners: Option<Shape>,
     pub(super) stiffness: Vec<Sample>,
     pub(super) mass: Vec<Sample>,

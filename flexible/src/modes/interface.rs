@@ -1,18 +1,19 @@
-//! What an interface holds of a structure, and the displacements for unit displacements of it.
+//! The rigid motions that an interface holds, and the displacements for its unit displacements.
 
 use super::{Load, Structure, products};
 use crate::error::FlexibleError;
 use crate::solve::dense::{positive_inverse, symmetric_eigen};
 
-/// Rigid motions of which the interface's rows, of unit length each, see less than this share (squared) count
-/// as not held. A lever of a hundredth of the body's size holds nothing (mean places of a journal's nodes are
-/// easily that far off the axis): it would only make a spin of some hertz, which without its rigid part is
-/// what the constraint modes have already.
+/// A rigid motion is not held if its share (squared) in the interface's rows, each of unit length, is below
+/// this limit. A lever of a hundredth of the body's size holds nothing, because the mean position of a
+/// journal's nodes is easily that far off the axis. Such a lever would only make a spin of some hertz.
+/// Without its rigid part this spin is already among the constraint modes.
 const LEFT: f64 = 1e-4;
-/// The least eigenvalue, of the largest, of the interface's flexibility scaled to a unit diagonal.
+/// Share of the largest eigenvalue below which a row depends on others, for the interface's flexibility
+/// scaled to a unit diagonal.
 const DEPENDENT: f64 = 1e-11;
 
-/// Rows to be held, and what they see of the rigid motions.
+/// Rows to hold, and their displacements in rigid motions.
 #[derive(Debug)]
 pub struct Interface<'a> {
     structure: &'a Structure<'a>,
@@ -26,7 +27,7 @@ pub struct Interface<'a> {
 }
 
 impl<'a> Interface<'a> {
-    /// Looks at rows of a structure.
+    /// Analyses rows of a structure.
     ///
     /// # Errors
     /// A row that reaches beyond the structure's freedoms, or is empty.
@@ -97,12 +98,13 @@ impl<'a> Interface<'a> {
         Ok(interface)
     }
 
-    /// How many rigid motions of the structure the rows leave.
+    /// Number of rigid motions of the structure that the rows leave free.
     pub fn left(&self) -> usize {
         self.rigid - self.held.len().checked_div(self.rigid).unwrap_or(0)
     }
 
-    /// The freedoms, where every row is one and they hold the structure: these can simply be taken out.
+    /// The freedoms, if every row is a single freedom and together they hold the structure. Such freedoms can
+    /// be removed from the matrices.
     pub fn plain(&self) -> Option<Vec<u32>> {
         if self.left() > 0 {
             return None;
@@ -110,10 +112,10 @@ impl<'a> Interface<'a> {
         self.rows.iter().map(Load::plain).collect()
     }
 
-    /// Displacements with a unit displacement of each row, the others zero, loaded at the interface alone,
-    /// from the attachment modes A of its rows C: `u = A p + R α` with `Cᵀ u = eⱼ` and `Rᵀ C p = 0` (R: rigid
-    /// motions that the interface holds; motions that it leaves don't appear). With the flexibility `F = Cᵀ
-    /// A` and `S = Cᵀ R`: `α = (Sᵀ F⁻¹ S)⁻¹ Sᵀ F⁻¹ eⱼ`, `p = F⁻¹ (eⱼ − S α)`.
+    /// Displacements with a unit displacement of each row, the others zero, and loads at the interface alone.
+    /// They follow from the attachment modes A of its rows C: `u = A p + R α` with `Cᵀ u = eⱼ` and
+    /// `Rᵀ C p = 0`. R contains the rigid motions that the interface holds, and no others. With the
+    /// flexibility `F = Cᵀ A` and `S = Cᵀ R`, `α = (Sᵀ F⁻¹ S)⁻¹ Sᵀ F⁻¹ eⱼ`, `p = F⁻¹ (eⱼ − S α)`.
     ///
     /// # Errors
     /// When a row follows from others.
@@ -167,10 +169,10 @@ fn repeated(rows: &[Load], row: usize) -> FlexibleError {
     }
 }
 
-/// Refuses combinations that follow from each other.
+/// Refuses rows that follow from each other.
 ///
 /// # Errors
-/// With the number and label of one.
+/// The number and label of such a row.
 pub(super) fn independent(size: usize, rows: &[Load]) -> Result<(), FlexibleError> {
     let count = rows.len();
     let mut gram = Vec::with_capacity(count * count);

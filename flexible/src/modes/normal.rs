@@ -1,4 +1,4 @@
-//! Normal modes: free or supported as the structure is, or with freedoms held.
+//! Normal modes of a free or supported structure, also with further freedoms held.
 
 use super::interface::{Interface, independent};
 use super::{Load, Structure, applied};
@@ -6,36 +6,36 @@ use crate::error::FlexibleError;
 use crate::solve::factor::diagonal;
 use crate::solve::{EigenOptions, Modes, Shifted, SturmCount, lowest_modes, lowest_modes_from};
 
-/// An elastic mode's eigenvalue below this part of the typical ratio of the diagonals of stiffness and mass
+/// Part of the typical ratio of the diagonals of stiffness and mass, below which an elastic mode's eigenvalue
 /// is rounding.
 const LOOSE: f64 = 1e-12;
 
-/// What is held besides the structure's own supports.
+/// The directions held in addition to the structure's own supports.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub enum Boundary {
-    /// Nothing: free modes of a free body, supported ones of a supported body.
+    /// None: free modes of a free body, supported modes of a supported body.
     #[default]
     AsIs,
-    /// What these loads work on: fixed-interface modes. A freedom is taken out; a combination of freedoms is
-    /// held by a multiplier.
+    /// The displacements of these loads: fixed-interface modes. A single freedom is removed from the
+    /// matrices. A multiplier holds a combination of freedoms.
     Fixed(Vec<Load>),
 }
 
-/// Normal modes without rigid ones.
+/// Elastic normal modes.
 #[derive(Clone, Debug)]
 pub struct NormalModes {
     /// Eigenvalues (2π f)² (rad²/s²), ascending.
     pub eigenvalues: Vec<f64>,
     /// Vectors one after the other, `xᵀMx = 1`.
     pub vectors: Vec<f64>,
-    /// The proof that none is missing, rigid ones counted.
+    /// The proof that none is missing. It counts rigid modes too.
     pub sturm: SturmCount,
 }
 
-/// Finds the lowest normal modes. `request` counts elastic modes only.
+/// Computes the lowest normal modes. `request` counts elastic modes only.
 ///
 /// # Errors
-/// As [`lowest_modes`].
+/// Those of [`lowest_modes`].
 pub fn normal_modes(
     structure: &Structure,
     request: Modes,
@@ -44,10 +44,10 @@ pub fn normal_modes(
     normal_modes_from(None, structure, request, boundary)
 }
 
-/// As [`normal_modes`], with a factor of the structure that is there already.
+/// Like [`normal_modes`], with an existing factor of the structure.
 ///
 /// # Errors
-/// As [`lowest_modes`].
+/// Those of [`lowest_modes`].
 pub fn normal_modes_from(
     start: Option<Shifted>,
     structure: &Structure,
@@ -93,8 +93,8 @@ pub fn normal_modes_from(
     }
 }
 
-/// Modes with an interface held. Rigid motions that it leaves (axial motion and spin of collinear journals)
-/// are not counted.
+/// Modes with an interface held. Rigid motions that it leaves free (axial motion and spin of collinear
+/// journals) do not count.
 fn fixed(
     structure: &Structure,
     request: Modes,
@@ -104,7 +104,7 @@ fn fixed(
     let left = Interface::new(structure, rows)?.left();
     let mut held = vec![false; size];
     for freedom in rows.iter().filter_map(Load::plain) {
-        // in range: the interface was looked at
+        // in range: the interface was checked above
         if let Some(held) = held.get_mut(freedom as usize) {
             *held = true;
         }
@@ -148,7 +148,7 @@ fn fixed(
     };
     let found =
         lowest_modes(&stiffness, &mass, request, &options).map_err(|error| match error {
-            // the row's number among all freedoms
+            // converts the row's number to one among all freedoms
             FlexibleError::Singular {
                 row,
                 problem,

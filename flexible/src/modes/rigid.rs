@@ -1,4 +1,5 @@
-//! Rigid motions of a free structure: taking them out of vectors and loads, and freedoms that just hold them.
+//! Rigid motions of a free structure: their removal from vectors and loads, and the fewest freedoms that hold
+//! them.
 
 use super::{applied, products, subtract};
 use crate::error::FlexibleError;
@@ -37,7 +38,7 @@ impl Rigid {
         }
         let residual = check_stretch(stiffness, &motions)?;
         let count = motions.len() / size;
-        // Gram–Schmidt in the mass, twice for the digits
+        // Gram–Schmidt in the mass; the second pass removes the rounding of the first
         let mut inertial = Vec::new();
         for _ in 0..2 {
             inertial = applied(mass, &motions);
@@ -77,16 +78,16 @@ impl Rigid {
         })
     }
 
-    /// Takes rigid motion out of vectors: `u −= R RᵀM u`.
+    /// Removes rigid motion from vectors: `u −= R RᵀM u`.
     pub fn remove(&self, vectors: &mut [f64]) {
-        // twice: what the first leaves is rounding of what it took
+        // the second pass removes the rounding of the first
         for _ in 0..2 {
             let coefficients = products(self.size, &self.inertial, vectors);
             subtract(self.size, &self.motions, &coefficients, vectors);
         }
     }
 
-    /// Balances loads by the inertia of the rigid motion that they cause: `f −= M R Rᵀf`.
+    /// Balances loads with the inertia of the rigid motion that they cause: `f −= M R Rᵀf`.
     pub fn balance(&self, loads: &mut [f64]) {
         for _ in 0..2 {
             let coefficients = products(self.size, &self.motions, loads);
@@ -100,8 +101,8 @@ impl Rigid {
         self.residual
     }
 
-    /// The largest |eigenvalue| of `RᵀKR` (rad²/s²): zero but for the rounding of K, and about what that does
-    /// to every eigenvalue.
+    /// The largest |eigenvalue| of `RᵀKR` (rad²/s²). It is zero except for the rounding of K, and so
+    /// estimates the effect of this rounding on every eigenvalue.
     pub fn noise(&self) -> f64 {
         self.noise
     }
@@ -116,8 +117,8 @@ impl Rigid {
         self.motions.len() / self.size
     }
 
-    /// As many freedoms as there are rigid motions that hold these without more: the ones on which what is
-    /// left of the motions is largest, one after the other (elimination with complete pivoting).
+    /// Freedoms that hold the rigid motions, one for each motion. Each is the freedom with the largest
+    /// remaining motion (elimination with complete pivoting).
     pub fn holding_freedoms(&self) -> Vec<usize> {
         let count = self.count();
         let mut left = self.motions.clone();
@@ -171,7 +172,7 @@ pub fn residuals(stiffness: &SymmetricMatrix, motions: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Refuses motions that the stiffness resists; gives the largest of the [`residuals`].
+/// Refuses motions that the stiffness resists. Returns the largest of the [`residuals`].
 fn check_stretch(stiffness: &SymmetricMatrix, motions: &[f64]) -> Result<f64, FlexibleError> {
     let mut worst = 0.0f64;
     for (number, share) in residuals(stiffness, motions).into_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! A sum of modes as an orthonormal set.
+//! Makes a sum of modes an orthonormal set.
 
 use super::{Structure, applied, products, subtract};
 use crate::error::FlexibleError;
@@ -7,33 +7,35 @@ use crate::sparse::SymmetricOperator;
 use crate::sparse::product::TOGETHER;
 use serde::{Deserialize, Serialize};
 
-/// A vector is dropped when what the vectors before it leave of it has less than this part of its K-norm.
+/// Part of a vector's K-norm below which it is dropped, if earlier vectors leave no more of it.
 const DEPENDENCE: f64 = 1e-8;
 
-/// A vector of which less than this share of its energy is left is projected anew.
+/// Share of a vector's energy below which the vector is projected again, because rounding is then large.
 const SHRUNK: f64 = 1e-4;
 
-/// A vector is rigid when no more than this part of its largest component is left without its rigid motion.
+/// Part of a vector's largest component below which the vector is rigid, if no more is left without its rigid
+/// motion.
 const RIGID: f64 = 1e-9;
 
-/// A mode as it was found.
+/// A computed or given mode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
     /// `static main[2].x`, `normal 3`.
     pub label: String,
-    /// Over the free freedoms.
+    /// The vector over the free freedoms.
     pub vector: Vec<f64>,
-    /// Rounding of its entries, of the largest: zero for computed ones. What is left of it within ten times
-    /// that is noise.
+    /// Rounding of its entries, as a share of the largest. It is zero for computed modes. A remainder within
+    /// ten times this rounding is noise.
     pub noise: f64,
 }
 
-/// A mode that is left out.
+/// A dropped mode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dropped {
     /// Its label.
     pub label: String,
-    /// The part of its K-norm that the others leave; zero for one that does not strain the structure.
+    /// The part of its K-norm outside the span of the others. Zero for a mode that does not strain the
+    /// structure.
     pub remains: f64,
 }
 
@@ -44,14 +46,14 @@ pub struct ModeSet {
     pub vectors: Vec<f64>,
     /// ω² (rad²/s²), ascending.
     pub eigenvalues: Vec<f64>,
-    /// ΦᵀKΦ (rad²/s²) as it came out, by rows: diagonal but for rounding.
+    /// The computed ΦᵀKΦ (rad²/s²) by rows: diagonal except for rounding.
     pub stiffness: Vec<f64>,
-    /// Labels of the modes that went into the set.
+    /// Labels of the modes in the set.
     pub sources: Vec<String>,
-    /// For each mode (one row each) its amplitudes in the sources, each of unit strain energy as the mode is:
-    /// φ = Σ cⱼ vⱼ. A row's squares add to one where the sources are orthogonal in K.
+    /// For each mode one row of its amplitudes in the sources: φ = Σ cⱼ vⱼ. Mode and sources have unit strain
+    /// energy. The squares of a row sum to one if the sources are orthogonal in K.
     pub amplitudes: Vec<f64>,
-    /// What was left out.
+    /// The dropped modes.
     pub dropped: Vec<Dropped>,
 }
 
@@ -74,10 +76,10 @@ impl ModeSet {
             .collect()
     }
 
-    /// Makes the set that spans the candidates. Rigid motion is taken out of those of a free structure. Each
-    /// is scaled to unit strain energy, made orthogonal in K to those before it (twice, for the digits) and
-    /// dropped where nothing is left: never by frequency, which would destroy what static modes are for. A
-    /// small eigenproblem of the mass then gives the set.
+    /// Makes the set that spans the candidates. In a free structure rigid motion is removed first. Each
+    /// candidate is scaled to unit strain energy and made orthogonal in K to those before it, twice against
+    /// rounding. It is dropped if nothing remains. Its frequency never decides, because stiff static modes
+    /// are needed for exact static answers. A small eigenproblem of the mass then gives the set.
     ///
     /// # Errors
     /// When a vector has another length than the structure has freedoms, or is not finite.
@@ -146,17 +148,17 @@ impl ModeSet {
     }
 }
 
-/// K-orthonormal vectors, as they are gathered.
+/// A growing basis of K-orthonormal vectors.
 #[derive(Default)]
 struct Basis {
     vectors: Vec<f64>,
     /// Their products with K.
     forces: Vec<f64>,
-    /// Each source at unit energy, in the basis up to itself.
+    /// Each source at unit energy, as amplitudes in the basis up to itself.
     triangle: Vec<Vec<f64>>,
 }
 
-/// A candidate on its way into the basis.
+/// A candidate for the basis.
 struct Entering {
     label: String,
     noise: f64,
@@ -167,8 +169,9 @@ struct Entering {
 }
 
 impl Basis {
-    /// Takes up what a group of candidates adds, in their order. Products with K and with the basis are those
-    /// of the whole group at once; forces go with the vectors, as long as these keep enough of themselves.
+    /// Adds a group of candidates to the basis, in their order. Products with K and with the basis are
+    /// computed for the whole group at once. Forces are updated together with the vectors, as long as enough
+    /// of the vectors remains.
     fn take_up(
         &mut self,
         structure: &Structure,
@@ -199,7 +202,7 @@ impl Basis {
             self.project(size, first, vector, force, &mut entering.along);
             let mut left = energy(vector, force);
             if left < SHRUNK {
-                // what is left may be rounding of what was taken: once more, against all
+                // the remainder may be rounding of the removed part, so it is projected again against all
                 structure.stiffness.apply(1, vector, force);
                 self.project(size, 0, vector, force, &mut entering.along);
                 structure.stiffness.apply(1, vector, force);
@@ -225,8 +228,7 @@ impl Basis {
         Ok(())
     }
 
-    /// Takes out of a vector, and of its force, what lies along the basis from `first` on, twice for the
-    /// digits.
+    /// Removes from a vector and its force the part along the basis from `first` on, twice against rounding.
     fn project(
         &self,
         size: usize,
@@ -255,7 +257,7 @@ impl Basis {
     }
 }
 
-/// Candidates without their rigid motion, one after the other; those that are nothing else are dropped.
+/// Candidates without their rigid motion, one after the other. Purely rigid ones are dropped.
 fn elastic(
     structure: &Structure,
     group: Vec<Candidate>,
@@ -292,7 +294,7 @@ fn elastic(
             &mut vectors,
             set,
             |entering, vector| {
-                // what is left of a rigid motion is rounding
+                // the remainder of a rigid motion is rounding
                 largest(vector) > RIGID.max(10.0 * entering.noise) * entering.largest
             },
         );
@@ -300,7 +302,8 @@ fn elastic(
     Ok((entering, vectors))
 }
 
-/// Scales vectors and their forces to unit strain energy; what does not strain the structure is dropped.
+/// Scales vectors and their forces to unit strain energy. Vectors that do not strain the structure are
+/// dropped.
 fn scale_to_unit_energy(
     size: usize,
     entering: &mut Vec<Entering>,
@@ -325,8 +328,8 @@ fn scale_to_unit_energy(
     *forces = kept;
 }
 
-/// Keeps those candidates and their vectors that a test says, in their order; the others are dropped without
-/// remains.
+/// Keeps the candidates (with their vectors, in their order) that pass a test. The others are dropped with
+/// zero remains.
 fn keep(
     size: usize,
     entering: &mut Vec<Entering>,
@@ -356,7 +359,7 @@ fn keep(
     vectors.truncate(kept * size);
 }
 
-/// `x·f`, not below zero.
+/// `x·f`, at least zero.
 fn energy(vector: &[f64], force: &[f64]) -> f64 {
     let energy: f64 = vector.iter().zip(force).map(|(x, f)| x * f).sum();
     energy.max(0.0)
@@ -374,7 +377,8 @@ fn add_to(sum: &mut Vec<f64>, x: &[f64]) {
     }
 }
 
-/// Solves `T c = y` with an upper triangle by columns: from amplitudes in the basis to those in the sources.
+/// Solves `T c = y` with an upper triangle by columns. This converts amplitudes in the basis to those in the
+/// sources.
 fn in_sources(triangle: &[Vec<f64>], y: &[f64]) -> Vec<f64> {
     let mut rest = y.to_vec();
     for (index, column) in triangle.iter().enumerate().rev() {

@@ -1,4 +1,4 @@
-//! Static modes: attachment modes (a unit load each) and constraint modes (a unit displacement each).
+//! Static modes: attachment modes (each for a unit load) and constraint modes (each for a unit displacement).
 
 use super::interface::Interface;
 use super::{Load, Structure, applied};
@@ -8,9 +8,10 @@ use crate::solve::{Analysis, Definiteness, Factorization, Shifted};
 use crate::sparse::SymmetricMatrix;
 use std::sync::Arc;
 
-/// Steps of [`corrected`], at most.
+/// Most steps of [`corrected`].
 const MOST_STEPS: usize = 7;
-/// Energy of what is missing, of the first step's, at which one more step is the last.
+/// Energy of the remaining error, as a share of that of the first step, below which one more step is the
+/// last.
 const ENOUGH: f64 = 1e-18;
 
 /// Solves `K u = f` for several loads, one after the other in `vectors`, which become the displacements.
@@ -55,9 +56,9 @@ fn solve(
     Ok(())
 }
 
-/// Attachment modes: the displacement under each unit load. A free structure's loads are balanced by the
-/// inertia of the rigid motion they cause (inertia relief), and rigid motion is taken out of the
-/// displacements (mean axes).
+/// Attachment modes: the displacement under each unit load. In a free structure the inertia of the rigid
+/// motion that the load causes balances it (inertia relief). Rigid motion is removed from the displacements
+/// (mean axes).
 ///
 /// # Errors
 /// [`FlexibleError::Singular`] when the structure is a mechanism.
@@ -65,11 +66,11 @@ pub fn attachment_modes(structure: &Structure, loads: &[Load]) -> Result<Vec<f64
     attachment_modes_by(&mut None, structure, loads)
 }
 
-/// As [`attachment_modes`], by a factor of `K − σ M` where it is near enough to K; it is gone where it is
-/// not.
+/// Like [`attachment_modes`], with a factor of `K − σ M` if it is near enough to K. If not, it drops this
+/// factor and its memory.
 ///
 /// # Errors
-/// As [`attachment_modes`].
+/// Those of [`attachment_modes`].
 pub fn attachment_modes_by(
     near: &mut Option<Shifted>,
     structure: &Structure,
@@ -106,11 +107,12 @@ pub fn attachment_modes_by(
     Ok(vectors)
 }
 
-/// Solves `K u = f` for loads one after the other with a factor of `A = K − σ M`: conjugate gradients
-/// preconditioned by A, each load for itself. The eigenvalues of `A⁻¹K` over elastic motions are λ/(λ + |σ|),
-/// so that a step gains about the factor 4 λ₁/|σ|. With the remainder r of the loads, `rᵀA⁻¹r` is about the
-/// energy of what is missing: below 1e-18 of the first one a last step by A alone takes all of it but the
-/// part |σ|/λ₁. None where the steps don't suffice: σ is not small enough, or a load meets no resistance.
+/// Solves `K u = f` for several loads with a factor of `A = K − σ M`. It uses conjugate gradients
+/// preconditioned by A, separately for each load. The eigenvalues of `A⁻¹K` over elastic motions are λ/(λ +
+/// |σ|), so a step reduces the error by about the factor 4 λ₁/|σ|. With the remainder r of a load, `rᵀA⁻¹r`
+/// is about the energy of the error. Once it is below 1e-18 of the first one, a last step by A alone removes
+/// all of it except the part |σ|/λ₁. `None` if the steps do not suffice: σ is not small enough, or a load
+/// meets no resistance.
 fn corrected(
     structure: &Structure,
     near: &Shifted,
@@ -133,7 +135,7 @@ fn corrected(
         let forces = applied(structure.stiffness, &step);
         let resisted = columns(&step, &forces);
         for (index, (missing, resisted)) in missing.iter().zip(&resisted).enumerate() {
-            // nothing is missing of an empty load
+            // the solution of an empty load is exactly zero
             let length = if *missing > 0.0 {
                 missing / resisted
             } else {
@@ -175,10 +177,10 @@ fn add(y: &mut [f64], factor: f64, x: &[f64]) {
     }
 }
 
-/// Constraint modes: the displacement for a unit displacement of each row of `interface`, the others of them
-/// held and all else unloaded (R. R. Craig, M. C. C. Bampton, AIAA Journal 6 (1968) 1313). Their span holds
-/// the rigid motions of a free body that the interface holds; from those that it leaves (spin of collinear
-/// journals) the modes are free.
+/// Constraint modes: the displacement for a unit displacement of each row of `interface`, with the other rows
+/// held and all other freedoms unloaded (R. R. Craig, M. C. C. Bampton, AIAA Journal 6 (1968) 1313). Their
+/// span contains the rigid motions of a free body that the interface holds. They contain no part of the rigid
+/// motions that it leaves free, such as the spin of collinear journals.
 ///
 /// # Errors
 /// [`FlexibleError::Singular`] when the structure is a mechanism, a row that follows from others.
@@ -193,7 +195,7 @@ pub fn constraint_modes(
     }
 }
 
-/// The same for freedoms that hold the structure.
+/// Constraint modes for an interface of freedoms that hold the structure.
 fn by_freedoms(structure: &Structure, interface: &[u32]) -> Result<Vec<f64>, FlexibleError> {
     let size = structure.size();
     let mut held = vec![false; size];

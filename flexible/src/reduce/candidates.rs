@@ -1,4 +1,4 @@
-//! The modes that the terms of a request ask for.
+//! The modes of the terms of a request.
 
 use super::interface::{MarkerFreedom, MarkerFreedoms, at_marker};
 use super::report::{Report, Served, UNSERVED, Unserved};
@@ -13,7 +13,7 @@ use crate::modes::{Boundary, Candidate, Load, ModeSet, Structure, given};
 use crate::solve::Shifted;
 use std::borrow::Cow;
 
-/// What modes are looked for in.
+/// The structure and data for the computation of modes.
 pub(super) struct Candidates<'a> {
     pub structure: &'a Structure<'a>,
     pub markers: &'a MarkerFreedoms<'a>,
@@ -22,20 +22,20 @@ pub(super) struct Candidates<'a> {
     pub report: &'a mut Report,
 }
 
-/// Modes in the order of the terms, and what was asked.
+/// Modes in the order of the terms, and the requested loads.
 pub(super) struct Found {
     pub candidates: Vec<Candidate>,
     pub asked: Asked,
 }
 
-/// Loads asked about, each with its static strain energy (twice, J).
+/// Requested loads, each with twice its static strain energy (J).
 pub(super) struct Asked {
     loads: Vec<(MarkerFreedom, Load, f64)>,
 }
 
 impl Asked {
-    /// Those of which the set does not span the static answer: with orthonormal modes it has Σ (φᵀf)² / ω² of
-    /// the energy fᵀu.
+    /// The loads whose static answer the set does not span. With orthonormal modes the set has Σ (φᵀf)² / ω²
+    /// of the energy fᵀu.
     pub fn unserved(&self, structure: &Structure, set: &ModeSet) -> Vec<Unserved> {
         let size = structure.size().max(1);
         self.loads
@@ -62,8 +62,8 @@ impl Asked {
 }
 
 impl Candidates<'_> {
-    /// Finds them. All static answers come first, of one factor that is gone before the normal modes need
-    /// theirs.
+    /// Computes the modes. All static answers come first and share one factor. Its memory is free before the
+    /// normal modes need a factor of their own.
     pub fn find(&mut self, terms: &[Term], asked: &[Interface]) -> Result<Found, FlexibleError> {
         let size = self.structure.size().max(1);
         let mut loads = Vec::new();
@@ -101,7 +101,7 @@ impl Candidates<'_> {
         } else {
             if shares {
                 let (stiffness, mass) = (self.structure.stiffness, self.structure.mass);
-                // what is wrong where it fails is told by who can't do without
+                // a failure is no error here: the computation that needs this factor reports it
                 factor = Shifted::new(stiffness, mass, &self.structure.analysis()?).ok();
             }
             attachment_modes_by(&mut factor, self.structure, &loads)?
@@ -160,7 +160,7 @@ impl Candidates<'_> {
         })
     }
 
-    /// Normal modes, found or given.
+    /// Normal modes, computed or given.
     fn dynamic(
         &mut self,
         term: &Term,

@@ -25,15 +25,14 @@ pub(super) struct MarkerFreedom {
     pub marker: usize,
     /// Along or about an axis of the marker.
     pub component: u8,
-    /// What it is of the full freedoms, which are along the mesh's axes: freedom, component, factor.
+    /// Its parts in the full freedoms, which are along the mesh's axes: freedom, component, factor.
     pub parts: Vec<(usize, u8, f64)>,
 }
 
 /// Factors below this are rounding of the axes.
 const ALONG: f64 = 1e-12;
 
-/// The direction cosines of a marker's axis in the mesh, without rounding where the axis is one of the
-/// mesh's.
+/// The direction cosines of a marker's axis in the mesh, without rounding if it is an axis of the mesh.
 fn cosines(axes: &[f64; 9], axis: u8) -> [f64; 3] {
     [0, 1, 2].map(|row| {
         let x = axes
@@ -118,14 +117,14 @@ impl MarkerFreedoms<'_> {
         Ok(found)
     }
 
-    /// What a support holds of its node, along the mesh's axes.
+    /// The components of its node that a support holds, along the mesh's axes.
     pub fn support(&self, support: &Interface) -> Result<Support, FlexibleError> {
         let mut components = 0;
         for freedom in self.freedoms(support)? {
             let whole = 0b111 << (freedom.component / 3 * 3);
             match freedom.parts.as_slice() {
                 [(_, own, _)] => components |= 1 << own,
-                // all three directions, along whichever axes
+                // all three directions together are the same in any axes
                 _ if support.components & whole == whole => components |= whole,
                 _ => {
                     return Err(FlexibleError::Structure {
@@ -181,7 +180,7 @@ impl MarkerFreedoms<'_> {
     }
 }
 
-/// An error of a row as one of the marker whose freedom the row is.
+/// An error about a row, as an error about the row's marker.
 pub(super) fn at_marker(error: FlexibleError, freedoms: &[MarkerFreedom]) -> FlexibleError {
     match error {
         FlexibleError::Row { row, .. } => match freedoms.get(row) {

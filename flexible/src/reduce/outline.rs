@@ -1,4 +1,4 @@
-//! A flexible body before it is reduced: what it weighs and where its markers stand.
+//! A flexible body before its reduction: its mass, and the positions of its markers.
 
 use super::{Request, matrices};
 use crate::error::FlexibleError;
@@ -12,26 +12,25 @@ use serde::{Deserialize, Serialize};
 
 /// Frequency (Hz) of the motions of markers in [`Outline::loose`]: that of stiff static modes.
 const STIFF: f64 = 2e4;
-/// Share of the body's inertia that one of them moves.
+/// Share of the body's inertia that one such motion has.
 const SHARE: f64 = 1e-3;
 
-/// A body as a rigid one, of the mass and inertia that its mesh has, with its markers where the mesh has
-/// them.
+/// A rigid outline of a body: the mass and inertia of its mesh, and the positions of its markers in the mesh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outline {
     /// Mass, first moment and inertia about the frame's origin.
     mass: RigidMass,
-    /// Name and place (m) of each marker.
+    /// Name and position (m) of each marker.
     markers: Vec<(String, [f64; 3])>,
-    /// Whether the node of each marker can turn.
+    /// Whether the node of each marker has rotations.
     pub turns: Vec<bool>,
 }
 
-/// Looks at a mesh in SI without reducing it: elements and matrices are put together, modes are not computed.
+/// The outline of a mesh in SI. It assembles elements and matrices and computes no modes.
 ///
 /// # Errors
-/// Those of [`super::reduce`] that show before modes are computed: meshes that make no sense, markers that
-/// are not there, matrices that don't fit the mesh.
+/// Those of [`super::reduce`] before the computation of modes: meshes that are no structure, missing markers,
+/// matrices that don't fit the mesh.
 pub fn outline(mut mesh: Mesh, request: &Request) -> Result<Outline, FlexibleError> {
     let nodal = match &request.matrices {
         Some(foreign) => Some(foreign.nodal(&mesh)?),
@@ -55,13 +54,13 @@ pub fn outline(mut mesh: Mesh, request: &Request) -> Result<Outline, FlexibleErr
 }
 
 impl Outline {
-    /// As a rigid body: one without modes.
+    /// The outline as a rigid body, without modes.
     pub fn rigid(&self) -> ReducedBody {
         self.with_modes(0)
     }
 
-    /// As a body whose markers move and turn each by itself, stiffly: joints on it hold nothing that they
-    /// would not hold on the flexible body, and loops that its bending closes can be closed.
+    /// The outline as a body whose markers move and turn independently, with high stiffness. So joints do not
+    /// hold more than on the flexible body, and loops that need its bending can close.
     pub fn loose(&self) -> ReducedBody {
         self.with_modes(6 * self.markers.len())
     }

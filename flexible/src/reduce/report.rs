@@ -1,11 +1,11 @@
-//! What a reduction found, for tables and lints.
+//! The results of a reduction for tables and lints.
 
 use crate::fe::RigidMass;
 use crate::modes::Dropped;
 use crate::solve::SturmCount;
 use serde::{Deserialize, Serialize};
 
-/// What a reduction found, for tables.
+/// The results of a reduction, for tables.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Report {
     /// Nodes of the mesh.
@@ -18,27 +18,27 @@ pub struct Report {
     pub sources: Vec<String>,
     /// Modes left out because others span them.
     pub dropped: Vec<Dropped>,
-    /// That no normal mode was missed, one a term of normal modes.
+    /// The proofs that no normal mode is missing, one for each term of normal modes.
     pub sturm: Vec<SturmCount>,
-    /// Whether the body is held: by the request, or because the foreign matrices are those of a held
-    /// structure.
+    /// Whether the body is held, by the request or because the foreign matrices belong to a held structure.
     pub supported: bool,
     /// The largest part of the forces of a rigid motion, freedom by freedom, that the stiffness does not
-    /// cancel: the rounding of its entries. About 1e-16 for own matrices, 1e-14 for files of 14 digits, 1e-10
-    /// for those of 10; zero where it can't be told, for foreign matrices of a held structure.
+    /// cancel. It measures the rounding of the entries: about 1e-16 for own matrices, 1e-14 for files of 14
+    /// digits, 1e-10 for files of 10. It is zero for foreign matrices of a held structure, where it is
+    /// unknown.
     pub rigid_residual: f64,
-    /// What a user should know, a sentence each.
+    /// Warnings for the user, one sentence each.
     pub warnings: Vec<String>,
     /// The modes, by ascending frequency.
     pub modes: Vec<ModeReport>,
-    /// Mass properties as the mass matrix has them.
+    /// Mass properties of the mass matrix.
     pub body: BodyMass,
-    /// The same from the volumes of elements between their corners, their densities and the point masses;
-    /// `None` for a mesh without such elements.
+    /// Mass properties from the volumes of elements between their corners, their densities and the point
+    /// masses. `None` for a mesh without such elements.
     pub estimate: Option<BodyMass>,
-    /// Which interface motion each static mode serves, in the order of the terms.
+    /// The interface motion of each static mode, in the order of the terms.
     pub served: Vec<Served>,
-    /// Loads asked about that the modes do not serve.
+    /// Requested loads without a mode.
     pub unserved: Vec<Unserved>,
 }
 
@@ -47,14 +47,14 @@ pub struct Report {
 pub struct ModeReport {
     /// Undamped frequency (Hz).
     pub frequency: f64,
-    /// What it is made of: `normal 3`, or `static main[2].y 81 %, normal 4 17 %`.
+    /// Its sources in words: `normal 3`, or `static main[2].y 81 %, normal 4 17 %`.
     pub description: String,
-    /// The sources it is made of most: index into [`Report::sources`] and part of the sum of squared
-    /// amplitudes, each source being of the mode's own strain energy.
+    /// Its main sources: index into [`Report::sources`] and part of the sum of squared amplitudes, with each
+    /// source scaled to the mode's own strain energy.
     pub sources: Vec<(usize, f64)>,
     /// Effective modal masses (kg; kg m² about the centre of mass) in x, y, z and about these: `(Rᵀ M φ)²`.
-    /// Over all modes of a held body they add to its mass and inertia as far as that moves; in the mean axes
-    /// of a free one they vanish.
+    /// Over all modes of a held body they sum to the mass and inertia that can move. In the mean axes of a
+    /// free body they vanish.
     pub effective_mass: [f64; 6],
 }
 
@@ -88,7 +88,7 @@ impl From<RigidMass> for BodyMass {
     }
 }
 
-/// A static mode and the motion of a marker it is there for.
+/// A static mode and the motion of a marker that it serves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Served {
     /// Label of the mode: `static main[2].y`.
@@ -97,15 +97,15 @@ pub struct Served {
     pub marker: usize,
     /// Component 0…5 in basic axes.
     pub component: u8,
-    /// Displacement (m, rad) there under a unit load (N, N m), the rest of the body balancing it by its
-    /// inertia or supports; `None` for the constraint modes of an interface of freedoms, which are found
-    /// without loads.
+    /// Displacement (m, rad) there under a unit load (N, N m), which the inertia of the body or its supports
+    /// balance. `None` for the constraint modes of an interface of freedoms, which are computed without
+    /// loads.
     pub flexibility: Option<f64>,
-    /// Whether it is in the set, rather than spanned by the modes before it.
+    /// Whether it is in the set. If not, modes before it span it.
     pub kept: bool,
 }
 
-/// A load that the modes don't serve.
+/// A load without a mode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Unserved {
     /// `main[2].rz`.
@@ -118,12 +118,12 @@ pub struct Unserved {
     pub missing: f64,
 }
 
-/// More than this part of a load's strain energy missing: the load is not served.
+/// Part of a load's strain energy above which the set does not serve the load, if this part is missing.
 pub(super) const UNSERVED: f64 = 1e-6;
 
 impl Report {
-    /// The loads at a marker's components (bits 0…5) that were asked about ([`super::Request::asked`]) and
-    /// that the set does not serve.
+    /// The requested loads ([`super::Request::asked`]) at a marker's components (bits 0…5) without a mode in
+    /// the set.
     pub fn unserved(&self, marker: usize, components: u8) -> Vec<&Unserved> {
         self.unserved
             .iter()
@@ -132,7 +132,7 @@ impl Report {
     }
 }
 
-/// Sources of a mode by their part of its squared amplitudes, and in words.
+/// Sources of a mode with their part of its squared amplitudes, and the description in words.
 pub(super) fn described(sources: &[String], amplitudes: &[f64]) -> (Vec<(usize, f64)>, String) {
     let sum: f64 = amplitudes.iter().map(|x| x * x).sum();
     let parts = amplitudes
