@@ -1,4 +1,4 @@
-//! The assembled models of a program: what no text shows, and where their markers are.
+//! The assembled models of a program: findings that need an assembly, and the positions of markers.
 
 use crate::analysis::{Analysis, Findings};
 use crate::counted::counted;
@@ -15,29 +15,30 @@ use std::sync::Arc;
 /// The findings of an assembly of all models.
 #[derive(Clone, Debug, Default)]
 pub struct Assembled {
-    /// Loops that stay open, equations that repeat each other; their places are in the texts of the program.
+    /// Messages about open loops and repeated equations, with places in the texts of the program.
     pub diagnostics: Diagnostics,
-    /// A line a model (`Inline4: 11 bodies …, 5 journals …`) and a line an analysis: its freedoms.
+    /// A line for each model (`Inline4: 11 bodies …, 5 journals …`), and a line with the freedoms of each
+    /// analysis.
     pub facts: Vec<String>,
 }
 
-/// Where the markers of a model are, as assembled.
+/// Positions of the markers of an assembled model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Positions {
-    /// The analyses that begin so.
+    /// The analyses with this start.
     pub analyses: Vec<String>,
     /// All markers that the text states, and the origins of the bodies.
     pub markers: Vec<PlacedMarker>,
 }
 
-/// Where a marker is.
+/// The position of a marker.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PlacedMarker {
     /// Path of its body; `ground`.
     pub body: String,
     /// Its path: `crank.pin[2]`.
     pub marker: String,
-    /// Its place in the ground's axes (m).
+    /// Its position in the ground's axes (m).
     pub position: [f64; 3],
 }
 
@@ -68,16 +69,17 @@ pub fn json_with_positions(
 }
 
 impl Program {
-    /// Assembles all models as their analyses begin, with rigid bodies in place of flexible ones, and counts their freedoms.
+    /// Assembles all models at the start of their analyses, with rigid bodies in place of flexible ones.
+    /// Counts their freedoms.
     ///
     /// # Errors
-    /// What no change of the text mends: no memory for code.
+    /// Failures that no change of the text can repair: no memory for code.
     pub fn assemble(&self) -> Result<Assembled, Error> {
         let mut found = Assembled::default();
         for name in self.models() {
             match self.outlined(name) {
                 Ok(model) => found.facts.push(model.summary()),
-                // a mesh that reads well may still make no structure
+                // a readable mesh may still be no structure
                 Err(Error::Report(report)) => {
                     found.diagnostics.extend(report.diagnostics().clone());
                 }
@@ -102,14 +104,16 @@ impl Program {
             let turned = heard.take(&analysis);
             match topology(self, name, &analysis) {
                 Ok((report, bends)) => {
-                    // of analyses that differ in loads and speeds alone one is turned; a body that must bend is no geometry
+                    // analyses with the same system share one dry turn; a machine that needs bending has no
+                    // turn by geometry
                     let model = Arc::as_ptr(&analysis.model().compiled().system);
                     let geometry = (model, analysis.geometry()?);
                     if !bends && !geometries.contains(&geometry) {
                         geometries.push(geometry);
                         let hanging = analysis.hanging()?;
                         found.tell(hanging.iter());
-                        // what falls tumbles, and a turn of it comes to no lock that is one of its lengths
+                        // a falling machine tumbles, so a lock in its turn would say nothing about its
+                        // lengths
                         if hanging.is_none() {
                             let lock = match turned {
                                 Some(turned) => analysis.lock(turned)?,
@@ -130,7 +134,7 @@ impl Program {
         Ok(found)
     }
 
-    /// Where the markers of the models are at the start of their analyses, as assembled; analyses that begin alike share an entry.
+    /// Positions of the markers at the start of the analyses. Analyses with the same start share an entry.
     ///
     /// # Errors
     /// A model that does not assemble.
@@ -159,7 +163,7 @@ impl Program {
 }
 
 impl Assembled {
-    /// Adds messages, each mistake once: analyses of one model fail alike.
+    /// Adds messages, each mistake once, because all analyses of one model have it.
     fn tell<'d>(&mut self, messages: impl Iterator<Item = &'d eng_grammar::Diagnostic>) {
         for message in messages {
             if !self.diagnostics.iter().any(|known| known == message) {
@@ -169,7 +173,7 @@ impl Assembled {
     }
 }
 
-/// The line of an analysis that assembles.
+/// The line about an assembled analysis.
 fn assembles(analysis: &Analysis, report: &TopologyReport, bends: bool) -> String {
     let name = analysis.name();
     let equations = counted(
@@ -190,8 +194,9 @@ fn assembles(analysis: &Analysis, report: &TopologyReport, bends: bool) -> Strin
     }
 }
 
-/// Whether an analysis of a model with rigid bodies in place of flexible ones assembles; if it does not, whether it does where the markers
-/// of these may move: joints may hold a body that bends in more ways than a rigid one.
+/// Assembles an analysis with rigid bodies in place of flexible ones. If this fails, it assembles it with
+/// movable markers on these bodies, because joints may hold more directions of a flexible body than of a
+/// rigid one.
 fn topology(
     program: &Program,
     name: &str,
@@ -210,17 +215,17 @@ fn topology(
     }
 }
 
-/// What lints say of all analyses of a program.
+/// The lints of all analyses of a program.
 #[derive(Default)]
 struct Heard {
     told: Vec<Finding>,
-    /// By model and its constants: the system, and the acceptances that something needed with what they accept.
+    /// For each model with its constants: the system, and the used acceptances with their findings.
     models: Vec<(Arc<System>, Vec<Covered>)>,
 }
 
 impl Heard {
-    /// Takes the findings of an analysis, and gives its dry turn where a lint made one. Parameters that cannot
-    /// be used are reported elsewhere.
+    /// Collects the findings of an analysis. Returns its dry turn if a lint made one. Another stage reports
+    /// unusable parameters.
     fn take(&mut self, analysis: &Analysis) -> Option<Result<Turned, RuntimeError>> {
         let Findings {
             list: mut findings,
@@ -249,7 +254,7 @@ impl Heard {
         turned
     }
 
-    /// Tells each thing once, and what the text accepts.
+    /// Adds each finding once, and the list of acceptances.
     fn tell(&self, assembled: &mut Assembled) {
         for diagnostic in diagnostics(&self.told) {
             assembled.diagnostics.push(diagnostic);
@@ -262,7 +267,7 @@ impl Heard {
                     assembled.facts.push(line);
                 }
             }
-            // a place that one instance or one model needs is needed
+            // an acceptance is needed if one instance or one model needs it
             for (accepted, needed) in needed(system, heard) {
                 match places.iter_mut().find(|(known, _)| known.at == accepted.at) {
                     Some((_, known)) => *known |= needed,

@@ -1,4 +1,4 @@
-//! What an embedding program has to deal with.
+//! Errors for programs that embed Eng.
 
 use crate::quantity::QuantityError;
 use eng_grammar::{Diagnostics, SourceMap};
@@ -61,7 +61,7 @@ pub enum Error {
         /// Written alike.
         nearest: Option<String>,
     },
-    /// A handle of a parameter or channel that another model gave.
+    /// A handle of a parameter or channel of another model.
     #[error("the handle is of another model")]
     OtherModel,
     /// A parameter that the analysis itself varies.
@@ -86,7 +86,7 @@ pub enum Error {
         /// A unit that fits.
         unit: String,
     },
-    /// A value that is counted from a zero for a parameter that is a difference: 20 degC for a rise of temperature.
+    /// A value in a unit with a shifted zero for a difference, such as 20 degC for a rise of temperature.
     #[error(
         "{path} is a difference, the value is counted from the zero of its unit: write it in {unit}"
     )]
@@ -107,7 +107,7 @@ pub enum Error {
         /// The cause with its places in the text.
         report: Report,
     },
-    /// The system has no memory for machine code, or the machine is not one that code can be made for.
+    /// The system has no memory for machine code, or the processor is not supported.
     #[error(transparent)]
     Code(#[from] eng_compiler::generate::CodegenError),
     /// Files.
@@ -116,7 +116,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// The messages of a text that is wrong or a model that does not run; none of other errors.
+    /// The messages about a wrong text or a failed model; `None` for other errors.
     pub fn report(&self) -> Option<&Report> {
         match self {
             Error::Report(report) | Error::Run { report, .. } => Some(report),
@@ -129,7 +129,7 @@ impl Error {
         matches!(self, Error::Run { cause, .. } if matches!(**cause, eng_runtime::RuntimeError::Stopped(_)))
     }
 
-    /// The same with a note under each message.
+    /// The error with a note under each message.
     pub(crate) fn with_note(mut self, note: &str) -> Error {
         if let Error::Report(report) | Error::Run { report, .. } = &mut self {
             let mut noted = Diagnostics::new();
@@ -149,7 +149,7 @@ fn hint(nearest: &Option<String>) -> String {
     }
 }
 
-/// Messages with the texts that they point into.
+/// Messages with their texts.
 #[derive(Clone, Debug)]
 pub struct Report {
     texts: Arc<SourceMap>,

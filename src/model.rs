@@ -1,4 +1,4 @@
-//! Compiled models and handles to what is in them.
+//! Compiled models, and handles to their parameters and channels.
 
 use crate::counted::counted;
 use crate::{Error, Quantity};
@@ -14,11 +14,11 @@ pub struct Model {
     compiled: Compiled,
     texts: Arc<SourceMap>,
     reductions: Arc<[crate::Reduction]>,
-    /// Equal for models whose handles mean the same.
+    /// Equal for models with interchangeable handles.
     handles: u64,
 }
 
-/// A number of a model that can be set without compiling again.
+/// A number of a model that can change without compiling again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parameter {
     pub(crate) index: usize,
@@ -34,7 +34,7 @@ pub struct Channel {
     model: u64,
 }
 
-/// What is known about a parameter.
+/// Description of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterInfo {
     /// `main[5].radial_clearance`.
@@ -47,7 +47,7 @@ pub struct ParameterInfo {
     pub limits: (f64, f64),
 }
 
-/// What is known about a channel.
+/// Description of a channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChannelInfo {
     /// `main[5].force.x`.
@@ -56,7 +56,7 @@ pub struct ChannelInfo {
     pub dimension: Dimension,
     /// How it is shown.
     pub display: DisplayUnit,
-    /// The axes that a component is along, as a path; empty for a scalar.
+    /// The axes of a component, as a path; empty for a scalar.
     pub frame: String,
 }
 
@@ -74,7 +74,7 @@ impl Model {
         }
     }
 
-    /// Its flexible bodies as they were reduced.
+    /// The reductions of its flexible bodies.
     pub fn reductions(&self) -> &[crate::Reduction] {
         &self.reductions
     }
@@ -187,13 +187,13 @@ impl Model {
         )
     }
 
-    /// Whether bodies that bend are here by their outlines alone.
+    /// Whether rigid outlines replace the flexible bodies.
     pub(crate) fn is_outlined(&self) -> bool {
         let flexible = |body: &Body| matches!(body.inertia, BodyInertia::Flexible(_));
         self.reductions.is_empty() && self.compiled.system.bodies.iter().any(flexible)
     }
 
-    /// What a count of velocities or freedoms leaves out.
+    /// A note on the modes that a count of velocities or freedoms leaves out.
     pub(crate) fn besides(&self) -> &'static str {
         match self.is_outlined() {
             true => " besides those of modes",
@@ -212,7 +212,7 @@ impl Model {
             .collect()
     }
 
-    /// The index of a channel; one of another model is refused.
+    /// The index of a channel. Refuses a channel of another model.
     pub(crate) fn index_of(&self, channel: Channel) -> Result<usize, Error> {
         if channel.model == self.handles {
             Ok(channel.index)
@@ -221,8 +221,8 @@ impl Model {
         }
     }
 
-    /// A parameter's value (SI); a wrong dimension, a unit with a zero of its own for a difference, and a parameter
-    /// of another model are refused.
+    /// A parameter's value (SI). Refuses a wrong dimension, a unit with a shifted zero for a difference, and
+    /// a parameter of another model.
     pub(crate) fn checked(&self, parameter: Parameter, value: Quantity) -> Result<f64, Error> {
         let parameters = &self.compiled.system.parameters;
         let p = parameters
@@ -266,7 +266,7 @@ fn fingerprint(system: &eng_system::system::System) -> u64 {
         .fold(0, |bits, byte| bits << 8 | u64::from(*byte))
 }
 
-/// The known path that is written most alike.
+/// The known path with the most similar spelling.
 fn nearest<'a>(wanted: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     known
         .map(|k| (strsim::damerau_levenshtein(wanted, k), k))

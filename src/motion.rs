@@ -1,4 +1,5 @@
-//! Where the bodies are: positions, orientations and modal amplitudes over the last cycle, for animation and recovery.
+//! The motion of the bodies: positions, orientations and modal amplitudes over the last cycle, for animation
+//! and recovery.
 //!
 //! Columns beside `time` and `cycle.angle`, for each body `B`:
 //!
@@ -8,14 +9,15 @@
 //! | `B.orientation.w`, `.x`, `.y`, `.z` | unit quaternion from the body's to the ground's axes |
 //! | `B.amplitude[1]`, … | modal amplitudes a of a flexible body: a node s is at r + A(s + Φ a) |
 //!
-//! The last whole cycle is kept, of a model without cycle the whole run; of more than [`SAMPLES`] intervals every k-th sample,
-//! the last among them. Mean axes move with a free flexible body, a held one has those of its supports.
+//! The motion covers the last whole cycle, or the whole run of a model without cycle. If it has more than
+//! [`SAMPLES`] intervals, it keeps every k-th sample and the last. The frame of a free flexible body is its
+//! mean axes, and that of a held one the axes of its supports.
 
 use crate::results::{CYCLE_ANGLE, Results, ResultsError, TIME};
 
 /// Most intervals that are kept.
 pub const SAMPLES: usize = 360;
-/// After an analysis's name, in the name of its motion and thus of the file.
+/// Suffix of the name of an analysis in the name of its motion, and so in the file's name.
 pub const SUFFIX: &str = ".motion";
 /// The motion of one body, read back.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,10 +31,10 @@ pub struct BodyMotion {
 }
 
 impl BodyMotion {
-    /// Of a body, by its path.
+    /// Reads the motion of a body, by its path.
     ///
     /// # Errors
-    /// The name of a column that is not there.
+    /// The name of a missing column.
     pub fn of(motion: &Results, body: &str) -> Result<BodyMotion, ResultsError> {
         let column = |name: &str| {
             let path = format!("{body}.{name}");
@@ -71,7 +73,7 @@ impl BodyMotion {
     }
 }
 
-/// Times (s) and, where there is a cycle, crank angles (rad) of a motion.
+/// Times (s) of a motion and, if there is a cycle, its crank angles (rad).
 pub fn moments(motion: &Results) -> (Vec<f64>, Option<Vec<f64>>) {
     let values = |path| motion.column(path).map(|c| c.values.clone());
     (values(TIME).unwrap_or_default(), values(CYCLE_ANGLE))

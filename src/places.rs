@@ -1,4 +1,4 @@
-//! Labels of messages at the places that a system keeps of its things.
+//! Labels of messages at the places in a system's origins.
 
 use eng_grammar::{Diagnostic, SourceId, Span};
 use eng_system::system::{Location, Origin};
@@ -6,7 +6,7 @@ use eng_system::system::{Location, Origin};
 /// Most places of numbers that a message shows.
 pub(crate) const MOST_PLACES: usize = 3;
 
-/// Where the numbers stand that decide a condition; those of a condition of many say nothing.
+/// Adds the places of the numbers that decide a condition. More than [`MOST_PLACES`] of them would not help.
 pub(crate) fn decided(message: Diagnostic, by: &[Origin]) -> Diagnostic {
     if by.len() > MOST_PLACES {
         return message;
@@ -18,7 +18,7 @@ pub(crate) fn decided(message: Diagnostic, by: &[Origin]) -> Diagnostic {
         })
 }
 
-/// The thing's own place with a label, then the place of its definition.
+/// Adds the origin's place with a label, then the place of its definition.
 pub(crate) fn place(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
     let message = match origin.used_at {
         Some(at) => message.at(span(at), format!("{}: {label}", origin.path)),
@@ -27,7 +27,7 @@ pub(crate) fn place(message: Diagnostic, origin: &Origin, label: &str) -> Diagno
     related(message, origin, "defined here")
 }
 
-/// The place of a thing's definition with a label.
+/// Adds the place of the origin's definition with a label.
 pub(crate) fn related(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
     match origin.defined_at {
         Some(at) => message.also(span(at), label),
@@ -44,7 +44,7 @@ pub(crate) fn span(at: Location) -> Span {
     }
 }
 
-/// A message with a place before those that it has.
+/// Adds a place to a message, before its other places.
 pub(crate) fn at_first(mut message: Diagnostic, at: Location, label: &str) -> Diagnostic {
     for label in &mut message.labels {
         label.primary = false;
@@ -55,7 +55,7 @@ pub(crate) fn at_first(mut message: Diagnostic, at: Location, label: &str) -> Di
     message
 }
 
-/// The analysis that set a parameter.
+/// Adds the place of the analysis that set a parameter.
 pub(crate) fn set_by(message: Diagnostic, analysis: &Origin) -> Diagnostic {
     match analysis.used_at {
         Some(at) => message.also(span(at), "set by this analysis"),

@@ -14,7 +14,7 @@ use eng_system::code::Compiled;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The outcome of a check: messages, and the program if it has no errors.
+/// The result of a check: messages, and the program if there is no error.
 #[derive(Clone, Debug)]
 pub struct Checked {
     texts: Arc<SourceMap>,
@@ -22,8 +22,8 @@ pub struct Checked {
     program: Option<Program>,
 }
 
-/// Parses and checks a file with everything it uses: names, units, and every model with its default constants.
-/// Always returns; see [`Checked::into_program`].
+/// Parses and checks a file with all files that it uses: names, units, and every model with its default
+/// constants. Always returns; see [`Checked::into_program`].
 ///
 /// ```
 /// let sources = eng::Sources::from_text("empty.eng", "model Empty { }");
@@ -53,7 +53,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
     let mut plans = Vec::new();
     if !diagnostics.has_errors() {
         plans = analyses(&typed, &mut texts, sources, &mut diagnostics);
-        // what only shows with instances: paths, indices, files, connections, meshes
+        // errors that need instances: paths, indices, files, connections, meshes
         for model in models_of(&typed.program) {
             let made = shared.model(&typed, &mut texts, sources, model, &[], &mut diagnostics);
             for flexible in made.iter().flat_map(|made| &made.elaborated.flexible) {
@@ -104,7 +104,7 @@ fn block_of(declaration: &Declaration) -> Option<&Block> {
     }
 }
 
-/// Where the `///` lines before an item begin that begins at a byte.
+/// The start of the `///` lines before an item that begins at the byte `item`.
 fn documented(text: &str, item: usize) -> usize {
     let mut begin = item;
     while let Some(before) = text.get(..begin).map(str::trim_end) {
@@ -137,7 +137,7 @@ fn models_of(resolved: &Resolved) -> Vec<DefinitionId> {
 }
 
 impl Checked {
-    /// All messages, warnings and notes among them.
+    /// All messages, including warnings and notes.
     pub fn report(&self) -> Report {
         Report::new(Arc::clone(&self.texts), self.diagnostics.clone())
     }
@@ -169,14 +169,14 @@ struct Inner {
     looks: Looks,
 }
 
-/// What stands for the flexible bodies of a model.
+/// The form of the flexible bodies in a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Bodies {
-    /// The bodies as they are reduced.
+    /// Reduced bodies.
     Reduced,
-    /// Rigid bodies of their mass, with their markers: what a check needs to know.
+    /// Rigid bodies with the same mass and markers. They suffice for a check.
     Rigid,
-    /// Bodies whose markers move by themselves: what joints hold on a body that bends.
+    /// Bodies whose markers move independently, as joints on a bending body allow.
     Loose,
 }
 
@@ -214,7 +214,7 @@ impl Program {
         &self.inner.file
     }
 
-    /// The real places of the files on disk that were opened so far: the model, what it uses, its data.
+    /// The canonical paths of the files opened so far: the model, the files that it uses, its data.
     pub(crate) fn files(&self) -> Vec<PathBuf> {
         self.inner.sources.opened()
     }
@@ -224,12 +224,12 @@ impl Program {
         &self.inner.texts
     }
 
-    /// SHA-256 of all texts that were read, library and user's, as hexadecimal digits. Report blocks are left out: a change of one
-    /// changes no result.
+    /// SHA-256 of all texts, those of the library and of the user, as hexadecimal digits. It excludes report
+    /// blocks, because a change of one changes no result.
     pub fn source_hash(&self) -> String {
         use sha2::Digest;
         let mut hash = sha2::Sha256::new();
-        // without the names of the files: a copy under another name is the same model
+        // file names are excluded, because a copy under another name is the same model
         for (id, source) in self.inner.texts.iter() {
             let modules = self.inner.typed.program.modules.iter();
             let mut at = 0;
@@ -257,7 +257,7 @@ impl Program {
         }
     }
 
-    /// A model that is only looked at: rigid bodies stand for its flexible ones.
+    /// A model for inspection only: rigid bodies replace its flexible ones.
     pub(crate) fn outlined(&self, name: &str) -> Result<Model, Error> {
         self.compile(self.model_of(name)?, &[], Bodies::Rigid)
     }
@@ -277,10 +277,10 @@ impl Program {
             })
     }
 
-    /// The flexible bodies of all models with their default constants, and what is doubtful about them.
+    /// The flexible bodies of all models with their default constants, and warnings about them.
     ///
     /// # Errors
-    /// What no change of the text mends: no memory for code.
+    /// Failures that no change of the text can repair: no memory for code.
     pub fn reduce(&self) -> Result<(Vec<Reduction>, Diagnostics), Error> {
         let (mut reductions, mut diagnostics) = (Vec::new(), Diagnostics::new());
         for name in self.models() {
@@ -311,7 +311,7 @@ impl Program {
                 let stated = a.set.iter().find(|(p, _)| p == path);
                 stated.map(|(_, value)| value.to_bits())
             });
-        // of a sweep of one point nothing tells what it varies: what it states
+        // a sweep of one point does not show which arguments vary, so all stated ones count
         match (values.next().flatten(), values.next()) {
             (None, _) => false,
             (Some(_), None) => true,
@@ -321,7 +321,7 @@ impl Program {
         }
     }
 
-    /// Why there is no parameter of this name, where a constant of the model or of the file has it.
+    /// The error about a missing parameter, if a constant of the model or of the file has this name.
     pub(crate) fn constant(&self, model: &str, name: &str) -> Option<Error> {
         let is_constant = |item: &eng_grammar::ast::Item| {
             matches!(&item.kind, ItemKind::Binding(binding)

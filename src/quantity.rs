@@ -1,4 +1,4 @@
-//! Numbers with units, as an embedding program writes them.
+//! Numbers with units, for programs that embed Eng.
 
 use eng_compiler::program::Program;
 use eng_grammar::ast::{Expr, ExprKind, UnaryOp};
@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 pub struct Quantity {
     si: f64,
     dimension: Dimension,
-    /// Written in a unit with a zero of its own, such as degC: no difference.
+    /// Whether it was written in a unit with a shifted zero, such as degC. Then it is no difference.
     counted: bool,
 }
 
@@ -61,13 +61,14 @@ impl Quantity {
         self.dimension
     }
 
-    /// Whether it was written in a unit with a zero of its own: 20 degC is a temperature and no difference of two.
+    /// Whether it was written in a unit with a shifted zero: 20 degC is a temperature and no difference of
+    /// two.
     pub fn is_counted_from_a_zero(self) -> bool {
         self.counted
     }
 }
 
-/// Quantities of one dimension compare by their value; others not at all.
+/// Quantities of one dimension compare by their value. Others cannot be compared.
 impl PartialOrd for Quantity {
     fn partial_cmp(&self, other: &Quantity) -> Option<std::cmp::Ordering> {
         if self.dimension != other.dimension {

@@ -1,4 +1,4 @@
-//! Files that are read back: regular ones alone. A pipe would be waited for, a device has no end.
+//! Reading of files, which must be regular: a pipe could block the program, and a device may have no end.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// The file that a path leads to, links followed.
 ///
 /// # Errors
-/// What is there is a folder, a pipe or a device; or nothing is there.
+/// A folder, a pipe or a device at the path, or no file.
 pub(crate) fn regular(path: &Path) -> io::Result<PathBuf> {
     let found = std::fs::metadata(path)?;
     if found.is_file() {
@@ -25,7 +25,7 @@ pub(crate) fn regular(path: &Path) -> io::Result<PathBuf> {
     }
 }
 
-/// Opens a regular file to be read.
+/// Opens a regular file for reading.
 pub(crate) fn open(path: &Path) -> io::Result<File> {
     File::open(regular(path)?)
 }

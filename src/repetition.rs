@@ -1,4 +1,4 @@
-//! Whether the cycle of a periodic analysis repeats, as its results keep it.
+//! The repetition of a periodic analysis's cycle, as stored in its results.
 
 use crate::codes;
 use crate::places::place;
@@ -16,21 +16,22 @@ const FACTOR: &str = "periodic.factor";
 const NOISE: &str = "periodic.noise";
 const ERRATIC: &str = "periodic.erratic";
 
-/// Factor a cycle from which on more cycles don't help.
+/// Factor per cycle above which more cycles hardly help.
 const HARDLY_SHRINKS: f64 = 0.98;
-/// Factor a cycle above which deviations grow.
+/// Factor per cycle above which deviations grow.
 const HARDLY_GROWS: f64 = 1.02;
 
-/// How a periodic analysis ended.
+/// The end of a periodic analysis.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Repetition {
     /// Whole cycles.
     pub cycles: u32,
-    /// Whether the last repeats the one before.
+    /// Whether the last cycle repeats the one before.
     pub repeats: bool,
-    /// What changed most; absent without channels.
+    /// The channel that changed most; absent without channels.
     pub slowest: Option<Slowest>,
-    /// Where the motion repeats and that change is the noise of the steps: the argument of the analysis that would bring it below what is asked for.
+    /// Present if the motion repeats and that change is noise of the steps: the argument of the analysis that
+    /// would reduce it below the requested change.
     pub noise: Option<String>,
     /// Whether the differences from cycle to cycle neither shrink nor follow from those before.
     pub erratic: bool,
@@ -43,12 +44,12 @@ pub(crate) struct Slowest {
     pub channel: String,
     /// Largest difference as a share of its swing within a cycle.
     pub change: f64,
-    /// Factor by which deviations of the motion shrink from cycle to cycle, where it could be estimated.
+    /// Factor by which deviations of the motion shrink from cycle to cycle, if there is an estimate.
     pub factor: Option<f64>,
 }
 
 impl Repetition {
-    /// From what the run found.
+    /// The repetition from the summary of a run.
     pub fn new(found: &PeriodicSummary, system: &System) -> Repetition {
         Repetition {
             cycles: found.cycles,
@@ -72,7 +73,7 @@ impl Repetition {
         }
     }
 
-    /// Of results; absent where they are of another kind of analysis.
+    /// The repetition from the metadata of results; `None` for another kind of analysis.
     pub fn of(metadata: &BTreeMap<String, String>) -> Option<Repetition> {
         let number = |key: &str| metadata.get(key)?.parse::<f64>().ok();
         Some(Repetition {
@@ -91,12 +92,12 @@ impl Repetition {
         })
     }
 
-    /// Whether a key of the metadata is one of these.
+    /// Whether a key of the metadata belongs to the repetition.
     pub fn is_key(key: &str) -> bool {
         [CYCLES, REPEATS, SLOWEST, CHANGE, FACTOR, NOISE, ERRATIC].contains(&key)
     }
 
-    /// Keys and values for the metadata; numbers to the last bit.
+    /// Keys and values for the metadata, with numbers to the last bit.
     pub fn metadata(&self) -> Vec<(&'static str, String)> {
         let mut pairs = vec![
             (CYCLES, self.cycles.to_string()),
@@ -112,7 +113,7 @@ impl Repetition {
         pairs
     }
 
-    /// In words.
+    /// The repetition in words.
     pub fn text(&self) -> String {
         let repeats = match (self.repeats, &self.noise) {
             (true, None) => "repeats",
@@ -128,7 +129,8 @@ impl Repetition {
         format!("{repeats} after {} cycles{least}", self.cycles)
     }
 
-    /// The warning of a cycle that does not repeat, or of an output that is lost in the noise of the steps, at the line of its analysis.
+    /// The warning about a cycle that does not repeat, or about an output that is lost in the noise of the
+    /// steps, at the line of its analysis.
     pub fn warning(&self, analysis: &Origin) -> Option<Diagnostic> {
         let slowest = self.slowest.as_ref()?;
         let share = format!("{} %", significant(100.0 * slowest.change, 3));
@@ -186,7 +188,7 @@ impl Repetition {
     }
 }
 
-/// How deviations go on from cycle to cycle, after a plural.
+/// The growth or decay of deviations from cycle to cycle, as words after a plural.
 pub(crate) fn pace(factor: f64) -> String {
     if factor < HARDLY_SHRINKS {
         format!("shrink by the factor {factor:.3} a cycle")
@@ -197,7 +199,7 @@ pub(crate) fn pace(factor: f64) -> String {
     }
 }
 
-/// With one digit, not above.
+/// A number with one digit, rounded down.
 fn rounded_down(value: f64) -> String {
     let power = libm::pow(10.0, libm::floor(libm::log10(value)));
     significant(libm::floor(value / power * (1.0 + 1e-9)) * power, 1)

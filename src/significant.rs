@@ -1,6 +1,6 @@
-//! Numbers as people read them: significant digits, and no sign before a zero.
+//! Numbers for people: significant digits, and no sign before a zero.
 
-/// A number with so many significant digits; with an exponent where that is shorter than zeros.
+/// A number with `digits` significant digits. It has an exponent if that is shorter than zeros.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -10,7 +10,7 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     }
     let decimals = digits.max(1) - 1;
     let scientific = format!("{value:.decimals$e}");
-    // of the rounded number: 99.9999 becomes 100.0
+    // the exponent of the rounded number: 99.9999 becomes 100.0
     let exponent = scientific
         .split_once('e')
         .and_then(|(_, exponent)| exponent.parse::<i64>().ok());
@@ -35,7 +35,7 @@ pub(crate) fn short(value: f64, digits: usize) -> String {
     }
 }
 
-/// A number with so many decimals; what rounds to zero has no sign.
+/// A number with `decimals` decimals. A number that rounds to zero has no sign.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     without_sign_of_zero(format!("{value:.decimals$}"))
 }

@@ -1,4 +1,4 @@
-//! Stepping a model from a program.
+//! Simulations of a model, step by step, for programs that embed Eng.
 
 use crate::model::{Channel, Model, Parameter};
 use crate::{Error, Quantity, Report, failure};
@@ -7,7 +7,7 @@ use eng_runtime::linearised::{LinearModes, Wanted};
 use eng_runtime::{Energy, Options, RuntimeError, Statistics};
 use eng_system::system::{Start, StepControl};
 
-/// Parameters and options of a simulation that is about to start.
+/// Parameters and options of a simulation before its start.
 #[derive(Clone, Debug)]
 pub struct SimulationBuilder {
     model: Model,
@@ -16,7 +16,7 @@ pub struct SimulationBuilder {
 }
 
 impl Model {
-    /// Begins a simulation: set parameters, then start.
+    /// Prepares a simulation. Set its parameters, then start it.
     pub fn simulation(&self) -> SimulationBuilder {
         SimulationBuilder::new(self.clone())
     }
@@ -53,26 +53,28 @@ impl SimulationBuilder {
         self
     }
 
-    /// Fixed steps (s) whose equations are solved to a factor on the tolerances, which is 1 in [`Self::fixed_step`].
+    /// Fixed steps (s) whose equations are solved to a factor on the tolerances, which is 1 in
+    /// [`Self::fixed_step`].
     pub fn fixed_step_to(mut self, step: f64, tolerance: f64) -> Self {
         self.options.step = StepControl::FixedTo { step, tolerance };
         self
     }
 
-    /// Spectral radius at infinite frequency, 0…1 (default 0.8). 1 damps nothing and is refused where there
-    /// are constraints.
+    /// Spectral radius at infinite frequency, 0…1 (default 0.8). 1 gives no damping and is refused with
+    /// constraints.
     pub fn rho_infinity(mut self, rho: f64) -> Self {
         self.options.rho_infinity = rho;
         self
     }
 
-    /// How the motion begins: as in the text, quasi-statically where a cycle turns and there are journals or flexible bodies.
+    /// The kind of start. The default is quasi-static if a cycle turns and the model has journals or flexible
+    /// bodies.
     pub fn start_from(mut self, start: Start) -> Self {
         self.options.start = start;
         self
     }
 
-    /// Binds the parameters, assembles positions and velocities, and stands ready to step.
+    /// Binds the parameters and assembles positions and velocities.
     pub fn start(self) -> Result<Simulation, Error> {
         match eng_runtime::Simulation::new(self.model.compiled(), &self.overrides, self.options) {
             Ok(inner) => Ok(Simulation {
@@ -83,7 +85,8 @@ impl SimulationBuilder {
         }
     }
 
-    /// Goes on from a checkpoint of the same model with the same parameters: the bits are those of the run that went on.
+    /// Continues from a checkpoint of the same model with the same parameters. The bits are those of the
+    /// uninterrupted run.
     pub fn resume(self, checkpoint: &[u8]) -> Result<Simulation, Error> {
         let resumed = eng_runtime::Simulation::resume(
             self.model.compiled(),
@@ -112,7 +115,7 @@ pub(crate) fn run_error(model: &Model, cause: RuntimeError) -> Error {
     run_error_with(model, cause, |message| message)
 }
 
-/// The same, with something added to the message.
+/// [`run_error`] with an addition to the message.
 pub(crate) fn run_error_with(
     model: &Model,
     cause: RuntimeError,
@@ -126,7 +129,7 @@ pub(crate) fn run_error_with(
     }
 }
 
-/// A running simulation. It owns its state; two of them on two threads give the same bits.
+/// A running simulation. It owns its state, so simulations in several threads give the same bits.
 #[derive(Debug)]
 pub struct Simulation {
     inner: eng_runtime::Simulation,
@@ -162,14 +165,15 @@ impl Simulation {
             .map_err(|cause| run_error(&self.model, cause))
     }
 
-    /// All channels at the current state (SI), in the order of [`Model::channels`]; `out` has one place for each.
+    /// All channels at the current state (SI), in the order of [`Model::channels`]; `out` has one place for
+    /// each.
     pub fn values(&mut self, out: &mut [f64]) -> Result<(), Error> {
         self.inner
             .evaluate_channels(out)
             .map_err(|cause| run_error(&self.model, cause))
     }
 
-    /// How it began.
+    /// The report on the start.
     pub fn started(&self) -> &eng_runtime::StartReport {
         self.inner.start()
     }
@@ -193,7 +197,7 @@ impl Simulation {
             .map_err(|cause| run_error(&self.model, cause))
     }
 
-    /// The state as bytes; a simulation resumed from them goes on with the same bits as this one.
+    /// The state as bytes. A simulation resumed from them gives the same bits as this one.
     pub fn checkpoint(&mut self) -> Vec<u8> {
         self.inner.checkpoint()
     }

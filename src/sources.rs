@@ -1,4 +1,4 @@
-//! Where model texts and data files come from.
+//! Sources of model texts and data files.
 
 use crate::regular::regular;
 use eng_system::host::{Host, HostError};
@@ -6,12 +6,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The files of a model: a folder, or texts in memory. Nothing outside is ever read.
+/// The files of a model: a folder, or texts in memory. A model can read no file outside.
 #[derive(Clone, Debug)]
 pub struct Sources {
     kind: Kind,
     cache: Option<PathBuf>,
-    /// The files of the folder that were opened: no output may replace one.
+    /// The opened files of the folder. No output may replace one of them.
     opened: Arc<Mutex<BTreeSet<PathBuf>>>,
 }
 
@@ -47,7 +47,7 @@ impl Sources {
         Sources::from_texts([(name.into(), text.into())])
     }
 
-    /// Several texts, models and data alike, under their file names.
+    /// Several texts of models and data, under their file names.
     pub fn from_texts(texts: impl IntoIterator<Item = (String, String)>) -> Sources {
         Sources {
             kind: Kind::Texts(Arc::new(texts.into_iter().collect())),
@@ -58,8 +58,8 @@ impl Sources {
 }
 
 impl Sources {
-    /// Keeps reduced flexible bodies in a folder, so that a mesh is reduced once and not at every run. The folder is made when
-    /// it is first needed.
+    /// Keeps reduced flexible bodies in a folder, so that a mesh is reduced only once. The folder is made at
+    /// its first use.
     pub fn with_cache(mut self, folder: impl Into<PathBuf>) -> Sources {
         self.cache = Some(folder.into());
         self
@@ -69,17 +69,17 @@ impl Sources {
         self.cache.as_deref()
     }
 
-    /// The real places of the files on disk that were opened so far.
+    /// The canonical paths of the files opened so far.
     pub(crate) fn opened(&self) -> Vec<PathBuf> {
         self.list().iter().cloned().collect()
     }
 
     fn list(&self) -> MutexGuard<'_, BTreeSet<PathBuf>> {
-        // a thread that panicked left whole paths
+        // every path in the set is complete, even after a panic in another thread
         self.opened.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The real place of a file of a folder, which is about to be opened.
+    /// The canonical path of a file of a folder. Notes the file as opened.
     fn place(&self, folder: &Path, path: &str) -> Result<PathBuf, HostError> {
         let real = inside(folder, path)?;
         self.list().insert(real.clone());
@@ -102,7 +102,7 @@ impl Sources {
     }
 }
 
-/// The real place of a file of a folder; what is no file is refused.
+/// The canonical path of a file of a folder. Refuses anything but a file.
 fn inside(folder: &Path, path: &str) -> Result<PathBuf, HostError> {
     let relative = Path::new(path);
     let stays = relative
@@ -111,7 +111,7 @@ fn inside(folder: &Path, path: &str) -> Result<PathBuf, HostError> {
     if !stays {
         return Err(HostError::Outside(path.into()));
     }
-    // a link may point outside: what counts is where it ends
+    // a link may point outside the folder, so its target counts
     let real = folder
         .join(relative)
         .canonicalize()

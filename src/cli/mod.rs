@@ -1,7 +1,7 @@
 //! The `eng` command: arguments, progress, exit codes.
 //!
-//! May contain: what a person at a terminal sees. Must not contain: compiling and solving, and the making of tables and figures; the
-//! library does these, and knows nothing of this module. Only this module and `main.rs` print.
+//! This module contains the interface at a terminal. The library compiles, solves, and makes tables and
+//! figures; it does not use this module. Only this module and `main.rs` print.
 
 mod arguments;
 mod check;
@@ -49,9 +49,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     ExitCode::from(run_on(arguments, &mut console))
 }
 
-/// Where the command writes.
+/// The output streams of the command.
 pub struct Console<'a> {
-    /// What was asked for: tables, messages of `check`.
+    /// The requested output: tables, messages of `check`.
     pub output: &'a mut dyn Write,
     /// Messages about the run.
     pub errors: &'a mut dyn Write,
@@ -63,10 +63,10 @@ pub struct Console<'a> {
     pub live: bool,
 }
 
-/// Why a command ends early.
+/// The reason for an early end of a command.
 #[derive(Debug)]
 enum Stop {
-    /// With this exit code; the reason was told.
+    /// An exit code; the reason has been printed.
     Code(u8),
     /// The reader of the output has gone.
     Output(std::io::Error),
@@ -98,7 +98,7 @@ pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Conso
     match done {
         Ok(()) => DONE,
         Err(Stop::Code(code)) => code,
-        // `eng … | head`: nobody is left to be told
+        // `eng … | head`: the reader has gone, so there is nobody to report to
         Err(Stop::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => {
             USAGE_OR_SYSTEM
         }
@@ -109,7 +109,8 @@ pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Conso
     }
 }
 
-/// Whether messages are asked for as JSON, by words that clap refuses as a whole.
+/// Whether the words ask for messages as JSON. clap has refused them as a whole, so this looks at the words
+/// themselves.
 fn wants_json(words: &[OsString]) -> bool {
     let pairs = words.windows(2).any(|pair| pair == ["--format", "json"]);
     pairs || words.iter().any(|word| word == "--format=json")
@@ -134,7 +135,7 @@ fn show_refusal(refusal: &clap::Error, as_json: bool, console: &mut Terminal<'_>
     }
 }
 
-/// Why a command can't do its work.
+/// The reason why a command cannot do its work.
 #[derive(Debug)]
 enum Refusal {
     /// The library's error.
@@ -187,7 +188,7 @@ impl Refusal {
         }
     }
 
-    /// Shows it among the errors and gives the way to stop for it.
+    /// Prints it among the errors and returns the exit code as a reason to stop.
     fn show(&self, sources: &SourceMap, console: &mut Terminal<'_>) -> Stop {
         let shown = match self.told() {
             Ok(messages) => console.errors.messages(messages, sources),

@@ -1,6 +1,6 @@
 //! Diagnostics as text for people and as JSON for tools.
 //!
-//! May contain: the form of messages. Must not contain: their making, nor printing.
+//! This module contains the form of messages. It makes no messages and prints nothing.
 
 mod excerpt;
 mod human;
@@ -14,10 +14,10 @@ pub(crate) use visible::{visible, visible_name};
 
 use eng_grammar::{Diagnostic, Diagnostics, Severity, SourceMap, Span};
 
-/// Messages that are shown; the others are counted.
+/// Most messages that are shown. The others are counted.
 const MOST: usize = 100;
 
-/// The messages that are shown, in their order: of more than [`MOST`] errors before warnings.
+/// The messages to show, in their order. If there are more than [`MOST`], errors come before warnings.
 fn shown(diagnostics: &Diagnostics) -> Vec<&Diagnostic> {
     let mut ranked: Vec<(usize, &Diagnostic)> = diagnostics.iter().enumerate().collect();
     if ranked.len() > MOST {
@@ -28,7 +28,7 @@ fn shown(diagnostics: &Diagnostics) -> Vec<&Diagnostic> {
     ranked.into_iter().map(|(_, d)| d).collect()
 }
 
-/// Moves a span onto character boundaries inside its text; `None` where its source is not of the map.
+/// Moves a span onto character boundaries inside its text; `None` if its source is not in the map.
 fn inside(sources: &SourceMap, span: Span) -> Option<std::ops::Range<usize>> {
     let text = &sources.get(span.source)?.text;
     let start = text.floor_char_boundary(span.start as usize);
@@ -36,7 +36,7 @@ fn inside(sources: &SourceMap, span: Span) -> Option<std::ops::Range<usize>> {
     Some(start..end)
 }
 
-/// How many messages of one severity.
+/// Number of messages of one severity.
 fn count(diagnostics: &Diagnostics, severity: Severity) -> usize {
     diagnostics
         .iter()

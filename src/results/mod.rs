@@ -1,6 +1,6 @@
 //! Results of an analysis in memory, and their way to files and back.
 //!
-//! May contain: columns of numbers with unit, dimension and frame. Must not contain: how they were computed.
+//! This module contains columns of numbers with unit, dimension and frame. It computes none of them.
 
 mod column;
 mod csv;
@@ -52,7 +52,7 @@ pub enum ResultsError {
         /// The first column's length.
         expected: usize,
     },
-    /// A pattern that no column has.
+    /// A pattern without a matching column.
     #[error(
         "no channel is called {pattern}{}; {known} of them are there, `eng results` lists them",
         hint(nearest)
@@ -60,29 +60,29 @@ pub enum ResultsError {
     NoChannel {
         /// The pattern.
         pattern: String,
-        /// Written alike.
+        /// The most similar name.
         nearest: Option<String>,
-        /// How many columns there are.
+        /// Number of columns.
         known: usize,
     },
     /// A last part that the results don't have.
     #[error("{0}")]
     Last(String),
-    /// Another run writes there.
+    /// Another run writes to the file.
     #[error("{}: another run is writing it", path.display())]
     Busy {
         /// The file.
         path: PathBuf,
     },
-    /// Results that a format can't hold.
+    /// Results that do not fit into a format.
     #[error("{format}: {message}")]
     Format {
         /// The format.
         format: &'static str,
-        /// Why.
+        /// The reason.
         message: String,
     },
-    /// A column that was looked for.
+    /// A missing column.
     #[error("there is no column {0}")]
     NoColumn(String),
     /// The system refused.
@@ -101,12 +101,12 @@ pub enum ResultsError {
         /// What the library said.
         message: String,
     },
-    /// A file that is no whole Parquet file.
+    /// An incomplete or damaged Parquet file.
     #[error("{}: {problem}; run the analysis again, or copy the file again", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The problem.
         problem: String,
     },
     /// A Parquet file that was not written by [`Results::write_parquet`].
@@ -114,7 +114,7 @@ pub enum ResultsError {
     Foreign {
         /// The file.
         path: PathBuf,
-        /// What is missing.
+        /// The missing part.
         message: String,
     },
 }
@@ -126,7 +126,7 @@ fn hint(nearest: &Option<String>) -> String {
     }
 }
 
-/// The columns of one analysis, all of one length, with what is known about the run.
+/// The columns of one analysis, all of one length, with the metadata of the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Results {
     analysis: String,
@@ -178,12 +178,12 @@ impl Results {
         Ok(())
     }
 
-    /// States something about the run: `source_hash`, `version`, `command`, `parameter.speed`.
+    /// Sets an entry of the run's metadata: `source_hash`, `version`, `parameter.speed`.
     pub fn set_metadata(&mut self, key: impl Into<String>, value: impl Into<String>) {
         self.metadata.insert(key.into(), value.into());
     }
 
-    /// Reads a result file: Parquet, or the stream of a run that goes on or was killed.
+    /// Reads a result file: Parquet, or the stream of an unfinished or killed run.
     pub fn read(path: impl AsRef<Path>) -> Result<Results, ResultsError> {
         let path = path.as_ref();
         if recording::is_partial(path) {
@@ -211,7 +211,7 @@ impl Results {
         &self.model
     }
 
-    /// What is known about the run.
+    /// The metadata of the run.
     pub fn metadata(&self) -> &BTreeMap<String, String> {
         &self.metadata
     }
@@ -226,12 +226,12 @@ impl Results {
         self.columns.iter().find(|column| column.path == path)
     }
 
-    /// Whether rows are modes, and not samples of a motion.
+    /// Whether rows are modes instead of samples of a motion.
     pub fn are_modes(&self) -> bool {
         self.metadata.get(ROWS).map(String::as_str) == Some(MODES)
     }
 
-    /// How many samples each column has.
+    /// Number of samples in each column.
     pub fn samples(&self) -> usize {
         self.columns.first().map_or(0, |column| column.values.len())
     }

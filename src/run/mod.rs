@@ -1,4 +1,5 @@
-//! Runs of analyses with all that is said of them: one or many side by side, watched so that none goes on for days.
+//! Runs of analyses with their messages: one or several in parallel, with a watch that stops a run without
+//! end.
 
 mod patience;
 
@@ -17,38 +18,39 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
-/// The results of a run with the machine behind them and what is said of them.
+/// The results of a run with its machine and its messages.
 #[derive(Clone, Debug)]
 pub struct RunOutcome {
     /// All columns.
     pub results: Results,
-    /// Where the bodies were in the last cycle: `ANALYSIS.motion`; absent where it is not known.
+    /// The motion of the bodies in the last cycle, `ANALYSIS.motion`; absent if unknown.
     pub motion: Option<Results>,
-    /// Journals, cycle and firing order; of modes without journals.
+    /// Journals, cycle and firing order. Modes have no journals.
     pub machine: Machine,
-    /// Warnings of the run (an `advise` that did not hold); their places are in the texts of the program.
+    /// Warnings of the run (failed `advise`s), with places in the texts of the program.
     pub diagnostics: Diagnostics,
-    /// Facts worth a line each: steps, Newton iterations, energy.
+    /// Facts, one line each: steps, Newton iterations, energy.
     pub facts: Vec<String>,
-    /// Where it is in its sweep; empty for an analysis without an index.
+    /// Its point in the sweep; empty for an analysis without an index.
     pub point: Vec<PointValue>,
-    /// Of a periodic analysis: cycles, and whether the last repeats; absent where it failed.
+    /// For a periodic analysis: number of cycles, and whether the last repeats; absent after a failure.
     pub periodic: Option<(u32, bool)>,
 }
 
-/// What a run reports while it goes on, and its end.
+/// An event of a run.
 #[derive(Debug)]
 pub enum Event {
-    /// It goes on.
+    /// It made progress.
     Progress(Progress),
-    /// It goes on slowly, and why.
+    /// It is slow, with the reason.
     Slow(Box<Diagnostic>),
     /// It has ended.
     Done(Box<Result<RunOutcome, Failed<RunOutcome>>>),
 }
 
-/// Runs several analyses, up to `threads` at a time; `tell` hears of the one with an index among `analyses`. The results are those
-/// of [`run`] to the last bit, whatever the number of threads. `patient`: see [`run`].
+/// Runs several analyses, up to `threads` at a time. `tell` gets each event with the index of its analysis in
+/// `analyses`. The results equal those of [`run`] to the last bit, for any number of threads. `patient`: see
+/// [`run`].
 pub fn run_many(
     analyses: &[Analysis],
     patient: bool,
@@ -66,7 +68,7 @@ pub fn run_many(
                     let Some(analysis) = analyses.get(index) else {
                         return;
                     };
-                    // nobody listens any more only when the caller has gone
+                    // sending fails only after the caller has gone, and then nobody needs the event
                     let result = run(analysis, patient, &mut |event| {
                         let _ = sender.send((index, event));
                     });
@@ -81,11 +83,11 @@ pub fn run_many(
     });
 }
 
-/// Runs an analysis. A run that at its pace would take more than a day is stopped ([`Error::is_stopped`]) unless `patient`; what it
-/// has on disk stays, to resume from.
+/// Runs an analysis. Without `patient`, a run that would take more than a day is stopped
+/// ([`Error::is_stopped`]). Its files remain, so it can be resumed.
 ///
 /// # Errors
-/// What the model refuses, with the results up to the failure; what the disk refuses.
+/// Failures of the model, with the results up to the failure; failures of the disk.
 pub fn run(
     analysis: &Analysis,
     patient: bool,
@@ -123,18 +125,19 @@ pub fn run(
     }
 }
 
-/// Watches a run: tells of its progress and of what slows it down, and stops it where nobody waits for its end.
+/// Watches a run: reports its progress and the cause of short steps, and stops a run that would take too
+/// long.
 struct Watching<'a> {
     analysis: &'a Analysis,
     tell: &'a mut dyn FnMut(Event),
     patient: bool,
     began: Instant,
     patience: Patience,
-    /// Whether it was told what slows the run down.
+    /// Whether the cause of short steps was reported.
     told: bool,
-    /// Seconds that the rest would take of a run that slows down.
+    /// Estimated remaining seconds of a run that slows down.
     slowing: Option<f64>,
-    /// Where it was stopped: time since it began, progress, seconds that the rest would take.
+    /// Data of a stopped run: time since its beginning, progress, estimated remaining seconds.
     lost: Option<(Duration, Progress, f64)>,
 }
 
@@ -178,7 +181,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         .for_each(|d| diagnostics.push(d));
     let mut findings = analysis.findings()?.list;
     for warning in &outcome.warnings {
-        // a run repeats what its parameters are advised at its start
+        // a run reports failed `advise`s on parameters again, and the findings contain them already
         let repeated = |advice: &eng_system::code::Advice| {
             advice.origin == warning.origin && advice.message == warning.message
         };
@@ -240,7 +243,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     }
     let mut machine = Machine::new(system, &bound, analysis.kind());
     if outcome.results.are_modes() {
-        // rows that are modes have no orbits and no peaks
+        // modes have no orbits and no peaks, so journals have no table
         machine.journals.clear();
     }
     Ok(RunOutcome {

@@ -1,4 +1,4 @@
-//! The functions of an element class, as the runtime calls them.
+//! The functions of an element class that the runtime calls.
 //!
 //! Every number is a pair: lane 0 and lane 1 are two instances of the class (an odd tail repeats the last).
 //! With K markers, m rows, s states (see [`InputLayout`](crate::layout::InputLayout)):
@@ -7,19 +7,19 @@
 //! | --- | --- | --- |
 //! | `Residual` | common | Φ (m); wrench on each marker (6K): force in inertial axes, torque in MARKER axes, applied loads minus Gᵀλ; ẏ (s) |
 //! | `Linearize` | common | tape |
-//! | `Tangent` | tape, then one seed a direction | directional derivative of `Residual`'s outputs at fixed λ |
+//! | `Tangent` | tape, then one seed for each direction | directional derivative of `Residual`'s outputs at fixed λ |
 //! | `Velocity` | common | Φ̇ (m) at the given twists, Φ_t included; then γ (m): Φ̈ at zero accelerations with the sign turned, so that G v̇ = γ |
 //! | `Outputs` | common, accelerations, rates, signals | outputs |
-//! | `Conditions` | common | one number a condition, to be positive |
+//! | `Conditions` | common | one number for each condition, which must be positive |
 //! | `Rotations` | common | unwrapped angle of each rotation (rad) |
 //!
-//! G is the derivative of Φ along the pose directions: δx inertial, and δπ in the marker's axes with
+//! G is the derivative of Φ along the pose directions: δx in inertial axes, and δπ in the marker's axes with
 //! δR = R δπ~. The twist (ẋ, ω in marker axes) is the rate of these. `∂W/∂λ = −Gᵀ`.
 
 use crate::system::Slot;
 use crate::table::{Outside, Table};
 
-/// Which function of a class.
+/// A function of a class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs)]
 pub enum Function {
@@ -50,11 +50,11 @@ pub type Pair = [f64; 2];
 
 /// The callable code of one element class, generated or interpreted.
 pub trait ElementCode: Send + Sync + std::fmt::Debug {
-    /// How many inputs and outputs a function has.
+    /// Numbers of inputs and outputs of a function.
     fn shape(&self, function: Function) -> (usize, usize);
 
-    /// Evaluates. `inputs` and `outputs` have at least the lengths of [`ElementCode::shape`], else nothing is
-    /// written and `false` returned.
+    /// Evaluates a function. `inputs` and `outputs` must have at least the lengths of [`ElementCode::shape`].
+    /// Otherwise nothing is written, and the result is `false`.
     fn call(
         &self,
         function: Function,
@@ -63,7 +63,8 @@ pub trait ElementCode: Send + Sync + std::fmt::Debug {
         tables: &[Table],
     ) -> bool;
 
-    /// The first table that a function reads outside its points with these inputs, for each of the two instances.
+    /// The first table that a function evaluates outside its points with these inputs, for each of the two
+    /// instances.
     fn outside(
         &self,
         _function: Function,
@@ -73,7 +74,7 @@ pub trait ElementCode: Send + Sync + std::fmt::Debug {
         [None, None]
     }
 
-    /// Bytes of machine code of a function, its constants included; 0 where interpreted.
+    /// Bytes of machine code of a function, including its constants; 0 for the interpreter.
     fn function_bytes(&self, function: Function) -> usize;
 
     /// Bytes of machine code of all functions.
@@ -84,11 +85,12 @@ pub trait ElementCode: Send + Sync + std::fmt::Debug {
 
 /// The graph of expressions of parameters alone.
 pub trait BindCode: Send + Sync + std::fmt::Debug {
-    /// Fills the slots. `overrides` has one entry a parameter: a stated value (SI), or `None` for its default, which may
-    /// depend on other parameters. Also returns the value of every parameter.
+    /// Computes the slots. `overrides` has one entry for each parameter: a stated value (SI), or `None` for
+    /// its default, which may depend on other parameters. Also returns the value of every parameter.
     fn bind(&self, overrides: &[Option<f64>], tables: &[Table]) -> Result<Bound, BindError>;
 
-    /// Indices of the parameters that a slot is made of, rising: for messages. Those whose defaults are made of others are not named.
+    /// Indices of the parameters that decide a slot, ascending, for messages. A parameter whose default
+    /// depends on others is replaced by these.
     fn parameters_of(&self, _slot: Slot) -> Vec<u32> {
         Vec::new()
     }
@@ -97,42 +99,42 @@ pub trait BindCode: Send + Sync + std::fmt::Debug {
 /// The values of one parameter set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bound {
-    /// One value a slot (SI).
+    /// One value for each slot (SI).
     pub slots: Vec<f64>,
-    /// One value a parameter (SI).
+    /// One value for each parameter (SI).
     pub parameters: Vec<f64>,
-    /// What `advise`s that do not hold say.
+    /// The failed `advise`s.
     pub advice: Vec<Advice>,
 }
 
-/// An `advise` on parameters that does not hold.
+/// A failed `advise` on parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
-    /// The name under which it is accepted; empty where it has none.
+    /// Its name for `accept`; empty without a name.
     pub name: String,
     /// The element and the place of the condition.
     pub origin: crate::system::Origin,
     /// The author's message with its numbers.
     pub message: String,
-    /// The parameters and tables whose numbers decide it, where they are stated.
+    /// The parameters and tables whose numbers decide it, with their places.
     pub decided_by: Vec<crate::system::Origin>,
 }
 
 /// A parameter set that cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BindError {
-    /// A `require` does not hold.
+    /// A failed `require`.
     #[error("{path}: {message}")]
     Require {
         /// Path of the element.
         path: String,
         /// The author's message with its numbers.
         message: String,
-        /// Origin's place.
+        /// Place of the use.
         used_at: Option<crate::system::Location>,
         /// Place of the `require`.
         defined_at: Option<crate::system::Location>,
-        /// Indices and values (SI) of the parameters that the condition is made of.
+        /// Indices and values (SI) of the parameters in the condition.
         parameters: Vec<(u32, f64)>,
     },
     /// A value is not finite.
@@ -140,10 +142,10 @@ pub enum BindError {
     NotFinite {
         /// Path of the slot or parameter.
         path: String,
-        /// A table that is read outside its points.
+        /// A table that is evaluated outside its points.
         outside: Option<Box<Outside>>,
     },
-    /// A value whose square is no number any more: lengths and energies cannot be computed.
+    /// A value whose square is too large for a number, so that lengths and energies cannot be computed.
     #[error("a number of {path} is {value:.1e} in SI units: no machine has such a number")]
     TooLarge {
         /// Path of the slot.

@@ -11,7 +11,8 @@ pub const BASES: usize = 8;
 /// SI symbols of the bases, in storage order.
 pub const BASE_SYMBOLS: [&str; BASES] = ["m", "kg", "s", "A", "K", "mol", "cd", "rad"];
 
-/// A physical dimension: rational exponents of the bases. Angle is a base here; where it may be dropped is the checker's business.
+/// A physical dimension: rational exponents of the bases. Angle is a base here. The checker decides where it
+/// may be dropped.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize,
 )]
@@ -66,7 +67,7 @@ impl Dimension {
         self.times(other.power(-1, 1).unwrap_or(Dimension::ONE))
     }
 
-    /// Power with a rational exponent; `None` where the result is not a multiple of 1/60 or leaves the range.
+    /// Power with a rational exponent; `None` if the result is not a multiple of 1/60 or leaves the range.
     pub fn power(self, numerator: i32, denominator: i32) -> Option<Dimension> {
         if denominator == 0 {
             return None;
@@ -82,7 +83,7 @@ impl Dimension {
         Some(Dimension { exponents })
     }
 
-    /// The same without angle.
+    /// The dimension without angle.
     pub fn without_angle(self) -> Dimension {
         let mut exponents = self.exponents;
         exponents[BASES - 1] = 0;
@@ -136,7 +137,7 @@ fn gcd(a: i32, b: i32) -> i32 {
     if b == 0 { a.max(1) } else { gcd(b, a % b) }
 }
 
-/// How a value is shown: `shown = (si - offset)/scale`.
+/// The display of a value: `shown = (si - offset)/scale`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DisplayUnit {
     /// As written: `kN`, `deg`, `degC`.
@@ -178,7 +179,7 @@ impl DisplayUnit {
         }
     }
 
-    /// An SI value as a message shows it: four significant digits and the unit, none for a pure number.
+    /// An SI value in a message: four significant digits and the unit. A pure number has no unit.
     pub fn text(&self, si: f64) -> String {
         let value = self.from_si(si);
         let magnitude = libm::floor(libm::log10(value.abs()));

@@ -1,4 +1,5 @@
-//! What a model says of a flexible body: the compiler writes it, the host reduces it, the runtime sees only the outcome.
+//! The description of a flexible body: the compiler writes it, the host reduces it, and the runtime sees only
+//! the result.
 //!
 //! Numbers are SI; all are known while compiling.
 
@@ -32,19 +33,19 @@ pub struct FlexibleSource {
     pub origin: Origin,
     /// The mesh.
     pub mesh: MeshSource,
-    /// Stiffness from a file; else from the mesh's elements.
+    /// Stiffness from a file; `None`: from the mesh's elements.
     pub stiffness: Option<MatrixSource>,
-    /// Mass from a file; else from the mesh's elements.
+    /// Mass from a file; `None`: from the mesh's elements.
     pub mass: Option<MatrixSource>,
-    /// For a mesh whose file has no material.
+    /// The material for a mesh without one.
     pub material: Option<MaterialSource>,
-    /// How elements are integrated; `None`: by what the file names, with exact mass.
+    /// The integration of elements; `None`: by the rules of the file's code, with exact mass.
     pub element_rules: Option<ElementRules>,
-    /// Markers, in the order of the text; a marker of the system names its place here.
+    /// Markers, in the order of the text. A marker of the system has its index in this list.
     pub markers: Vec<MarkerSource>,
-    /// Markers that are held on the ground; without any, and without those of the deck, the body is free.
+    /// Markers that the ground holds. Without any, and without supports of the deck, the body is free.
     pub support: Vec<u32>,
-    /// Whether freedoms that the mesh's file holds are held.
+    /// Whether the supports of the mesh's file hold the body.
     pub support_of_deck: bool,
     /// Place of the attribute `support`.
     pub support_at: Option<Location>,
@@ -54,11 +55,11 @@ pub struct FlexibleSource {
     pub modes_at: Location,
     /// Damping.
     pub damping: Damping,
-    /// Whether stresses of spin and load change the stiffness.
+    /// Whether stresses from spin and loads change the stiffness.
     pub geometric_stiffness: bool,
 }
 
-/// Where a mesh is read from.
+/// The source of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshSource {
     /// Its format.
@@ -73,18 +74,18 @@ pub struct MeshSource {
     pub at: Location,
 }
 
-/// Where a matrix is read from.
+/// The source of a matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MatrixSource {
     /// Its format.
     pub format: MatrixFormat,
     /// The file, from the model's folder.
     pub file: String,
-    /// Name of the matrix in the file, where files have several.
+    /// Name of the matrix in a file with several.
     pub matrix: Option<String>,
     /// A file that lists the freedoms of the rows.
     pub freedoms: Option<String>,
-    /// Rows are all nodes by ascending number, with so many freedoms each: 3 or 6.
+    /// If rows are all nodes by ascending number: the number of freedoms of each node, 3 or 6.
     pub per_node: Option<u8>,
     /// Place of the source in the text.
     pub at: Location,
@@ -110,17 +111,17 @@ pub struct MarkerSource {
     pub name: String,
     /// Place in the text.
     pub at: Location,
-    /// Place on the mesh.
+    /// Its nodes on the mesh.
     pub place: MarkerPlace,
-    /// How gathered nodes are tied to the marker, where the text says so.
+    /// The stated tie of several nodes to the marker.
     pub tie: Option<MarkerTie>,
-    /// Where the marker is (m, axes of the mesh); else the middle of what is gathered.
+    /// Stated position (m, axes of the mesh); `None`: the middle of the nodes.
     pub center: Option<[f64; 3]>,
-    /// Rotation matrix marker → mesh, row-major: along whose columns its freedoms count.
+    /// Rotation matrix marker → mesh, row-major. The columns are the directions of its freedoms.
     pub axes: [f64; 9],
 }
 
-/// How nodes are tied to a marker.
+/// The kind of tie between nodes and a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MarkerTie {
     /// The marker follows their mean motion.
@@ -129,7 +130,7 @@ pub enum MarkerTie {
     Rigid,
 }
 
-/// What a marker stands on.
+/// The nodes of a marker.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MarkerPlace {
     /// One node.
@@ -173,10 +174,10 @@ pub struct Interface {
     pub freedoms: Freedoms,
 }
 
-/// How many normal modes.
+/// The number of normal modes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ModeCount {
-    /// The lowest so many.
+    /// This number of the lowest modes.
     Number(u32),
     /// All up to a frequency (Hz).
     UpTo(f64),
@@ -185,18 +186,18 @@ pub enum ModeCount {
 /// Part of a mode set.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ModeTerm {
-    /// A displacement under each unit load (attachment modes).
+    /// Attachment modes: the displacement under each unit load.
     Static(Vec<Interface>),
-    /// A displacement for each unit displacement with the others held (constraint modes).
+    /// Constraint modes: the displacement for each unit displacement with the others held.
     Constraint(Vec<Interface>),
-    /// Normal modes; with freedoms held where there are any.
+    /// Normal modes, with held freedoms if any are listed.
     Normal {
-        /// Which.
+        /// Their number.
         count: ModeCount,
         /// Held besides the supports.
         fixed: Vec<Interface>,
     },
-    /// Shapes that another code wrote.
+    /// Shapes from another code.
     Given {
         /// Their format.
         format: ShapeFormat,
@@ -210,7 +211,8 @@ pub enum ModeTerm {
 /// Damping of the modes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Damping {
-    /// A ratio of each mode up to a frequency (Hz, infinite: for all), rising to one at five times that.
+    /// A ratio for each mode up to a frequency (Hz; infinite: for all). It rises to one at five times that
+    /// frequency.
     Modal {
         /// Ratio to critical damping.
         ratio: f64,

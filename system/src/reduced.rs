@@ -1,13 +1,15 @@
 //! A flexible body after reduction: constants with which a time step computes it and never sees a node.
 //!
-//! With the mass matrix M of the finite-element model, the shapes Φ (nodal vectors, n of them), the rigid motions `R_t` (unit
-//! translations) and `R_r` (unit rotations about the body frame's origin), and `E_k`, the infinitesimal rotation of a nodal
-//! vector about axis k (`e_k ×` on translations and on rotations of every node), the nodal velocities in body axes are
-//! `w = R_t v + R_r ω + Σ ω_k E_k Φ a + Φ ȧ` and the kinetic energy is `½ wᵀ M w`. Its constants are the fields of [`Invariants`].
-//! For a solid, whose M acts alike on x, y and z, they are exact; sources: A. A. Shabana, Dynamics of Multibody Systems, 4th ed.
-//! (2013), chapter 5; A. Zwölfer, J. Gerstmayr, Acta Mechanica 232 (2021) 149 (consistent mass from the nodal matrices).
+//! With the mass matrix M of the finite-element model, the shapes Φ (nodal vectors, n of them), the rigid
+//! motions `R_t` (unit translations) and `R_r` (unit rotations about the body frame's origin), and `E_k`, the
+//! infinitesimal rotation of a nodal vector about axis k (`e_k ×` on translations and on rotations of every
+//! node), the nodal velocities in body axes are `w = R_t v + R_r ω + Σ ω_k E_k Φ a + Φ ȧ` and the kinetic
+//! energy is `½ wᵀ M w`. Its constants are the fields of [`Invariants`]. For a solid, whose M acts alike on
+//! x, y and z, they are exact; sources: A. A. Shabana, Dynamics of Multibody Systems, 4th ed. (2013), chapter
+//! 5; A. Zwölfer, J. Gerstmayr, Acta Mechanica 232 (2021) 149 (consistent mass from the nodal matrices).
 //!
-//! Matrices are row-major. Lengths are metres, masses kilograms, amplitudes carry the unit that makes Φa a displacement.
+//! Matrices are row-major. Lengths are metres, masses kilograms, amplitudes carry the unit that makes Φa a
+//! displacement.
 
 use crate::flexible::Damping;
 use serde::{Deserialize, Serialize};
@@ -42,28 +44,30 @@ pub struct Invariants {
     pub stiffness: Block,
     /// Damping (n × n).
     pub damping: Block,
-    /// What stresses of spin, acceleration and loads add to the stiffness; none when it was not asked for.
+    /// The geometric stiffness from stresses of spin, acceleration and loads; `None` if the text does not ask
+    /// for it.
     pub geometric: Option<Geometric>,
 }
 
-/// Geometric stiffness in modes: `Φᵀ K_σ Φ` (n × n, symmetric) with the initial-stress matrix `K_σ` of the static stress σ under
-/// each of the loads that a body feels, per unit of the load's factor. The modal equation has the sum of factor times block times
-/// `a` on the side of the elastic force.
+/// Geometric stiffness in modes: `Φᵀ K_σ Φ` (n × n, symmetric) with the initial-stress matrix `K_σ` of the
+/// static stress σ under a unit of each load on the body. The modal equation has the sum of load factor times
+/// block times `a` on the side of the elastic force.
 ///
-/// To the same order the structure's quasi-static answer to a displacement `Φa` is a second displacement `u₂(a)` with
-/// `f·u₂ = −½ aᵀ(Φᵀ K_σ(f) Φ) a` for every load f: what a bent beam loses in length. So the blocks are also the second-order parts
-/// of the body's first moment, inertia and angular momentum, and the equations that follow from these keep energy and momentum.
-/// (O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method, vol. 2, initial-stress matrix; O. Wallrapp, R. Schwertassek,
-/// Dynamik flexibler Mehrkörpersysteme, 1998, section 5.4, for the reference loads.)
+/// To the same order a displacement `Φa` causes a second displacement `u₂(a)` with
+/// `f·u₂ = −½ aᵀ(Φᵀ K_σ(f) Φ) a` for every load f, such as the shortening of a bent beam. So the blocks are
+/// also the second-order parts of the body's first moment, inertia and angular momentum. The equations that
+/// follow from these keep energy and momentum. (O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method,
+/// vol. 2, initial-stress matrix; O. Wallrapp, R. Schwertassek, Dynamik flexibler Mehrkörpersysteme, 1998,
+/// section 5.4, for the reference loads.)
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Geometric {
-    /// Of the centrifugal loads, a unit of `ω_j ω_k` (N/(rad/s)²), for jk = xx, yy, zz, xy, yz, zx.
+    /// Blocks of the centrifugal loads per `ω_j ω_k` (N/(rad/s)²), for jk = xx, yy, zz, xy, yz, zx.
     pub spin: [Block; 6],
-    /// Of the loads `−M R_r` a unit of angular acceleration `ω̇_k` (body axes).
+    /// Blocks of the loads `−M R_r` per unit of angular acceleration `ω̇_k` (body axes).
     pub turn: [Block; 3],
-    /// Of the loads `−M R_t` a unit of `Aᵀ(r̈ − g)` (body axes).
+    /// Blocks of the loads `−M R_t` per unit of `Aᵀ(r̈ − g)` (body axes).
     pub acceleration: [Block; 3],
-    /// Of a unit force (N) or torque (N m) at a marker.
+    /// Blocks of a unit force (N) or torque (N m) at a marker.
     pub loads: Vec<MarkerStiffness>,
 }
 
@@ -83,11 +87,11 @@ pub struct MarkerStiffness {
 pub struct ReducedMarker {
     /// Its name in the model: `main[2]`.
     pub name: String,
-    /// Place of the undeformed marker in the body frame (m).
+    /// Position of the undeformed marker in the body frame (m).
     pub position: [f64; 3],
-    /// Displacement a unit of each amplitude (3 × n).
+    /// Displacement per unit of each amplitude (3 × n).
     pub translation: Block,
-    /// Rotation a unit of each amplitude (rad; 3 × n).
+    /// Rotation per unit of each amplitude (rad; 3 × n).
     pub rotation: Block,
 }
 
@@ -103,8 +107,8 @@ pub struct ReducedBody {
 }
 
 impl ReducedBody {
-    /// Puts damping on the modes: `2 ζ ω m` on the diagonal for a ratio, `α m + β k` for Rayleigh's. The shapes of a ratio are
-    /// normal modes of the set, whose modal mass and stiffness are diagonal.
+    /// Sets the damping of the modes: `2 ζ ω m` on the diagonal for a ratio, `α m + β k` for Rayleigh's. A
+    /// ratio needs diagonal modal mass and stiffness, which the orthonormal modes of a set have.
     pub fn damp(&mut self, damping: &Damping) {
         let constants = &mut self.invariants;
         let n = constants.modes;
@@ -112,7 +116,7 @@ impl ReducedBody {
             Damping::Modal { ratio, up_to } => {
                 constants.damping = vec![0.0; n * n];
                 for (i, frequency) in self.frequencies.iter().enumerate().take(n) {
-                    // beyond the frequency the ratio rises with it, to one at five times that
+                    // above the limit the ratio rises with the frequency, to one at five times the limit
                     let share = if frequency > up_to {
                         ((frequency - up_to) / (4.0 * up_to)).min(1.0)
                     } else {
@@ -183,7 +187,8 @@ impl Invariants {
         }
     }
 
-    /// What does not fit together, if anything: lengths of blocks, numbers that are not finite, a mass that is not positive.
+    /// The first inconsistency, if there is one: lengths of blocks, numbers that are not finite, a mass that
+    /// is not positive.
     pub fn defect(&self) -> Option<String> {
         let n = self.modes;
         let rows = [

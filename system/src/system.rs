@@ -1,7 +1,8 @@
-//! The flat system: what the compiler hands to the runtime.
+//! The flat system: the compiler makes it, and the runtime reads it.
 //!
-//! Contains no names to be looked up, no expressions and no units to be converted: numbers are SI and stand in
-//! *slots*, which the bind graph fills from the parameters. Every thing keeps its path and its places in the text.
+//! It contains no names to look up, no expressions and no units to convert. Numbers are SI and are in
+//! *slots*, which the bind graph fills from the parameters. Every entry keeps its path and its places in the
+//! text.
 
 pub use crate::analysis::{
     Analysis, AnalysisKind, Extent, Linear, Periodic, PointValue, Rows, Start, StepControl,
@@ -34,15 +35,15 @@ pub enum BodyInertia {
         mass: Slot,
         /// Centre of mass in the body frame (m).
         center_of_mass: [Slot; 3],
-        /// Ixx, Iyy, Izz, Ixy, Iyz, Izx about the centre of mass, body axes (kg m²). The off-diagonal values are the
-        /// tensor's entries (minus the integrals of products).
+        /// Ixx, Iyy, Izz, Ixy, Iyz, Izx about the centre of mass, body axes (kg m²). The off-diagonal values
+        /// are the tensor's entries (minus the integrals of products).
         inertia: [Slot; 6],
     },
     /// A flexible body: index of its reduction in the compiled model.
     Flexible(u32),
 }
 
-/// A body. Its reference frame's origin is where places on it count from.
+/// A body. Positions on it count from the origin of its reference frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     /// Path and places.
@@ -53,7 +54,7 @@ pub struct Body {
     pub position: Option<[Slot; 3]>,
     /// Stated or guessed orientation at the start: rotation matrix body → inertial, row-major.
     pub orientation: Option<[Slot; 9]>,
-    /// Where the text guesses one of the two.
+    /// Places of a guess of one of the two.
     pub guessed_at: Vec<Location>,
 }
 
@@ -64,14 +65,15 @@ pub struct Marker {
     pub origin: Origin,
     /// Its body.
     pub body: BodyRef,
-    /// Place in the body frame (m).
+    /// Position in the body frame (m).
     pub position: [Slot; 3],
     /// Rotation matrix marker → body, row-major.
     pub orientation: [Slot; 9],
-    /// On a flexible body: index among the markers of its reduction, which gives the place; `position` is then ignored.
+    /// On a flexible body: index among the markers of its reduction, which gives the position; `position` is
+    /// then ignored.
     pub shape: Option<u32>,
-    /// For `ground` used as an argument: the marker on ground that lies where this other marker is at the start;
-    /// `position` and `orientation` are then ignored.
+    /// For `ground` as an argument: the other marker with which this one coincides at the start; `position`
+    /// and `orientation` are then ignored.
     pub placed_at: Option<u32>,
 }
 
@@ -84,9 +86,9 @@ pub struct Parameter {
     pub dimension: Dimension,
     /// How it is shown.
     pub display: DisplayUnit,
-    /// Counted from a zero (a temperature), not a difference: it may be given in degC.
+    /// Whether it is a point, such as a temperature, and not a difference. A point may be given in degC.
     pub point: bool,
-    /// Open limits (SI); infinite where none are stated.
+    /// Open limits (SI); infinite if unstated.
     pub limits: (f64, f64),
 }
 
@@ -123,16 +125,16 @@ pub struct OutputInfo {
     pub frame: String,
 }
 
-/// What a condition means.
+/// The kind of a condition.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ConditionKind {
-    /// Picks the assembly branch; checked at the start.
+    /// Selects the assembly branch; checked at the start.
     Branch,
     /// Must hold at every accepted state; depends on the motion.
     Require,
     /// Should hold at every accepted state; a warning, given once.
     Advise,
-    /// No condition: a value that the message of a `require` or `advise` shows.
+    /// No condition, but a value in the message of a `require` or `advise`.
     Shown,
 }
 
@@ -153,22 +155,23 @@ pub enum MessagePart {
 /// A quantity that must be positive, or that a message shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
-    /// What it means.
+    /// Its kind.
     pub kind: ConditionKind,
-    /// The name under which an `advise` is accepted; empty where it has none.
+    /// The name of an `advise` for `accept`; empty without a name.
     pub name: String,
     /// The condition as written, or the message of a `require` with its expressions as written.
     pub text: String,
-    /// The message in parts; empty where `text` is all.
+    /// The message in parts; empty if `text` is the whole message.
     pub message: Vec<MessagePart>,
-    /// Dimension of the value, where all that is compared has one.
+    /// Dimension of the value, if both compared sides have one.
     pub dimension: Option<Dimension>,
     /// Its place in the class.
     pub defined_at: Option<Location>,
 }
 
 impl Condition {
-    /// The message with the values of the moment. `value` gives the number of an entry of the class's conditions (SI).
+    /// The message with the values of the moment. `value` gives the number of an entry of the class's
+    /// conditions (SI).
     pub fn told(&self, value: impl Fn(usize) -> f64) -> String {
         if self.message.is_empty() {
             return self.text.clone();
@@ -183,14 +186,15 @@ impl Condition {
     }
 }
 
-/// What all instances of one class of element share. The functions of its code are described at [`crate::code`].
+/// The data that all instances of one class of elements share. [`crate::code`] describes the functions of its
+/// code.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElementClass {
     /// `Revolute`.
     pub name: String,
-    /// Where its functions find their inputs.
+    /// The layout of its functions' inputs.
     pub layout: InputLayout,
-    /// Constraint equations, one a row.
+    /// Constraint equations, one in each row.
     pub rows: Vec<Row>,
     /// Own unknowns.
     pub states: Vec<StateInfo>,
@@ -206,7 +210,7 @@ pub struct ElementClass {
     pub tape: u32,
 }
 
-/// What an element is for.
+/// The role of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Role {
     /// Part of the model: its rows constrain, its wrenches act.
@@ -221,7 +225,7 @@ pub enum Role {
         /// Holds exactly.
         exact: bool,
     },
-    /// Only outputs.
+    /// It has only outputs.
     Output,
 }
 
@@ -232,7 +236,7 @@ pub struct Element {
     pub origin: Origin,
     /// Index into [`System::classes`].
     pub class: u32,
-    /// What it is for.
+    /// Its role.
     pub role: Role,
     /// Indices into [`System::markers`], as many as the layout says.
     pub markers: Vec<u32>,
@@ -240,9 +244,10 @@ pub struct Element {
     pub constants: Vec<Slot>,
     /// Start values of its states.
     pub state_start: Vec<Slot>,
-    /// Of its states the sizes, positive, from which on errors matter.
+    /// Scales of its states (positive), against which errors are measured.
     pub state_scale: Vec<Slot>,
-    /// Channels its outputs read, as many as the layout says; each is computed before this element's.
+    /// Channels that its outputs read, as many as the layout says. Each is computed before those of this
+    /// element.
     pub signals: Vec<u32>,
     /// Its unwrapped angles, as many as the layout says.
     pub rotations: Vec<Rotation>,
@@ -255,7 +260,7 @@ pub struct Rotation {
     pub turning: u32,
     /// Index into the element's markers: the one about whose z axis, and from whose x axis, it is measured.
     pub reference: u32,
-    /// In the rows of a start: the angle that is stated (rad).
+    /// In the rows of a start: the stated angle (rad).
     pub stated: Option<Slot>,
 }
 
@@ -281,13 +286,14 @@ pub struct Channel {
 pub struct Cycle {
     /// Path and places.
     pub origin: Origin,
-    /// An [`Role::Output`] element whose output 0 is the unwrapped cycle angle (rad) and output 1 its rate (rad/s).
+    /// An [`Role::Output`] element whose output 0 is the unwrapped cycle angle (rad) and output 1 its rate
+    /// (rad/s).
     pub element: u32,
     /// Angle after which the machine repeats (rad).
     pub period: Slot,
 }
 
-/// When the gas of an element fires: its class fills `std.forces.GasLaw`.
+/// The firing of an element whose class fills `std.forces.GasLaw`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FiringInfo {
     /// Index of the element.
@@ -302,7 +308,7 @@ pub struct FiringInfo {
     pub head: u32,
 }
 
-/// What the summary knows about a journal: an element whose class fills `std.journals.JournalLaw`.
+/// A journal: an element whose class fills `std.journals.JournalLaw`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JournalInfo {
     /// Index of the element.
@@ -330,9 +336,9 @@ pub struct System {
     pub markers: Vec<Marker>,
     /// Parameters in the order of the bind graph.
     pub parameters: Vec<Parameter>,
-    /// How many slots a bind fills.
+    /// Number of slots that a bind fills.
     pub slots: u32,
-    /// Classes; the code stands beside them with the same index.
+    /// Classes. Their code has the same indices.
     pub classes: Vec<ElementClass>,
     /// Instances, constraints and forces alike.
     pub elements: Vec<Element>,
@@ -348,9 +354,9 @@ pub struct System {
     pub journals: Vec<JournalInfo>,
     /// Cylinders that fire, for figures and orders.
     pub firings: Vec<FiringInfo>,
-    /// Where attributes are stated, by path: `gravity`, `crank.inertia`; of a number that is given to a class by the name of a constant
-    /// (`gas[2].firing`), where that constant stands.
+    /// Places of stated attributes, by path: `gravity`, `crank.inertia`. If an argument of a class is the
+    /// name of a constant (`gas[2].firing`), it is the place of this constant.
     pub stated: std::collections::BTreeMap<String, Location>,
-    /// What the text accepts of lints.
+    /// Lints that the text accepts.
     pub accepted: Vec<crate::lint::Accepted>,
 }
