@@ -1,9 +1,9 @@
-//! Why a class gets no machine code.
+//! Errors of code generation.
 
-/// Machine code that could not be made.
+/// A failure to make machine code.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CodegenError {
-    /// There is no generator for this kind of machine.
+    /// No generator exists for this processor.
     #[error("no code can be generated for this machine: {0}")]
     Machine(String),
     /// The generator refused a function.
@@ -11,10 +11,10 @@ pub enum CodegenError {
     Function {
         /// `Revolute.residual`.
         function: String,
-        /// The generator's words.
+        /// The generator's message.
         message: String,
     },
-    /// Memory for the code could not be had or made executable.
+    /// The system gave no memory for the code, or did not make it executable.
     #[error("no memory for machine code: {0}")]
     Memory(String),
 }

@@ -1,7 +1,7 @@
-//! The functions that the language itself has: one table, which the checker and elaboration read.
+//! The functions of the language: one table for the checker and elaboration.
 //!
-//! A function of one plain number is its row here alone. One of another kind also has its type in `check/builtin.rs`
-//! and its evaluation in `elaborate/builtin.rs`.
+//! A function of one plain number needs only its row here. A function of another kind also has its type in
+//! `check/builtin.rs` and its evaluation in `elaborate/builtin.rs`.
 
 use crate::ir::{Node, Op};
 
@@ -9,19 +9,19 @@ use crate::ir::{Node, Op};
 #[derive(Debug)]
 pub(crate) struct BuiltIn {
     pub name: &'static str,
-    /// Names of the parameters, for messages; empty where any number of arguments is taken.
+    /// Names of the parameters, for messages; empty if the function takes any number of arguments.
     pub parameters: &'static [&'static str],
     pub kind: Kind,
 }
 
-/// What a function takes and gives.
+/// The kind of a function: its arguments and its result.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Kind {
-    /// A plain number to a plain number.
+    /// From a plain number to a plain number.
     Plain(fn(Node) -> Op),
-    /// An angle (rad), or a plain number, to a plain number.
+    /// From an angle (rad) or a plain number to a plain number.
     OfAngle(fn(Node) -> Op),
-    /// A plain number to an angle (rad).
+    /// From a plain number to an angle (rad).
     ToAngle(fn(Node) -> Op),
     /// Numbers of any dimension.
     Numbers,
@@ -29,7 +29,7 @@ pub(crate) enum Kind {
     Vectors,
     /// The numbers of a list.
     List,
-    /// The rate of anything that moves.
+    /// The time derivative.
     Rate,
 }
 
@@ -41,7 +41,7 @@ const fn function(name: &'static str, parameters: &'static [&'static str], kind:
     }
 }
 
-/// All of them.
+/// All functions.
 pub(crate) static FUNCTIONS: [BuiltIn; 25] = [
     function("dot", &["a", "b"], Kind::Vectors),
     function("cross", &["a", "b"], Kind::Vectors),
@@ -70,7 +70,7 @@ pub(crate) static FUNCTIONS: [BuiltIn; 25] = [
     function("distinct", &["v"], Kind::List),
 ];
 
-/// The function of a name.
+/// The function with a name.
 pub(crate) fn find(name: &str) -> Option<&'static BuiltIn> {
     FUNCTIONS.iter().find(|function| function.name == name)
 }

@@ -1,12 +1,13 @@
-//! From a class's functions to something callable: machine code where there is a generator, else the interpreter.
+//! Makes the functions of a class callable: as machine code if there is a generator, else with the
+//! interpreter.
 
 pub use crate::codegen_error::CodegenError;
 use crate::ir::{ClassFunctions, InterpretedClass};
 use eng_system::code::ElementCode;
 use std::sync::Arc;
 
-/// Makes a class callable. Without the feature `jit`, or if it is not asked for, the class is interpreted: the same
-/// numbers to the bit, 3 to 25 times slower.
+/// Makes a class callable. Without the feature `jit`, or without a request for it, the class is interpreted.
+/// The interpreter gives the same bits and is 3 to 25 times slower.
 pub fn compile_class(
     functions: &ClassFunctions,
     use_jit: bool,

@@ -1,9 +1,8 @@
-//! The standard library's texts, compiled in.
+//! The standard library's texts, compiled into the program.
 //!
-//! May contain: the texts of `stdlib/` with the paths by which they are used. Must not contain: any knowledge of what
-//! stands in them.
+//! This module contains the texts of `stdlib/` and their module paths. It must not depend on their contents.
 
-/// Module paths and texts, for [`crate::resolve`]; a model uses them as `use std.joints.Revolute`.
+/// Module paths and texts, for [`crate::resolve`]. A model takes names from them: `use std.joints.Revolute`.
 pub const LIBRARY: &[(&str, &str)] = &[
     ("std.prelude", include_str!("../../stdlib/prelude.eng")),
     ("std.units", include_str!("../../stdlib/units.eng")),

@@ -1,6 +1,7 @@
 //! Models of a checked program, elaborated and compiled once for all analyses that share their constants.
 //!
-//! May contain: what follows from the text and constants. Must not contain: parameters, reduced bodies, states.
+//! This module contains data that follow from the text and constants. It must not contain parameters, reduced
+//! bodies or states.
 
 use crate::elaborate::{Elaborated, Structural, elaborate};
 use crate::generate::{CodegenError, compile_class};
@@ -22,7 +23,7 @@ pub struct SharedModel {
 }
 
 impl SharedModel {
-    /// The code of each class, compiled when it is first asked for.
+    /// The code of each class, compiled at the first call.
     pub fn code(&self) -> Result<&[Arc<dyn ElementCode>], CodegenError> {
         if let Some(code) = self.code.get() {
             return Ok(code);
@@ -30,7 +31,7 @@ impl SharedModel {
         let classes = self.elaborated.classes.iter();
         let made: Result<Vec<_>, _> = classes.map(|class| compile_class(class, true)).collect();
         let made = made?;
-        // another thread may have been faster; its code is the same
+        // another thread may have been faster, with the same code
         Ok(self.code.get_or_init(|| made))
     }
 }
@@ -42,8 +43,8 @@ pub struct SharedModels {
 }
 
 impl SharedModels {
-    /// A model with its constants, elaborated when it is first asked for. `None` where an error was reported; messages
-    /// are given by the first elaboration alone.
+    /// A model with its constants, elaborated at the first call. `None` after an error. Only the first
+    /// elaboration reports messages.
     pub fn model(
         &self,
         typed: &TypedProgram,

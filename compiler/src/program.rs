@@ -1,6 +1,7 @@
-//! A resolved program: modules, names, units. Made by `resolve`, read by the checker and by elaboration.
+//! A resolved program: modules, names, units. `resolve` makes it; the checker and elaboration read it.
 //!
-//! May contain: syntax trees and the tables that find things in them. Must not contain: values of expressions, instances.
+//! It contains syntax trees and tables to find items in them. It must not contain values of expressions or
+//! instances.
 
 mod usual;
 
@@ -11,11 +12,13 @@ use eng_grammar::{SourceId, Span};
 use eng_system::{Dimension, DisplayUnit};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Module and class with which a flexible body that has supports stands on the ground.
+/// Module and class of the weld between the ground and a flexible body with supports.
 pub const WELD: (&str, &str) = ("std.joints", "Fixed");
-/// Module and interface of film laws: what fills it is a journal for the start, the tolerance, tables and figures.
+/// Module and interface of film laws. A class that fills it is a journal for the start, the tolerance, tables
+/// and figures.
 pub const JOURNAL_LAW: (&str, &str) = ("std.journals", "JournalLaw");
-/// Module and interface of the gas in a cylinder: what fills it tells when the cylinder fires.
+/// Module and interface of the gas in a cylinder. A class that fills it gives the firing angle of the
+/// cylinder.
 pub const GAS_LAW: (&str, &str) = ("std.forces", "GasLaw");
 
 /// An item of a module at its top level.
@@ -27,7 +30,7 @@ pub struct DefinitionId {
     pub item: u32,
 }
 
-/// One file with the names that can be used in it.
+/// One file with the names in its scope.
 #[derive(Clone, Debug)]
 pub struct Module {
     /// `std.joints`, `inline4`.
@@ -51,7 +54,8 @@ pub struct Unit {
     pub offset: f64,
     /// Its dimension.
     pub dimension: Dimension,
-    /// The named point dimension it is restricted to (`Temperature` for degC, `GaugePressure` for barg), if any.
+    /// The named point dimension it is restricted to (`Temperature` for degC, `GaugePressure` for barg), if
+    /// any.
     pub point: Option<String>,
 }
 
@@ -106,7 +110,7 @@ impl Program {
             .get(id.item as usize)
     }
 
-    /// What a name means at the top level of a module.
+    /// The definition of a name at the top level of a module.
     pub fn lookup(&self, module: u32, name: &str) -> Option<DefinitionId> {
         self.modules.get(module as usize)?.scope.get(name).copied()
     }
@@ -116,12 +120,12 @@ impl Program {
         self.of_library(WELD)
     }
 
-    /// The interface of film laws; `None` where nothing uses it.
+    /// The interface of film laws; `None` if no module uses it.
     pub fn journal_law(&self) -> Option<DefinitionId> {
         self.of_library(JOURNAL_LAW)
     }
 
-    /// The interface of the gas in a cylinder; `None` where nothing uses it.
+    /// The interface of the gas in a cylinder; `None` if no module uses it.
     pub fn gas_law(&self) -> Option<DefinitionId> {
         self.of_library(GAS_LAW)
     }
@@ -131,7 +135,7 @@ impl Program {
         self.lookup(module as u32, name)
     }
 
-    /// What a class of a module says that it fills: `: JournalLaw`.
+    /// The interface that a class of a module declares to fill: `: JournalLaw`.
     pub fn interface_of(&self, module: u32, class: &ast::Declaration) -> Option<DefinitionId> {
         let ast::Form::Class {
             interface: Some(name),
@@ -157,7 +161,7 @@ impl Program {
         self.modules.len().saturating_sub(1) as u32
     }
 
-    /// Size and dimension of a unit expression; `Err` holds the place and name of the unit that is not known.
+    /// Size and dimension of a unit expression. `Err` has the place and name of an unknown unit.
     pub fn unit(&self, expr: &ast::UnitExpr) -> Result<Unit, (Span, String)> {
         let mut scale = 1.0;
         let mut dimension = Dimension::ONE;
@@ -240,7 +244,7 @@ pub fn unit_text(expr: &ast::UnitExpr) -> String {
     text
 }
 
-/// What the checker found about a named value.
+/// The checker's finding about a named value.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub enum ValueType {

@@ -1,8 +1,8 @@
-//! The words that flexible bodies are made with, and what each takes: the checker and elaboration read the same tables.
+//! The words of flexible bodies, with their arguments. The checker and elaboration read the same tables.
 
 use eng_system::mesh_files::{ElementRules, MeshUnits, ShapeFormat, Stated};
 
-/// What an argument is.
+/// The kind of an argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Takes {
     /// A text: file, set, matrix.
@@ -21,7 +21,7 @@ pub(crate) enum Takes {
     Axis,
     /// Three plain numbers.
     Direction,
-    /// Cycles a second.
+    /// A frequency, in cycles per time.
     Frequency,
     /// A plain number.
     Ratio,
@@ -29,7 +29,7 @@ pub(crate) enum Takes {
     Markers,
     /// Freedoms of a marker, by name.
     Freedoms,
-    /// One a time.
+    /// The inverse of a time.
     PerTime,
     /// A time.
     Time,
@@ -45,7 +45,7 @@ pub(crate) struct Argument {
     pub named: bool,
 }
 
-/// Where a word belongs.
+/// The place of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {
     Mesh,
@@ -56,7 +56,7 @@ pub(crate) enum Place {
 }
 
 impl Place {
-    /// For messages.
+    /// The place in words, for messages.
     pub fn text(self) -> &'static str {
         match self {
             Place::Mesh => "the `mesh` of a flexible body",
@@ -74,7 +74,7 @@ pub(crate) struct Word {
     pub word: &'static str,
     pub place: Place,
     pub arguments: &'static [Argument],
-    /// How it is written.
+    /// An example of its use.
     pub example: &'static str,
 }
 
@@ -118,14 +118,14 @@ const fn words_of<const N: usize, T: Copy>(named: &[(&'static str, T)]) -> [&'st
 
 /// Systems of units of finite-element files.
 pub(crate) const UNITS: &[&str] = &words_of::<{ MeshUnits::NAMED.len() }, _>(MeshUnits::NAMED);
-/// How elements are integrated.
+/// Rules for the integration of elements.
 pub(crate) const ELEMENT_RULES: &[&str] =
     &words_of::<{ ElementRules::NAMED.len() }, _>(ElementRules::NAMED);
 /// Formats of mode shapes.
 const SHAPES: &[&str] = &words_of::<{ ShapeFormat::NAMED.len() }, _>(ShapeFormat::NAMED);
 /// The supports of a mesh's file, among those of a body.
 pub(crate) const DECK: &str = "deck";
-/// How nodes are tied to a marker.
+/// Kinds of ties between nodes and a marker.
 const TIES: &[&str] = &["averaging", "rigid"];
 
 const FILE: Argument = positional("file", Takes::Text);
@@ -330,7 +330,7 @@ pub(crate) const WORDS: &[Word] = &[
     },
 ];
 
-/// The word in a place.
+/// The word with a name in a place.
 pub(crate) fn word(place: Place, name: &str) -> Option<&'static Word> {
     WORDS.iter().find(|w| w.place == place && w.word == name)
 }
@@ -340,12 +340,12 @@ pub(crate) fn words(place: Place) -> impl Iterator<Item = &'static Word> {
     WORDS.iter().filter(move |w| w.place == place)
 }
 
-/// Where a word belongs, if it is one.
+/// The word with a name, in any place.
 pub(crate) fn belongs(name: &str) -> Option<&'static Word> {
     WORDS.iter().find(|w| w.word == name)
 }
 
-/// The argument of a name: given by name, or by its position among those that are not named.
+/// The argument with a name, given by name or by its position among the unnamed ones.
 pub(crate) fn argument<'e>(
     word: &Word,
     arguments: &'e [eng_grammar::ast::Argument],
@@ -363,7 +363,7 @@ pub(crate) fn argument<'e>(
     by_name.or_else(by_position).map(|a| &a.value)
 }
 
-/// The text between the quotes of a text in its raw form, with its place.
+/// The raw contents of a quoted text, with its place.
 pub(crate) fn inside_quotes(
     sources: &eng_grammar::SourceMap,
     span: eng_grammar::Span,

@@ -1,7 +1,7 @@
-//! The syntax tree: what was written, with its places; no name is looked up here.
+//! The syntax tree: the text in structured form, with its places. No name is looked up here.
 //!
-//! A tree always comes out of a parse. What could not be read stands as [`ItemKind::Error`] or
-//! [`ExprKind::Error`]; later stages skip it silently, since its message was given.
+//! Every parse gives a tree. Unreadable text becomes [`ItemKind::Error`] or [`ExprKind::Error`]. Later stages
+//! skip these nodes silently, because the parser has reported the error.
 
 use crate::span::Span;
 
@@ -45,7 +45,7 @@ pub struct Block {
     pub span: Span,
 }
 
-/// What an item can be.
+/// The kinds of items.
 // Bindings, the largest variant, are also the most frequent one.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug, PartialEq)]
@@ -68,11 +68,11 @@ pub enum ItemKind {
     Declaration(Declaration),
     /// `mass = 0.62 kg` inside a block.
     Attribute(Attribute),
-    /// `report bearings "Main bearings" { … }`: what is made of results.
+    /// `report bearings "Main bearings" { … }`: figures and values made from results.
     Report(Report),
     /// `figure name = …`, `value name = …` inside a report.
     Entry(Entry),
-    /// Could not be read; the message was given.
+    /// Unreadable; the error was reported.
     Error,
 }
 
@@ -86,7 +86,7 @@ pub struct Use {
     pub names: UseNames,
 }
 
-/// Which names a `use` takes.
+/// The names that a `use` takes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum UseNames {
     /// `.*`: every name of the module.
@@ -103,7 +103,7 @@ pub struct DimensionItem {
     pub name: Name,
     /// The right side; absent for a base dimension.
     pub definition: Option<TypeExpr>,
-    /// Whether `point` stands before the right side.
+    /// Whether the word `point` is before the right side.
     pub point: bool,
 }
 
@@ -123,9 +123,9 @@ pub struct UnitItem {
 /// Which binding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BindingKind {
-    /// Structural; a change recompiles.
+    /// A structural value. A change needs a new compilation.
     Const,
-    /// Changes without compiling again.
+    /// A parameter. It can change without a new compilation.
     Param,
     /// A named value.
     Let,
@@ -135,10 +135,11 @@ pub enum BindingKind {
     Output,
 }
 
-/// `param bore: Length = 86 mm in (10 mm, 500 mm)`, `output force[j in 1..5]: Vector<Force> = F in shell as kN`.
+/// `param bore: Length = 86 mm in (10 mm, 500 mm)`,
+/// `output force[j in 1..5]: Vector<Force> = F in shell as kN`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Binding {
-    /// Which binding.
+    /// The kind of binding.
     pub kind: BindingKind,
     /// The name it gives.
     pub name: Name,
@@ -154,7 +155,7 @@ pub struct Binding {
     pub display: Option<UnitExpr>,
     /// `in (low, high)`: open limits of a parameter. Params only.
     pub limits: Option<(Expr, Expr)>,
-    /// `scale 0.1 mm`: the size of a state that matters, for its errors. States only.
+    /// `scale 0.1 mm`: the size against which errors of a state are measured. States only.
     pub scale: Option<Expr>,
 }
 
@@ -176,7 +177,7 @@ pub struct Parameter {
     pub name: Name,
     /// The type.
     pub ty: TypeExpr,
-    /// The value taken when the argument is absent.
+    /// The value without an argument.
     pub default: Option<Expr>,
     /// `in (low, high)`.
     pub limits: Option<(Expr, Expr)>,
@@ -197,7 +198,7 @@ pub struct Function {
     pub result: Option<TypeExpr>,
     /// `let`s of the block form, empty in the `=` form.
     pub lets: Vec<Binding>,
-    /// What the block form asks of its arguments.
+    /// Conditions on the arguments, in the block form.
     pub requirements: Vec<Requirement>,
     /// The value.
     pub value: Expr,
@@ -208,11 +209,11 @@ pub struct Function {
 pub struct Requirement {
     /// `advise`: a warning.
     pub advise: bool,
-    /// The name under which an `advise` is accepted.
+    /// The name of an `advise` for `accept`.
     pub name: Option<Name>,
-    /// What must hold.
+    /// The condition.
     pub condition: Expr,
-    /// What is said where it does not.
+    /// The message if the condition fails.
     pub message: Name,
 }
 
@@ -225,11 +226,11 @@ pub struct Table {
     pub parameters: Vec<Parameter>,
     /// The type of its values.
     pub result: Option<TypeExpr>,
-    /// The call that says where the numbers are: `csv(…)` or `points([…], […])`.
+    /// The call that gives the numbers: `csv(…)` or `points([…], […])`.
     pub source: Expr,
 }
 
-/// What a body or a class does.
+/// Statements of bodies and classes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Statement {
     /// `constrain a == b`.
@@ -238,21 +239,21 @@ pub enum Statement {
     Branch(Expr),
     /// `start target = value`: holds exactly at the start.
     Start {
-        /// What is set.
+        /// The target.
         target: Expr,
-        /// To what.
+        /// Its value.
         value: Expr,
     },
     /// `guess target = value`: helps the assembly.
     Guess {
-        /// What is guessed.
+        /// The target.
         target: Expr,
-        /// To what.
+        /// Its value.
         value: Expr,
     },
     /// `apply force F on a against b`.
     Apply {
-        /// Whether `torque` stands instead of `force`.
+        /// `torque` instead of `force`.
         torque: bool,
         /// The vector.
         value: Expr,
@@ -265,14 +266,14 @@ pub enum Statement {
     Require {
         /// `advise` instead of `require`.
         advise: bool,
-        /// The name under which an `advise` is accepted.
+        /// The name of an `advise` for `accept`.
         name: Option<Name>,
-        /// What must hold.
+        /// The condition.
         condition: Expr,
         /// The text with `{expression as unit}` places, and its span.
         message: Name,
     },
-    /// `accept usual, short`: what lints of these names say here is meant.
+    /// `accept usual, short`: accepts the lints of these names here.
     Accept(Vec<Name>),
     /// `der(p) = expr`.
     Rate {
@@ -315,7 +316,7 @@ pub struct Declaration {
     pub name: Name,
     /// `[i in 1..4]`.
     pub index: Vec<Binder>,
-    /// Which form.
+    /// Its form.
     pub form: Form,
 }
 
@@ -370,13 +371,13 @@ pub struct Report {
     pub word: Span,
     /// The name.
     pub name: Name,
-    /// What the section is called; absent where the name says enough.
+    /// Title of the section; absent if the name serves.
     pub title: Option<Title>,
     /// Figures, values, `let`s and `require`s.
     pub block: Block,
 }
 
-/// What an entry of a report is.
+/// The kinds of entries of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EntryKind {
     /// A picture.
@@ -388,13 +389,13 @@ pub enum EntryKind {
 /// `value peak "Largest force" = maximum(run.force) as kN`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// Which.
+    /// Its kind.
     pub kind: EntryKind,
     /// Place of the word.
     pub word: Span,
     /// The name.
     pub name: Name,
-    /// What it is called; absent where the name says enough.
+    /// Its title; absent if the name serves.
     pub title: Option<Title>,
     /// After `=`.
     pub value: Expr,
@@ -411,7 +412,7 @@ pub struct TypeExpr {
     pub kind: TypeExprKind,
 }
 
-/// What a type expression can be.
+/// The kinds of type expressions.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TypeExprKind {
     /// `Length`, `Marker`, `D`.
@@ -490,14 +491,14 @@ pub enum UnaryOp {
     Not,
 }
 
-/// What an expression can be.
+/// The kinds of expressions.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExprKind {
-    /// `54`, `54 mm`, `5 %`. A sign directly before an affine literal belongs to it
-    /// (`-5 degC`): the parser folds `-` into `value` for every literal that has a unit and is the operand of a
-    /// unary minus at the start of an operand (not in `a - 5 degC`).
+    /// `54`, `54 mm`, `5 %`. A sign directly before an affine literal belongs to it (`-5 degC`): the parser
+    /// folds `-` into `value` for every literal that has a unit and is the operand of a unary minus at the
+    /// start of an operand (not in `a - 5 degC`).
     Number {
-        /// As written, before the unit is applied.
+        /// The written number, without the unit.
         value: f64,
         /// No `.` and no exponent.
         integer: bool,
@@ -542,14 +543,14 @@ pub enum ExprKind {
     },
     /// `callee(arguments)`.
     Call {
-        /// What is called.
+        /// The called expression.
         callee: Box<Expr>,
         /// Arguments in order.
         arguments: Vec<Argument>,
     },
     /// `base[indices]`.
     Index {
-        /// What is indexed.
+        /// The indexed expression.
         base: Box<Expr>,
         /// The indices.
         indices: Vec<IndexArgument>,
@@ -576,12 +577,12 @@ pub enum ExprKind {
     If {
         /// Condition.
         condition: Box<Expr>,
-        /// Value when it holds.
+        /// Value if the condition holds.
         then: Box<Expr>,
-        /// Value when it does not.
+        /// Value otherwise.
         otherwise: Box<Expr>,
     },
-    /// `1..5`, `1000 rpm .. 6000 rpm by 250 rpm`; both ends belong to it.
+    /// `1..5`, `1000 rpm .. 6000 rpm by 250 rpm`, including both ends.
     Range {
         /// First.
         from: Box<Expr>,

@@ -13,14 +13,14 @@ use crate::span::{SourceId, Span};
 use crate::tokens::{Token, last_end, tokens};
 use pest::iterators::{Pair, Pairs};
 
-/// How deep a tree may get. Every later stage walks trees by recursion, so this bounds the stack of all of them.
-/// An operator, a bracket, a call or a field is one level.
+/// Greatest depth of a tree. Every later stage walks trees by recursion, so this limits the stack of all of
+/// them. An operator, a bracket, a call or a field is one level.
 pub(crate) const MAX_DEPTH: usize = 256;
 
-/// How deep brackets may nest in a text.
+/// Greatest nesting of brackets in a text.
 pub(crate) const MAX_NESTING: usize = 100;
 
-/// After so many mistakes in one text the rest is not described.
+/// Most mistakes in one text that get a message.
 const MAX_MISTAKES: usize = 100;
 
 /// Makes one tree from one text.
@@ -31,13 +31,13 @@ pub(crate) struct Builder<'t, 'd> {
     offset: usize,
     diagnostics: &'d mut Diagnostics,
     mistakes: usize,
-    /// How many declarations lack their `{`, by which as many `}` are too many.
+    /// Number of declarations without their `{`. The same number of `}` is then too many.
     headless: usize,
-    /// Whether the item at hand was already said to be too deep.
+    /// Whether the depth of the present item was reported.
     deep: bool,
     /// The `{` that a missing `}` belongs to, if one is missing.
     pub open_brace: Option<Token>,
-    /// Where the items at hand stand.
+    /// The place of the present items.
     pub place_of_items: diagnose::Place,
 }
 
@@ -52,7 +52,7 @@ enum Piece<'t> {
         docs: Vec<String>,
         start: usize,
         end: usize,
-        /// How many `(` and `[` are open at its end.
+        /// Number of open `(` and `[` at its end.
         open: usize,
     },
 }
@@ -72,7 +72,8 @@ fn child<'t>(pair: &Pair<'t, Rule>, rule: Rule) -> Option<Pair<'t, Rule>> {
         .find(|inner| inner.as_rule() == rule)
 }
 
-/// Whether `last` is a binding without a value, and `next` seems to be the rest of it: `param x Length = 5 mm`.
+/// Whether `last` is a binding without a value, and `next` seems to be the rest of it:
+/// `param x Length = 5 mm`.
 fn unfinished(last: &Piece<'_>, next: &Pair<'_, Rule>) -> bool {
     let Piece::Good { pair, .. } = last else {
         return false;
@@ -86,7 +87,7 @@ fn unfinished(last: &Piece<'_>, next: &Pair<'_, Rule>) -> bool {
 }
 
 impl<'t, 'd> Builder<'t, 'd> {
-    /// For `text`, which stands at byte `offset` of `source`.
+    /// A builder for `text`, which begins at byte `offset` of `source`.
     pub fn new(
         text: &'t str,
         source: SourceId,
@@ -133,7 +134,7 @@ impl<'t, 'd> Builder<'t, 'd> {
         }
     }
 
-    /// A name that had to be there; the grammar guarantees it, an empty one stands for its absence.
+    /// The next name. The grammar guarantees it; a missing one would give an empty name.
     fn next_name(&self, pairs: &mut Pairs<'_, Rule>) -> Name {
         match pairs.next() {
             Some(pair) => self.name(&pair),
@@ -144,7 +145,7 @@ impl<'t, 'd> Builder<'t, 'd> {
         }
     }
 
-    /// Gives a message, up to a number of them.
+    /// Reports a message, up to [`MAX_MISTAKES`].
     pub fn report(&mut self, diagnostic: Diagnostic) {
         self.mistakes += 1;
         if self.mistakes <= MAX_MISTAKES {
@@ -223,7 +224,7 @@ impl<'t, 'd> Builder<'t, 'd> {
         items
     }
 
-    /// Whether a line end or a `;` stands between two places.
+    /// Whether a line end or a `;` is between two places.
     fn parted(&self, end: usize, start: usize) -> bool {
         self.text
             .get(end..start)
@@ -243,7 +244,8 @@ impl<'t, 'd> Builder<'t, 'd> {
         self.report(diagnostic);
     }
 
-    /// Joins bad text to what it belongs to: the item before on the same line, or the bad line it continues.
+    /// Joins unreadable text to its beginning: the item before on the same line, or the unreadable line that
+    /// it continues.
     fn add_bad(&self, pieces: &mut Vec<Piece<'t>>, pair: &Pair<'t, Rule>) {
         let mut docs = Vec::new();
         let mut start = pair.as_span().start();
@@ -295,7 +297,7 @@ impl<'t, 'd> Builder<'t, 'd> {
         });
     }
 
-    /// Says what is wrong with a piece; what follows the mistake and can be read is read.
+    /// Reports the mistake in a piece. Readable text after the mistake still becomes items.
     fn bad(
         &mut self,
         docs: Vec<String>,

@@ -1,17 +1,17 @@
-//! What a message code stands for, and the codes of this stage's messages.
+//! The type of message codes, and the codes of this stage's messages.
 
-/// A message code: what it stands for, and how to get out of it.
+/// A message code with its meaning and remedy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Code {
-    /// `E0302`. A code has one meaning and never changes it.
+    /// `E0302`. A code has one meaning, which never changes.
     pub code: &'static str,
-    /// What is wrong, in general.
+    /// The mistake in general.
     pub title: &'static str,
-    /// What it means and what to do, in a sentence or two.
+    /// The meaning and the remedy, in a sentence or two.
     pub meaning: &'static str,
-    /// An example that raises it; empty where a few lines cannot show one.
+    /// An example with the mistake; empty if a few lines cannot show it.
     pub wrong: &'static str,
-    /// The example mended; empty where `wrong` is.
+    /// The corrected example; empty if `wrong` is.
     pub right: &'static str,
 }
 

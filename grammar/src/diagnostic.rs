@@ -4,44 +4,44 @@ use crate::span::Span;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// How grave a message is.
+/// The severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// The model is wrong: nothing runs.
+    /// The model is wrong and cannot run.
     Error,
-    /// The model runs, but is probably not what was meant.
+    /// The model runs, but probably contains a mistake.
     Warning,
-    /// A remark: a default that was taken, a choice that was made.
+    /// A remark about a default or a choice.
     Note,
 }
 
-/// A place with the point to be made about it.
+/// A place with a label.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Label {
-    /// Where.
+    /// The place.
     pub span: Span,
-    /// The point, in a few words.
+    /// The label, in a few words.
     pub message: String,
     /// The place of the mistake, or a related one.
     pub primary: bool,
 }
 
-/// A change to the text that mends the mistake.
+/// A change of the text that corrects the mistake.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Fix {
-    /// What the change does.
+    /// The effect of the change.
     pub title: String,
     /// The text to replace.
     pub span: Span,
-    /// What replaces it.
+    /// The new text.
     pub replacement: String,
 }
 
 /// One message: code, title, places, notes, help, fixes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
-    /// How grave.
+    /// Its severity.
     pub severity: Severity,
     /// `E0307`, `W0012`: stable.
     pub code: &'static str,
@@ -49,9 +49,9 @@ pub struct Diagnostic {
     pub title: String,
     /// Places, the user's first.
     pub labels: Vec<Label>,
-    /// What is known besides.
+    /// Further facts.
     pub notes: Vec<String>,
-    /// What to do.
+    /// Remedies.
     pub help: Vec<String>,
     /// Changes a tool may apply.
     pub fixes: Vec<Fix>,
@@ -111,7 +111,7 @@ impl Diagnostic {
         self
     }
 
-    /// Says how a lint of a name is accepted; one without a name is not.
+    /// Adds the note on `accept` for a lint with a name.
     pub fn acceptable(self, name: &str) -> Self {
         match name {
             "" => self,
@@ -142,7 +142,7 @@ impl Diagnostic {
         self
     }
 
-    /// Asks whether a known name was meant, which takes the place of what stands at `span`.
+    /// Suggests a known name, as a fix for the text at `span`.
     pub fn meant(self, span: Span, known: impl Into<String>) -> Self {
         let known = known.into();
         self.with_fix(format!("did you mean `{known}`?"), span, known)
@@ -158,7 +158,7 @@ impl Diagnostic {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Diagnostics {
     items: Vec<Diagnostic>,
-    /// Where in `items` those of a code stand that begin at a place: equal ones are found among very many.
+    /// Indices in `items` by code and place, to find an equal message quickly among very many.
     places: BTreeMap<(&'static str, Option<u32>), Vec<usize>>,
 }
 
@@ -168,7 +168,7 @@ impl Diagnostics {
         Self::default()
     }
 
-    /// Adds a message; an equal one is kept once.
+    /// Adds a message unless there is an equal one.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         let start = diagnostic.labels.first().map(|label| label.span.start);
         let alike = self.places.entry((diagnostic.code, start)).or_default();
@@ -196,7 +196,7 @@ impl Diagnostics {
         self.items.iter()
     }
 
-    /// How many messages there are.
+    /// Number of messages.
     pub fn len(&self) -> usize {
         self.items.len()
     }

@@ -7,25 +7,25 @@ use crate::parse::parse_placeholder;
 use crate::span::Span;
 use crate::strings::unescape;
 
-/// A stretch of a `require` message.
+/// A part of a `require` message.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MessagePart {
     /// Plain text, escapes resolved.
     Text(String),
     /// `{expression as unit}`.
     Value {
-        /// What is shown.
+        /// The shown expression.
         value: Expr,
-        /// In which unit.
+        /// Its unit.
         unit: Option<UnitExpr>,
         /// With its braces.
         span: Span,
     },
 }
 
-/// Splits a message as it stands in a [`crate::ast::Statement::Require`] into texts and values.
+/// Splits the message of a [`crate::ast::Statement::Require`] into texts and values.
 ///
-/// `{{` and `}}` stand for the braces themselves. A place that cannot be read gets a message and is left out.
+/// `{{` and `}}` are braces. An unreadable place gets an error and is left out.
 pub fn parse_message(message: &Name, diagnostics: &mut Diagnostics) -> Vec<MessagePart> {
     let text = message.text.as_str();
     let source = message.span.source;

@@ -1,4 +1,4 @@
-//! The ways into this crate: a file, an expression, a place in a message.
+//! Entry points of this crate: parsing a file, an expression, a place in a message.
 
 use crate::ast::{Expr, File, Item, ItemKind, UnitExpr};
 use crate::build::{Builder, diagnose, items::doc_text};
@@ -8,7 +8,7 @@ use crate::grammar::{EngGrammar, Rule};
 use crate::span::SourceId;
 use pest::Parser;
 
-/// Reads a file. There is always a tree: what could not be read is [`ItemKind::Error`] in it, with a message given.
+/// Reads a file. It always returns a tree. Unreadable text is [`ItemKind::Error`] in it, with a message.
 ///
 /// ```
 /// use eng_grammar::{Diagnostics, SourceMap, parse};
@@ -38,7 +38,7 @@ pub fn parse(text: &str, source: SourceId, diagnostics: &mut Diagnostics) -> Fil
     }
     let pairs = match EngGrammar::parse(Rule::file, text) {
         Ok(pairs) => pairs,
-        // `file` takes any text; only the guard of the stack can stop it.
+        // the rule `file` accepts any text, so only the limit of the stack can cause an error
         Err(_) => {
             builder.report(
                 Diagnostic::error(codes::NESTED, "this file is nested too deep to be read")
@@ -66,7 +66,7 @@ pub fn parse(text: &str, source: SourceId, diagnostics: &mut Diagnostics) -> Fil
     file
 }
 
-/// Reads one expression, which stands at byte `offset` of `source`.
+/// Reads one expression, which begins at byte `offset` of `source`.
 pub fn parse_expression(
     text: &str,
     source: SourceId,
@@ -76,7 +76,7 @@ pub fn parse_expression(
     expression(text, source, offset, diagnostics, Rule::single_expression).map(|(value, _)| value)
 }
 
-/// Reads `expression as unit` or an expression alone, as in the braces of a message.
+/// Reads `expression as unit`, or an expression alone: the contents of braces in a message.
 pub fn parse_placeholder(
     text: &str,
     source: SourceId,

@@ -27,7 +27,7 @@ impl Span {
         }
     }
 
-    /// The smallest span that covers both; `other` must be of the same source, else `self` is returned.
+    /// The smallest span that covers both. If `other` is in another source, it returns `self`.
     pub fn to(self, other: Span) -> Span {
         if self.source != other.source {
             return self;
@@ -40,10 +40,10 @@ impl Span {
     }
 }
 
-/// One text and the name it is shown under.
+/// One text with its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// As shown in messages: `inline4.eng`, `std/joints.eng`.
+    /// The name in messages: `inline4.eng`, `std/joints.eng`.
     pub name: String,
     /// The whole text.
     pub text: String,
@@ -83,7 +83,7 @@ impl SourceMap {
             .map(|(i, s)| (SourceId(i as u32), s))
     }
 
-    /// The characters of a span; empty where the span is not of this map.
+    /// The characters of a span; empty if the span is not in this map.
     pub fn text(&self, span: Span) -> &str {
         self.get(span.source)
             .and_then(|s| s.text.get(span.start as usize..span.end as usize))

@@ -4,7 +4,7 @@ use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::span::Span;
 
-/// Resolves `\"`, `\\`, `\n` and `\t`; gives the places of other escapes, which stay as they are.
+/// Resolves `\"`, `\\`, `\n` and `\t`. Other escapes remain, and their places are returned.
 pub(crate) fn unescape(raw: &str) -> (String, Vec<usize>) {
     let mut text = String::with_capacity(raw.len());
     let mut unknown = Vec::new();

@@ -1,9 +1,9 @@
 //! A flat view of a text: words, numbers, texts and signs with their places.
 //!
-//! The tree comes from the grammar. Tokens serve what a grammar of expressions cannot tell: where an item's last
-//! character is, how deep brackets nest, which bracket was left open, and what stands at a mistake.
+//! The tree comes from the grammar. Tokens give information that the grammar cannot give: the last character
+//! of an item, the nesting of brackets, an open bracket, and the text at a mistake.
 
-/// What a token is.
+/// The kinds of tokens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TokenKind {
     /// Letters, digits and `_`, not beginning with a digit.
@@ -125,7 +125,7 @@ pub(crate) fn tokens(text: &str) -> Vec<Token> {
                 }
             }
         };
-        // An escape may have stepped into the middle of a character.
+        // after an escape the position may be inside a character
         while at < bytes.len() && !text.is_char_boundary(at) {
             at += 1;
         }
@@ -138,7 +138,7 @@ pub(crate) fn tokens(text: &str) -> Vec<Token> {
     found
 }
 
-/// The end of the last token that begins before `position`; `start` if there is none after it.
+/// The end of the last token that begins before `position`; `start` without such a token.
 pub(crate) fn last_end(tokens: &[Token], start: usize, position: usize) -> usize {
     let count = tokens.partition_point(|token| token.start < position);
     match count.checked_sub(1).and_then(|i| tokens.get(i)) {

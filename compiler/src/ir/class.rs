@@ -1,4 +1,4 @@
-//! From what a class's author wrote to the functions that the runtime calls.
+//! From the equations of a class to the functions that the runtime calls.
 
 use super::differentiate::{
     Accelerations, DifferentiateError, Place, gradient, guarded_multiply, inputs_of,
@@ -9,24 +9,24 @@ use super::linearise::linearise;
 use super::optimise::optimise;
 use eng_system::layout::InputLayout;
 
-/// What lowering makes of the text of a class: values over the inputs of its [`InputLayout`].
+/// The lowered body of a class: values over the inputs of its [`InputLayout`].
 #[derive(Clone, Debug, Default)]
 pub struct ClassBody {
     /// The class's name.
     pub name: String,
-    /// Where inputs stand.
+    /// The layout of the inputs.
     pub layout: InputLayout,
     /// The graph of everything below.
     pub graph: Graph,
-    /// Φ, one a constraint row.
+    /// Φ, one value for each constraint row.
     pub rows: Vec<Node>,
     /// Applied loads on each marker: force (inertial axes), torque (MARKER axes). As many as markers.
     pub loads: Vec<[Node; 6]>,
-    /// ẏ, one a state.
+    /// ẏ, one value for each state.
     pub rates: Vec<Node>,
     /// Outputs; the only values that may use accelerations, state rates, signals and multipliers.
     pub outputs: Vec<Node>,
-    /// Must be positive.
+    /// Conditions, which must be positive.
     pub conditions: Vec<Node>,
     /// Unwrapped angles.
     pub rotations: Vec<Node>,
@@ -69,7 +69,7 @@ impl ClassBody {
         })
     }
 
-    /// The same without the optimiser: what it is measured against.
+    /// The functions without the optimiser, as the reference for its tests.
     pub fn functions_as_written(&self) -> Result<ClassFunctions, DifferentiateError> {
         let layout = self.layout;
         for (expected, found) in [
@@ -143,8 +143,8 @@ impl ClassBody {
         })
     }
 
-    /// Φ, the wrench on each marker, ẏ. The constraints' part is −Gᵀλ, the gradient of −λᵀΦ along the pose directions:
-    /// force along x (inertial), torque along δπ with δR = R δπ~ (marker axes), by virtual work.
+    /// Φ, the wrench on each marker, ẏ. The constraints' part is −Gᵀλ, the gradient of −λᵀΦ along the pose
+    /// directions: force along x (inertial), torque along δπ with δR = R δπ~ (marker axes), by virtual work.
     fn residual(&self, graph: &mut Graph) -> Vec<Node> {
         let layout = &self.layout;
         let mut work = graph.constant(0.0);
@@ -173,8 +173,8 @@ impl ClassBody {
     }
 }
 
-/// The slope along δπ of something whose slopes over the entries of R are known, with δR = R δπ~:
-/// component k is Σᵢ (g_ij R_il − g_il R_ij) with j = k+1, l = k+2 turned cyclically, and the sign of that order.
+/// The slope of a value along δπ, with δR = R δπ~, from its slopes over the entries of R: component k is Σᵢ
+/// (g_ij R_il − g_il R_ij) with j = k+1, l = k+2 turned cyclically, and the sign of that order.
 fn turning_slope(
     graph: &mut Graph,
     layout: &InputLayout,

@@ -6,8 +6,8 @@ use std::collections::HashMap;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Node(pub u32);
 
-/// An operation. Operands come before it in the graph.
-/// Comparisons and logic give a flag; `Select` takes one; everything else is a 64-bit float.
+/// An operation. Its operands come earlier in the graph.
+/// Comparisons and logic give a flag, and `Select` takes one. All other values are 64-bit floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum Op {
@@ -139,12 +139,12 @@ impl Op {
     }
 }
 
-/// Builds a graph; equal operations become one node, constants are folded.
+/// Builds a graph. Equal operations become one node, and constants are folded.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Op>,
     interned: HashMap<Op, Node>,
-    /// Without folding and without hash-consing: the tests' yardstick for the optimiser.
+    /// Without folding and without hash-consing: the reference for tests of the optimiser.
     plain: bool,
 }
 
@@ -172,7 +172,7 @@ impl Graph {
         self.nodes[node.0 as usize]
     }
 
-    /// Adds an operation as it is, sharing an equal one.
+    /// Adds an operation without folding. Equal operations share a node.
     pub fn push(&mut self, op: Op) -> Node {
         if !self.plain
             && let Some(node) = self.interned.get(&op)
@@ -194,7 +194,7 @@ impl Graph {
 
     /// A constant.
     pub fn constant(&mut self, value: f64) -> Node {
-        // one zero: -0.0 and 0.0 differ in bits, not in meaning here
+        // -0.0 and 0.0 differ in bits but have the same meaning here, so there is only one zero
         let value = if value == 0.0 { 0.0 } else { value };
         self.push(Op::Constant(value.to_bits()))
     }
@@ -355,7 +355,7 @@ impl Graph {
         }
     }
 
-    /// The smaller; a where they are equal.
+    /// The smaller value; a if they are equal.
     pub fn minimum(&mut self, a: Node, b: Node) -> Node {
         match self.fold2(a, b, |a, b| if b < a { b } else { a }) {
             Some(n) => n,
@@ -363,7 +363,7 @@ impl Graph {
         }
     }
 
-    /// The larger; a where they are equal.
+    /// The larger value; a if they are equal.
     pub fn maximum(&mut self, a: Node, b: Node) -> Node {
         match self.fold2(a, b, |a, b| if b > a { b } else { a }) {
             Some(n) => n,
@@ -404,7 +404,7 @@ impl Graph {
         }
     }
 
-    /// base^exponent; small integers and halves become products and roots.
+    /// base^exponent. Small integers and halves as exponents become products and roots.
     pub fn power(&mut self, base: Node, exponent: Node) -> Node {
         if let Some(n) = self.fold2(base, exponent, libm::pow) {
             return n;
@@ -469,7 +469,7 @@ impl Graph {
         self.push(Op::LessEqual(a, b))
     }
 
-    /// `then` where `flag` is set, else `otherwise`.
+    /// `then` if `flag` is set, else `otherwise`.
     pub fn select(&mut self, flag: Node, then: Node, otherwise: Node) -> Node {
         if self.plain {
             return self.push(Op::Select(flag, then, otherwise));
@@ -490,8 +490,9 @@ impl Graph {
         }
     }
 
-    /// A number that is positive where `flag` is set: by how much its comparisons hold, or fail. Of several that must hold it is
-    /// the smallest, of alternatives the largest. NaN where what is compared is NaN.
+    /// The margin of a flag: a number that is positive if `flag` is set, and measures by how much its
+    /// comparisons hold or fail. For `and` it is the smallest margin, for `or` the largest. It is NaN if a
+    /// compared number is NaN.
     pub fn margin(&mut self, flag: Node) -> Node {
         let reach = self.reach(flag);
         let tiny = self.constant(f64::MIN_POSITIVE);
@@ -516,7 +517,7 @@ impl Graph {
             Op::And(a, b) => {
                 let (x, y) = (self.reach(a), self.reach(b));
                 let least = self.minimum(x, y);
-                // a failed one decides, also where it is NaN
+                // a failed comparison decides, even if its margin is NaN
                 let first = self.select(a, least, x);
                 self.select(b, first, y)
             }
@@ -554,7 +555,7 @@ impl Graph {
         self.push(Op::Or(a, b))
     }
 
-    /// The flag turned over.
+    /// The opposite flag.
     pub fn not(&mut self, a: Node) -> Node {
         match self.op(a) {
             Op::Not(b) if !self.plain => b,
@@ -618,7 +619,7 @@ impl Graph {
 pub struct Function {
     /// Its name in print: `Revolute.residual`.
     pub name: String,
-    /// How many inputs it takes.
+    /// Number of inputs.
     pub inputs: u32,
     /// Its operations.
     pub graph: Graph,

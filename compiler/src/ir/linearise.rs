@@ -1,9 +1,10 @@
 //! From a function to its tape and its tangent.
 //!
-//! The linearised graph has a vertex for every value that depends on a direction and an edge for every slope.
-//! Vertices are eliminated while that makes the rest cheaper (Markowitz; Griewank & Walther, Evaluating Derivatives,
-//! ch. 9–10): products of slopes are formed once, in `linearize`, and a law is cut where it is narrowest. What
-//! remains is a linear straight-line function of the seeds; its slopes that are not constants come from the tape.
+//! The linearised graph has a vertex for every value that depends on a direction, and an edge for every
+//! slope. Vertices are eliminated as long as this makes the remaining graph cheaper (Markowitz; Griewank &
+//! Walther, Evaluating Derivatives, ch. 9–10). So products of slopes are formed once, in `linearize`, and a
+//! law is cut at its narrowest place. The remaining graph is a linear straight-line function of the seeds.
+//! Its slopes are constants or come from the tape.
 
 use super::differentiate::{Place, guarded_add, guarded_multiply, partials};
 use super::graph::{Function, Graph, Node, Op};
@@ -11,16 +12,16 @@ use super::optimise::dependencies;
 use eng_system::layout::InputLayout;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What an operation of the tangent is worth in operations of `linearize`. A tangent is called once a direction, some twenty
-/// times for one linearisation, so time alone would ask for twenty; but the code of both has to stay in the cache, where
-/// either takes the same room. At 3 most tangents are as short as they get, and the library's largest class is a
-/// twentieth larger than without any group.
+/// Cost of an operation of the tangent, in operations of `linearize`. A tangent is called once for each
+/// direction, some twenty times for one linearisation, so time alone would suggest twenty. But the code of
+/// both must stay in the cache, where both need the same space. At 3 most tangents have reached their least
+/// length, and the library's largest class is a twentieth larger than without any group.
 const TANGENT_WEIGHT: i64 = 3;
 
 /// Edges into and out of every vertex. Numbers of vertices rise along the edges.
 #[derive(Clone, Debug, Default)]
 struct Edges {
-    /// Slope of each edge by the vertex it comes from.
+    /// Slope of each edge, by its start vertex.
     into: Vec<BTreeMap<usize, Node>>,
     from: Vec<BTreeSet<usize>>,
 }
@@ -49,7 +50,7 @@ impl Edges {
         }
     }
 
-    /// Operations of the tangent, which weigh more, and those that make its slopes.
+    /// Weighted operations of the tangent, plus the operations that make its slopes.
     fn total(&self, graph: &Graph) -> i64 {
         let slopes: Vec<Node> = self
             .into
@@ -62,7 +63,7 @@ impl Edges {
         TANGENT_WEIGHT * tangent + made as i64
     }
 
-    /// How much work more there is without a vertex.
+    /// Change of the work by the elimination of a vertex.
     fn change(&self, graph: &Graph, vertex: usize) -> i64 {
         let mut change = 0;
         for end in &self.from[vertex] {
@@ -106,7 +107,8 @@ impl Edges {
     }
 }
 
-/// A sum; of two that are negative, the negative of a sum, which the law itself may have formed.
+/// A sum of slopes. For two negatives it is the negative of a sum, because the law itself may have formed
+/// this sum already.
 fn sum_of_slopes(graph: &mut Graph, a: Node, b: Node) -> Node {
     match (graph.op(a), graph.op(b)) {
         (Op::Negate(a), Op::Negate(b)) => {
@@ -117,8 +119,8 @@ fn sum_of_slopes(graph: &mut Graph, a: Node, b: Node) -> Node {
     }
 }
 
-/// `linearize` and `tangent` of values over a class's common inputs: derivatives along the pose, twist and state
-/// directions of the layout, all other inputs fixed.
+/// `linearize` and `tangent` of values over a class's common inputs: derivatives along the pose, twist and
+/// state directions of the layout, all other inputs fixed.
 pub(crate) fn linearise(
     name: &str,
     layout: &InputLayout,
@@ -174,7 +176,7 @@ pub(crate) fn linearise(
     write_functions(name, layout, graph, &edges, inner_end)
 }
 
-/// How an input moves with the directions.
+/// Slopes of an input along the directions.
 fn input_slopes(graph: &mut Graph, layout: &InputLayout, input: u32) -> Vec<(usize, Node)> {
     let one = graph.constant(1.0);
     match Place::of(layout, input) {
@@ -219,7 +221,7 @@ fn eliminate_while_it_pays(graph: &mut Graph, edges: &mut Edges, inner: std::ops
             break;
         }
         known.remove(&vertex);
-        // an edge next to a neighbour may have changed: those that share a start or an end with the vertex
+        // the elimination may have changed edges of vertices that share a start or an end with this vertex
         let mut touched: BTreeSet<usize> = BTreeSet::new();
         for start in edges.into[vertex].keys() {
             touched.insert(*start);
@@ -244,14 +246,15 @@ fn eliminate_while_it_pays(graph: &mut Graph, edges: &mut Edges, inner: std::ops
     }
 }
 
-/// Vertices with the same neighbours on one side share the edges that their elimination makes: it may pay for all of them
-/// where it does not for the first. The entries of a column of R, which move with the same two turns, are such vertices.
+/// Eliminates groups of vertices with the same neighbours on one side. They share the edges that their
+/// elimination makes, so it may be cheaper for all of them although it is not for the first. The entries of a
+/// column of R, which depend on the same two rotations, are such vertices.
 fn eliminate_groups(graph: &mut Graph, edges: &mut Edges, inner: std::ops::Range<usize>) {
     let mut least = edges.total(graph);
     loop {
         let before = least;
         for group in groups(edges, inner.clone()) {
-            // a member may have gone with a group before
+            // an earlier group may have eliminated a member
             if group.iter().any(|v| edges.into[*v].is_empty()) {
                 continue;
             }
@@ -292,7 +295,7 @@ fn groups(edges: &Edges, inner: std::ops::Range<usize>) -> BTreeSet<Vec<usize>> 
     lists.filter(|group| group.len() > 1).collect()
 }
 
-/// Slopes that are no constants get a place on the tape, equal and opposite ones the same.
+/// The tape: a slot for each slope that is no constant. Equal and opposite slopes share a slot.
 #[derive(Debug, Default)]
 struct Tape {
     slots: BTreeMap<Node, u32>,
@@ -329,7 +332,7 @@ fn write_functions(
 ) -> (Function, Function) {
     let directions = layout.directions() as usize;
     let mut tape = Tape::default();
-    // slopes find their places first: seeds stand behind the tape
+    // slopes get their slots first, because the seeds come after the tape
     let mut terms: Vec<Vec<(usize, Slope)>> = Vec::new();
     for vertex in directions..edges.into.len() {
         let mut list = Vec::new();
