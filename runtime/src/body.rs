@@ -1,7 +1,7 @@
 //! Kinds of bodies: inertia, gravity, and their derivatives.
 //!
-//! Velocity of a body: `v = [ṙ (inertial, m/s); ω (body axes, rad/s); ȧ (modal)]`. Everything that depends on the
-//! kind of a body is a match here or in [`crate::chain`].
+//! Velocity of a body: `v = [ṙ (inertial, m/s); ω (body axes, rad/s); ȧ (modal)]`. Everything that depends on
+//! the kind of a body is a match here or in [`crate::chain`].
 
 use crate::flexible::{Flexible, Work};
 pub use crate::frame::{BodyFrame, Weights};
@@ -19,7 +19,7 @@ pub struct Rigid {
     pub inertia: M3,
 }
 
-/// What a body is.
+/// The kind of a body.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BodyKind {
     /// Rigid.
@@ -28,7 +28,7 @@ pub enum BodyKind {
     Flexible(Flexible),
 }
 
-/// A body with its places in the state.
+/// A body with the indices of its numbers in the state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyModel {
     /// Path and places.
@@ -101,8 +101,9 @@ impl BodyModel {
         }
     }
 
-    /// Adds `M v̇ − Q_v − Q_g` (N, N m in body axes), and a flexible body's elastic and damping forces. For a rigid body from the virtual power of `m ẍ` over the body:
-    /// force `m (r̈ + A(ω̇×c + ω×(ω×c)) − g)`, torque about the origin `J ω̇ + ω×Jω + m c×Aᵀ(r̈ − g)`.
+    /// Adds `M v̇ − Q_v − Q_g` (N, N m in body axes), and a flexible body's elastic and damping forces. For a
+    /// rigid body it follows from the virtual power of `m ẍ` over the body: force
+    /// `m (r̈ + A(ω̇×c + ω×(ω×c)) − g)`, torque about the origin `J ω̇ + ω×Jω + m c×Aᵀ(r̈ − g)`.
     pub fn add_inertia(
         &self,
         frame: &BodyFrame,
@@ -213,8 +214,8 @@ impl BodyModel {
         }
     }
 
-    /// Kinetic energy, potential of gravity (zero at the inertial origin), strain energy (J), power lost in the body's own damping
-    /// (W).
+    /// Kinetic energy, potential of gravity (zero at the inertial origin), strain energy (J), power lost in
+    /// the body's own damping (W).
     pub fn energy(&self, frame: &BodyFrame, v: &[f64], gravity: &V3, work: &mut Work) -> [f64; 4] {
         match &self.kind {
             BodyKind::Rigid(b) => {

@@ -1,4 +1,5 @@
-//! Calls of element code: instances of a class in pairs, inputs gathered into arrays that live as long as the model.
+//! Calls of element code. Instances of a class are evaluated in pairs, and their inputs are in arrays that
+//! live as long as the model.
 
 use crate::chain::MarkerKinematics;
 use crate::error::RuntimeError;
@@ -6,7 +7,7 @@ use crate::model::Model;
 use eng_system::code::{ElementCode, Function, Pair};
 use eng_system::layout::{InputLayout, MARKER_WIDTH};
 
-/// What the inputs of all elements are gathered from.
+/// The sources of the inputs of all elements.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'a> {
     /// Time (s).
@@ -26,14 +27,14 @@ pub struct Inputs<'a> {
 pub struct Batch {
     /// Index of the class.
     pub class: usize,
-    /// The elements in lanes 0 and 1; equal in an odd tail.
+    /// The elements in lanes 0 and 1. For an odd number of elements the last pair has the same element twice.
     pub pairs: Vec<[usize; 2]>,
     stride: usize,
     inputs: Vec<Pair>,
 }
 
 impl Batch {
-    /// Lanes of a pair that are different elements.
+    /// Number of different elements in a pair.
     pub fn lanes(&self, pair: usize) -> usize {
         let [a, b] = self.pairs[pair];
         if a == b { 1 } else { 2 }
@@ -42,7 +43,7 @@ impl Batch {
     pub fn inputs(&self, pair: usize) -> &[Pair] {
         &self.inputs[pair * self.stride..(pair + 1) * self.stride]
     }
-    /// Inputs of a pair, to be written.
+    /// Inputs of a pair, for writing.
     pub fn inputs_mut(&mut self, pair: usize) -> &mut [Pair] {
         &mut self.inputs[pair * self.stride..(pair + 1) * self.stride]
     }
@@ -50,7 +51,7 @@ impl Batch {
 
 /// Makes batches of elements, in the order of their classes.
 ///
-/// With `outputs`, inputs have room for accelerations, rates and signals.
+/// With `outputs`, the inputs include accelerations, rates and signals.
 pub fn batches(model: &Model, elements: &[usize], outputs: bool) -> Vec<Batch> {
     let system = &model.compiled.system;
     let mut made = Vec::new();
@@ -177,7 +178,7 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    /// As large as the model's classes need.
+    /// Scratch with the sizes that the model's classes need.
     pub fn new(model: &Model) -> Scratch {
         let (mut outputs, mut tape, mut tangents) = (0, 0, 0);
         for class in &model.compiled.system.classes {
@@ -200,8 +201,8 @@ impl Scratch {
     }
 }
 
-/// Fills `scratch.tangents` with the derivatives along `directions` (a range of the layout's), at the inputs of a pair.
-/// Directions outside the range are left alone.
+/// Fills `scratch.tangents` with the derivatives along `directions` (a range of the layout's), at the inputs
+/// of a pair. Directions outside the range do not change.
 pub fn differentiate(
     model: &Model,
     batch: &Batch,

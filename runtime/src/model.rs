@@ -1,4 +1,4 @@
-//! A compiled model bound to one parameter set: numbers in place of slots, offsets in place of references.
+//! A compiled model bound to one parameter set. Numbers replace slots, and offsets replace references.
 
 mod bind;
 
@@ -10,7 +10,7 @@ use eng_system::code::Compiled;
 use eng_system::dimension::Dimension;
 use eng_system::system::{ElementClass, Slot};
 
-/// An element with its numbers and its places in the model's vectors.
+/// An element with its numbers and its offsets in the model's vectors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElementModel {
     /// Index of the class.
@@ -25,7 +25,7 @@ pub struct ElementModel {
     pub row: usize,
     /// First of its rotation references.
     pub rotation: usize,
-    /// First of its wrench numbers, six a marker.
+    /// First of its wrench numbers, six for each marker.
     pub wrench: usize,
     /// First of its entries among the constraint gradients, rows × 6 markers.
     pub gradient: usize,
@@ -58,9 +58,9 @@ pub struct Model {
     pub velocities: usize,
     /// States of dynamic elements.
     pub states: usize,
-    /// Of each state the size, positive, from which on its errors matter.
+    /// Positive scale of each state, against which its errors are measured.
     pub state_scales: Vec<f64>,
-    /// Circular frequency (rad/s) of the mode behind each velocity; zero where there is none, or where it is not known.
+    /// Circular frequency (rad/s) of the mode of each velocity; zero without a mode, or if it is unknown.
     pub frequencies: Vec<f64>,
     /// Constraint rows of dynamic elements.
     pub rows: usize,
@@ -70,10 +70,11 @@ pub struct Model {
     pub wrenches: usize,
     /// Constraint gradient numbers.
     pub gradients: usize,
-    /// Length of the model (m): scales positions against angles. The largest distance of a marker from its body's origin or centre of mass;
-    /// the largest radius of gyration where that is a hundred times more.
+    /// Length of the model (m), which scales positions against angles. It is the largest distance of a marker
+    /// from its body's origin or centre of mass, or the largest radius of gyration if that is a hundred times
+    /// larger.
     pub length: f64,
-    /// Largest mass (kg): scales forces.
+    /// Largest mass (kg), which scales forces.
     pub mass: f64,
     /// Position tolerance (m), physical: see [`Model::bind`].
     pub tolerance: f64,
@@ -90,7 +91,7 @@ impl Model {
         self.slots.get(slot.0 as usize).copied().unwrap_or(0.0)
     }
 
-    /// What one unit of a constraint row is in the scaled system: the model's length for a length, else one.
+    /// Unit of a constraint row in the scaled system: the model's length for a length, else one.
     pub fn row_scale(&self, element: usize, row: usize) -> f64 {
         if self.class(element).rows[row].dimension == Dimension::LENGTH {
             self.length
@@ -118,13 +119,15 @@ impl Model {
         }
     }
 
-    /// Scale of each velocity: the length for a translation, one for a rotation; for a modal rate what moves a marker by the length.
+    /// Scale of each velocity: the length for a translation, one for a rotation, and for a modal rate the
+    /// amplitude that moves a marker by the length.
     pub fn velocity_scales(&self) -> Vec<f64> {
         let mut scales = vec![1.0; self.velocities];
         for body in &self.bodies {
             scales[body.velocity..body.velocity + 3].fill(self.length);
         }
-        // an amplitude by what it moves the body's mass on average, or its markers if that is more
+        // the scale of an amplitude follows from the mean displacement of the body's mass, or of its markers
+        // if that is larger
         for body in &self.bodies {
             if let BodyKind::Flexible(flexible) = &body.kind {
                 let constants = &flexible.constants;

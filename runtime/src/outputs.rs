@@ -9,7 +9,7 @@ use eng_system::code::Function;
 use eng_system::system::ConditionKind;
 use std::collections::BTreeSet;
 
-/// Outputs of some elements, each after those whose channels it reads.
+/// Outputs of some elements, in an order in which each element comes after those whose channels it reads.
 #[derive(Clone, Debug)]
 pub struct Outputs {
     levels: Vec<Vec<Batch>>,
@@ -17,7 +17,7 @@ pub struct Outputs {
     accelerations: Vec<[f64; 6]>,
     /// Channels of each element: (output, channel).
     channels: Vec<Vec<(usize, usize)>>,
-    /// Values of the channels; those of elements not evaluated are NaN.
+    /// Values of the channels. Those of other elements are NaN.
     pub values: Vec<f64>,
     watched: Option<usize>,
     /// First two outputs of the watched element.
@@ -25,14 +25,14 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// All channels of the model.
+    /// Outputs for all channels of the model.
     pub fn all(model: &Model) -> Result<Outputs, RuntimeError> {
         let system = &model.compiled.system;
         let wanted: BTreeSet<usize> = system.channels.iter().map(|c| c.element as usize).collect();
         Outputs::of(model, wanted, None)
     }
 
-    /// What the outputs of one element need.
+    /// The outputs of one element, and those that it needs.
     pub fn watching(model: &Model, element: usize) -> Result<Outputs, RuntimeError> {
         Outputs::of(model, BTreeSet::from([element]), Some(element))
     }
@@ -45,7 +45,7 @@ impl Outputs {
         let system = &model.compiled.system;
         let mut level: Vec<Option<usize>> = vec![None; model.elements.len()];
         let mut open = vec![false; model.elements.len()];
-        // Depth first over the signals; the stack holds elements whose signals are being placed.
+        // depth first over the signals; the stack has the elements whose signals are not all in order yet
         for root in wanted {
             let mut stack = vec![root];
             while let Some(&element) = stack.last() {
@@ -103,7 +103,7 @@ impl Outputs {
         })
     }
 
-    /// Evaluates at a state at which `dynamics` stands (place called).
+    /// Evaluates the outputs at a state. `dynamics` must be placed there.
     pub fn evaluate(
         &mut self,
         model: &Model,
@@ -194,7 +194,7 @@ impl Outputs {
     }
 }
 
-/// A condition that does not hold.
+/// A failed condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation {
     /// The element.
@@ -236,8 +236,8 @@ impl Watch {
         }
     }
 
-    /// Reports each condition that is not positive and that `which` asks for, and a function that gives the values of all entries
-    /// of its class's conditions; NaN counts as violated.
+    /// Reports each condition of `which` that is not positive, with a function for the values of all entries
+    /// of its class's conditions. NaN counts as a failure.
     pub fn violations(
         &mut self,
         model: &Model,
@@ -279,7 +279,7 @@ impl Watch {
         Ok(())
     }
 
-    /// Unwrapped angles at the inputs, whose references are those of the state before.
+    /// Unwrapped angles at the inputs. The references in the inputs are those of the state before.
     pub fn unwrap(
         &mut self,
         model: &Model,

@@ -1,7 +1,8 @@
-//! Degrees of freedom and redundant constraints, by rank.
+//! Degrees of freedom and redundant constraints, from the rank of the constraints.
 //!
-//! The rank of the scaled G is taken at the assembled and at two generic nearby positions that satisfy the constraints: at a dead
-//! centre it drops locally, which is no redundancy. Drives, whose rows depend on time, are let go while looking for such positions.
+//! The rank of the scaled G is computed at the assembled position and at two generic nearby positions that
+//! satisfy the constraints. At a dead centre it drops locally, which is no redundancy. Drives, whose rows
+//! depend on time, are released in the search for such positions.
 
 use crate::assembly::closing::{Numbers, close};
 use crate::assembly::rows::{Along, Rows};
@@ -13,15 +14,15 @@ use crate::state::{State, move_pose};
 use eng_system::code::Compiled;
 use nalgebra::{DMatrix, DVector};
 
-/// A pivot below this share of a unit row is none.
+/// Share of a unit row below which a pivot counts as zero.
 const RANK_LIMIT: f64 = 1e-8;
-/// A share below this does not name a row.
+/// Share below which a message does not name a row.
 const SHARE_LIMIT: f64 = 1e-6;
 
-/// Share of the largest principal moment of inertia below which one is none.
+/// Share of the largest principal moment of inertia below which one counts as zero.
 const NO_INERTIA: f64 = 1e-12;
 
-/// What the constraints leave.
+/// Counts of velocities, equations and freedoms.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TopologyReport {
     /// Velocities of all bodies.
@@ -32,11 +33,11 @@ pub struct TopologyReport {
     pub rank: usize,
     /// Degrees of freedom: velocities minus rank.
     pub freedom: usize,
-    /// One group an excess equation.
+    /// One group for each redundant equation.
     pub redundant: Vec<RedundantGroup>,
 }
 
-/// Assembles a model and counts.
+/// Assembles a model and counts its freedoms.
 pub fn topology(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -46,7 +47,7 @@ pub fn topology(
     analyze(&model, &state)
 }
 
-/// Counts at an assembled state.
+/// Counts the freedoms at an assembled state.
 pub fn analyze(model: &Model, state: &State) -> Result<TopologyReport, RuntimeError> {
     let elements: Vec<usize> = (0..model.elements.len())
         .filter(|e| model.elements[*e].dynamic && !model.class(*e).rows.is_empty())
@@ -91,7 +92,8 @@ pub fn analyze(model: &Model, state: &State) -> Result<TopologyReport, RuntimeEr
     Ok(best.report(model, &rows))
 }
 
-/// Why masses and gradients of constraints (a row an equation, columns scaled as velocities) determine no accelerations.
+/// The error if masses and gradients of constraints determine no accelerations. `gradients` has a row for
+/// each equation and columns scaled like velocities.
 pub(crate) fn undetermined(
     model: &Model,
     gradients: &DMatrix<f64>,
@@ -115,7 +117,7 @@ pub(crate) fn undetermined(
             })
         })
         .collect();
-    // independent equations leave the masses
+    // if the equations are independent, the masses are the reason
     let massless = match repeated.is_empty() {
         true => model.bodies.iter().filter_map(massless).collect(),
         false => Vec::new(),
@@ -127,7 +129,7 @@ pub(crate) fn undetermined(
     }
 }
 
-/// What a body lacks that resists motion.
+/// The missing mass or inertia of a body.
 fn massless(body: &BodyModel) -> Option<Massless> {
     let BodyKind::Rigid(rigid) = &body.kind else {
         return None;
@@ -149,7 +151,7 @@ fn massless(body: &BodyModel) -> Option<Massless> {
 /// Rows split into independent and dependent ones.
 #[derive(Clone, Debug)]
 struct Rank {
-    /// Dependent rows with the shares of independent rows that make them up.
+    /// Dependent rows with their shares of independent rows.
     dependent: Vec<(usize, Vec<(usize, f64)>)>,
 }
 
@@ -186,7 +188,8 @@ impl Rank {
     }
 }
 
-/// Elimination with complete pivoting, early rows first among equals; dependent rows by the independent ones.
+/// Expresses dependent rows by independent ones, by elimination with complete pivoting. Among equals early
+/// rows come first.
 fn dependencies(matrix: &DMatrix<f64>) -> Vec<(usize, Vec<(usize, f64)>)> {
     let (rows, columns) = matrix.shape();
     let mut unit = matrix.clone();
@@ -205,7 +208,8 @@ fn dependencies(matrix: &DMatrix<f64>) -> Vec<(usize, Vec<(usize, f64)>)> {
         for (p, i) in free_rows.iter().enumerate() {
             for (q, j) in free_columns.iter().enumerate() {
                 let size = work[(*i, *j)].abs();
-                // A later row must be clearly larger, so that the first of two equal ones counts as the independent one.
+                // a later row must be clearly larger, so that the first of two equal rows is the independent
+                // one
                 if size > best.0 * 1.01 {
                     best = (size, Some((p, q)));
                 }
@@ -228,7 +232,7 @@ fn dependencies(matrix: &DMatrix<f64>) -> Vec<(usize, Vec<(usize, f64)>)> {
     }
     let rank = pivot_rows.len();
     if rank == 0 {
-        // rows of nothing but zeros repeat no other
+        // rows of zeros repeat no other row
         return free_rows.into_iter().map(|row| (row, Vec::new())).collect();
     }
     let square = DMatrix::from_fn(rank, rank, |i, j| unit[(pivot_rows[j], pivot_columns[i])]);

@@ -1,4 +1,4 @@
-//! The closed chain of bodies that a joint belongs to: what a message about geometry names.
+//! The closed chain of bodies that a joint belongs to, for messages about geometry.
 
 use super::at;
 use super::rows;
@@ -9,7 +9,7 @@ use crate::state::State;
 use eng_system::Dimension;
 use std::collections::VecDeque;
 
-/// Axes closer than this are one direction (1 − cosine).
+/// Difference of axes (1 − cosine) below which they are parallel.
 const PARALLEL: f64 = 1e-3;
 
 /// A joint or film between two bodies: element, and its markers on the bodies.
@@ -19,10 +19,11 @@ struct Edge {
     markers: [usize; 2],
 }
 
-/// The shortest closed chain of joints and films through an element; `None` where it closes none.
+/// The shortest closed chain of joints and films through an element; `None` without one.
 ///
-/// The length of a body is the distance between the markers of its two joints across the axis that most joints of the chain share
-/// (m); in space where both are ball or cardan joints, for then the body may tilt.
+/// The length of a body is the distance between the markers of its two joints across the axis that most
+/// joints of the chain share (m). If both are ball or cardan joints, it is the distance in space, because the
+/// body may then tilt.
 pub fn through(model: &Model, element: usize, state: &State) -> Option<Chain> {
     let ground = model.bodies.len();
     let node = |marker: usize| model.markers[marker].body.unwrap_or(ground);
@@ -57,7 +58,7 @@ pub fn through(model: &Model, element: usize, state: &State) -> Option<Chain> {
     path.reverse();
     let axis = shared_axis(model, &path, state);
     let place = |marker: usize| rows::marker(model, marker, &state.pose, &state.velocity).position;
-    // markers of each body of the chain: where it is entered, where it is left
+    // the two markers of each body of the chain: to the element before and to the element after
     let mut spans = Vec::new();
     let mut entered = (element, own.markers[0]);
     for edge in &path {
@@ -75,7 +76,7 @@ pub fn through(model: &Model, element: usize, state: &State) -> Option<Chain> {
             let body = model.markers[markers[0]].body?;
             let along = place(markers[1]) - place(markers[0]);
             let across = axis.map_or(along, |n| along - n * along.dot(&n));
-            // coordinates along the axis do not make the length
+            // coordinates along the axis do not count for the length
             let rotation = model.bodies[body].frame(&state.pose).rotation;
             let axis = axis.map(|n| rotation.transpose() * n);
             let along = |i: usize| axis.is_some_and(|n| n[i].abs() > 1.0 - PARALLEL);
@@ -113,7 +114,7 @@ pub fn through(model: &Model, element: usize, state: &State) -> Option<Chain> {
     Some(Chain { joints, bodies })
 }
 
-/// Whether a joint holds a point alone, or a point and one angle: a ball or cardan joint.
+/// Whether a joint holds a point, or a point and one angle: a ball or cardan joint.
 fn is_point(model: &Model, element: usize) -> bool {
     let rows = &model.class(element).rows;
     let lengths = rows.iter().filter(|row| row.dimension == Dimension::LENGTH);
@@ -163,7 +164,7 @@ fn shared_axis(model: &Model, path: &[Edge], state: &State) -> Option<V3> {
         .map(|[_, b]| b)
         .collect();
     let votes = |n: &V3| axes.iter().filter(|other| same(n, other)).count();
-    // among equals the first
+    // among equal ones the first
     let mut best: Option<(usize, V3)> = None;
     for n in &axes {
         let count = votes(n);

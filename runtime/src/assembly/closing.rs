@@ -1,4 +1,4 @@
-//! Closing loops: Gauss–Newton with smallest steps, and shaking where that ends on a wrong branch.
+//! Closing of loops: Gauss–Newton with smallest steps, and random displacements if it ends on a wrong branch.
 
 use super::rows::{Along, Rows, Wish, smallest_solution};
 use super::{at, choose_turns, is_closed, violated_branches};
@@ -11,12 +11,12 @@ use crate::state::{State, move_pose};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
 
-/// Weight of moving a body whose place is stated against one whose place is not.
+/// Mobility of a body with a stated position, relative to one without.
 const STATED: f64 = 1e-3;
-/// Weight of bending a body against moving it.
+/// Mobility of a body's modes, relative to its motion as a whole.
 const BENDING: f64 = 1e-2;
 
-/// Deterministic numbers in −1…1 (a multiplicative congruential generator of Knuth's MMIX constants).
+/// Deterministic pseudo-random numbers in −1…1 (a linear congruential generator with Knuth's MMIX constants).
 #[derive(Clone, Debug)]
 pub struct Numbers(u64);
 
@@ -38,7 +38,8 @@ impl Numbers {
     }
 }
 
-/// Moves the bodies of `mobility` (by velocity index; 0 holds) until the rows close. Returns the largest scaled row.
+/// Moves the bodies until the rows close. `mobility` is by velocity index, and 0 holds a velocity. Returns
+/// the largest scaled row.
 pub fn close(
     model: &Model,
     rows: &Rows,
@@ -102,7 +103,7 @@ pub fn close(
     })
 }
 
-/// Mobility of all bodies: stated ones move little, and bodies bend only where loops do not close otherwise.
+/// Mobility of all bodies. Stated bodies move little, and bodies bend only if loops do not close otherwise.
 fn mobility(model: &Model, stated: &[bool]) -> Vec<f64> {
     let mut m = vec![0.0; model.velocities];
     for (body, stated) in model.bodies.iter().zip(stated) {
@@ -127,7 +128,7 @@ pub fn bodies_of(model: &Model, element: usize) -> BTreeSet<usize> {
         .collect()
 }
 
-/// Elements among `exact` that stay open or on a wrong branch.
+/// Elements among `exact` that remain open or on a wrong branch.
 fn offending(
     model: &Model,
     exact: &[usize],
@@ -148,7 +149,8 @@ fn offending(
     Ok(found.into_iter().collect())
 }
 
-/// Brings pins into their shells as far as the other rows let them. Bodies with a stated place do not follow a wish.
+/// Moves pins into their shells as far as the other rows allow. Bodies with a stated position do not follow
+/// such a wish.
 fn follow_wishes(
     model: &Model,
     all: &[usize],
@@ -170,7 +172,7 @@ fn follow_wishes(
     Ok(())
 }
 
-/// Closes all rows with the branches asked for.
+/// Closes all rows on the right branches.
 pub fn close_all(
     model: &Model,
     all: &[usize],
@@ -191,7 +193,8 @@ pub fn close_all(
     if bad.is_empty() {
         return Ok(());
     }
-    // A joint may close with its axes exchanged, on the border of its branches: put its markers' axes side by side.
+    // A joint may close with its axes exchanged, on the border of its branches. Aligning its markers' axes
+    // avoids this.
     let mut trial = state.clone();
     for element in &bad {
         align(model, stated, *element, &mut trial);
@@ -221,7 +224,7 @@ pub fn close_all(
         close(model, &rows, &every, state, 80)?;
         bad = offending(model, exact, conditioned, state)?;
     }
-    // From other starts altogether, if that did not do.
+    // if this fails, from other first positions
     let begin = state.clone();
     for _ in 0..6 {
         if bad.is_empty() {
@@ -255,7 +258,7 @@ pub fn close_all(
         }
         return Ok(());
     }
-    // a row that is no number: of a table that does not reach the start, or of something undefined there
+    // a row may be no number, from a table without a value at the start or from an undefined expression
     if let Some((_, i)) = open.iter().find(|(size, _)| !size.is_finite()) {
         let (element, _) = rows.owners[*i];
         let inputs = super::rows::inputs(model, element, &at(state));
@@ -279,7 +282,8 @@ pub fn close_all(
     })
 }
 
-/// Turns a body without a stated place about its marker, so that the axes of an element's two markers agree.
+/// Turns a body without a stated position about its marker, so that the axes of an element's two markers
+/// agree.
 fn align(model: &Model, stated: &[bool], element: usize, state: &mut State) {
     let markers = model.elements[element].markers.as_slice();
     let (&[a, b], Some(_)) = (markers, model.class(element).rows.first()) else {
@@ -317,7 +321,8 @@ fn turn_body(model: &Model, pose: usize, numbers: &mut Numbers, state: &mut Stat
     state.pose[pose + 3..pose + 7].copy_from_slice(&new);
 }
 
-/// Shakes the bodies around an element until everything that touches them closes on its branch; the others hold.
+/// Displaces the bodies around an element at random until all their elements close on the right branch. Other
+/// bodies are held.
 fn shake(
     model: &Model,
     exact: &[usize],

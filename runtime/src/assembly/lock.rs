@@ -1,7 +1,9 @@
-//! Positions where a mechanism locks: its constraint equations depend on each other there, though not elsewhere.
+//! Positions where a mechanism locks: its constraint equations depend on each other there, though not
+//! elsewhere.
 //!
-//! `yᵀ G = 0` for rows of unit length: the motion of the bodies that the rows of `y` join is not determined, or asked to be two things
-//! at once. The least singular value of G tells how near such a position is, its left vector which equations it concerns.
+//! There `yᵀ G = 0` for rows of unit length. The motion of the bodies that the rows of `y` join is then
+//! undetermined, or the rows contradict each other. The least singular value of G measures the distance to
+//! such a position, and its left vector shows the equations.
 
 use super::at;
 use super::chains;
@@ -10,14 +12,14 @@ use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
 use crate::state::State;
 
-/// Least singular value of the rows, against the largest, below which a position counts as locked.
+/// Least singular value of the rows, relative to the largest, below which a position counts as locked.
 const LOCKED: f64 = 1e-3;
-/// Share of the largest entry of the left vector from which an equation belongs to what locks.
+/// Share of the largest entry of the left vector above which an equation belongs to the lock.
 const BELONGS: f64 = 0.2;
-/// Most equations that are named.
+/// Most equations in a message.
 const MOST: usize = 6;
 
-/// The lock that a motion has come to, if it stands near one.
+/// The lock near a position of a motion, if there is one.
 pub fn near(
     model: &Model,
     state: &State,

@@ -1,12 +1,14 @@
-//! From stated and guessed places to positions and velocities that satisfy every constraint.
+//! From stated and guessed positions to positions and velocities that satisfy every constraint.
 //!
-//! 1. Bodies with a stated place stand there. The others are placed one by one along the joints that lead to placed bodies
-//!    ([`placement`]).
-//! 2. Loops are closed by Gauss–Newton steps of smallest norm ([`closing`]); stated places weigh more. Rows of guesses take
-//!    part first and are then left out. Redundant but consistent rows do no harm.
-//! 3. Where a loop stays open or a branch condition fails, the bodies around it are shaken and closed again.
-//! 4. Ground markers that lie on their partners are frozen.
-//!    Pins of journals are wished in the middle of their shells, after all that is stated or guessed.
+//! 1. Bodies with a stated position are placed there. The others are placed one by one along the joints to
+//!    placed bodies ([`placement`]).
+//! 2. Gauss–Newton steps of smallest norm close the loops ([`closing`]). Stated positions have a larger
+//!    weight. Rows of guesses take part at first and are then dropped. Redundant but consistent rows do no
+//!    harm.
+//! 3. If a loop remains open or a branch condition fails, the bodies around it are displaced at random and
+//!    closed again.
+//! 4. Ground markers that coincide with their partners are fixed.
+//!    Pins of journals prefer the middle of their shells, after all stated and guessed values.
 //! 5. Velocities: smallest kinetic energy that satisfies `Φ̇ = 0` and the start rows ([`velocity`]).
 
 pub mod chains;
@@ -24,7 +26,7 @@ use eng_system::system::{ConditionKind, Role, Rotation};
 use rows::{At, Rows};
 use std::f64::consts::PI;
 
-/// A scaled row (m over the model's length, or rad) below this is closed.
+/// Size of a scaled row (m over the model's length, or rad) below which it is closed.
 pub const CLOSED: f64 = 1e-10;
 
 /// Whether a scaled row is closed; NaN is not.
@@ -32,7 +34,7 @@ pub fn is_closed(size: f64) -> bool {
     size < CLOSED
 }
 
-/// A place to look from: borrowed parts of a state.
+/// Borrowed parts of a state, for evaluating rows.
 pub fn at(state: &State) -> At<'_> {
     At {
         time: state.time,
@@ -43,7 +45,7 @@ pub fn at(state: &State) -> At<'_> {
     }
 }
 
-/// Assembles positions and velocities; freezes the model's ground markers.
+/// Assembles positions and velocities. Fixes the model's ground markers.
 pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
     let mut state = State::new(model);
     let system = model.compiled.system.clone();
@@ -82,7 +84,8 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
 
     check_guesses(model, &state)?;
 
-    // what a marker follows holds its body where that stands: there is nothing to place it by
+    // a ground marker that follows its partner takes the partner's position, so it cannot place the partner's
+    // body
     for marker in &model.markers {
         if let Some(body) = marker
             .placed_at
@@ -139,10 +142,11 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
     Ok(state)
 }
 
-/// How far from all else a guessed body may stand, in sizes of the largest body.
+/// Largest distance of a guessed body from all others, in sizes of the largest body.
 const FAR: f64 = 1e3;
 
-/// Refuses a guess so far away that closing the loops would take thousands of steps, which end somewhere: a unit is wrong.
+/// Refuses a guess very far away. Closing the loops would take thousands of steps with an arbitrary end;
+/// probably a unit is wrong.
 fn check_guesses(model: &Model, state: &State) -> Result<(), RuntimeError> {
     let system = &model.compiled.system;
     let of_bodies = |e: usize| {
@@ -164,7 +168,7 @@ fn check_guesses(model: &Model, state: &State) -> Result<(), RuntimeError> {
             continue;
         }
         let place = V3::from_column_slice(&state.pose[body.pose..body.pose + 3]);
-        // the partners in its joints, as far as they have a place
+        // the partners in its joints that have a position
         let partners = joints
             .iter()
             .filter(touches)
@@ -193,8 +197,8 @@ fn check_guesses(model: &Model, state: &State) -> Result<(), RuntimeError> {
     Ok(())
 }
 
-/// A branch is taken where its condition exceeds this (SI): closing is far more exact, so that a false solution on the border of
-/// two branches is not let in by rounding.
+/// Least value of a satisfied branch condition (SI). Loops close far more exactly, so rounding cannot admit a
+/// false solution on the border of two branches.
 const BRANCH_MARGIN: f64 = 1e-9;
 
 /// Values of violated branch conditions: (element, condition, value).
@@ -239,7 +243,7 @@ fn wrong_branch(model: &Model, state: &State, violated: (usize, usize, f64)) -> 
     }
 }
 
-/// Puts each ground marker that follows another where that one is.
+/// Moves each ground marker that follows another to the position of that one.
 fn freeze(model: &mut Model, state: &State) {
     for index in 0..model.markers.len() {
         if let Some(partner) = model.markers[index].placed_at {
@@ -252,10 +256,11 @@ fn freeze(model: &mut Model, state: &State) {
     }
 }
 
-/// Rows that differ by less than this (SI) between two turns differ by rounding.
+/// Difference of rows (SI) between two turns below which it is rounding.
 const TURN_MARGIN: f64 = 1e-12;
 
-/// Chooses the turn of each rotation that occurs in rows: the one that leaves least of them; among equals the nearest to 0.
+/// Chooses the turn of each rotation in the rows: the one with the smallest rows, and among equals the one
+/// nearest to 0.
 pub fn choose_turns(
     model: &Model,
     elements: &[usize],
@@ -281,11 +286,13 @@ pub fn choose_turns(
     Ok(())
 }
 
-/// Unwrapped angles at the start: in (−π, π], but where a start states an angle (`400 deg`), or rows decide.
+/// Sets unwrapped angles at the start. They are in (−π, π], unless a start states an angle (`400 deg`) or
+/// rows decide.
 ///
-/// A stated angle is taken with the turns it is stated with. The other angles between the same two markers take it too, with the
-/// other sign where they are measured the other way; angles between other markers of the same two bodies take the turn that is
-/// nearest to it. The rows of a part of the model go first: an angle they would not hold with stays at the turn they leave least.
+/// A stated angle keeps its stated turns. Other angles between the same two markers take the same value, with
+/// the opposite sign if they are measured the other way. Angles between other markers of the same two bodies
+/// take the nearest turn. Rows of the model have priority: if they do not hold with this turn, the angle
+/// keeps the turn with the smallest rows.
 fn settle_turns(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     let system = model.compiled.system.clone();
     let starts = |e: usize| matches!(system.elements[e].role, Role::StartPosition { .. });
@@ -366,7 +373,8 @@ fn settle_turns(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     Ok(())
 }
 
-/// What is stated of the angle of one marker from another (rad): of the two themselves, else of others of their bodies.
+/// The stated angle of one marker from another (rad): that of the two themselves, else that of other markers
+/// of their bodies.
 fn stated_between(model: &Model, markers: [usize; 2], stated: &[([usize; 2], f64)]) -> Option<f64> {
     let bodies = |markers: [usize; 2]| markers.map(|m| model.markers[m].body);
     let signed = |same: &dyn Fn([usize; 2]) -> bool| {

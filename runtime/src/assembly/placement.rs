@@ -1,4 +1,4 @@
-//! Placing bodies one by one along the joints that lead to placed ones.
+//! Placing of bodies one by one, along the joints to placed bodies.
 
 use super::closing::{bodies_of, close};
 use super::rows::{self, Rows, Wish};
@@ -42,18 +42,19 @@ pub fn cube_rotations() -> Vec<M3> {
     found
 }
 
-/// What the text states of the places of bodies, by `start` or `guess`.
+/// Positions and orientations of bodies that the text states by `start` or `guess`.
 #[derive(Clone, Debug, Default)]
 pub struct Stated {
-    /// Where the body is; a marker that follows it states that, too.
+    /// Whether the position is stated, also by a marker that follows it.
     pub position: Vec<bool>,
-    /// How it is turned.
+    /// Whether the orientation is stated.
     pub orientation: Vec<bool>,
 }
 
-/// Places every body without a stated position that rows connect to placed bodies or ground. The order is that of most rows
-/// to what is placed, then of the bodies; bodies which nothing reaches keep their place and count as placed. A guess is where a
-/// body is looked for first: its rows are none of `elements`, for they would never close together with the joints.
+/// Places every body without a stated position that rows connect to placed bodies or ground. The body with
+/// the most rows to placed bodies is next; among equals the order of the bodies decides. Unconnected bodies
+/// keep their position and count as placed. A guess is the first position of the search. Its rows are not
+/// among `elements`, because they would never close together with the joints.
 pub fn place(
     model: &Model,
     elements: &[usize],
@@ -62,7 +63,8 @@ pub fn place(
 ) -> Result<(), RuntimeError> {
     let cubes = cube_rotations();
     let wishes = rows::wishes(model);
-    // Stated bodies first obey what ties them to ground alone, say a start angle, from where they are stated.
+    // Stated bodies first satisfy rows to ground alone, such as a start angle, beginning at their stated
+    // position.
     let mut placed = vec![false; model.bodies.len()];
     for body in (0..model.bodies.len()).filter(|b| stated.position[*b]) {
         place_one(
@@ -86,7 +88,7 @@ pub fn place(
                 .iter()
                 .map(|e| model.class(*e).rows.len())
                 .sum();
-            // films place a body as joints do: a crank before the rods that would hang anywhere
+            // films place a body like joints: a crank comes before its rods, whose position depends on it
             let wishes = wished(model, &wishes, &[body], &placed).len();
             let rows = rows + rows::FILM_ROWS * wishes;
             if rows > 0 && next.is_none_or(|(most, _)| rows > most) {
@@ -94,7 +96,8 @@ pub fn place(
             }
         }
         let Some((_, body)) = next else {
-            // Nothing leads on: the first body that others could be placed from stands where it is.
+            // No row leads to another body. The first body from which others can be placed keeps its
+            // position.
             match (0..model.bodies.len()).find(|b| !placed[*b]) {
                 Some(b) => {
                     placed[b] = true;
@@ -130,7 +133,7 @@ fn connecting(model: &Model, elements: &[usize], body: usize, placed: &[bool]) -
         .collect()
 }
 
-/// Wishes between a body of `moving` and what is placed, or another of them.
+/// Wishes between a body of `moving` and a placed body, or between two bodies of `moving`.
 fn wished(model: &Model, wishes: &[Wish], moving: &[usize], placed: &[bool]) -> Vec<Wish> {
     let stands = |m: usize| model.markers[m].body.is_none_or(|b| placed[b]);
     let moves = |m: usize| model.markers[m].body.is_some_and(|b| moving.contains(&b));
@@ -142,8 +145,8 @@ fn wished(model: &Model, wishes: &[Wish], moving: &[usize], placed: &[bool]) -> 
         .collect()
 }
 
-/// Places a body on what is placed. Where that alone leaves it open or on a wrong branch, its placed neighbours without a
-/// stated place move with it: a rod finds its piston by pushing it along the liner.
+/// Places a body on placed bodies. If this leaves it open or on a wrong branch, its placed neighbours without
+/// a stated position move with it: a rod pushes its piston along the liner.
 fn place_one(
     model: &Model,
     elements: &[usize],
@@ -154,7 +157,7 @@ fn place_one(
 ) -> Result<(), RuntimeError> {
     let near = connecting(model, elements, body, known.placed);
     let alone = vec![body];
-    // a body that is placed by the text follows no wish of films
+    // a body with a stated position follows no wish of films
     let wishes_of = |moving: &[usize]| match known.stated.position[body] {
         true => Vec::new(),
         false => wished(model, known.wishes, moving, known.placed),
@@ -224,40 +227,43 @@ fn place_one(
     Ok(())
 }
 
-/// Which bodies have a place: stated in the text, or found by now.
+/// The bodies with a position: stated in the text, or found so far.
 struct Known<'a> {
     stated: &'a Stated,
     placed: &'a [bool],
     wishes: &'a [Wish],
 }
 
-/// What a place is looked for with.
+/// The rows and wishes of a search for a position.
 struct Wanted<'a> {
     elements: &'a [usize],
     wishes: &'a [Wish],
     stated: &'a Stated,
 }
 
-/// The key of a trial with nothing left to wish.
+/// The key of a trial that satisfies rows, branches and wishes.
 const DONE: (bool, bool, bool) = (false, false, false);
-/// The key of a trial that lacks nothing but a wish.
+/// The key of a trial that satisfies all but a wish.
 const UNWISHED: (bool, bool, bool) = (false, false, true);
-/// Turns of a stated place that are tried about the axis of an angle (°): one lies within the reach of any angle's equation.
+/// Turns of a stated position about the axis of an angle (°) that are tried. One of them is near enough to
+/// the solution of any angle's equation.
 const TURNS: [f64; 7] = [45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0];
 
-/// A trial place: (open, wrong branch, a pin outside of its shell or a turning axis across), largest scaled row.
+/// A trial position: (open, wrong branch, a pin outside its shell or a turning axis across), largest scaled
+/// row.
 struct Trial {
     key: (bool, bool, bool),
     size: f64,
     state: State,
 }
 
-/// Looks for a place of `body` where the rows of `wanted` close, while the bodies of `moving` move, from where it stands
-/// and from the `partners` of its markers.
+/// Searches a position of `body` where the rows of `wanted` close, while the bodies of `moving` move. The
+/// search begins at the present position and at the `partners` of its markers.
 ///
-/// The equation of an angle is also solved by a body that lies across or upside down. So axes of elements that measure angles are
-/// wished parallel: such a place counts as found only where nothing better is. The wish takes part in closing only where the rows
-/// alone leave it unfulfilled. An orientation that the text states is kept as far as a turn about the axis closes the rows.
+/// A body that lies across or upside down can also satisfy the equation of an angle. So elements that measure
+/// angles wish for parallel axes, and a position without them is taken only if there is no better one. The
+/// wish takes part in closing only if the rows alone do not satisfy it. A stated orientation is kept as far
+/// as a turn about the axis closes the rows.
 fn search(
     model: &Model,
     wanted: &Wanted<'_>,
@@ -309,7 +315,7 @@ fn search(
         Ok(found)
     };
     let is_turned = wanted.stated.orientation[body];
-    // a stated orientation is meant, across or not
+    // a stated orientation is intended, even if it is across
     let from_here = if is_turned { &[][..] } else { &axes[..] };
     let mut best = consider(state.clone(), from_here)?;
     if is_turned || wanted.stated.position[body] {
@@ -329,7 +335,8 @@ fn search(
     for (own, partner) in partners {
         let target = rows::marker(model, *partner, &state.pose, &state.velocity);
         let own = &model.markers[*own];
-        // A joint that lets the body slide may ask by a branch for a place to one side: look there too. A film lets none slide.
+        // The branch of a sliding joint may need a position to one side, so the search looks there too. A
+        // film allows no slide.
         let places = offsets(model.length);
         let places = if wishes.is_empty() && best.key != UNWISHED {
             &places[..]
@@ -386,7 +393,8 @@ fn turned(model: &Model, body: usize, wish: &Wish, angle: f64, state: &State) ->
     trial
 }
 
-/// Where to look around a partner marker, along its axes (m): on it first, then a model's length to each side.
+/// Offsets of the search from a partner marker, along its axes (m): none first, then a model's length to each
+/// side.
 fn offsets(length: f64) -> [V3; 7] {
     let along = |x: f64, y: f64, z: f64| V3::new(x, y, z) * length;
     [

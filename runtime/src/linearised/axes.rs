@@ -1,8 +1,9 @@
 //! Small rotations in ground axes instead of each body's own.
 //!
-//! The runtime's increments are `u = (δr, δπ, δa)`, π in body axes. Seen from the ground they are `(δr, δθ, δa)` with `δθ = A δπ`, and
-//! then `δω = Aᵀ θ̇` exactly, whatever the body's own ω: a symmetric rotor between supports at rest has constant coefficients in
-//! these, not in body axes. So `u = B x`, `δv = B ẋ`, `δv̇ = B (ẍ − Ŵ ẋ)` with `B = diag(1, Aᵀ, 1)` and `Ŵ = diag(0, ω~, 0)`, ω in ground axes.
+//! The runtime's increments are `u = (δr, δπ, δa)`, with π in body axes. In ground axes they are
+//! `(δr, δθ, δa)` with `δθ = A δπ`. Then `δω = Aᵀ θ̇` exactly, for any ω of the body. A symmetric rotor
+//! between supports at rest has constant coefficients in ground axes, but not in body axes. So `u = B x`,
+//! `δv = B ẋ`, `δv̇ = B (ẍ − Ŵ ẋ)` with `B = diag(1, Aᵀ, 1)` and `Ŵ = diag(0, ω~, 0)`, ω in ground axes.
 
 use crate::dynamics::Dynamics;
 use crate::model::Model;
@@ -25,7 +26,7 @@ struct Turning {
 pub(super) struct GroundAxes(Vec<Turning>);
 
 impl GroundAxes {
-    /// Where the dynamics stand, with these velocities (runtime's).
+    /// The axes at the position of the dynamics, with these velocities (in the runtime's form).
     pub fn new(model: &Model, dynamics: &Dynamics, velocity: &[f64]) -> GroundAxes {
         let turning = |(index, body): (usize, &crate::body::BodyModel)| {
             let rotation = dynamics.frame(model, index).rotation;
@@ -40,7 +41,7 @@ impl GroundAxes {
         GroundAxes(model.bodies.iter().enumerate().map(turning).collect())
     }
 
-    /// `X ← X B`: columns of the runtime's increments become those of ground axes.
+    /// `X ← X B`: converts columns of the runtime's increments to ground axes.
     pub fn columns(&self, matrix: &mut DMatrix<f64>) {
         for t in &self.0 {
             let block = matrix.columns(t.first, 3) * t.rotation.transpose();
@@ -48,7 +49,7 @@ impl GroundAxes {
         }
     }
 
-    /// `X ← Bᵀ X`: rows of torques in body axes become those in ground axes.
+    /// `X ← Bᵀ X`: converts rows of torques from body axes to ground axes.
     pub fn rows(&self, matrix: &mut DMatrix<f64>) {
         for t in &self.0 {
             let block = t.rotation * matrix.rows(t.first, 3);
@@ -82,7 +83,8 @@ impl GroundAxes {
         out
     }
 
-    /// `E M − M E` with `E = diag(ω~, ω~, 0)`: the rate of a mass matrix in ground axes whose bodies turn without changing shape.
+    /// `E M − M E` with `E = diag(ω~, ω~, 0)`: the rate of the mass matrix in ground axes of bodies that turn
+    /// without changing shape.
     pub fn turned(&self, mass: &DMatrix<f64>) -> DMatrix<f64> {
         let mut along = DMatrix::zeros(mass.nrows(), mass.ncols());
         for t in &self.0 {
@@ -95,7 +97,8 @@ impl GroundAxes {
         &along + along.transpose()
     }
 
-    /// `ω × δθ` of every body's rotation in a vector of ground axes, taken to body axes: `W B x`, what the runtime's bracket adds.
+    /// `ω × δθ` of every body's rotation in a vector of ground axes, converted to body axes: `W B x`, the
+    /// term of the runtime's bracket.
     pub fn bracket(&self, x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         for t in &self.0 {

@@ -1,14 +1,18 @@
-//! Whether the coefficients stay as they are while bodies turn.
+//! Whether the coefficients remain constant while bodies turn.
 //!
-//! Every body turns on as it does at the state, with its velocity in its own axes kept, by two finite angles, and time goes on with them;
-//! shapes and states stay. There the equations are made anew, with the accelerations of that place. Coefficients are constant where nothing of
-//! them has changed in ground axes: the mass M, the allowed moves `Π = N NᵀM`, `ΠᵀKΠ`, `ΠᵀCΠ` and the blocks of the states. These do not
-//! depend on the choice of N, and where all of them stay, N can stay as well, so that the equations in x are those of every moment.
+//! The test turns every body on by two finite angles, with the velocity in its own axes kept, and advances
+//! time with them. Shapes and states do not change. There it forms the equations again, with the
+//! accelerations of that position. Coefficients are constant if these have not changed in ground axes: the
+//! mass M, the allowed moves `Π = N NᵀM`, `ΠᵀKΠ`, `ΠᵀCΠ` and the blocks of the states. They do not depend on
+//! the choice of N. If all of them are constant, N can be constant too, and the equations in x hold at every
+//! moment.
 //!
-//! The same is asked of motions that do not turn (`leaving`): a slider on its way, a body far from the place where forces balance.
+//! `leaving` makes the same test for motions that do not turn: a slider in motion, a body far from the
+//! position where forces balance.
 //!
-//! A wheel of revolution on its axis passes, in films too. A body of unequal inertia, one with a load or joint beside its axis, and one
-//! that bends in a film or on a joint of another body do not: the bending is counted in axes that turn with the body.
+//! A wheel of revolution on its axis passes the test, in films too. Three kinds of bodies fail: those of
+//! unequal inertia, those with a load or joint beside their axis, and those that bend in a film or on a joint
+//! of another body. Their bending is in axes that turn with the body.
 
 use super::equations::Equations;
 use crate::acceleration::AccelerationSystem;
@@ -20,23 +24,27 @@ use crate::state::{State, move_pose};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// A body that is slower (rad/s) does not turn: it settles, or rounding moves it.
+/// Angular velocity (rad/s) below which a body does not turn. A slower body settles, or its motion is
+/// rounding.
 const AT_REST: f64 = 1e-2;
-/// Angles (rad) of the fastest body: below a quarter turn each, for two that turn against each other are followed up to half a turn.
+/// Angles (rad) of the fastest body. Both are below a quarter turn, because the angle between two bodies that
+/// turn against each other is followed only up to half a turn.
 const ANGLES: [f64; 2] = [0.7, 1.5];
-/// Change of a coefficient that is none, as a share of the largest of its kind between the same two bodies.
+/// Largest change of a constant coefficient, as a share of the largest of its kind between the same two
+/// bodies.
 const SAME: f64 = 1e-6;
-/// The same as a share of the largest of all: what rounding leaves.
+/// Largest change by rounding, as a share of the largest coefficient of all.
 const ROUNDING: f64 = 1e-11;
-/// Share of the model's length that its position tolerance is where no clearance is smaller.
+/// Position tolerance of a model without journals, as a share of its length.
 const OF_LENGTH: f64 = 1e-6;
 /// A tenth of a clearance, in position tolerances.
 const OF_CLEARANCE: f64 = 100.0;
 /// See [`reach`].
 const FOLLOWED: f64 = 1e-2;
-/// Stiffness, as a share of the largest, of a direction that nothing holds.
+/// Share of the largest stiffness below which nothing holds a direction.
 const HELD: f64 = 1e-10;
-/// An axis that is nearer to the body's origin, as a share of the model's length, goes through it.
+/// Distance of an axis from the body's origin, as a share of the model's length, below which it passes
+/// through the origin.
 const ON_AXIS: f64 = 1e-4;
 
 /// Coefficients in ground axes, free of the choice of N; lengths and angles scaled by the model's.
@@ -45,7 +53,7 @@ struct Coefficients {
     moves: DMatrix<f64>,
     stiffness: DMatrix<f64>,
     damping: DMatrix<f64>,
-    /// S, R, T and U, the first as loads, the others by moves.
+    /// S (as loads) and R, T and U (per move).
     of_states: [DMatrix<f64>; 4],
 }
 
@@ -61,7 +69,7 @@ impl Coefficients {
             matrix
         };
         let by_columns = |matrix: DMatrix<f64>| by_rows(matrix.transpose(), false).transpose();
-        // MN: of a vector in x the loads that have its work
+        // MN: the loads with the same work as a vector in x
         let loads = &e.mass * &e.basis;
         let both =
             |matrix: &DMatrix<f64>| by_columns(by_rows(&loads * matrix * loads.transpose(), false));
@@ -79,9 +87,9 @@ impl Coefficients {
         }
     }
 
-    /// Whether nothing differs by more than a `share` of the largest entry of its kind between the same two bodies, and of a `floor` of
-    /// all, mass, damping and stiffness measured by each other at a pace (rad/s); `groups` are ranges of the velocities that have one
-    /// unit and one body.
+    /// Whether nothing differs by more than a `share` of the largest entry of its kind between the same two
+    /// bodies, and of a `floor` of all, mass, damping and stiffness measured by each other at a pace (rad/s);
+    /// `groups` are ranges of the velocities that have one unit and one body.
     fn same(
         &self,
         other: &Coefficients,
@@ -176,8 +184,8 @@ fn sliding(model: &Model, state: &State) -> Vec<(usize, f64)> {
         .collect()
 }
 
-/// Share of the model's length, or angle (rad), over which a motion that does not turn is followed: a tenth of a clearance where there are
-/// films.
+/// Share of the model's length, or angle (rad), over which a motion that does not turn is followed: a tenth
+/// of a clearance where there are films.
 fn reach(model: &Model) -> f64 {
     let share = model.tolerance / model.length;
     if share < 0.99 * OF_LENGTH {
@@ -187,12 +195,13 @@ fn reach(model: &Model) -> f64 {
     }
 }
 
-/// A motion from the state on that does not turn, and along which the coefficients change: velocities of bodies that do not turn, or
-/// accelerations, those of steady turning left out.
+/// A motion without turning along which the coefficients change. It comes from velocities of bodies that do
+/// not turn, or from accelerations, except those of steady turning.
 ///
-/// Velocities: all bodies go on until the fastest of them has gone the [`reach`]. Accelerations: towards the place where forces balance,
-/// `K δ = NᵀM v̇`, without end where nothing holds; a place nearer than the reach is rest. Free fall, steady travel and what is linear
-/// are left, for nothing changes on their way.
+/// With velocities, all bodies move on until the fastest has moved by the [`reach`]. With accelerations, the
+/// bodies move towards the position where forces balance, `K δ = NᵀM v̇`, which is infinitely far if nothing
+/// holds them. A position nearer than the reach counts as rest. Free fall, steady travel and linear systems
+/// pass, because nothing changes along their motion.
 pub(super) fn leaving(
     model: &Model,
     state: &State,
@@ -204,7 +213,7 @@ pub(super) fn leaving(
     let reach = reach(model);
     let pace = fastest(model, state).max(1.0);
     let same = |there: Result<Equations, RuntimeError>| {
-        // where the equations cannot be made, nothing says that they stay
+        // without equations at that position nothing shows that they are constant
         there.is_ok_and(|there| {
             here.same(
                 &Coefficients::new(model, &there),
@@ -254,7 +263,7 @@ pub(super) fn leaving(
     })
 }
 
-/// The largest number by its scale: its index and size.
+/// Index and size of the largest number relative to its scale.
 fn farthest(x: &DVector<f64>, scales: &[f64]) -> (usize, f64) {
     let sizes = x.iter().zip(scales).map(|(x, s)| (x / s).abs());
     sizes.enumerate().fold(
@@ -263,8 +272,9 @@ fn farthest(x: &DVector<f64>, scales: &[f64]) -> (usize, f64) {
     )
 }
 
-/// Moves (ground axes) to the place where forces balance, by the equations of the state, and the largest acceleration of a body (m/s²);
-/// none at rest. Where nothing holds, the way is a length of the model's.
+/// Moves (ground axes) to the position where forces balance, from the equations of the state, and the largest
+/// acceleration of a body (m/s²). `None` at rest. In a direction that nothing holds the move is one length of
+/// the model.
 fn towards_balance(
     model: &Model,
     state: &State,
@@ -308,7 +318,7 @@ fn towards_balance(
     Some((&equations.basis * way, largest))
 }
 
-/// The equations where the bodies have moved (body axes), back on their constraints.
+/// The equations after a move of the bodies (body axes), projected onto the constraints.
 fn moved_by(
     model: &Model,
     state: &State,
@@ -324,7 +334,7 @@ fn moved_by(
     Equations::new(model, &moved, moment)
 }
 
-/// The speed of the fastest body that turns (rad/s), zero where none does.
+/// The angular speed of the fastest turning body (rad/s); zero if none turns.
 pub(super) fn fastest(model: &Model, state: &State) -> f64 {
     turning(model, state)
         .into_iter()
@@ -332,7 +342,7 @@ pub(super) fn fastest(model: &Model, state: &State) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The axis about which the fastest body turns, of length 1 in ground axes; none where none does.
+/// The axis of the fastest turning body, a unit vector in ground axes; `None` if none turns.
 pub(super) fn axis(model: &Model, state: &State) -> Option<V3> {
     let of = |index: usize| spin(state, model.bodies[index].velocity).norm();
     let fastest = turning(model, state)
@@ -344,15 +354,15 @@ pub(super) fn axis(model: &Model, state: &State) -> Option<V3> {
     Some(axis / axis.norm())
 }
 
-/// Whether two sets of equations are the same but for a `share` of the largest of each kind; `pace` (rad/s) measures mass, damping and
-/// stiffness by each other.
+/// Whether two sets of equations are equal up to a `share` of the largest entry of each kind. `pace` (rad/s)
+/// makes mass, damping and stiffness comparable.
 pub(super) fn alike(model: &Model, both: [&Equations; 2], pace: f64, share: f64) -> bool {
     let [a, b] = both.map(|e| Coefficients::new(model, e));
     a.same(&b, &groups(model), pace, [share, 1e-3 * share])
 }
 
-/// The equations where `bodies` have gone on for a time (s): each that turns about its own axis, which stands in space, its velocity in its
-/// own axes kept; the others straight on.
+/// The equations after `bodies` have moved on for a time (s). Each turning body turns about its own axis,
+/// which is fixed in space, with its velocity in its own axes kept. The others move straight on.
 fn turned_on(
     model: &Model,
     state: &State,
@@ -361,7 +371,7 @@ fn turned_on(
     moment: Moment,
 ) -> Result<Equations, RuntimeError> {
     let mut moved = state.clone();
-    // drives that turn bodies over time turn on with them
+    // drives that depend on time move on with the bodies
     moved.time += time;
     let mut increment = vec![0.0; model.velocities];
     for index in bodies {
@@ -379,7 +389,7 @@ fn turned_on(
         let axis = rotation * own;
         let v = &state.velocity[first..first + 3];
         let v = V3::new(v[0], v[1], v[2]);
-        // from the origin to the axis
+        // vector from the origin to the axis
         let to_axis = axis.cross(&v) / axis.norm_squared();
         if to_axis.norm() <= ON_AXIS * model.length {
             continue;
@@ -397,9 +407,10 @@ fn turned_on(
     Equations::new(model, &moved, moment)
 }
 
-/// Whether coefficients change while the bodies turn, and which of these change them; none where they are constant.
+/// The turning bodies that change the coefficients; empty if these are constant.
 ///
-/// `name`: whether the bodies are to be found out one by one; else the first that turns stands for all.
+/// With `name`, each such body is found by a test of its own. Otherwise the first turning body represents
+/// all.
 pub(super) fn varying(
     model: &Model,
     state: &State,
@@ -414,7 +425,7 @@ pub(super) fn varying(
     }
     let groups = groups(model);
     let here = Coefficients::new(model, equations);
-    // where the equations cannot be made, nothing says that they stay
+    // without equations at that position nothing shows that they are constant
     let at = |bodies: &[usize], angle: f64| {
         let there = turned_on(model, state, bodies, angle / fastest, moment).ok()?;
         Some(Coefficients::new(model, &there))

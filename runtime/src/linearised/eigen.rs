@@ -10,27 +10,27 @@ use nalgebra::{Complex, DMatrix, DVector};
 /// An eigenvalue with its vector: `A x = λ x`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Eigenpair {
-    /// λ; of a conjugate pair that with the positive imaginary part.
+    /// λ. Of a conjugate pair it is the one with positive imaginary part.
     pub value: Complex<f64>,
-    /// x, of any length but zero.
+    /// x, not zero, of any length.
     pub vector: DVector<Complex<f64>>,
 }
 
-/// All eigenpairs, of conjugate ones the first; and the size (greatest column sum) of the balanced matrix, against which the
-/// method's rounding errors are to be measured.
+/// All eigenpairs, with one for each conjugate pair, and the size (greatest column sum) of the balanced
+/// matrix. The method's rounding errors are relative to this size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
-    /// In the order of the method.
+    /// The pairs in the order of the method.
     pub pairs: Vec<Eigenpair>,
     /// 1-norm of `D⁻¹AD`.
     pub size: f64,
 }
 
-/// Sweeps of the balancing; each makes rows and columns more alike, a handful is enough.
+/// Most sweeps of the balancing. A handful usually suffices.
 const SWEEPS: usize = 40;
 
-/// Makes the 1-norms of each row and column alike by powers of two: `A ← D⁻¹AD`; returns D.
-/// (B. N. Parlett, C. Reinsch, Numer. Math. 13 (1969) 293.) Powers of two change no digit.
+/// Balances the 1-norms of each row and column with powers of two: `A ← D⁻¹AD`. Returns D.
+/// (B. N. Parlett, C. Reinsch, Numer. Math. 13 (1969) 293.) Powers of two cause no rounding.
 fn balance(matrix: &mut DMatrix<f64>) -> Vec<f64> {
     let n = matrix.nrows();
     let mut scales = vec![1.0; n];
@@ -74,7 +74,7 @@ fn balance(matrix: &mut DMatrix<f64>) -> Vec<f64> {
 /// Solves `A x = λ x`.
 ///
 /// # Errors
-/// When an entry is not finite, memory runs out, or the iteration does not end.
+/// When an entry is not finite, memory runs out, or the iteration does not converge.
 pub fn spectrum(mut matrix: DMatrix<f64>) -> Result<Spectrum, RuntimeError> {
     let n = matrix.nrows();
     let refuse = |what: &str| RuntimeError::Eigenvalues {
@@ -118,7 +118,7 @@ pub fn spectrum(mut matrix: DMatrix<f64>) -> Result<Spectrum, RuntimeError> {
     let mut i = 0;
     while i < n {
         let entry = |column: usize, row: usize| vectors[column * n + row] * scales[row];
-        // a conjugate pair has the real and the imaginary part of its first vector in its two columns
+        // the two columns of a conjugate pair are the real and the imaginary part of its first vector
         let paired = imaginary[i] != 0.0 && i + 1 < n;
         let sign = if imaginary[i] < 0.0 { -1.0 } else { 1.0 };
         let vector = DVector::from_fn(n, |row, _| {
@@ -181,7 +181,8 @@ mod tests {
         }
     }
 
-    /// 100 rows take the method's other branch (multishift with deflation); companion of a rotation has roots of one.
+    /// 100 rows take the method's other branch (multishift with deflation); companion of a rotation has roots
+    /// of one.
     #[test]
     fn a_cyclic_shift_has_the_roots_of_one() {
         let n = 100;

@@ -1,14 +1,18 @@
-//! Where the energy of a mode lives, and where it is lost.
+//! The places of a mode's energy and of its losses.
 //!
-//! For a mode with moves x (complex) and eigenvalue λ, each as a share of the sum of magnitudes over all parts:
+//! For a mode with moves x (complex) and eigenvalue λ there are three shares, each relative to the sum of
+//! magnitudes over all parts:
 //!
-//! - **kinetic**: `Re x̄_i (M x)_i`, summed over the rigid motion of a body and for each of its modes; these shares sum up to one.
-//! - **potential**: of a flexible body `Re āᵀ k a`; of an element `−Re m̄ · ∂W/∂m m`, m the moves of its markers, W its wrenches at frozen
-//!   velocities: for a spring its strain energy; for a film what its stiffness, symmetric or not, stores.
-//! - **lost**: power taken out of the mode: of a flexible body `Re ā̇ᵀ c ȧ`, of an element `−Re (λ m)¯ · δW` with all of δW. It is negative
-//!   where an element feeds the mode, as a film does whose cross stiffness drives whirl.
+//! - **kinetic**: `Re x̄_i (M x)_i`, summed over the rigid motion of a body, and for each of its modes. These
+//!   shares sum to one.
+//! - **potential**: for a flexible body `Re āᵀ k a`; for an element `−Re m̄ · ∂W/∂m m` with the moves m of
+//!   its markers and its wrenches W at frozen velocities. For a spring this is the strain energy, for a film
+//!   the energy that its stiffness, symmetric or not, stores.
+//! - **lost**: power taken out of the mode: for a flexible body `Re ā̇ᵀ c ȧ`, for an element
+//!   `−Re (λ m)¯ · δW` with the whole δW. It is negative if an element feeds the mode, like a film whose
+//!   cross stiffness drives whirl.
 //!
-//! Constraints have neither. The wrench of an element counts without its multipliers.
+//! Constraints have no potential and no losses, so the wrench of an element excludes its multipliers.
 
 use super::equations::Equations;
 use crate::body::BodyKind;
@@ -29,14 +33,14 @@ pub(super) fn parts(x: &DVector<Complex<f64>>) -> Parts {
     [x.map(|x| x.re), x.map(|x| x.im)]
 }
 
-/// What moves: the rigid motion of a body, or one of its modes.
+/// A part that moves: the rigid motion of a body, or one of its modes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
     /// Index of the body.
     pub body: usize,
     /// Its path.
     pub path: String,
-    /// Mode of a flexible body, counted from 1; `None` for its motion as a rigid one.
+    /// Mode of a flexible body, from 1; `None` for its rigid motion.
     pub mode: Option<usize>,
 }
 
@@ -72,9 +76,9 @@ struct Load {
 /// Names and derivatives for the shares of any mode about one state.
 #[derive(Debug)]
 pub struct Ledger {
-    /// What moves.
+    /// The parts that move.
     pub parts: Vec<Part>,
-    /// What stores or loses energy: flexible bodies, then elements with loads, by path.
+    /// Paths of the stores of energy: flexible bodies, then elements with loads.
     pub stores: Vec<String>,
     loads: Vec<Load>,
     /// Index of each flexible body.
@@ -83,7 +87,7 @@ pub struct Ledger {
     velocity: Vec<f64>,
 }
 
-/// What moves in a model, in the order of its velocities.
+/// The parts that move in a model, in the order of its velocities.
 pub fn parts_of(model: &Model) -> Vec<Part> {
     let mut parts = Vec::new();
     for (index, body) in model.bodies.iter().enumerate() {
@@ -98,7 +102,7 @@ pub fn parts_of(model: &Model) -> Vec<Part> {
     parts
 }
 
-/// Bodies and elements that store or lose energy: their indices.
+/// Indices of the bodies and elements that store or lose energy.
 fn stores_of(model: &Model) -> (Vec<usize>, Vec<usize>) {
     let bodies = (0..model.bodies.len()).filter(|b| model.bodies[*b].modes() > 0);
     let elements = (0..model.elements.len())
@@ -106,7 +110,7 @@ fn stores_of(model: &Model) -> (Vec<usize>, Vec<usize>) {
     (bodies.collect(), elements.collect())
 }
 
-/// Paths of what stores or loses energy: flexible bodies, then elements with loads.
+/// Paths of the stores of energy: flexible bodies, then elements with loads.
 pub fn stores(model: &Model) -> Vec<String> {
     let (bodies, elements) = stores_of(model);
     let bodies = bodies.iter().map(|b| &model.bodies[*b].origin.path);
@@ -121,7 +125,7 @@ fn real_product(a: &[f64], x: &[f64], b: &[f64], y: &[f64]) -> f64 {
     dot(a, b) + dot(x, y)
 }
 
-/// As shares of the sum of magnitudes; zeros where there is nothing.
+/// Values as shares of the sum of magnitudes; zeros if all are zero.
 fn shared(mut values: Vec<f64>) -> Vec<f64> {
     let sum: f64 = values.iter().map(|x| x.abs()).sum();
     if sum > 0.0 {
@@ -131,7 +135,7 @@ fn shared(mut values: Vec<f64>) -> Vec<f64> {
 }
 
 impl Ledger {
-    /// At a state.
+    /// The ledger at a state.
     pub fn new(model: &Model, state: &State) -> Result<Ledger, RuntimeError> {
         let (flexible, loaded) = stores_of(model);
         let mut dynamics = Dynamics::new(model);
@@ -180,7 +184,8 @@ impl Ledger {
         })
     }
 
-    /// Moves of an element's markers, and the change of their twists, for moves and rates of the bodies (runtime's increments).
+    /// Moves of an element's markers, and the change of their twists, for moves and rates of the bodies
+    /// (runtime's increments).
     fn markers(
         &self,
         model: &Model,
@@ -227,7 +232,7 @@ impl Ledger {
         (moves, twists)
     }
 
-    /// Shares of a mode: `place` its moves, `rate` the rates of these, rotations in ground axes; `value` its λ.
+    /// Shares of a mode with moves `place`, their rates `rate` (rotations in ground axes) and λ `value`.
     pub fn shares(
         &self,
         model: &Model,

@@ -1,7 +1,8 @@
 //! The linearised equations of motion in as many coordinates as there are freedoms.
 //!
-//! See the head of [`super`] for the formulas. Everything is exact but for rounding: blocks of Newton's matrix, the rate of the constraint
-//! gradients by polarisation of γ (a quadratic of the velocities), the rate of the mass matrix by differences of a quadratic.
+//! See the head of [`super`] for the formulas. All terms are exact except for rounding: blocks of Newton's
+//! matrix, the rate of the constraint gradients by polarisation of γ (a quadratic form of the velocities),
+//! and the rate of the mass matrix by differences of a quadratic form.
 
 use super::axes::GroundAxes;
 use crate::acceleration::AccelerationSystem;
@@ -16,16 +17,18 @@ use crate::state::State;
 use crate::topology::undetermined;
 use nalgebra::{DMatrix, DVector};
 
-/// Weight of velocities when the blocks of Newton's matrix are told apart (rad/s): about the fastest mode of a static set, so that
-/// stiffness and damping do not round each other away. A power of two.
+/// Weight of velocities (rad/s) for separating the blocks of Newton's matrix. It is about the fastest mode of
+/// a static set, so that neither stiffness nor damping is lost in rounding. A power of two causes no rounding
+/// itself.
 const PACE: f64 = 131_072.0;
-/// A pivot below this share of a unit row is none.
+/// Share of a unit row below which a pivot counts as zero.
 const RANK_LIMIT: f64 = 1e-10;
 
 /// `ẍ = −K x − C ẋ + S z`, `ż = R x + T ẋ + U z` about a state, x as many as there are freedoms.
 #[derive(Clone, Debug)]
 pub struct Equations {
-    /// N (velocities × freedoms): moves of the bodies, rotations in ground axes, that no constraint forbids. `NᵀMN = 1`.
+    /// N (velocities × freedoms): moves of the bodies that no constraint prevents, with rotations in ground
+    /// axes. `NᵀMN = 1`.
     pub basis: DMatrix<f64>,
     /// Ṅ along the motion.
     pub basis_rate: DMatrix<f64>,
@@ -43,10 +46,11 @@ pub struct Equations {
     pub rates_by_velocity: DMatrix<f64>,
     /// U.
     pub rates_by_states: DMatrix<f64>,
-    /// How fast a motion is that the largest terms of K and C, or the state's own motion and weight, would make alone (rad/s): where
-    /// they cancel, their rounding stays.
+    /// Rate (rad/s) of the motion that the largest terms of K and C, or the state's own motion and weight,
+    /// would cause alone. If they cancel, their rounding remains.
     pub pace: f64,
-    /// Sums of the absolute terms of K (1/s²) and C (1/s): n roundings of them are what the entries are uncertain by.
+    /// Sums of the absolute terms of K (1/s²) and C (1/s): n roundings of them are what the entries are
+    /// uncertain by.
     pub stiffness_terms: DMatrix<f64>,
     /// See `stiffness_terms`.
     pub damping_terms: DMatrix<f64>,
@@ -179,7 +183,8 @@ fn allowed(
     Ok(basis.transpose())
 }
 
-/// Adds Ṁ of the bodies' change of shape, rotations in ground axes. M is quadratic in the amplitudes: a central difference is exact.
+/// Adds Ṁ of the bodies' change of shape, rotations in ground axes. M is quadratic in the amplitudes: a
+/// central difference is exact.
 fn add_reshaping(
     model: &Model,
     dynamics: &Dynamics,
@@ -230,8 +235,9 @@ fn add_reshaping(
 
 /// `Ġ N` in ground axes, rows × freedoms.
 ///
-/// γ is minus a quadratic of the velocities, whose polarisation along u gives the sum of `Ġ u` with the gradient's rate along the
-/// motion and of `∂Φ̇/∂q u`; in body axes the two differ by G of the bracket `ω × u`. In ground axes `Ġ N` is the second.
+/// γ is minus a quadratic of the velocities, whose polarisation along u gives the sum of `Ġ u` with the
+/// gradient's rate along the motion and of `∂Φ̇/∂q u`; in body axes the two differ by G of the bracket
+/// `ω × u`. In ground axes `Ġ N` is the second.
 fn gradient_rates(
     model: &Model,
     dynamics: &mut Dynamics,
@@ -339,7 +345,7 @@ impl Equations {
             + terms(&rates_of_sizes, &blocks.mass, &rates_of_sizes)
             + terms(&sizes, &mass_rate, &rates_of_sizes);
         let of_damping = terms(&sizes, &blocks.damping, &sizes);
-        // what holds the state itself comes with rounding errors of its motion
+        // the forces that hold the state itself have the rounding errors of its motion
         let own = |x: &[f64]| {
             let scaled = x.iter().zip(&scales).map(|(x, s)| (x / s).abs());
             scaled.fold(0.0_f64, f64::max)
@@ -350,7 +356,8 @@ impl Equations {
         let pace = largest(&of_damping)
             .max(libm::sqrt(largest(&stiffness_terms) + held))
             .max(turning);
-        // blocks are told apart at a pace, beside the stiffness
+        // the damping block is separated from the stiffness with the weight `PACE`, so it has a share of its
+        // rounding
         let damping_terms = of_damping + terms(&sizes, &blocks.stiffness, &sizes) / PACE;
         let across = basis.transpose();
         let damping = &across * &blocks.damping * &basis;
@@ -387,7 +394,7 @@ impl Equations {
         2 * self.freedoms() + self.rates_by_states.nrows()
     }
 
-    /// Constraints let go, `ξ̇ = A ξ` with `ξ = (x, ẋ, z)`.
+    /// The system without constraints, `ξ̇ = A ξ` with `ξ = (x, ẋ, z)`.
     pub fn first_order(&self) -> DMatrix<f64> {
         let (p, s) = (self.freedoms(), self.rates_by_states.nrows());
         let mut out = DMatrix::zeros(2 * p + s, 2 * p + s);
@@ -405,13 +412,13 @@ impl Equations {
         out
     }
 
-    /// A vector of the runtime's moves or rates, rotations in body axes, in ground axes.
+    /// Converts a vector of the runtime's moves or rates (rotations in body axes) to ground axes.
     pub fn in_ground_axes(&self, mut x: DVector<f64>) -> DVector<f64> {
         self.axes.to_ground(x.as_view_mut());
         x
     }
 
-    /// A vector of moves or rates in ground axes as the runtime's, rotations in body axes.
+    /// Converts a vector of moves or rates in ground axes to the runtime's form (rotations in body axes).
     pub fn in_body_axes(&self, mut x: DVector<f64>) -> DVector<f64> {
         self.axes.to_body(x.as_view_mut());
         x

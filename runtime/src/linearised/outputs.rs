@@ -1,8 +1,8 @@
-//! How outputs follow a small motion about a state.
+//! Derivatives of outputs along a small motion about a state.
 //!
-//! Outputs see accelerations and multipliers, which follow from positions, velocities and states of elements by the acceleration-level
-//! system. Their derivatives along a direction are taken by central differences of fourth order over all that,
-//! `(8 (f(h) − f(−h)) − (f(2h) − f(−2h)))/12h`, with time held.
+//! Outputs depend on accelerations and multipliers, which follow from positions, velocities and states of
+//! elements by the acceleration-level system. Their derivatives along a direction are central differences of
+//! fourth order over this whole computation, `(8 (f(h) − f(−h)) − (f(2h) − f(−2h)))/12h`, with time held.
 
 use crate::acceleration::AccelerationSystem;
 use crate::dynamics::Dynamics;
@@ -11,11 +11,12 @@ use crate::model::Model;
 use crate::outputs::Outputs;
 use crate::state::{State, move_pose};
 
-/// The longest move of a difference, as a share of the model's position tolerance (a thousandth of the smallest clearance): films
-/// are straight over it to 1e-9, and rounding of places of a metre takes 1e-7.
+/// The longest move of a difference, as a share of the model's position tolerance (a thousandth of the
+/// smallest clearance). Films are linear over it to 1e-9, and rounding of positions of a metre causes 1e-7.
 const REACH: f64 = 1.0 / 32.0;
 
-/// The fastest motion (rad/s) that may move so far; a faster one moves less, so that its velocities stay small against a film's.
+/// Rate of the fastest motion (rad/s) with the full move. A faster motion has a smaller move, so that its
+/// velocities remain small against those of a film.
 const FASTEST: f64 = 25_000.0;
 
 /// A direction of motion, as the runtime's increments.
@@ -80,7 +81,7 @@ impl<'a> Probe<'a> {
         Ok(self.outputs.values.clone())
     }
 
-    /// Derivatives of all channels (SI) a unit of the direction.
+    /// Derivatives of all channels (SI) per unit of the direction.
     pub fn along(&mut self, direction: &Direction) -> Result<Vec<f64>, RuntimeError> {
         let size = |x: &[f64], scales: &[f64]| {
             x.iter()

@@ -9,13 +9,13 @@ use eng_system::code::Compiled;
 use eng_system::system::{Extent, Linear};
 use std::ops::ControlFlow;
 
-/// Steps without progress of the cycle before a run by angle gives up.
+/// Steps without progress of the cycle after which a run by angle gives up.
 const PATIENCE: u64 = 200_000;
 
-/// Share of the progress that is the transient to the state, where a period follows.
+/// Share of the transient in the progress, if a period follows.
 const BEFORE: f64 = 0.25;
 
-/// Linearises where an analysis says. `observer` gets start, progress and warnings, and no samples.
+/// Linearises about the state of an analysis. `observer` gets start, progress and warnings, and no samples.
 pub fn run_linear(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -38,7 +38,7 @@ pub fn run_linear(
     let mut values = vec![0.0; compiled.system.channels.len()];
     simulation.evaluate_channels(&mut values)?;
     let all = observer;
-    // a period after it takes longer
+    // a period after the transient takes longer than the transient
     let part = if linear.over.is_some() { BEFORE } else { 1.0 };
     let observer = &mut Stretch::new(all, 0.0, part);
     match linear.after {
@@ -71,7 +71,7 @@ pub fn run_linear(
     Ok(modes)
 }
 
-/// An observer of a stretch of the whole: its progress is from one part to another, 0…1.
+/// An observer of one stretch of the run. It maps the progress of the stretch to a part of the whole, 0…1.
 pub(super) struct Stretch<'a> {
     inner: &'a mut dyn Observer,
     from: f64,
@@ -118,7 +118,7 @@ fn tell(
     follow(simulation, observer, &advance, false)
 }
 
-/// Steps until the cycle has turned by an angle (rad), and takes the outputs there.
+/// Steps until the cycle has turned by an angle (rad), and evaluates the outputs there.
 pub(super) fn turn_by(
     simulation: &mut Simulation,
     angle: f64,
@@ -166,8 +166,8 @@ pub(super) fn turn_by(
 }
 
 impl Simulation {
-    /// Linearises about the state of the last outputs: [`Simulation::evaluate_channels`], [`Simulation::sample_at`] and others take
-    /// one.
+    /// Linearises about the state of the last outputs, which [`Simulation::evaluate_channels`],
+    /// [`Simulation::sample_at`] and others set.
     pub fn sampled_modes(&mut self, wanted: Wanted) -> Result<LinearModes, RuntimeError> {
         let state = self.sampled_state().clone();
         let cycle = self.sampled_cycle()?;

@@ -1,18 +1,20 @@
-//! Slow motions among fast ones: poles far below the largest, and true zeros.
+//! Slow motions among fast ones: eigenvalues far below the largest, and true zeros.
 //!
-//! The eigenvalues of `A` come with errors of a rounding of the largest, double zeros of its root. What creeps, `λ = −k/c` of a spring
-//! behind a heavy damper, may lie far below. Such λ are those nearest to zero, and the matrix
+//! The computed eigenvalues of `A` have errors of the rounding of the largest one, and double zeros have
+//! errors of its root. A slow motion, such as `λ = −k/c` of a spring behind a heavy damper, may lie far below
+//! these errors. The matrix
 //!
 //! ```text
 //! (A − σ)⁻¹,   of x, y, z:   [K + σC + σ², −S; R + σT, U − σ] [x; z] = …,   y = σx + …
 //! ```
 //!
-//! has them as its largest eigenvalues `1/(λ − σ)`; K is not lost in it beside C, for σC is as small as K where σ is as slow as what is
-//! sought. The shift σ goes down in steps of the root of the rounding error until nothing is left.
+//! has these slow eigenvalues as its largest, `1/(λ − σ)`. K is not lost beside C, because σC is as small as
+//! K if σ is as slow as the wanted motion. The shift σ decreases in steps of the root of the rounding error
+//! until no eigenvalue is left.
 //!
-//! **Zeros** are told by the forces of a motion, not by its pace: where `x*(K x − S z)` and `R x + U z` are no more than the rounding
-//! of the terms they are made of, nothing holds it. Its λ is zero then, but for the second pole `λ = −c` of what is damped and
-//! free, whose inertia balances its damping.
+//! **Zeros** are decided by the forces of a motion and not by its rate. If `x*(K x − S z)` and `R x + U z`
+//! are no larger than the rounding of their terms, nothing holds the motion, and its λ is zero. The exception
+//! is a damped free motion: its second eigenvalue `λ = −c` has an inertia that balances its damping.
 
 use super::eigen::{Eigenpair, spectrum};
 use super::energies::parts;
@@ -20,14 +22,14 @@ use super::equations::Equations;
 use crate::error::RuntimeError;
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// Shifts that are tried: each is eight decades below the one before.
+/// Number of shifts. Each is eight decades below the one before.
 const SHIFTS: usize = 4;
-/// What is slower (1/s) is none: in thirty times the age of the universe it does not change.
+/// Rate (1/s) below which a motion counts as none: it does not change in the age of the universe.
 const SLOWEST: f64 = 1e-18;
 
-/// What the slowest eigenvalues of a system are.
+/// The slowest eigenvalues of a system.
 pub(super) struct Slow {
-    /// Those that are not zero, of conjugate pairs the first.
+    /// The nonzero ones, with one for each conjugate pair.
     pub pairs: Vec<Eigenpair>,
     /// Count of zeros.
     pub zeros: usize,
@@ -37,7 +39,7 @@ fn count(pair: &Eigenpair) -> usize {
     if pair.value.im > 0.0 { 2 } else { 1 }
 }
 
-/// `(A − σ)⁻¹` of the first-order system; `None` where it has none.
+/// `(A − σ)⁻¹` of the first-order system; `None` if it does not exist.
 fn inverse(equations: &Equations, shift: f64) -> Option<DMatrix<f64>> {
     let (p, s) = (equations.freedoms(), equations.rates_by_states.nrows());
     let e = equations;
@@ -51,7 +53,7 @@ fn inverse(equations: &Equations, shift: f64) -> Option<DMatrix<f64>> {
     place
         .view_mut((p, p), (s, s))
         .copy_from(&(&e.rates_by_states - DMatrix::identity(s, s) * shift));
-    // rows of one size: K and 1/s of states may differ by many decades
+    // rows are scaled to one size, because K and 1/s of states may differ by many decades
     let mut right = DMatrix::zeros(p + s, 2 * p + s);
     right
         .view_mut((0, 0), (p, p))
@@ -86,18 +88,18 @@ fn inverse(equations: &Equations, shift: f64) -> Option<DMatrix<f64>> {
     out.iter().all(|x| x.is_finite()).then_some(out)
 }
 
-/// What makes an eigenvalue near zero.
+/// The reason for an eigenvalue near zero.
 enum Kind {
-    /// Springs, films or states: it is as found.
+    /// Springs, films or states hold the motion. The eigenvalue is right as computed.
     Held,
-    /// Nothing: it is zero.
+    /// Nothing holds the motion. The eigenvalue is zero.
     Free,
-    /// Nothing holds the motion, and its inertia balances its damping alone at this λ.
+    /// Nothing holds the motion, and its inertia balances only its damping, at this λ.
     Damped(Complex<f64>),
 }
 
-/// What holds the motion of an eigenpair, by the work of its forces along itself: a rounding error of x in a stiff direction counts
-/// there with its square.
+/// The reason for the eigenvalue of a pair, from the work of its forces along itself. In this work a rounding
+/// error of x in a stiff direction counts only with its square.
 fn kind(equations: &Equations, pair: &Eigenpair) -> Kind {
     let e = equations;
     let p = e.freedoms();
@@ -155,7 +157,7 @@ pub(super) fn resolve(
             .into_iter()
             .map(|pair| {
                 let value = Complex::new(resolution, 0.0) + pair.value.inv();
-                // the inverse turns the sign of the imaginary part
+                // the inverse changes the sign of the imaginary part
                 if value.im < 0.0 {
                     Eigenpair {
                         value: value.conj(),
@@ -165,7 +167,7 @@ pub(super) fn resolve(
                     Eigenpair { value, ..pair }
                 }
             })
-            // an eigenvalue 0 of the inverse is none of the slow ones
+            // an eigenvalue 0 of the inverse belongs to no slow motion
             .filter(|pair| pair.value.norm().is_finite())
             .collect();
         pairs.sort_by(|a, b| a.value.norm().total_cmp(&b.value.norm()));
@@ -188,7 +190,7 @@ pub(super) fn resolve(
                 Kind::Damped(pole) if (pair.value - pole).norm() <= 0.5 * pole.norm() => {
                     found.pairs.push(pair);
                 }
-                // the zero and the pole of one direction, which rounding has made a pair
+                // rounding has made a conjugate pair of the zero and the nonzero eigenvalue of one direction
                 Kind::Damped(pole) if count(&pair) == 2 => {
                     found.zeros += 1;
                     found.pairs.push(Eigenpair {
@@ -199,7 +201,7 @@ pub(super) fn resolve(
                 Kind::Damped(_) => found.zeros += 1,
             }
         }
-        // what was not found is told by a slower shift, or is zero
+        // a slower shift finds the remaining ones, or they are zero
         wanted = left + wanted.saturating_sub(taken);
         resolution = finer;
     }

@@ -1,14 +1,16 @@
-//! How far the motion itself is from repeating: its places, velocities and states of elements.
+//! The distance of the motion itself from repetition: its positions, velocities and states of elements.
 //!
-//! Outputs may be quadratic in the motion, or small differences of large values. The factor by which deviations shrink is the motion's; and where the
-//! motion repeats to within the tolerance of its steps, what outputs still change by is the noise of these steps.
+//! Outputs may be quadratic in the motion, or small differences of large values. So the factor by which
+//! deviations shrink is that of the motion. If the motion repeats within the tolerance of its steps,
+//! remaining changes of outputs are noise of these steps.
 
 use super::repetition::slowest;
 use crate::decay::Mode;
 use crate::model::Model;
 use std::collections::VecDeque;
 
-/// Share of a state's size, at the usual tolerance, within which states of two cycles count as the same: ten times the error of a step.
+/// Share of a state's size, at the usual tolerance, within which states of two cycles count as equal. It is
+/// ten times the error of a step.
 const STATE_TOLERANCE: f64 = 1e-4;
 
 /// Indices of a body's numbers in a sample's pose and velocities.
@@ -20,12 +22,13 @@ struct Place {
     modes: usize,
 }
 
-/// What a cycle's motion tells beside the one before.
+/// Comparison of a cycle's motion with the one before.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moved {
-    /// Factor and turn by which deviations go on from cycle to cycle; from the third cycle on.
+    /// Factor and turn of deviations from cycle to cycle; from the third cycle on.
     pub mode: Option<Mode>,
-    /// Largest difference of places and states, over what the tolerance of the steps leaves.
+    /// Largest difference of positions and states, in units of the error that the tolerance of the steps
+    /// leaves.
     pub beyond: f64,
 }
 
@@ -33,13 +36,14 @@ pub struct Moved {
 #[derive(Clone, Debug)]
 pub struct Motion {
     places: Vec<Place>,
-    /// Units of velocities (m/s, rad/s over the model's pace alike) and of states.
+    /// Units of velocities (m/s and rad/s, by the model's pace) and of states.
     units: Vec<f64>,
     velocities: usize,
-    /// Place that the tolerance leaves open (m), and the model's length (m), by which it is an angle.
+    /// Error of positions that the tolerance leaves (m), and the model's length (m), which converts it to an
+    /// angle.
     tolerance: f64,
     length: f64,
-    /// What the tolerance leaves of states.
+    /// Error of states that the tolerance leaves.
     states: Vec<f64>,
     poses: Vec<f64>,
     before: Vec<f64>,
@@ -47,7 +51,8 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Of a model whose steps have a factor on the tolerances. Errors of the motion go as the factor to the 2/3.
+    /// A comparison for a model whose steps have a factor on the tolerances. Errors of the motion are
+    /// proportional to the factor to the power 2/3.
     pub fn new(model: &Model, factor: f64) -> Motion {
         let share = libm::cbrt(factor * factor);
         let mut units = model.velocity_scales();
@@ -77,7 +82,8 @@ impl Motion {
         }
     }
 
-    /// Takes the next cycle: poses of its samples one after the other, and of each sample velocities followed by states.
+    /// Compares the next cycle: poses of its samples one after the other, and for each sample velocities
+    /// followed by states.
     pub fn next(&mut self, poses: &[f64], motion: &[f64]) -> Moved {
         let width = self.units.len().max(1);
         let old_poses = std::mem::replace(&mut self.poses, poses.to_vec());
@@ -101,7 +107,7 @@ impl Motion {
         }
     }
 
-    /// Largest difference of places and states over what the tolerance leaves.
+    /// Largest difference of positions and states, in units of the error that the tolerance leaves.
     fn beyond(&self, poses: &[f64], old_poses: &[f64], motion: &[f64], old: &[f64]) -> f64 {
         let pose_width = self.places.last().map_or(1, |p| p.pose + 7 + p.modes);
         let mut worst = 0.0_f64;
@@ -133,8 +139,8 @@ impl Motion {
     }
 }
 
-/// Angle (rad) between two orientations, unit quaternions of either sign: twice the length of the vector part of `conj(a) b`, which small angles
-/// lose nothing of.
+/// Angle (rad) between two orientations, as unit quaternions of either sign. It is twice the length of the
+/// vector part of `conj(a) b`, which is accurate for small angles too.
 fn turned(a: &[f64], b: &[f64]) -> f64 {
     let cross = [
         a[2] * b[3] - a[3] * b[2],

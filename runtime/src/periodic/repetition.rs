@@ -1,4 +1,4 @@
-//! How a cycle differs from the one before, and how fast the differences shrink.
+//! The differences of a cycle from the one before, and the rate at which they shrink.
 
 use crate::decay::{Decay, Mode};
 use eng_system::dimension::{BASES, Dimension};
@@ -6,18 +6,18 @@ use eng_system::system::System;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
-/// Share of the largest value of a dimension (of angles: of the largest swing) below which a channel's own swing does not count:
-/// what is left there is the steps' error.
+/// Share of the largest value of a dimension (for angles: of the largest swing) below which a channel's own
+/// swing does not count, because the error of the steps is as large.
 const LEAST_SWING: f64 = 1e-2;
 /// Least swing of an angle (rad).
 const LEAST_ANGLE: f64 = 1e-4;
-/// Share of the loads that a model's mass, size and pace make below which all is rounding.
+/// Share of the loads that follow from a model's mass, size and pace, below which a load is rounding.
 const ROUNDING: f64 = 1e-9;
-/// Share of a growth by which it may differ within a cycle and from the last cycle's.
+/// Share of a growth by which it may vary within a cycle and from the last cycle.
 const STEADY: f64 = 1e-3;
-/// Share of a swing that counts below which a channel stands still.
+/// Share of a swing below which a channel counts as constant.
 const STANDING: f64 = 1e-3;
-/// Squared sine between two differences below which they are one direction.
+/// Squared sine between two differences below which they have one direction.
 const PARALLEL: f64 = 1e-3;
 
 /// A channel that grows by the same amount every cycle.
@@ -29,7 +29,7 @@ pub struct Growth {
     pub by: f64,
 }
 
-/// What a comparison found.
+/// The result of a comparison.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Verdict {
     /// The channel that changes most; absent after the first cycle and without channels.
@@ -42,9 +42,9 @@ pub struct Verdict {
 #[derive(Clone, Debug)]
 pub struct Comparison {
     dimensions: Vec<Dimension>,
-    /// Least swing of a length (m): a stroke says nothing of a film.
+    /// Least swing of a length (m). The largest length, such as a stroke, would be no measure for a film.
     length: f64,
-    /// Mass (kg) and size (m) of the model, and how fast its cycle goes (rad/s): what makes its loads.
+    /// Mass (kg) and size (m) of the model and the rate of its cycle (rad/s), which determine its loads.
     scale: [f64; 3],
     before: Vec<f64>,
     /// Differences of the last cycles, the newest first.
@@ -52,8 +52,8 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// For the channels of a system; `length` is the least swing of a length (m), such as a bearing's clearance; `scale` mass (kg),
-    /// size (m) and pace (rad/s) of the model.
+    /// A comparison for the channels of a system. `length` is the least swing of a length (m), such as a
+    /// bearing's clearance; `scale` mass (kg), size (m) and pace (rad/s) of the model.
     pub fn new(system: &System, length: f64, scale: [f64; 3]) -> Comparison {
         let dimensions = system.channels.iter().map(|c| c.dimension).collect();
         Comparison {
@@ -72,12 +72,12 @@ impl Comparison {
         }
     }
 
-    /// How fast the cycle goes (rad/s).
+    /// Sets the rate of the cycle (rad/s).
     pub fn goes_at(&mut self, pace: f64) {
         self.scale[2] = pace;
     }
 
-    /// Takes the next cycle: samples one after the other.
+    /// Compares the next cycle, with its samples one after the other.
     pub fn next(&mut self, values: &[f64]) -> Verdict {
         let count = self.dimensions.len();
         let before = std::mem::replace(&mut self.before, values.to_vec());
@@ -91,7 +91,7 @@ impl Comparison {
             .map(|(i, (now, before))| {
                 let d = now - before;
                 if self.dimensions[i % count] == Dimension::ANGLE {
-                    // unwrapped angles go on by whole turns
+                    // unwrapped angles advance by whole turns
                     d - 2.0 * PI * libm::round(d / (2.0 * PI))
                 } else {
                     d
@@ -134,7 +134,8 @@ impl Comparison {
         })
     }
 
-    /// Whether nothing but angles that go round changes within the last cycle, beyond a small share of the swings that count.
+    /// Whether only revolving angles change within the last cycle, except for a small share of the counting
+    /// swings.
     pub fn stands(&self) -> bool {
         let values = &self.before;
         !self.dimensions.is_empty()
@@ -146,7 +147,8 @@ impl Comparison {
                 .all(|(own, counted)| *own <= STANDING * counted)
     }
 
-    /// Largest less smallest of each channel within a cycle, of an angle that goes round less the line through its ends.
+    /// Largest minus smallest value of each channel within a cycle. For a revolving angle the line through
+    /// its ends is subtracted first.
     fn own_swings(&self, values: &[f64]) -> Vec<f64> {
         let count = self.dimensions.len();
         let samples = values.len() / count;
@@ -168,7 +170,8 @@ impl Comparison {
             .collect()
     }
 
-    /// [`Comparison::own_swings`], at least a small share of the largest value of their dimension, of lengths a stated length.
+    /// [`Comparison::own_swings`], but at least a small share of the largest value of their dimension; for
+    /// lengths at least a given length.
     fn swings(&self, values: &[f64]) -> Vec<f64> {
         let count = self.dimensions.len();
         let mut swings = self.own_swings(values);
@@ -195,7 +198,8 @@ impl Comparison {
         swings
     }
 
-    /// Of a mechanical dimension the value below which all is rounding in a model of this mass, size and pace.
+    /// For a mechanical dimension: the value below which all is rounding in a model of this mass, size and
+    /// pace.
     fn rounding(&self, dimension: Dimension) -> f64 {
         let [mass, size, pace] = self.scale;
         let of_bases = (0..BASES).fold(ROUNDING, |value, base| {
@@ -214,7 +218,8 @@ impl Comparison {
         if of_bases.is_finite() { of_bases } else { 0.0 }
     }
 
-    /// The growth a cycle of a channel whose difference is the same all over the cycle, and was the cycle before.
+    /// The growth per cycle of a channel whose difference is equal over the whole cycle and equal to that of
+    /// the cycle before.
     fn growth(&self, channel: usize) -> Option<f64> {
         let mean_and_spread = |age: usize| {
             let d = self.column(age, channel);
@@ -228,7 +233,7 @@ impl Comparison {
         (same(spread) && same(now - before)).then_some(now)
     }
 
-    /// What the last three differences of a channel tell.
+    /// The decay that follows from the last three differences of a channel.
     fn shrinking(&self, channel: usize) -> Option<Mode> {
         slowest(
             &self.column(0, channel),
@@ -238,8 +243,9 @@ impl Comparison {
     }
 }
 
-/// The slowest of the two modes that explain the last of three differences best, `d₀ = a d₁ + b d₂`; of one mode where only two
-/// are known, or where they are one direction. `None` where the differences before are not known or zero.
+/// The slower of the two modes that fit the last of three differences best, `d₀ = a d₁ + b d₂`. With only two
+/// known differences, or with differences of one direction, there is one mode. `None` if earlier differences
+/// are unknown or zero.
 pub fn slowest(d0: &[f64], d1: &[f64], d2: &[f64]) -> Option<Mode> {
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
     let (s00, s11) = (dot(d0, d0), dot(d1, d1));

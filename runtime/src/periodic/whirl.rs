@@ -1,13 +1,15 @@
-//! Half-speed whirl of journals: motion of the pin at about half the shaft's speed that does not repeat with the cycle.
+//! Half-speed whirl of journals: motion of the pin at about half the shaft's speed that does not repeat with
+//! the cycle.
 //!
-//! With the complex eccentricity `z = e_x + i e_y` (shell's axes), what repeats goes out of the differences of successive cycles, sample by
-//! sample; their part at half the speed is `d_k = mean over cycle k of (z_{k+1} − z_k) exp(∓i θ/2)`, in the sense in which the whirl
-//! is larger. A whirl of radius a and order ν turns it by `φ = ±(ν − ½) P` a cycle of P rad, which gives ν, and
+//! Let `z = e_x + i e_y` be the complex eccentricity (shell's axes). In the differences of successive cycles,
+//! sample by sample, the repeating part cancels. Their part at half the speed is
+//! `d_k = mean over cycle k of (z_{k+1} − z_k) exp(∓i θ/2)`, in the sense with the larger whirl. A whirl of
+//! radius a and order ν turns it by `φ = ±(ν − ½) P` in a cycle of P rad, which gives ν, and
 //! `|d| = a |exp(iνP) − 1|`, which gives a.
 
-/// Least turn a cycle (rad) by which a whirl is told from what repeats.
+/// Least turn per cycle (rad) that distinguishes a whirl from a repeating motion.
 const LEAST_GAP: f64 = 0.01;
-/// Fewest cycles that show a whirl.
+/// Least number of cycles that show a whirl.
 const FEWEST: usize = 4;
 
 /// The orbits of a cycle.
@@ -30,11 +32,11 @@ pub struct Whirl {
     pub radius: f64,
     /// Its speed over the shaft's.
     pub order: f64,
-    /// Its growth from cycle to cycle: below 1 it dies away.
+    /// Its growth factor from cycle to cycle. Below 1 it decays.
     pub growth: f64,
 }
 
-/// Looks for whirl in successive cycles of one period (rad) and of alike samples; empty where these are too few.
+/// Finds whirl in successive cycles of one period (rad) with equal samples; empty if there are too few.
 pub fn find(cycles: &[Orbits], period: f64) -> Vec<Whirl> {
     let Some(first) = cycles.first().filter(|_| cycles.len() >= FEWEST) else {
         return Vec::new();
@@ -48,7 +50,8 @@ pub fn find(cycles: &[Orbits], period: f64) -> Vec<Whirl> {
         .collect()
 }
 
-/// The larger of the two senses: the cycle's angle need not be counted about the shell's z.
+/// The whirl in the sense with the larger amplitude. Both are tried, because the cycle's angle need not be
+/// about the shell's z.
 fn whirl_of(cycles: &[&Orbits], journal: usize, period: f64) -> Option<Whirl> {
     let along = in_sense(cycles, journal, period, 1.0)?;
     let against = in_sense(cycles, journal, period, -1.0)?;
@@ -70,7 +73,7 @@ fn in_sense(cycles: &[&Orbits], journal: usize, period: f64, sense: f64) -> Opti
             .copied()
             .unwrap_or_default()
     };
-    // what repeats goes out of the differences
+    // the repeating part cancels in the differences
     let mut steps: Vec<[f64; 2]> = Vec::new();
     for pair in cycles.windows(2) {
         let mut step = [0.0; 2];
@@ -116,7 +119,7 @@ fn in_sense(cycles: &[&Orbits], journal: usize, period: f64, sense: f64) -> Opti
 pub const HALF_SPEED: (f64, f64) = (0.35, 0.55);
 
 impl Whirl {
-    /// Whether it is at about half speed and does not die away fast.
+    /// Whether it is at about half speed and does not decay fast.
     pub fn is_sustained(&self) -> bool {
         (HALF_SPEED.0..=HALF_SPEED.1).contains(&self.order) && self.growth > 0.9
     }
