@@ -1,8 +1,8 @@
-//! Sizes of steps.
+//! Control of the size of steps.
 
-/// Growth of one step against the one before.
+/// Least and largest growth of one step relative to the one before.
 const GROWTH: (f64, f64) = (0.2, 2.0);
-/// Steps are kept while the wish to grow stays below this: the factors serve longer.
+/// Growth below which the step is not changed, so that the factors of its matrix serve longer.
 const KEEP: f64 = 1.15;
 
 /// PI controller for a local error of order three (Gustafsson 1991; exponents 0.7/3 and 0.4/3).
@@ -14,26 +14,27 @@ pub struct StepSize {
 }
 
 impl StepSize {
-    /// Begins with a step.
+    /// A control that begins with a step.
     pub fn new(step: f64) -> StepSize {
         StepSize { step, before: 1.0 }
     }
-    /// From a checkpoint.
+    /// The control from a checkpoint.
     pub fn from_numbers(numbers: [f64; 2]) -> StepSize {
         StepSize {
             step: numbers[0],
             before: numbers[1],
         }
     }
-    /// For a checkpoint.
+    /// The numbers of the control, for a checkpoint.
     pub fn numbers(&self) -> [f64; 2] {
         [self.step, self.before]
     }
-    /// Never above a limit (s).
+    /// Limits the next step (s).
     pub fn limit(&mut self, limit: f64) {
         self.step = self.step.min(limit);
     }
-    /// After an accepted step h with its error over tolerance. A step cut short does not shrink the next one.
+    /// Called after an accepted step h with its error over tolerance. A step that was cut short does not
+    /// shrink the next one.
     pub fn accepted(&mut self, h: f64, error: f64) {
         let error = error.max(1e-8);
         let factor = 0.9 * libm::pow(error, -0.7 / 3.0) * libm::pow(self.before, 0.4 / 3.0);
@@ -51,7 +52,7 @@ impl StepSize {
             wish
         };
     }
-    /// After a step h whose error exceeds the tolerance.
+    /// Called after a step h whose error exceeds the tolerance.
     pub fn rejected(&mut self, h: f64, error: f64) {
         let factor = if error.is_finite() {
             (0.9 * libm::cbrt(1.0 / error)).clamp(GROWTH.0, 0.8)
@@ -60,7 +61,7 @@ impl StepSize {
         };
         self.step = h * factor;
     }
-    /// After a step h without solution.
+    /// Called after a step h without solution.
     pub fn halved(&mut self, h: f64) {
         self.step = 0.5 * h;
     }
@@ -69,8 +70,8 @@ impl StepSize {
 /// Deepest halving of a fixed step.
 const DEEPEST: u64 = 6;
 
-/// Fixed steps: times are multiples of the step from an origin, without accumulated rounding; a failed step is halved, and whole steps
-/// come back where the halves meet the grid.
+/// Fixed steps. Times are multiples of the step from an origin, without accumulated rounding. A failed step
+/// is halved, and whole steps return when the halves meet the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FixedGrid {
     origin: f64,
@@ -80,18 +81,18 @@ pub struct FixedGrid {
 }
 
 impl FixedGrid {
-    /// Begins at a time (s).
+    /// A grid from a time (s) on.
     pub fn new(origin: f64) -> FixedGrid {
         FixedGrid {
             origin,
             ..FixedGrid::default()
         }
     }
-    /// For a checkpoint.
+    /// The numbers of the grid, for a checkpoint.
     pub fn parts(&self) -> (f64, [u64; 3]) {
         (self.origin, [self.whole, self.part, self.level])
     }
-    /// From a checkpoint.
+    /// The grid from a checkpoint.
     pub fn from_parts(origin: f64, [whole, part, level]: [u64; 3]) -> FixedGrid {
         FixedGrid {
             origin,
@@ -100,13 +101,13 @@ impl FixedGrid {
             level: level.min(DEEPEST),
         }
     }
-    /// Next step (s) and the time it ends at.
+    /// Next step (s) and the time of its end.
     pub fn next(&self, nominal: f64) -> (f64, f64) {
         let pieces = (1_u64 << self.level) as f64;
         let count = self.whole as f64 + (self.part + 1) as f64 / pieces;
         (nominal / pieces, self.origin + count * nominal)
     }
-    /// After an accepted step.
+    /// Called after an accepted step.
     pub fn advance(&mut self) {
         self.part += 1;
         while self.level > 0 && self.part.is_multiple_of(2) {
@@ -118,7 +119,7 @@ impl FixedGrid {
             self.part = 0;
         }
     }
-    /// After a failed step; `false` where it cannot be halved again.
+    /// Called after a failed step; `false` if it cannot be halved again.
     pub fn halve(&mut self) -> bool {
         if self.level == DEEPEST {
             return false;

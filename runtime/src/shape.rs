@@ -1,16 +1,19 @@
 //! The shapes of a flexible body at a marker, to second order in the amplitudes a.
 //!
-//! Displacement and rotation of the marker in body axes, components c = x, y, z (m) and about x, y, z (rad), are
+//! Displacement and rotation of the marker in body axes, components c = x, y, z (m) and about x, y, z (rad),
+//! are
 //!
 //! ```text
 //! u_c(a) = Φ_c a − ½ a·N_c a      u̇ = Φ(a) ȧ      ü = Φ(a) ä − ȧ·N_c ȧ      Φ(a)_c = Φ_c − (N_c a)ᵀ
 //! ```
 //!
-//! with `N_c` the geometric stiffness of a unit load at c ([`eng_system::reduced::MarkerStiffness`], symmetric): to second order the structure
-//! answers a displacement by one whose work against a load f is `−½ a·N(f) a`, so that what the unit load sees of it is the displacement of
-//! its own marker. A bent beam pulls its ends together. The virtual work `F_c δu_c` of whatever acts at the marker, forces and
-//! constraints alike, then has `F_c N_c a` on the side of the elastic force: joints stiffen or soften as other loads do, constraints hold
-//! where the marker really is, and what a force takes from the body it gives to its partner. Without such blocks all this is linear.
+//! with the geometric stiffness `N_c` of a unit load at c ([`eng_system::reduced::MarkerStiffness`],
+//! symmetric). In second order a displacement causes another one whose work against a load f is
+//! `−½ a·N(f) a`. The work of a unit load is the displacement of its own marker. So a bent beam pulls its
+//! ends together. The virtual work `F_c δu_c` of forces and constraints at the marker then has `F_c N_c a` on
+//! the side of the elastic force. So joints stiffen or soften the body like other loads, constraints hold the
+//! true position of the marker, and energy is kept between partners. Without such blocks all terms are
+//! linear.
 
 use crate::dense::{add_product, add_scaled, dot};
 use crate::rotation::V3;
@@ -19,17 +22,18 @@ use eng_system::reduced::{Block, MarkerStiffness, ReducedMarker};
 /// Numbers of displacement and rotation.
 const SIX: usize = 6;
 
-/// How a marker follows the modes of its body.
+/// The motion of a marker with the modes of its body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerShape {
-    /// Φ: displacement (m a unit of amplitude), then rotation (rad a unit); 6 × modes, row-major.
+    /// Φ: displacement (m per unit of amplitude), then rotation (rad per unit); 6 × modes, row-major.
     rows: Vec<f64>,
     /// Components with their N_c.
     second: Vec<(usize, Block)>,
 }
 
 impl MarkerShape {
-    /// Of a reduced marker; blocks of another number of modes than its rows and those that vanish are left out.
+    /// The shape of a reduced marker. It drops zero blocks, and blocks with another number of modes than its
+    /// rows.
     pub fn new<'a>(
         marker: &ReducedMarker,
         loads: impl Iterator<Item = &'a MarkerStiffness>,
@@ -100,7 +104,8 @@ impl MarkerShape {
         self.rows.len() * if self.is_curved() { 2 } else { 1 }
     }
 
-    /// Φ(a), and where there are second-order terms Φ(ȧ) − Φ, the derivative of u̇ by a: 6 × modes each, written.
+    /// Writes Φ(a) and, with second-order terms, Φ(ȧ) − Φ, the derivative of u̇ with respect to a: 6 × modes
+    /// each.
     pub fn fill_rows(&self, amplitudes: &[f64], rates: &[f64], out: &mut [f64]) {
         let n = self.modes();
         let (first, second) = out.split_at_mut(self.rows.len());
@@ -112,8 +117,8 @@ impl MarkerShape {
         }
     }
 
-    /// `−Σ_c load_c N_c`, the derivative of `Φ(a)ᵀ load` by a for a frozen load (N, N m; body axes), added to modes × modes within rows of
-    /// `width` numbers, from `column` on.
+    /// `−Σ_c load_c N_c`, the derivative of `Φ(a)ᵀ load` by a for a frozen load (N, N m; body axes), added to
+    /// modes × modes within rows of `width` numbers, from `column` on.
     pub fn add_pull(&self, load: &[f64; SIX], width: usize, column: usize, out: &mut [f64]) {
         let n = self.modes().max(1);
         for (c, block) in &self.second {

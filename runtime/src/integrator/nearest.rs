@@ -1,4 +1,4 @@
-//! Changes of velocity that leave the forces of stiff films as they are, or bring them into balance.
+//! Changes of velocity that keep the forces of stiff films, or bring them into balance.
 
 use super::Integrator;
 use crate::dynamics::Dynamics;
@@ -10,12 +10,12 @@ use crate::state::State;
 const SETTLING_ROUNDS: usize = 3;
 
 impl Integrator {
-    /// A change x of the velocities with `G x = rates` (m/s, rad/s), the least one as the kept matrix of the step measures it:
-    /// `S x + Gᵀμ = 0` with S the inertia, damping and stiffness of a step. Where a film's damping over a step outweighs the mass
-    /// of what it carries, x keeps the film's velocity and moves what is free. G is that of the kept matrix, so that a part of
-    /// `rates` remains.
+    /// The change x of the velocities with `G x = rates` (m/s, rad/s) that is least in the kept matrix of the
+    /// step: `S x + Gᵀμ = 0` with the inertia, damping and stiffness S of a step. If a film's damping over a
+    /// step outweighs the mass that it carries, x hardly changes the film's velocity and moves free parts
+    /// instead. G is that of the kept matrix, so a part of `rates` remains.
     ///
-    /// `false`, and `out` as it was, where no factors are kept or they give no number.
+    /// Returns `false` and does not change `out` without kept factors, or if they give no number.
     pub fn nearest_change(&mut self, model: &Model, rates: &[f64], out: &mut [f64]) -> bool {
         if self.factored_step.is_none() {
             return false;
@@ -36,13 +36,15 @@ impl Integrator {
         true
     }
 
-    /// Brings a state within the last step into balance by its velocities, for its interpolated accelerations and multipliers.
+    /// Brings a state within the last step into balance by its velocities, for its interpolated accelerations
+    /// and multipliers.
     ///
-    /// At the ends of a step `M v̇ + Gᵀλ = Q` holds to Newton's tolerance. In between the place is right to fourth order, but a film
-    /// that outweighs the inertia of its pin answers what the interpolated velocity misses by a force that the pin cannot have. Newton's
-    /// correction of the step there, `S u = −(M v̇ + Gᵀλ − Q)`, `G u = 0`, with the kept matrix, changes velocities by `γ/(βh) u`; where
-    /// inertia prevails that is of third order in the step, as the interpolation is. Positions stay. Nothing is changed where no
-    /// factors are kept or a correction is no number.
+    /// At the ends of a step `M v̇ + Gᵀλ = Q` holds to Newton's tolerance. In between the position is right
+    /// to fourth order. But a film that outweighs the inertia of its pin responds to the error of the
+    /// interpolated velocity with a false force. Newton's correction of the step there,
+    /// `S u = −(M v̇ + Gᵀλ − Q)`, `G u = 0`, with the kept matrix, changes velocities by `γ/(βh) u`. Where
+    /// inertia dominates, this is of third order in the step, like the interpolation. Positions do not
+    /// change. Without kept factors, or if a correction is no number, nothing changes.
     pub fn settle(
         &mut self,
         model: &Model,

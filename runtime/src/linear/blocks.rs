@@ -16,23 +16,24 @@ struct Run {
     column: usize,
 }
 
-/// What a front is made of.
+/// The contents of a front.
 #[derive(Clone, Debug)]
 struct Recipe {
     /// Unknowns: those to be eliminated, then the border.
     unknowns: Vec<usize>,
     pivots: usize,
     runs: Vec<Run>,
-    /// The fronts that leave their borders to this one, and where those lie in it, as planned.
+    /// The fronts that leave their borders to this one, and the planned positions of these borders in it.
     children: Vec<(usize, Vec<usize>)>,
     root: bool,
 }
 
 /// LU by a tree of dense blocks; see [`super::dissection`].
 ///
-/// Inside a block rows are exchanged; a column without an acceptable pivot is left to the parent, so that the order is fixed where the matrix is
-/// sound and gives way where it is not. Factors that do not stand the probe (or a root without pivots) hand the matrix over to [`SparseLu`].
-/// No operation is fused and their order is fixed: the same values give the same bits everywhere.
+/// Rows are exchanged inside a block. A column without an acceptable pivot is left to the parent. So the
+/// order is fixed for a sound matrix and adapts to another. If the factors fail the probe, or a root has no
+/// pivots, [`SparseLu`] factors the matrix. No operation is fused, and the order of operations is fixed, so
+/// the same values give the same bits on every machine.
 #[derive(Debug)]
 pub struct BlockLu {
     pattern: Pattern,
@@ -91,7 +92,7 @@ impl BlockLu {
                 let mut last: Option<Run> = None;
                 for entry in pattern.columns[*column]..pattern.columns[*column + 1] {
                     let row = pattern.rows[entry];
-                    // an entry belongs to the front that eliminates its row or its column first
+                    // an entry belongs to the front that first eliminates its row or its column
                     if owner[row].min(owner[*column]) != index {
                         continue;
                     }
@@ -143,14 +144,14 @@ impl BlockLu {
         }
     }
 
-    /// Makes the fronts; `false` where a root has no pivots.
+    /// Makes the fronts; `false` if a root has no pivots.
     fn eliminate(&mut self, values: &[f64]) -> bool {
         for (index, recipe) in self.recipes.iter().enumerate() {
             let (done, rest) = self.fronts.split_at_mut(index);
             let Some(front) = rest.first_mut() else {
                 return false;
             };
-            // own unknowns, what children could not eliminate, border
+            // own unknowns, unknowns that children could not eliminate, border
             front.rows.clear();
             front.columns.clear();
             let (own, border) = recipe.unknowns.split_at(recipe.pivots);

@@ -1,22 +1,23 @@
-//! In which order a matrix is eliminated: a tree of dense blocks, found once from the pattern.
+//! The order of elimination of a matrix: a tree of dense blocks, found once from the pattern.
 //!
-//! Unknowns with the same neighbours form a group: the velocities of a body, the multipliers of a joint. Groups whose members are
-//! coupled among themselves are *firm* (a body's mass is never singular), the others *loose*: their diagonal may be zero, and they can
-//! be eliminated only together with, or after, as many firm unknowns. The graph of the groups is dissected: the firm group
-//! whose removal leaves the smallest pieces (a crankshaft, a block) is eliminated last, then each piece is dissected in turn until it is
-//! small (a rod, a piston and their multipliers: one dense block with pivoting inside).
+//! Unknowns with the same neighbours form a group: the velocities of a body, the multipliers of a joint.
+//! Groups whose members are coupled among themselves are *firm*, because a body's mass is never singular. The
+//! others are *loose*: their diagonal may be zero, and they can be eliminated only together with, or after,
+//! the same number of firm unknowns. The graph of the groups is dissected: the firm group whose removal
+//! leaves the smallest pieces (a crankshaft, a block) is eliminated last, then each piece is dissected in
+//! turn until it is small (a rod, a piston and their multipliers: one dense block with pivoting inside).
 
 use super::Pattern;
 use std::collections::BTreeSet;
 
 /// Pieces up to this many unknowns are not dissected.
 const PIECE: usize = 32;
-/// Unknowns without an equation of their own by which a block may grow where a block and the one above it are joined.
+/// Number of additional unknowns for which a block may still be joined with its parent.
 const SLACK: usize = 2;
-/// Groups tried as separators: those with most neighbours, and others spread evenly.
+/// Number of groups that are tried as separators: those with most neighbours, and others evenly spread.
 const HUBS: usize = 16;
 const SPREAD: usize = 64;
-/// Separators one after the other that part nothing, after which the piece is taken whole.
+/// Number of successive separators without effect after which the piece becomes one block.
 const PATIENCE: usize = 8;
 
 /// One dense block of the elimination.
@@ -26,7 +27,7 @@ pub struct FrontPlan {
     pub pivots: Vec<usize>,
     /// Unknowns of later fronts that these rows and columns reach.
     pub border: Vec<usize>,
-    /// The front that takes what is left of the border.
+    /// The front that receives the remainder of the border.
     pub parent: Option<usize>,
 }
 
@@ -134,7 +135,8 @@ impl Graph {
         parts
     }
 
-    /// The firm group whose removal leaves the smallest largest part; among equals the one with most neighbours, then the first.
+    /// The firm group whose removal leaves the smallest largest part; among equals the one with most
+    /// neighbours, then the first.
     fn separator(&self, of: &BTreeSet<usize>) -> Option<usize> {
         let firm: Vec<usize> = of
             .iter()
@@ -162,7 +164,8 @@ impl Graph {
         best.map(|(_, _, group)| group)
     }
 
-    /// Moves loose groups that touch the separator out of a part, until it has a firm unknown for each loose one.
+    /// Moves loose groups that touch the separator out of a part, until it has a firm unknown for each loose
+    /// one.
     fn relieve(&self, part: &mut BTreeSet<usize>, separator: &mut Vec<usize>) {
         loop {
             let count =
@@ -178,7 +181,7 @@ impl Graph {
                         .iter()
                         .any(|n| separator.contains(n))
             });
-            // the smallest that is enough, else the largest
+            // the smallest sufficient group, else the largest
             let Some(moved) = touching.min_by_key(|g| {
                 let size = self.groups[*g].members.len();
                 (
@@ -232,7 +235,7 @@ impl Graph {
                 (pivots, pieces)
             }
         };
-        // bodies before multipliers: fewer exchanges of rows
+        // bodies come before multipliers, which saves exchanges of rows
         pivots.sort_by_key(|g| (!self.groups[*g].firm, *g));
         let children: Vec<Node> = pieces.into_iter().map(|p| self.dissect(p, left)).collect();
         let mut node = Node {
@@ -257,7 +260,7 @@ impl Graph {
         self.join(node)
     }
 
-    /// Takes children into a node where their border is about all of it.
+    /// Merges children into a node if their border is nearly the whole node.
     fn join(&self, mut node: Node) -> Node {
         let mut kept = Vec::new();
         for child in std::mem::take(&mut node.children) {

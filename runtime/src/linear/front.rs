@@ -1,14 +1,16 @@
-//! A dense block of the elimination: its unknowns are eliminated by pivots among its own rows, what cannot be is left to the parent.
+//! A dense block of the elimination. Its unknowns are eliminated by pivots among its own rows. The others are
+//! left to the parent.
 //!
 //! Storage by columns; each column begins at a multiple of four, and the rows that fill it up are zero.
 
-/// Columns that are eliminated before the rest follows: those of a rigid body.
+/// Number of columns in a panel: those of a rigid body. The remaining columns follow panel by panel.
 const PANEL: usize = 6;
 /// Rows and columns of the kernel's tile.
 const TILE: usize = 4;
-/// A pivot is taken if it is at least this part of what stands below it in rows that belong to later fronts: it bounds their growth.
+/// A pivot is accepted if it is at least this part of the entries below it in rows of later fronts. This
+/// limits their growth.
 const ACCEPTED: f64 = 0.01;
-/// Pivots below this have no reciprocal worth its name.
+/// Size below which a pivot has no useful reciprocal.
 const SMALLEST: f64 = 1e-250;
 
 /// A front with its factors.
@@ -18,7 +20,7 @@ pub(super) struct Front {
     pub(super) rows: Vec<usize>,
     /// See `rows`.
     pub(super) columns: Vec<usize>,
-    /// Rows that may become pivots: own ones and those which children left over.
+    /// Rows that may become pivots: own rows and those that children left over.
     candidates: usize,
     /// Pivots found.
     pub(super) eliminated: usize,
@@ -32,9 +34,9 @@ pub(super) struct Front {
 pub(super) struct Work {
     /// Rows exchanged in a panel.
     swaps: Vec<(usize, usize)>,
-    /// The panel's part below its pivots, four rows by four, without those that are zero.
+    /// The panel's part below its pivots in groups of four rows, without zero groups.
     packed: Vec<[f64; TILE]>,
-    /// Which fours of rows these are.
+    /// Indices of these groups.
     tiles: Vec<usize>,
 }
 
@@ -60,7 +62,8 @@ impl Front {
         self.candidates - self.eliminated
     }
 
-    /// Zeros with the unknowns set in `rows` and `columns`, the first `candidates` of which are to be eliminated.
+    /// Zeros with the unknowns set in `rows` and `columns`, the first `candidates` of which are to be
+    /// eliminated.
     pub(super) fn clear(&mut self, candidates: usize) {
         let size = self.rows.len();
         self.candidates = candidates;
@@ -81,7 +84,7 @@ impl Front {
         &self.values[column * self.stride..(column + 1) * self.stride]
     }
 
-    /// Adds what a child has left: its row and column `child.eliminated + i` to this front's `places[i]`.
+    /// Adds the remainder of a child: its row and column `child.eliminated + i` to this front's `places[i]`.
     pub(super) fn add(&mut self, child: &Front, places: &[usize]) {
         for (j, place) in places.iter().enumerate() {
             let left = &child.column(child.eliminated + j)[child.eliminated..];
@@ -92,7 +95,8 @@ impl Front {
         }
     }
 
-    /// Eliminates: LU with row exchanges among the candidates. Columns without an acceptable pivot go last and stay.
+    /// Eliminates by LU with row exchanges among the candidates. Columns without an acceptable pivot are
+    /// moved to the end and remain.
     pub(super) fn eliminate(&mut self, work: &mut Work) {
         let mut limit = self.candidates;
         let mut next = 0;
@@ -172,7 +176,7 @@ impl Front {
         }
     }
 
-    /// Columns from `from` on follow the pivots `begin..end`.
+    /// Updates the columns from `from` on with the pivots `begin..end`.
     fn follow(&mut self, begin: usize, end: usize, from: usize, work: &mut Work) {
         let (size, stride, count) = (self.size(), self.stride, end - begin);
         if count == 0 || from >= size {
@@ -249,7 +253,8 @@ impl Front {
     }
 }
 
-/// Some columns follow the pivots of a panel: first the pivots' own rows by the panel's unit triangle, then the rows below.
+/// Updates columns with the pivots of a panel: first the pivots' own rows with the panel's unit triangle,
+/// then the rows below.
 fn follow_columns<const C: usize>(
     columns: &mut [f64],
     stride: usize,

@@ -1,13 +1,14 @@
-//! Whether factors can be trusted.
+//! A test of factors.
 
 use super::{Pattern, Runs};
 
-/// Backward error of the probe's solution above which factors say nothing.
+/// Backward error of the probe's solution above which factors are useless.
 const BACKWARD_ERROR: f64 = 1e-9;
-/// Size of the probe's solution, ones in exact arithmetic, above which the matrix counts as singular.
+/// Size of the probe's solution above which the matrix counts as singular. In exact arithmetic the solution
+/// is ones.
 const LARGEST: f64 = 1e9;
 
-/// Solves `A x = A·1` and looks at what comes out.
+/// Solves `A x = A·1` and checks the solution.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Probe {
     runs: Runs,
@@ -18,7 +19,7 @@ pub(super) struct Probe {
 }
 
 impl Probe {
-    /// For matrices of a pattern.
+    /// A probe for matrices of a pattern.
     pub(super) fn new(pattern: &Pattern) -> Probe {
         let size = pattern.size;
         Probe {
@@ -40,8 +41,8 @@ impl Probe {
         &mut self.solution
     }
 
-    /// Whether the solution has a backward error below 1e-9 in every row, which growing pivots would not give, and stays below
-    /// 1e9, which that of a singular matrix would not.
+    /// Whether the solution has a backward error below 1e-9 in every row and is below 1e9. Growing pivots
+    /// fail the first test, and a singular matrix the second.
     pub(super) fn passes(&mut self, values: &[f64]) -> bool {
         let (sum, size) = (&mut self.product, &mut self.magnitude);
         self.runs

@@ -1,19 +1,20 @@
 //! Bodies that run away from the model: a force with the wrong sign, a table with a wrong unit.
 //!
-//! Distance alone is no mistake: what is thrown flies on. A body that flies at a constant speed takes nine tenths of its time for the last
-//! decade of its way, and one under a constant force two thirds. One whose motion grows e-fold takes a sixth or less.
+//! Distance alone is no mistake, because a thrown body flies on. A body at constant speed takes nine tenths
+//! of its time for the last decade of its distance, and one under a constant force two thirds. A body whose
+//! motion grows exponentially takes a sixth or less.
 
 use crate::model::Model;
 use crate::state::State;
 
-/// Distance from the ground's origin, in lengths of the model, from which a body is watched.
+/// Distance from the ground's origin, in lengths of the model, above which a body is watched.
 const WATCHED: f64 = 1e5;
-/// Distance, in lengths of the model, at which it has left.
+/// Distance, in lengths of the model, at which a body has left.
 const LEFT: f64 = 1e6;
-/// Largest share of the time of a run that a body which runs away takes from the one to the other.
+/// Largest share of the run's time that a body running away takes from the first distance to the second.
 const SUDDEN: f64 = 0.25;
 
-/// Where the farthest body is on its way.
+/// The progress of the farthest body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Astray {
     /// All are near.
@@ -21,12 +22,12 @@ pub(super) enum Astray {
     Near,
     /// One is far away since this time (s).
     Far(f64),
-    /// A run that begins far away, or came there as bodies fly: nothing is said of it.
+    /// The body began far away or flew there, which is no mistake.
     Flies,
 }
 
 impl Astray {
-    /// At the begin of a run.
+    /// The state at the beginning of a run.
     pub fn begin(model: &Model, state: &State) -> Astray {
         match farthest(model, state) {
             Some((_, far)) if far > WATCHED * model.length => Astray::Flies,
@@ -34,7 +35,7 @@ impl Astray {
         }
     }
 
-    /// For a checkpoint.
+    /// The state as a number, for a checkpoint.
     pub fn number(self) -> f64 {
         match self {
             Astray::Near => f64::INFINITY,
@@ -43,7 +44,7 @@ impl Astray {
         }
     }
 
-    /// From a checkpoint.
+    /// The state from the number in a checkpoint.
     pub fn from_number(number: f64) -> Astray {
         match number {
             _ if number.is_nan() => Astray::Flies,
@@ -52,7 +53,8 @@ impl Astray {
         }
     }
 
-    /// After a step: a body that runs away, and its distance from the ground's origin (m).
+    /// Updates the state after a step. Returns a body that runs away, with its distance from the ground's
+    /// origin (m).
     pub fn after_step(&mut self, model: &Model, state: &State) -> Option<(usize, f64)> {
         if *self == Astray::Flies {
             return None;
@@ -74,7 +76,7 @@ impl Astray {
     }
 }
 
-/// The body farthest from the ground's origin, and how far it is (m).
+/// The body farthest from the ground's origin, and its distance (m).
 fn farthest(model: &Model, state: &State) -> Option<(usize, f64)> {
     model
         .bodies

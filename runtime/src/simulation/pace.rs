@@ -1,4 +1,4 @@
-//! Why steps are as short as they are.
+//! The causes of short steps.
 
 use super::{Jump, Pace, Simulation, Slow};
 use crate::dynamics::Dynamics;
@@ -6,10 +6,10 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::state::move_pose;
 
-/// What ended the last step's search for its length.
+/// The reason for the length of the last step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) enum Limit {
-    /// The longest step that is allowed.
+    /// The longest permitted step.
     #[default]
     Longest,
     /// The estimated error.
@@ -18,33 +18,34 @@ pub(super) enum Limit {
     Unsolved(Box<RuntimeError>),
 }
 
-/// Moments, in last steps from the present state, between which jumps are looked for.
+/// Moments, in units of the last step from the present state, between which jumps are searched.
 const MOMENTS: [f64; 11] = [
     -64.0, -16.0, -4.0, -1.0, -0.25, 0.0, 0.25, 1.0, 4.0, 16.0, 64.0,
 ];
-/// Least change between two moments of what may jump, of its own size.
+/// Least change between two moments, relative to the value's own size, for the search of a jump.
 const NOTABLE: f64 = 0.05;
-/// Rounding of an element's wrench, of the largest force in it.
+/// Rounding of an element's wrench, relative to its largest force.
 const ROUNDING: f64 = 1e-9;
 /// Halvings of the time between two moments.
 const HALVINGS: usize = 60;
-/// Part of a change that is left after all halvings if it is a jump: of a steep slope nothing is.
+/// Part of a change that remains after all halvings if it is a jump. Of a steep slope nothing remains.
 const LEFT: f64 = 0.5;
-/// Elements that are looked at.
+/// Most elements in the search.
 const LOOKED_AT: usize = 8;
 
-/// What an element puts out: where its numbers begin, how many there are, their unit.
+/// A part of an element's wrenches or rates: its first number, the count, the unit.
 struct Part {
     element: usize,
     first: usize,
     count: usize,
     unit: &'static str,
-    /// What makes a number of this part of a force: one for forces, the model's length (m) for torques, nothing for rates.
+    /// Factor from a force to a number of this part: one for forces, the model's length (m) for torques,
+    /// `None` for rates.
     arm: Option<f64>,
 }
 
 impl Part {
-    /// Changes up to this are rounding of the element's wrenches, as evaluated into `loads`.
+    /// Largest change that is rounding of the element's wrenches, from the evaluation in `loads`.
     fn rounding(&self, model: &Model, loads: &[f64]) -> f64 {
         let (Some(arm), Some(element)) = (self.arm, model.elements.get(self.element)) else {
             return 0.0;
@@ -62,7 +63,7 @@ impl Part {
 }
 
 impl Simulation {
-    /// What keeps steps from being longer.
+    /// The cause that limits the steps.
     fn pace(&self) -> Pace {
         if self.options.step.fixed().is_some() {
             return Pace::Stated;
@@ -99,7 +100,7 @@ impl Simulation {
         }
     }
 
-    /// How long its steps are, and why.
+    /// The length of the steps, and its cause.
     pub(crate) fn slow(&self) -> Slow {
         Slow {
             moment: self.moment(),
@@ -108,7 +109,7 @@ impl Simulation {
         }
     }
 
-    /// The error of a step that could not be taken, or the jump that is its cause.
+    /// The error of a failed step, or the jump that caused it.
     pub(super) fn explained(&self, error: RuntimeError) -> RuntimeError {
         let (moment, step) = match &error {
             RuntimeError::StepTooSmall { moment, step, .. }
@@ -121,10 +122,12 @@ impl Simulation {
         }
     }
 
-    /// The load or rate that jumps most along the motion near the present state, `step` (s) being the distance to look at.
+    /// The load or rate with the largest jump along the motion near the present state. `step` (s) is the
+    /// distance of the search.
     ///
-    /// Between two moments in which it differs, the time is halved again and again, towards the larger change: of what is continuous,
-    /// however steep, the change shrinks with the time; of a jump it stays.
+    /// The time between two moments with different values is halved again and again, towards the larger
+    /// change. The change of a continuous value, however steep, shrinks with the time. The change of a jump
+    /// remains.
     fn jump(&self, step: f64) -> Option<Jump> {
         let mut dynamics = Dynamics::new(&self.model);
         let moments: Vec<Vec<f64>> = MOMENTS
@@ -160,7 +163,8 @@ impl Simulation {
             })
     }
 
-    /// The change of a part as a share of its own size; zero where it is no more than the rounding of the element's wrenches.
+    /// The change of a part as a share of its own size; zero if it is within the rounding of the element's
+    /// wrenches.
     fn relative_change(&self, a: &[f64], b: &[f64], part: &Part) -> f64 {
         let own = |x: &[f64]| size(x.iter().skip(part.first).take(part.count).copied());
         let by = change(a, b, part);
@@ -175,7 +179,7 @@ impl Simulation {
         }
     }
 
-    /// Elements' wrenches, forces and torques apart, and rates of states.
+    /// Parts of the elements' wrenches, with forces and torques separate, and of rates of states.
     fn parts(&self) -> Vec<Part> {
         let mut parts = Vec::new();
         for (element, info) in self.model.elements.iter().enumerate() {
@@ -203,7 +207,8 @@ impl Simulation {
         parts
     }
 
-    /// Wrenches and rates some time (s) after the present state, as it moves; `None` where something is no number.
+    /// Wrenches and rates at a time (s) after the present state, along its motion; `None` if a value is no
+    /// number.
     fn loads_at(&self, time: f64, dynamics: &mut Dynamics) -> Option<Vec<f64>> {
         let model = &self.model;
         let current = &self.integrator.current;

@@ -5,8 +5,8 @@ use crate::error::{Moment, RuntimeError};
 use crate::state::State;
 
 impl Simulation {
-    /// Value of a channel at the last accepted state (SI). Positions and velocities are projected for it; the integrator goes on
-    /// with its own.
+    /// Value of a channel at the last accepted state (SI). It uses projected positions and velocities. The
+    /// integrator keeps its own.
     pub fn value(&mut self, channel: usize) -> Result<f64, RuntimeError> {
         self.evaluate_current()?;
         self.outputs
@@ -72,8 +72,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Energies of the completed state, at which the dynamics stand. Works are Hermite's cubics over the last step, with the powers
-    /// at its ends.
+    /// Computes the energies of the completed state, at which the dynamics are placed. Works are Hermite's
+    /// cubics over the last step, with the powers at its ends.
     fn take_sampled_energy(&mut self) {
         let [kinetic, gravity, strain, _] =
             self.dynamics.energy(&self.model, &self.completed.velocity);
@@ -108,7 +108,8 @@ impl Simulation {
         };
     }
 
-    /// Values of all channels at a time within the last step, from the dense output; returns cycle angle and rate there.
+    /// Values of all channels at a time within the last step, from the dense output; returns cycle angle and
+    /// rate there.
     pub fn sample_at(
         &mut self,
         time: f64,
@@ -120,10 +121,11 @@ impl Simulation {
         self.cycle_of_completed()
     }
 
-    /// Values of all channels where the cycle has an angle (rad) within the last step; returns the time, cycle angle and rate.
+    /// Values of all channels where the cycle has an angle (rad) within the last step; returns the time,
+    /// cycle angle and rate.
     ///
-    /// The projection of the output moves the angle by what the interpolation missed; the time is set right until the projected
-    /// state has the angle.
+    /// The projection of the output changes the angle by the error of the interpolation. So the time is
+    /// corrected until the projected state has the angle.
     pub fn sample_at_angle(
         &mut self,
         angle: f64,
@@ -137,7 +139,7 @@ impl Simulation {
                 time,
                 cycle_angle: Some(angle),
             };
-            // only positions decide the angle; the factors of the first round serve all
+            // only positions decide the angle, so the factors of the first round serve all rounds
             self.system
                 .project(
                     &self.model,
@@ -203,7 +205,7 @@ impl Simulation {
         self.cycle_of_completed()
     }
 
-    /// Cycle angle and rate of `self.completed`, at which the dynamics stand.
+    /// Cycle angle and rate of `self.completed`, at which the dynamics are placed.
     fn cycle_of_completed(&mut self) -> Result<Option<[f64; 2]>, RuntimeError> {
         match &mut self.cycle {
             Some(cycle) => {
@@ -224,8 +226,8 @@ impl Simulation {
             .ok_or(RuntimeError::NoCycle)
     }
 
-    /// The time within the last step at which the cycle has an angle (rad), by false position (Illinois variant) on the dense
-    /// output; an angle outside gives the nearer end.
+    /// The time within the last step at which the cycle has an angle (rad), by false position (Illinois
+    /// variant) on the dense output. For an angle outside it is the nearer end.
     pub fn locate_angle(&mut self, angle: f64) -> Result<f64, RuntimeError> {
         let (mut from, mut to) = (self.integrator.previous.time, self.integrator.current.time);
         let mut at_from = self.cycle_angle_at(from)? - angle;
@@ -272,14 +274,15 @@ impl Simulation {
         Ok(0.5 * (from + to))
     }
 
-    /// The last accepted state projected on the constraints, with accelerations and multipliers of the acceleration-level
-    /// system.
+    /// The last accepted state projected on the constraints, with accelerations and multipliers of the
+    /// acceleration-level system.
     pub fn output_state(&mut self) -> Result<&State, RuntimeError> {
         self.evaluate_current()?;
         Ok(&self.completed)
     }
 
-    /// The state of the last outputs, wherever in the last step: projected, with accelerations and multipliers.
+    /// The state of the last outputs, anywhere in the last step: projected, with accelerations and
+    /// multipliers.
     pub fn sampled_state(&self) -> &State {
         &self.completed
     }

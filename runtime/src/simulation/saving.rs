@@ -10,9 +10,10 @@ use crate::state::State;
 use eng_system::code::Compiled;
 
 impl Simulation {
-    /// Everything that goes on from here, as bytes. This simulation, a resumed one and one that was never saved go on with the same
-    /// bits: the matrix of the kept factors is among the bytes. (Only where [`Simulation::jacobian`] overwrote that matrix are the
-    /// factors dropped, here as there.)
+    /// The complete state for continuing, as bytes. This simulation, a resumed one and one that was never
+    /// saved continue with the same bits, because the bytes include the matrix of the kept factors. (If
+    /// [`Simulation::jacobian`] has overwritten that matrix, the factors are dropped, here and in the resumed
+    /// simulation.)
     pub fn checkpoint(&mut self) -> Vec<u8> {
         if self.integrator.kept_factors().is_none() {
             self.integrator.drop_factors();
@@ -101,7 +102,7 @@ impl Simulation {
         w.finish()
     }
 
-    /// Goes on from a checkpoint of the same model with the same parameters.
+    /// Continues from a checkpoint of the same model with the same parameters.
     pub fn resume(
         compiled: &Compiled,
         overrides: &[Option<f64>],

@@ -2,31 +2,32 @@
 
 use crate::simulation::Simulation;
 
-/// Where steps begin anew.
+/// The points at which steps begin anew.
 ///
-/// A change of the step excites what the steps do not resolve. So the last steps of a cycle are made equal, a few per cent shorter than
-/// the control would have them, and a cycle begins with the step that the first cycles came to there.
+/// A change of the step excites motions that the steps do not resolve. So the last steps of a cycle are made
+/// equal, and a few per cent shorter than the control chooses. A cycle begins with the step that the first
+/// cycles reached at their beginning.
 pub(super) struct Renewal {
     start: f64,
-    /// With the sense in which the machine turns.
+    /// The period, with the sign of the machine's sense of rotation.
     period: f64,
     cycles: u64,
-    /// Equal steps that are left up to the end of the cycle.
+    /// Number of equal steps left before the end of the cycle.
     left: Option<f64>,
     /// First step of a cycle (s).
     first_step: f64,
 }
 
 impl Renewal {
-    /// Part of a step within which the end of a cycle is met: steps meet it to second order, and a sliver of a step would blow
-    /// rounding up.
+    /// Part of a step within which the end of a cycle counts as met. Steps meet it to second order, and a
+    /// very short extra step would amplify rounding.
     const MET: f64 = 0.05;
-    /// So many steps before the end they are made equal.
+    /// Number of steps before the end of a cycle that are made equal.
     const EQUAL: f64 = 32.0;
-    /// Cycles that settle the first step.
+    /// Number of cycles that determine the first step.
     const SETTLING: u64 = 3;
 
-    /// From a cycle angle (rad) on, with a period in the sense in which the machine turns.
+    /// A renewal from a cycle angle (rad) on. The period has the sign of the machine's sense of rotation.
     pub fn new(start: f64, period: f64) -> Renewal {
         Renewal {
             start,
@@ -37,7 +38,7 @@ impl Renewal {
         }
     }
 
-    /// When the next step ends at the latest (s).
+    /// Latest end of the next step (s).
     pub fn end(&mut self, simulation: &Simulation) -> f64 {
         let (Some(angle), Some(rate)) = (simulation.cycle_angle(), simulation.cycle_rate()) else {
             return f64::INFINITY;
@@ -57,7 +58,7 @@ impl Renewal {
         }
     }
 
-    /// After a step: begins anew at the end of a cycle.
+    /// Called after a step. At the end of a cycle it begins the steps anew.
     pub fn after(&mut self, simulation: &mut Simulation, step: f64) {
         let (Some(angle), Some(rate)) = (simulation.cycle_angle(), simulation.cycle_rate()) else {
             return;

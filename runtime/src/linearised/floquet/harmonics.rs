@@ -1,8 +1,10 @@
-//! Which of the frequencies `Im λ + 2πk/T` a mode has.
+//! The frequency of a mode among `Im λ + 2πk/T`.
 //!
-//! The multiplier leaves k open. `u(t) e^{−λt}` repeats; its harmonics are taken of the moves as they are seen from the ground: of rigid
-//! bodies place and rotation, of flexible ones the moves of their markers, weighted by mass and inertia. The harmonic with the largest share
-//! names the frequency. Of a real multiplier the harmonics k and −k (−1 − k of a negative one) are one real motion and are added.
+//! The multiplier does not determine k. `u(t) e^{−λt}` repeats, so it has harmonics. They are those of the
+//! moves as seen from the ground: position and rotation of rigid bodies, and the moves of the markers of
+//! flexible ones, weighted by mass and inertia. The harmonic with the largest share gives the frequency. For
+//! a real multiplier the harmonics k and −k (−1 − k for a negative one) are one real motion, so their shares
+//! are added.
 
 use super::super::equations::Equations;
 use super::multipliers::Multiplier;
@@ -14,7 +16,7 @@ use crate::state::State;
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Share of a further harmonic that is told.
+/// Share above which a further harmonic is reported.
 const TOLD: f64 = 0.1;
 
 /// The harmonics of a mode's motion as the ground sees it.
@@ -22,17 +24,20 @@ const TOLD: f64 = 0.1;
 pub struct Harmonics {
     /// k of the largest: `Im λ = Im ln μ/T + 2πk/T`.
     pub leading: i32,
-    /// Its share of the motion, 0…1. Below one half the frequency is one of several.
+    /// Its share of the motion, 0…1. Below one half the frequency is ambiguous.
     pub share: f64,
-    /// Frequencies (rad/s, positive) of further ones above a tenth, with their shares, the largest first.
+    /// Frequencies (rad/s, positive) of further harmonics above a tenth, with their shares, the largest
+    /// first.
     pub further: Vec<(f64, f64)>,
-    /// Sense in which the leading harmonic goes round: 1 a circle with the turn of the fastest body (forward whirl), −1 one against it
-    /// (backward), 0 to and fro; `None` where no body turns, or the multiplier is real.
+    /// Sense of rotation of the leading harmonic: 1 for a circle in the sense of the fastest body (forward
+    /// whirl), −1 for a circle against it (backward whirl), 0 for a straight line. `None` if no body turns,
+    /// or if the multiplier is real.
     pub whirl: Option<f64>,
 }
 
-/// Sense of a harmonic `Re (c e^{iωt})` about an axis of length 1, rows of c in threes along the ground's axes: with `c = a + ib` it is
-/// `−2 sign(ω) Σ n·(a × b) / Σ (|a|² + |b|²)`, parts along n left out; zero where nothing moves across it.
+/// Sense of a harmonic `Re (c e^{iωt})` about an axis of length 1, rows of c in threes along the ground's
+/// axes: with `c = a + ib` it is `−2 sign(ω) Σ n·(a × b) / Σ (|a|² + |b|²)`, without the parts along n. It is
+/// zero if nothing moves across n.
 fn sense(c: &[Complex<f64>], axis: &V3, frequency: f64) -> f64 {
     let (mut around, mut whole) = (0.0, 0.0);
     for part in c.chunks_exact(3) {
@@ -51,7 +56,7 @@ fn sense(c: &[Complex<f64>], axis: &V3, frequency: f64) -> f64 {
     }
 }
 
-/// Rows that take moves in ground axes (one a velocity) to weighted moves seen from the ground.
+/// Matrix from moves in ground axes (one for each velocity) to weighted moves as seen from the ground.
 pub(super) fn seen(model: &Model, state: &State, equations: &Equations) -> DMatrix<f64> {
     let mut dynamics = Dynamics::new(model);
     dynamics.place(model, state.time, &state.pose, &state.velocity);
@@ -86,7 +91,7 @@ pub(super) fn seen(model: &Model, state: &State, equations: &Equations) -> DMatr
                 let along = equations.in_body_axes(basis.column(k).into_owned());
                 let part = &along.as_slice()[v..v + body.width()];
                 let [x, y, z, a, b, c] = dynamics.marker_along(model, marker, part);
-                // rotations come in the marker's axes
+                // rotations are in the marker's axes
                 let turned = axes * V3::new(a, b, c);
                 for (i, x) in [x, y, z].into_iter().enumerate() {
                     moves[i][k] = by_place * x;
@@ -99,11 +104,11 @@ pub(super) fn seen(model: &Model, state: &State, equations: &Equations) -> DMatr
     DMatrix::from_fn(rows.len(), columns, |i, k| rows[i][k])
 }
 
-/// What is seen at one time of the period: of ξ at the begin of its segment.
+/// The observed moves at one time of the period, as a matrix on ξ at the beginning of the segment.
 pub(super) struct Sight {
     /// Segment, from 0.
     pub segment: usize,
-    /// Time since the begin of the period (s).
+    /// Time since the beginning of the period (s).
     pub time: f64,
     /// Weighted moves × ξ.
     pub seen: DMatrix<f64>,
@@ -114,7 +119,8 @@ pub(super) fn exponential(z: Complex<f64>) -> Complex<f64> {
     Complex::new(libm::cos(z.im), libm::sin(z.im)) * libm::exp(z.re)
 }
 
-/// `c_k = Σ_j u_j e^{−2πi jk/n}` in place, n a power of two (J. W. Cooley, J. W. Tukey, Math. Comput. 19 (1965) 297).
+/// `c_k = Σ_j u_j e^{−2πi jk/n}` in place, n a power of two (J. W. Cooley, J. W. Tukey, Math. Comput. 19
+/// (1965) 297).
 fn transform(values: &mut [Complex<f64>]) {
     let n = values.len();
     if n < 2 {
@@ -143,7 +149,8 @@ fn transform(values: &mut [Complex<f64>]) {
     }
 }
 
-/// Harmonics of a mode; `sights`, a power of two of them, at equal distances over the period (s), and the axis of the fastest body.
+/// Harmonics of a mode. `sights` are at equal distances over the period (s), and their number is a power of
+/// two. `axis` is that of the fastest body.
 pub(super) fn harmonics(
     mode: &Multiplier,
     sights: &[Sight],
@@ -157,7 +164,7 @@ pub(super) fn harmonics(
             let v = &mode.vectors[sight.segment];
             let (re, im) = (v.map(|x| x.re), v.map(|x| x.im));
             let u = (&sight.seen * re).zip_map(&(&sight.seen * im), Complex::new);
-            // vectors of later segments have lost the growth of as many equal parts of the period
+            // the vectors of later segments are divided by the growth over the earlier segments
             let equal = period * sight.segment as f64 / mode.vectors.len() as f64;
             u * exponential(exponent * (equal - sight.time))
         })

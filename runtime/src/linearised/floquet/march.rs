@@ -1,24 +1,26 @@
-//! The march of the linearised equations along a motion, and of the coordinates they are written in.
+//! Integration of the linearised equations along a motion, together with their coordinates.
 //!
-//! Radau IIA of three stages: order 5, and L-stable, so that what decays fast against the step (films, static modes) dies; Gauss' or the
-//! trapezoidal rule would leave false multipliers near 1 (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 1996, IV.5).
+//! Radau IIA of three stages has order 5 and is L-stable. So motions that decay fast compared with the step
+//! (films, static modes) vanish. Gauss' or the trapezoidal rule would leave false multipliers near 1 (E.
+//! Hairer, G. Wanner, Solving Ordinary Differential Equations II, 1996, IV.5).
 //!
-//! **Coordinates.** At every stage the equations come in coordinates of their own, `u = N_s x_s` with `N_sᵀMN_s = 1`. Those of the march are
-//! carried along by the same stages, `Ṅ = Ṅ_s P`, `N = N_s P`, `P = N_sᵀMN`, which keeps N tangent; `ẍ + C ẋ + K x = S z` turns into `P⁻¹CP`,
-//! `P⁻¹KP`, `P⁻¹S`. P is not orthogonal: NᵀMN changes with the mass matrix, as that of a body of unequal inertia that turns. Were N made
-//! orthonormal on the way, its rate would not be the Ṅ that the equations take for granted.
+//! **Coordinates.** At every stage the equations have coordinates of their own, `u = N_s x_s` with
+//! `N_sᵀMN_s = 1`. The coordinates of the integration follow the same stages: `Ṅ = Ṅ_s P`, `N = N_s P`,
+//! `P = N_sᵀMN`, which keeps N tangent. The matrices of `ẍ + C ẋ + K x = S z` become `P⁻¹CP`, `P⁻¹KP`,
+//! `P⁻¹S`. P is not orthogonal, because NᵀMN changes with the mass matrix, for example of a turning body of
+//! unequal inertia. If N were made orthonormal on the way, its rate would differ from the Ṅ in the equations.
 
 use super::super::equations::Equations;
 use nalgebra::DMatrix;
 
-/// Rounds that carry N; each shrinks the rest by about the angle of a step.
+/// Most iterations for N. Each reduces the error by about the angle of a step.
 const ROUNDS: usize = 60;
-/// Change of P that is rounding.
+/// Change of P that counts as rounding.
 const SETTLED: f64 = 1e-15;
 
 /// Stages c, the matrix a, and a².
 pub(super) struct Tableau {
-    /// Places of the stages in the step; the last is 1.
+    /// Positions of the stages in the step; the last is 1.
     pub places: [f64; 3],
     once: [[f64; 3]; 3],
     twice: [[f64; 3]; 3],
@@ -50,7 +52,7 @@ pub(super) fn radau() -> Tableau {
     }
 }
 
-/// `ẍ + C ẋ + K x = S z`, `ż = R x + T ẋ + U z` at a stage, in the coordinates of the march.
+/// `ẍ + C ẋ + K x = S z`, `ż = R x + T ẋ + U z` at a stage, in the coordinates of the integration.
 pub(super) struct Stage {
     pub stiffness: DMatrix<f64>,
     pub damping: DMatrix<f64>,
@@ -61,7 +63,7 @@ pub(super) struct Stage {
 }
 
 impl Stage {
-    /// Of equations with `x_s = P x`; `None` where P has no inverse.
+    /// A stage from equations with `x_s = P x`; `None` if P has no inverse.
     fn turned(equations: &Equations, turn: &DMatrix<f64>) -> Option<Stage> {
         let back = turn.clone().try_inverse()?;
         Some(Stage {
@@ -75,7 +77,7 @@ impl Stage {
     }
 }
 
-/// P at the three stages for N (velocities × freedoms) at the begin of a step h (s).
+/// P at the three stages for N (velocities × freedoms) at the beginning of a step h (s).
 fn carried(
     tableau: &Tableau,
     basis: &DMatrix<f64>,
@@ -102,9 +104,9 @@ fn carried(
     turns
 }
 
-/// One step h (s) of `ξ̇ = A ξ` for all columns of ξ = (x, ẋ, z); `None` where it has no solution.
+/// One step h (s) of `ξ̇ = A ξ` for all columns of ξ = (x, ẋ, z); `None` without a solution.
 ///
-/// Unknown are the slopes of ẋ and z at the stages; x follows by integrating twice.
+/// The unknowns are the slopes of ẋ and z at the stages. x follows by integrating twice.
 pub(super) fn step(
     tableau: &Tableau,
     stages: &[Stage; 3],
@@ -163,21 +165,21 @@ pub(super) fn step(
     end.iter().all(|x| x.is_finite()).then_some(end)
 }
 
-/// A march that goes along: N where it is, and ξ of all starts since the begin of the segment.
+/// The state of the integration: the present N, and ξ of all unit starts since the beginning of the segment.
 pub(super) struct March {
     tableau: Tableau,
     /// N.
     pub basis: DMatrix<f64>,
     /// P: `N = N_s P` with the N_s of the equations there.
     pub turn: DMatrix<f64>,
-    /// X: columns are ξ for unit starts at the begin of the segment.
+    /// X: columns are ξ for unit starts at the beginning of the segment.
     pub solution: DMatrix<f64>,
-    /// X of the segments that are done.
+    /// X of the finished segments.
     pub segments: Vec<DMatrix<f64>>,
 }
 
 impl March {
-    /// At the begin of the motion.
+    /// The state at the beginning of the motion.
     pub fn new(start: &Equations) -> March {
         let size = start.first_order_size();
         March {
@@ -189,7 +191,7 @@ impl March {
         }
     }
 
-    /// A step h (s) with the equations at its three stages; `None` where it has no solution.
+    /// A step h (s) with the equations at its three stages; `None` without a solution.
     pub fn step(&mut self, stages: [&Equations; 3], h: f64) -> Option<()> {
         let turns = carried(&self.tableau, &self.basis, stages, h);
         let own = [
@@ -211,7 +213,8 @@ impl March {
         self.segments.push(done);
     }
 
-    /// Ends the last segment, whose end is the begin again: N has come back turned by `Q = N(0)ᵀ M N(T)`.
+    /// Ends the last segment, which ends at the beginning of the motion. There N returns as N(0) Q,
+    /// `Q = N(0)ᵀ M N(T)`.
     pub fn close(&mut self, start: &Equations) {
         self.end_segment();
         let p = start.freedoms();
@@ -252,7 +255,8 @@ mod tests {
         solution
     }
 
-    /// Exponents of Mathieu's equation (DLMF 28.2.16 and 28.29; values of the design's independent integration to 1e-12).
+    /// Exponents of Mathieu's equation (DLMF 28.2.16 and 28.29; values of the design's independent
+    /// integration to 1e-12).
     #[test]
     fn mathieu_has_its_exponents() {
         for (a, q, growth, frequency) in

@@ -1,20 +1,24 @@
 //! Modes about a motion that repeats, by the multipliers of its period.
 //!
-//! Where bodies turn, the coefficients of the linearised motion change (see the head of [`super`]). About a motion of the period T they
-//! repeat, `A(t + T) = A(t)`, and the motions are `ξ(t) = e^{λt} p(t)` with p of the period T (G. Floquet, 1883). With X(t) the solutions for
-//! unit starts, `Ẋ = A X`, and N come back as N(0) Q, `Q = N(0)ᵀ M N(T)`,
+//! If bodies turn, the coefficients of the linearised motion change (see the head of [`super`]). About a
+//! motion of the period T they repeat, `A(t + T) = A(t)`, and the solutions are `ξ(t) = e^{λt} p(t)` where p
+//! has the period T (G. Floquet, 1883). Let X(t) be the solutions for unit starts, `Ẋ = A X`, and let N
+//! return as N(0) Q, `Q = N(0)ᵀ M N(T)`. Then
 //!
 //! ```text
 //! W = diag(Q, Q, 1) X(T)       W ξ(0) = μ ξ(0)       λ = ln μ / T + 2πi k/T
 //! ```
 //!
-//! Ṅ depends on place and velocity alone, so ẋ turns by the same Q. Left out, every multiplier would be wrong.
+//! Ṅ depends only on position and velocity, so ẋ turns by the same Q. Without Q every multiplier would be
+//! wrong.
 //!
-//! - `shooting`: the motion, by Newton's method; `orbit`: the equations along it; `march`: X and N by Radau IIA, once more with steps of double length, whose
-//!   difference is the error that is told; `multipliers`: eigenvalues of the product, small ones too; `harmonics`: k.
-//! - **Neutral** multipliers, of free turning and sliding and of the phase of a motion that no drive holds, are 1 in double blocks that split
-//!   by the root of the error; what lies so near to 1 is counted and not listed, and judged neither stable nor unstable.
-//! - Stability is that of the others: `Re λ` is the same whatever k.
+//! - `shooting` finds the motion by Newton's method, and `orbit` the equations along it. `march` integrates X
+//!   and N by Radau IIA, and once more with steps of double length; the difference is the reported error.
+//!   `multipliers` computes the eigenvalues of the product, small ones too, and `harmonics` finds k.
+//! - **Neutral** multipliers belong to free rotation and sliding, and to the phase of a motion without a
+//!   drive. They are 1 in double blocks, which split by the root of the error. Multipliers this near to 1 are
+//!   counted and not listed. They count as neither stable nor unstable.
+//! - The other multipliers decide stability: `Re λ` does not depend on k.
 
 mod harmonics;
 mod march;
@@ -38,50 +42,50 @@ use orbit::{Round, period_of};
 use shooting::repeating;
 use std::f64::consts::TAU;
 
-/// Most distance from 1 that the split of whole and halved steps may excuse.
+/// Largest distance from 1 that the difference of whole and halved steps can explain.
 const MOST_SPLIT: f64 = 0.05;
 /// Least distance from 1 of a multiplier that is not neutral.
 const NEUTRAL: f64 = 1e-6;
-/// A double 1 splits by so many times the root of the error.
+/// Factor on the root of the error for the splitting of a double 1.
 const SPLIT: f64 = 4.0;
-/// Rest of Wy − y, as a share of y, above which y is no direction that stays.
+/// Size of Wy − y, as a share of y, above which W does not keep the direction y.
 const PHASE: f64 = 1e-2;
 
-/// The motion about which modes are, and how well they are known.
+/// The repeating motion of the modes, with the errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Orbit {
     /// T (s).
     pub period: f64,
-    /// Steps of the march; the error is the difference to half as many.
+    /// Steps of the integration. The error is the difference from half as many.
     pub steps: usize,
-    /// What is left of the state after the period less the one before, as a share of what is allowed (a thousandth of the smallest
-    /// clearance, or of the tolerance of places).
+    /// Gap of the state after a period, as a share of the permitted one (a thousandth of the smallest
+    /// clearance, or of the position tolerance).
     pub gap: f64,
-    /// `|Wy − y|/|y|` of the motion's own direction; `None` where a drive or a load over time holds the phase.
+    /// `|Wy − y|/|y|` of the motion's own direction; `None` if a drive or a load over time holds the phase.
     pub phase: Option<f64>,
     /// Distance from 1 within which a multiplier counts as neutral.
     pub neutral: f64,
-    /// Multipliers that were lost in rounding, and the decay (1/s) from which on they are.
+    /// Number of multipliers lost in rounding.
     pub lost: usize,
-    /// See `lost`.
+    /// Decay (1/s) above which multipliers are lost in rounding.
     pub reach: f64,
 }
 
-/// What a mode about an orbit has beside its λ.
+/// Further data of a mode about a repeating motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Repeating {
-    /// Which of the frequencies `Im λ + 2πk/T` it is, and how sure that is.
+    /// Its frequency among `Im λ + 2πk/T`, and the certainty of this choice.
     pub harmonics: Harmonics,
     /// |Δλ| (1/s) between whole and halved steps.
     pub error: f64,
-    /// What the coefficients are off by, for the state does not come back exactly, moves λ by about so much
-    /// (1/s): what is left, as a share of the model's size, times |λ|.
+    /// Estimated error of λ (1/s) from the gap of the state after a period: the gap as a share of the model's
+    /// size, times |λ|.
     pub missed: f64,
     /// Whether the steps resolve it: |λ| h ≤ 1.
     pub resolved: bool,
 }
 
-/// Distance of two logarithms of multipliers; those of conjugates and of whole turns are one.
+/// Distance of two logarithms of multipliers, up to conjugation and whole turns.
 fn distance(a: Complex<f64>, b: Complex<f64>) -> f64 {
     [b, b.conj()]
         .into_iter()
@@ -92,7 +96,8 @@ fn distance(a: Complex<f64>, b: Complex<f64>) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// How well the motion's own direction comes back: `|Wy − y|/|y|`; `None` where the motion has no direction of its own.
+/// Error of the return of the motion's own direction: `|Wy − y|/|y|`; `None` if the motion has no direction
+/// of its own.
 fn phase(round: &Round, whole: &DMatrix<f64>) -> Option<f64> {
     let y = round.along();
     let p = round.first.freedoms();
@@ -117,8 +122,8 @@ fn uncertainty(multiplier: &Multiplier, coarse: &[Multiplier]) -> f64 {
 
 /// The eigenpair of a multiplier with the frequency of its largest harmonic, as a positive one.
 ///
-/// `error`: |Δλ| between whole and halved steps (1/s); `of_state`: what is left of the state after the
-/// period, as a share of the model's size.
+/// `error` is |Δλ| between whole and halved steps (1/s). `of_state` is the gap of the state after a period,
+/// as a share of the model's size.
 fn found(
     multiplier: &Multiplier,
     round: &Round,
@@ -177,7 +182,7 @@ pub(super) fn about_an_orbit(
     for multiplier in &all.found {
         let value = harmonics::exponential(multiplier.logarithm);
         let error = uncertainty(multiplier, &coarse);
-        // a pair that the march itself has split
+        // the error of the integration itself can split a double multiplier
         let split = (SPLIT * error).min(MOST_SPLIT);
         if (value - 1.0).norm() <= neutral.max(split) {
             zeros += if multiplier.real { 1 } else { 2 };

@@ -1,6 +1,7 @@
-//! Multipliers of a product of matrices, also those far below the largest.
+//! Multipliers of a product of matrices, including those far below the largest.
 //!
-//! An eigenvalue of `W = X_m … X_1` that is much smaller than the largest drowns in rounding. The eigenvalues ν of the cyclic matrix
+//! An eigenvalue of `W = X_m … X_1` that is much smaller than the largest is lost in rounding. The
+//! eigenvalues ν of the cyclic matrix
 //!
 //! ```text
 //! ⎡ 0              X_m ⎤
@@ -8,39 +9,41 @@
 //! ⎣       …  X_{m−1} 0 ⎦
 //! ```
 //!
-//! are the m roots of each multiplier μ: what is 10⁻¹² there is 10⁻⁸⁴ for μ with m = 7. Of the m roots the one with the angle of μ over m
-//! is taken. m is odd, so that a negative μ has one negative root (A. Bojanczyk, G. Golub, P. Van Dooren, SPIE 1770 (1992) 31, for the
-//! product's Schur form, of which this is the spectrum).
+//! are the m roots of each multiplier μ. With m = 7 a root of 10⁻¹² is a μ of 10⁻⁸⁴. Of the m roots the code
+//! uses the one with the angle of μ over m. m is odd, so that a negative μ has one negative root (A.
+//! Bojanczyk, G. Golub, P. Van Dooren, SPIE 1770 (1992) 31, for the product's Schur form, of which this is
+//! the spectrum).
 
 use super::super::eigen::spectrum;
 use crate::error::RuntimeError;
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
 
-/// A root below this share of the largest is rounding.
+/// Share of the largest root below which a root is rounding.
 const DROWNED: f64 = 1e-7;
-/// Relative distance of two roots that are one.
+/// Relative distance below which two roots are equal.
 const ONE: f64 = 1e-6;
 
 /// A multiplier.
 #[derive(Clone, Debug)]
 pub(super) struct Multiplier {
-    /// `ln μ` over the period, its imaginary part from 0 to π; that of a negative μ is π.
+    /// `ln μ` over the period, with its imaginary part from 0 to π (π for a negative μ).
     pub logarithm: Complex<f64>,
     /// Whether μ is real.
     pub real: bool,
-    /// ξ at the begin of every segment, each divided by the growth to it.
+    /// ξ at the beginning of every segment, each divided by the growth up to there.
     pub vectors: Vec<DVector<Complex<f64>>>,
 }
 
-/// Multipliers of conjugate pairs once, and how many were lost in rounding; with `ln |μ|` below which they are.
+/// Multipliers, with one for each conjugate pair; the number lost in rounding, and the limit of `ln |μ|` for
+/// such a loss.
 pub(super) struct Multipliers {
     pub found: Vec<Multiplier>,
     pub lost: usize,
     pub floor: f64,
 }
 
-/// Of segments in the order of time, an odd number of them.
+/// The multipliers of an odd number of segments in the order of time.
 pub(super) fn multipliers(segments: &[DMatrix<f64>]) -> Result<Multipliers, RuntimeError> {
     let m = segments.len();
     let size = segments.first().map_or(0, DMatrix::nrows);
@@ -73,7 +76,7 @@ pub(super) fn multipliers(segments: &[DMatrix<f64>]) -> Result<Multipliers, Runt
             if pair.value.re > 0.0 { 0.0 } else { PI }
         } else {
             let whole = angle * of_m;
-            // beside the negative axis: a root of a real μ that was found already
+            // a root beside the negative axis belongs to a real μ that was found already
             let twin = (whole - PI).abs() < ONE
                 && negative.iter().any(|n| (n / size_of - 1.0).abs() < ONE);
             if whole > PI || twin {
@@ -83,7 +86,8 @@ pub(super) fn multipliers(segments: &[DMatrix<f64>]) -> Result<Multipliers, Runt
         };
         let step = Complex::new(libm::cos(whole / of_m), libm::sin(whole / of_m));
         let vectors = if real && pair.value.re < 0.0 {
-            // root −|ν|: to the one of angle π/m the vectors turn on from segment to segment
+            // from the root −|ν| to the one of angle π/m, the vectors turn by one step from segment to
+            // segment
             let flip = -step.conj();
             blocks(&pair.vector, size, m)
                 .into_iter()

@@ -1,7 +1,7 @@
 //! The equations along one period of a motion.
 //!
-//! A transient runs over the period from a state; at the stages of the march its states, completed at acceleration level, give the
-//! equations.
+//! A transient runs over the period from a state. At the stages of the integration its states, completed at
+//! acceleration level, give the equations.
 
 use super::super::constancy;
 use super::super::equations::Equations;
@@ -19,27 +19,27 @@ use std::f64::consts::TAU;
 
 /// Segments of the period: an odd number, see `multipliers`.
 const SEGMENTS: usize = 7;
-/// Most numbers (of ξ, times segments) of the matrix whose eigenvalues are sought.
+/// Largest size (of ξ, times segments) of the matrix for the eigenvalues.
 const LARGEST: usize = 1400;
-/// Steps of the march a turn of the fastest body, and least and most of them.
+/// Steps of the integration per turn of the fastest body, and the least and the most steps.
 const PER_TURN: f64 = 256.0;
 const LEAST: usize = 256;
 const MOST: usize = 8192;
-/// Share of a step by which a period may be longer than a whole power of two of them.
+/// Share of a step by which a period may exceed a whole power of two of steps.
 const SPARE: f64 = 0.02;
 
 /// The period of a motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Period {
-    /// s; the first guess of one that is free.
+    /// The period (s), or its first guess if it is free.
     pub time: f64,
-    /// Whether it follows from the motion.
+    /// Whether the motion determines it.
     pub free: bool,
-    /// Of the cycle (rad), where it was asked for.
+    /// The angle of the cycle (rad), if the analysis states one.
     pub angle: Option<f64>,
 }
 
-/// What an analysis means by `over`, at a state of the motion.
+/// The period of an analysis's `over`, at a state of the motion.
 pub(super) fn period_of(
     simulation: &Simulation,
     over: Extent,
@@ -86,19 +86,19 @@ pub(super) fn period_of(
     }
 }
 
-/// The equations along one period, and their march.
+/// The equations along one period, and their integration.
 pub(super) struct Round {
     pub start: State,
     pub moment: Moment,
     pub first: Equations,
     pub last: Equations,
     pub end: State,
-    /// s.
+    /// The period (s).
     pub period: f64,
-    /// Of the march.
+    /// Steps of the integration.
     pub steps: usize,
     pub fine: March,
-    /// With steps of double length, where the error is wanted.
+    /// The integration with steps of double length, if the error is wanted.
     pub coarse: Option<March>,
     pub sights: Vec<Sight>,
 }
@@ -110,7 +110,7 @@ fn power_of_two(count: f64) -> usize {
         .next_power_of_two()
 }
 
-/// Steps of the march over a time (s) from a state.
+/// Number of integration steps over a time (s) from a state.
 fn steps_of(model: &Model, state: &State, time: f64, control: StepControl) -> usize {
     power_of_two(match control.fixed() {
         Some(h) => time / h,
@@ -118,7 +118,7 @@ fn steps_of(model: &Model, state: &State, time: f64, control: StepControl) -> us
     })
 }
 
-/// A period that is on its way: its transient, and the equations that it has come to.
+/// A period in progress: its transient, and the present equations.
 struct Course<'a> {
     running: Simulation,
     model: Model,
@@ -132,7 +132,7 @@ struct Course<'a> {
 }
 
 impl Course<'_> {
-    /// The equations at a time (s), not before the last one.
+    /// The equations at a time (s), which must not be before the last one.
     fn at(&mut self, time: f64) -> Result<Equations, RuntimeError> {
         let time = time.min(self.end);
         while self.running.time() < time {
@@ -152,8 +152,9 @@ impl Course<'_> {
     }
 }
 
-/// One period (s) from a state. `halved`: with the steps of the march halved and what is seen at their ends, and once more with whole
-/// ones; else with whole ones alone. The transient is the same.
+/// One period (s) from a state. With `halved`, the integration uses halved steps, stores the observed moves
+/// at their ends, and runs once more with whole steps. Otherwise it uses whole steps only. The transient is
+/// the same.
 pub(super) fn round(
     simulation: &Simulation,
     state: &State,
@@ -215,7 +216,7 @@ pub(super) fn round(
             }
             Some(coarse) => {
                 let half = 0.5 * whole;
-                // in the order of time
+                // the stages of both step lengths, in the order of time
                 let one = course.at(after(0.5 * c))?;
                 let whole_one = course.at(after(c))?;
                 let two = course.at(after(0.5 * d))?;

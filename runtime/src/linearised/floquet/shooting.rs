@@ -1,24 +1,26 @@
-//! The motion that repeats.
+//! The repeating motion.
 //!
-//! A round of `orbit` is one period from a state. If the state after it is not the one before, up to whole turns, Newton's shooting
-//! mends it:
+//! A round of `orbit` is one period from a state. If the state after it differs from the one before, up to
+//! whole turns, Newton's shooting corrects the start:
 //!
 //! ```text
 //! x₀ ← x₀ + (1 − W)⁺ (x_T − x₀)       W the monodromy matrix, in the coordinates N at the start
 //! ```
 //!
-//! which finds unstable motions too. Directions that W leaves as they are (a free turn, the phase) stay: the inverse is that of the least
-//! change.
+//! It finds unstable motions too. Directions that W does not change (a free turn, the phase) get no
+//! correction: the inverse is that of the least change.
 //!
-//! **Period.** Where an angle is asked for, the time that it takes from the first state on is a first guess of T: on the way to the motion
-//! that repeats the angle swings. What a drive turns has no freedom that could mend its gap; T mends it. With v the velocity, d the gap
-//! of all moves, and the parts of both that no freedom has, `v' = v − NNᵀMv`,
+//! **Period.** If the period is stated as an angle, the time for this angle from the first state on is only a
+//! first guess of T, because the angle swings before the motion repeats. A part that a drive turns has no
+//! freedom to close its gap, so T closes it. With the velocity v, the gap d of all moves, and the parts of
+//! both outside all freedoms, `v' = v − NNᵀMv`,
 //!
 //! ```text
 //! δT = −v'ᵀMd'/v'ᵀMv'       x₀ ← x₀ + (1 − W)⁺ (x_T + y δT − x₀)       y = (NᵀMv, NᵀMv̇, ż)
 //! ```
 //!
-//! Where nothing drives, v' = 0, and T is one of the unknowns: `(1 − W) δx − y δT = x_T − x₀`. A T that is stated as a time is kept.
+//! Without a drive v' = 0, and T is one of the unknowns: `(1 − W) δx − y δT = x_T − x₀`. A T that is stated
+//! as a time is fixed.
 
 use super::super::constancy;
 use super::super::run::Stretch;
@@ -35,30 +37,34 @@ use eng_system::system::StepControl;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Rounds of the shooting.
+/// Most rounds of the shooting.
 const SHOTS: usize = 20;
-/// Gap, as a share of what is allowed, below which no round is needed, and shrinkage at which another is no use.
+/// Gap, as a share of the permitted one, below which no further round is needed, and factor of shrinkage at
+/// which another is useless.
 const CLOSED: f64 = 1e-3;
 const STALLED: f64 = 0.5;
-/// Longest move of the first round, as a share of the model's position tolerance, which is a thousandth of a clearance.
+/// Longest move of the first round, in position tolerances of the model. A position tolerance is a thousandth
+/// of a clearance.
 const STRIDE: f64 = 200.0;
-/// Factors of the longest move after a round that did as foreseen, and after one that did not.
+/// Factors on the longest move after a round with the predicted shrinkage, and after another round.
 const LONGER: f64 = 2.5;
 const SHORTER: f64 = 0.25;
-/// Singular value of 1 − W, as a share of the largest, of a direction that stays.
+/// Singular value of 1 − W, as a share of the largest, below which W does not change a direction.
 const STAYS: f64 = 1e-7;
-/// Rates are as large as moves times so many times 2π/T.
+/// Factor on 2π/T in the scale of rates relative to moves.
 const RATES: f64 = 10.0;
-/// Change of a body's spin, as a share of the largest, up to which the shooting finds the motion that was asked for.
+/// Largest change of a body's spin, as a share of the largest spin, for which the found motion is the
+/// requested one.
 const FREE: f64 = 0.02;
-/// Change of the coefficients over the period, which the gap of the state explains.
+/// Largest change of the coefficients over the period that the gap of the state can explain.
 const ALIKE: f64 = 0.02;
-/// Change of a period that was asked for as an angle, as a share, up to which the motion is the one that was asked for.
+/// Largest relative change of a period stated as an angle for which the found motion is the requested one.
 const DETUNED: f64 = 0.02;
-/// Speed that no freedom has, as a share of the whole in the mass norm, above which something is driven.
+/// Part of the velocity outside all freedoms, as a share of the whole in the mass norm, above which a drive
+/// acts.
 const DRIVEN: f64 = 1e-6;
 
-/// Where a round of the shooting begins.
+/// The beginning of a round of the shooting.
 struct Aim {
     state: State,
     /// Its period (s).
@@ -67,20 +73,20 @@ struct Aim {
     factor: f64,
 }
 
-/// What is left of x_T − x₀.
+/// The gap x_T − x₀.
 pub(super) struct Gap {
-    /// In the coordinates ξ of the start.
+    /// The gap in the coordinates ξ of the start.
     coordinates: DVector<f64>,
-    /// As a share of what is allowed.
+    /// The gap as a share of the permitted one.
     pub share: f64,
-    /// δT (s) that closes what is driven; `None` where nothing is.
+    /// δT (s) that closes the driven part; `None` without a drive.
     driven: Option<f64>,
-    /// Index of the body that is farthest off, and its gap in words.
+    /// Index of the body with the largest gap, and this gap in words.
     worst: (Option<usize>, String),
 }
 
 impl Round {
-    /// The state after the period less the one before, whole turns left out.
+    /// The state after the period minus the one before, without whole turns.
     fn gap(&self, model: &Model) -> Gap {
         let (from, to) = (&self.start, &self.end);
         let mut moves = vec![0.0; model.velocities];
@@ -156,7 +162,7 @@ impl Round {
         }
     }
 
-    /// δT (s) that closes the moves (ground axes) that no freedom has; `None` where nothing is driven.
+    /// δT (s) that closes the moves (ground axes) outside all freedoms; `None` without a drive.
     fn detuning(&self, moves: &DVector<f64>) -> Option<f64> {
         let (basis, mass) = (&self.first.basis, &self.first.mass);
         let given = |x: &DVector<f64>| x - basis * (basis.transpose() * (mass * x));
@@ -169,8 +175,8 @@ impl Round {
         (square > DRIVEN * DRIVEN * whole).then(|| -given(moves).dot(&loads) / square)
     }
 
-    /// Newton's step of the shooting, which moves nothing aside by more than a `reach` of the position tolerance; the period stays where
-    /// it is not `free`.
+    /// Newton's step of the shooting. Moves that are not along the motion are limited to `reach` position
+    /// tolerances. The period is fixed unless it is `free`.
     fn mended(
         &self,
         model: &Model,
@@ -184,7 +190,7 @@ impl Round {
         let weight = |i: usize| if (p..2 * p).contains(&i) { pace } else { 1.0 };
         let whole = Round::monodromy(&self.fine.segments);
         let along = self.along();
-        // the period is sought beside the state where nothing drives
+        // without a drive the period is an unknown beside the state
         let sought = free && gap.driven.is_none();
         let given = gap.driven.filter(|_| free).unwrap_or(0.0);
         let off = DMatrix::from_fn(size, size + usize::from(sought), |i, j| {
@@ -212,7 +218,7 @@ impl Round {
         let step = DVector::from_fn(size, |i, _| solved[i] * weight(i));
         let change = if sought { solved[size] / pace } else { given };
         let (x, y) = (step.rows(0, p), step.rows(p, p));
-        // a move along the motion itself leaves no film
+        // a move along the motion itself cannot take a pin out of its film, so it is not limited
         let own = along.rows(0, p);
         let square = own.norm_squared();
         let forward = if square > 0.0 {
@@ -256,7 +262,7 @@ impl Round {
         {
             *z += factor * change;
         }
-        // what a long move leaves is of second order
+        // a long move violates the constraints in second order, so the state is projected
         let mut system = AccelerationSystem::new(model)?;
         system.restore(model, &mut Dynamics::new(model), &mut state, self.moment)?;
         Ok(Aim {
@@ -303,7 +309,7 @@ pub(super) fn repeating(
     let mut reach = STRIDE;
     let mut before: Option<(Round, Gap)> = None;
     for shot in 1..=SHOTS {
-        // each round takes half of the progress that is left
+        // each round takes half of the remaining progress
         let done = |shot: usize| 1.0 - libm::exp2(-(shot as f64));
         let mut stretch = Stretch::new(observer, done(shot), done(shot + 1));
         let tried = round(
@@ -317,7 +323,7 @@ pub(super) fn repeating(
         let found = match tried {
             Ok(found) => Some(found),
             Err(RuntimeError::Stopped(why)) => return Err(RuntimeError::Stopped(why)),
-            // a step too long may end where no motion is
+            // a step that is too long may end at a state without a motion
             Err(failed) if before.is_none() || shot == SHOTS => return Err(failed),
             Err(_) => None,
         };
@@ -363,7 +369,7 @@ pub(super) fn repeating(
             break;
         };
         aim = found.mended(model, gap, period.free, reach)?;
-        // where speeds are free, a motion of another speed has the period
+        // if speeds are free, a motion at another speed may also have this period
         let other_speed = near > 0.0 && constancy::change_of_spin(model, asked, &aim.state) > near;
         if other_speed || (aim.time / period.time - 1.0).abs() > DETUNED {
             return Err(not_repeating(model, found, &gap.worst));

@@ -1,4 +1,4 @@
-//! What is held in a balance: what the text states, what moves, and what nothing holds.
+//! Held directions of a balance: stated positions, moving parts, and directions that nothing holds.
 
 use super::telling::not_finite;
 use super::{Balance, NEUTRAL, Place, Stop};
@@ -13,14 +13,15 @@ use eng_system::system::{Origin, Role};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
 
-/// Singular value of rows, as a share of the largest, below which they depend on each other.
+/// Singular value, as a share of the largest, below which rows depend on each other.
 const LEAST_ROW: f64 = 1e-12;
 
-/// Rows of what moves (scaled velocities), and of each what states it and whether it is a length.
+/// Rows of moving parts (scaled velocities). Each has the origin of its statement, and whether it is a
+/// length.
 type Moving = (DMatrix<f64>, Vec<(Origin, bool)>);
 
 impl Balance<'_> {
-    /// Rows of what is stated to move, and of the cycle's angle.
+    /// Rows of stated motions, and of the cycle's angle.
     pub(super) fn what_moves(&mut self, state: &State) -> Result<Moving, Stop> {
         let model = self.model;
         let system = &model.compiled.system;
@@ -59,7 +60,7 @@ impl Balance<'_> {
         Ok((fixed, rows.into_iter().map(|(_, o, l)| (o, l)).collect()))
     }
 
-    /// The cycle's rate by scaled velocities: it is affine in them.
+    /// Coefficients of the cycle's rate in scaled velocities. The rate is affine in them.
     pub(super) fn cycle_rate(&mut self, element: usize, state: &State) -> Result<Vec<f64>, Stop> {
         let model = self.model;
         let mut watch = Outputs::watching(model, element)?;
@@ -82,7 +83,7 @@ impl Balance<'_> {
         Ok(row)
     }
 
-    /// The cycle's angle at a place (rad), as the unwrapped angles of the state count it.
+    /// The cycle's angle at a position (rad), unwrapped with the angles of the state.
     pub(super) fn cycle_angle(&mut self, element: usize, state: &State) -> Result<f64, Stop> {
         let mut watch = Outputs::watching(self.model, element)?;
         self.dynamics
@@ -91,7 +92,8 @@ impl Balance<'_> {
         Ok(watch.watched_values[0])
     }
 
-    /// Velocities on which an element's outputs can depend: all where it reads other elements' outputs.
+    /// Velocities on which an element's outputs can depend. If it reads other elements' outputs, these are
+    /// all velocities.
     fn velocities_of(&self, element: usize) -> Vec<usize> {
         let model = self.model;
         if !model.compiled.system.elements[element].signals.is_empty() {
@@ -109,7 +111,7 @@ impl Balance<'_> {
             .collect()
     }
 
-    /// Values and rows (scaled velocities) of everything that may be held.
+    /// Values and rows (scaled velocities) of all directions that may be held.
     pub(super) fn holds(
         &self,
         state: &State,
@@ -128,7 +130,7 @@ impl Balance<'_> {
         Ok((values, rows))
     }
 
-    /// What is held at a place: values and rows.
+    /// Values and rows of the held directions at a position.
     pub(super) fn held(&self, state: &State) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
         if let Some(rows) = &self.turned {
             return Ok((DVector::zeros(rows.nrows()), rows.clone()));
@@ -154,8 +156,9 @@ impl Balance<'_> {
         Ok((values, all))
     }
 
-    /// Multipliers that carry the load where it stands: of all that could, those that leave the least acceleration,
-    /// `λ = −(A M⁻¹ Aᵀ)⁻¹ A M⁻¹ r` with the rows A of the constraints and of what is held. What hangs is held by them.
+    /// Computes the multipliers that carry the load at the present position with the least remaining
+    /// acceleration, `λ = −(A M⁻¹ Aᵀ)⁻¹ A M⁻¹ r`, with the rows A of the constraints and held directions.
+    /// They hold a hanging body.
     pub(super) fn carry(&mut self, place: &mut Place) -> Result<(), Stop> {
         let model = self.model;
         let (n, m) = (model.velocities, model.rows);
@@ -175,7 +178,7 @@ impl Balance<'_> {
         let mass = mass.cholesky().ok_or_else(|| not_finite(model))?;
         let across = mass.solve(&rows.transpose());
         let wanted = -(across.transpose() * residual);
-        // rows that depend on each other leave a choice: the least multipliers
+        // if rows depend on each other, the least multipliers are chosen
         let Some(carried) = crate::singular::decompose(&rows * &across).and_then(|svd| {
             svd.solve(&wanted, LEAST_ROW * svd.singular_values.amax())
                 .ok()
@@ -188,7 +191,8 @@ impl Balance<'_> {
         Ok(())
     }
 
-    /// Freedoms without stiffness where the load stands: in mass-normalised coordinates of the free space, small singular values of the stiffness.
+    /// Finds freedoms without stiffness at the present position: small singular values of the stiffness in
+    /// mass-normalised coordinates of the free space.
     pub(super) fn find_neutral(
         &mut self,
         state: &State,
@@ -206,7 +210,7 @@ impl Balance<'_> {
         self.carry(&mut place)?;
         self.residual(&place)?;
         let mut matrix = self.matrix(&place.state)?;
-        // softened at a critical speed a shaft is not free
+        // without its centrifugal softening, because a shaft at a critical speed is not a free part
         self.add_softening(state, -1.0, &mut matrix);
         let free = self.free_stiffness(&place.state, &matrix, free)?;
         let svd = crate::singular::decompose(free.stiffness / (pace * pace))

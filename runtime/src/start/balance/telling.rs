@@ -1,4 +1,4 @@
-//! What stands in the way of a balance, and what is held with which force.
+//! Descriptions of the obstacles to a balance, and of the forces on held directions.
 
 use super::{Balance, Place, Stop, UNHELD};
 use crate::body::BodyModel;
@@ -40,7 +40,7 @@ impl Balance<'_> {
         (Origin::default(), "nothing moves".to_owned())
     }
 
-    /// A body that nothing holds against its load: it has no steady motion.
+    /// A body that nothing holds against its load, and so has no steady motion.
     pub(super) fn unheld(&self, place: &Place) -> Option<Obstacle> {
         let first = self.holding.len();
         (0..self.neutral.nrows()).find_map(|k| {
@@ -66,7 +66,7 @@ impl Balance<'_> {
         })
     }
 
-    /// What is held against a force, by the rows it was made of.
+    /// The held directions with their forces, by their rows.
     pub(super) fn told(&self, place: &Place) -> Vec<Held> {
         let model = self.model;
         let owners: Vec<(Origin, bool)> = self
@@ -111,7 +111,7 @@ pub(super) fn locked(model: &Model, error: NoMotion) -> Stop {
     }
 }
 
-/// Why an element's force is no number.
+/// The reason for an element's force that is no number.
 pub(super) fn no_number(outside: &Option<Box<Outside>>) -> String {
     match outside {
         Some(outside) => outside.to_string(),

@@ -1,23 +1,26 @@
 //! The start of flexible bodies that turn: a motion that repeats, at equal parts of its period.
 //!
-//! In the axes of a turning body a load that is still in space turns, and one that turns with the body is still. Neither may be
-//! answered as the other: with ȧ = 0 and ä = 0 the sag of a shaft under its weight would be larger by `1/(1 − Ω²/ω²)`. Which of them
-//! a load is follows from the motion that repeats. Its places q_j at N equal parts of the period T obey
+//! In the axes of a turning body a load that stands still in space turns, and a load that turns with the body
+//! stands still. The two have different answers: with ȧ = 0 and ä = 0 the sag of a shaft under its weight
+//! would be too large by `1/(1 − Ω²/ω²)`. The repeating motion distinguishes them. Its positions q_j at N
+//! equal parts of the period T obey
 //!
 //! ```text
 //! M v̇_j − Q(q_j, v_j) + Gᵀλ_j + Eᵀσ_j = 0        Φ(q_j) = 0        E_j δq_j = 0
 //! v_j = w_j − Hᵀ(HHᵀ)⁻¹(H w_j + c)               v̇ = D v
 //! ```
 //!
-//! w_j are the rates along the places themselves (`ṙ = D r`, `ω = 2 q̄ ∘ D q`, `ȧ = D a`, D the derivative of [`derivative`]), H and c
-//! the rows that velocities must keep: `Φ̇ = 0` and stated speeds (`SteadyMotion::along_path`). All
-//! velocities are scaled in this projection. Loads of each order get their own answer: `(k − Ω²n)⁻¹` where they turn with
-//! the body, `(k − Ω²n − Ω²m + iΩ(c + Ωg))⁻¹` where they are still. Orders from N/2 on are quasi-static.
+//! w_j are the rates along the positions themselves (`ṙ = D r`, `ω = 2 q̄ ∘ D q`, `ȧ = D a`, D the derivative
+//! of [`derivative`]), H and c the conditions on velocities: `Φ̇ = 0` and stated speeds
+//! (`SteadyMotion::along_path`). All velocities are scaled in this projection. Loads of each order get their
+//! own answer: `(k − Ω²n)⁻¹` if they turn with the body, `(k − Ω²n − Ω²m + iΩ(c + Ωg))⁻¹` if they stand
+//! still. Orders from N/2 on are quasi-static.
 //!
-//! All angles are solved together by Newton's method with [`krylov::gmres`], preconditioned by the matrix of the balance at each
-//! angle without the centrifugal softening, with which it would be singular where the speed meets a frequency.
+//! Newton's method solves all angles together with [`krylov::gmres`]. The preconditioner is the matrix of the
+//! balance at each angle without the centrifugal softening, which would make it singular when the speed
+//! equals a frequency.
 //!
-//! In films the motion is [followed] instead.
+//! In films the motion is integrated instead ([followed]).
 
 mod angles;
 mod derivative;
@@ -38,7 +41,7 @@ use path::Path;
 /// Share of the motion's pace above which a body turns.
 const TURNS: f64 = 1e-6;
 
-/// Why there is no motion that repeats.
+/// The reason for a missing repeating motion.
 #[derive(Debug)]
 pub(super) enum NoOrbit {
     /// A reason.
@@ -48,7 +51,7 @@ pub(super) enum NoOrbit {
 }
 
 impl NoOrbit {
-    /// In words; an error is none.
+    /// The reason in words; an error is returned as such.
     fn reason(self) -> Result<String, Stop> {
         match self {
             NoOrbit::Told(reason) => Ok(reason),
@@ -92,8 +95,8 @@ impl Balance<'_> {
         found.map(|body| &body.origin)
     }
 
-    /// Brings a state with turning flexible bodies to where it is in the motion that repeats; where there is none, to the balance in
-    /// which all loads turn with the bodies.
+    /// Brings a state with turning flexible bodies into the repeating motion. Without such a motion it takes
+    /// the balance in which all loads turn with the bodies.
     pub(super) fn turning(&mut self, state: &mut State) -> Result<Equilibrium, Stop> {
         if !self.model.compiled.system.journals.is_empty() {
             return self.turning_in_films(state);
@@ -127,8 +130,8 @@ impl Balance<'_> {
         self.told_of(state, &place, found)
     }
 
-    /// The same in films. The motion is followed from a balance without the inertia of what is bent, with which there may be none near
-    /// where the speed meets a frequency.
+    /// The start in films. The motion is integrated from a balance without the inertia of bending. With this
+    /// inertia there may be no balance when the speed is near a frequency.
     fn turning_in_films(&mut self, state: &mut State) -> Result<Equilibrium, Stop> {
         self.softened = false;
         let begun = self.balanced(state);
@@ -151,7 +154,7 @@ impl Balance<'_> {
         self.told_of(state, &place, found)
     }
 
-    /// The motion that repeats, from a place in it.
+    /// The repeating motion, from a position in it.
     fn orbit(&mut self, place: &Place, found: &mut Equilibrium) -> Result<Orbit, NoOrbit> {
         let path = Path::new(self, place)?;
         let mut coarse = Angles::along(self, &path, 2, place)?;
@@ -163,7 +166,7 @@ impl Balance<'_> {
     }
 }
 
-/// The motion that repeats, where it starts.
+/// The start of the repeating motion.
 struct Orbit {
     place: Place,
     velocity: Vec<f64>,
