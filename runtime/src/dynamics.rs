@@ -1,4 +1,5 @@
-//! Forces, constraints and their derivatives at a state: marker blocks of the elements carried to body coordinates.
+//! Forces, constraints and their derivatives at a state. Marker blocks of the elements are carried to body
+//! coordinates.
 //!
 //! Signs: an element's wrench is its loads minus `Gᵀλ`, so that `M v̇ − Q_v − Q_g − Σ JᵀW = 0` is
 //! `M v̇ + Φ_qᵀ λ = Q`.
@@ -20,7 +21,7 @@ use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
 use eng_system::code::{Function, Pair};
 
-/// Everything evaluated at one state, and room for it.
+/// All values at one state, with scratch for their evaluation.
 #[derive(Clone, Debug)]
 pub struct Dynamics {
     /// Pose numbers of the bodies.
@@ -45,9 +46,9 @@ pub struct Dynamics {
     pub rates: Vec<f64>,
     /// G of each element at its markers, row-major rows × 6 markers.
     pub gradients: Vec<f64>,
-    /// Where the markers on flexible bodies stand in them, and how those move them.
+    /// Placement of the markers in flexible bodies, and their motion with these bodies.
     placed: Vec<Option<(Placed, Motion)>>,
-    /// Rows of the shapes of second order where the dynamics stand, marker after marker.
+    /// Rows of the shapes of second order at the present position, marker after marker.
     shapes: Vec<f64>,
     shape_at: Vec<usize>,
     /// J of each marker in its reach, 6 × reach each.
@@ -60,11 +61,12 @@ pub struct Dynamics {
     columns: Vec<f64>,
     /// Sums of the elements' blocks between markers of flexible bodies.
     sums: Vec<f64>,
-    /// What acts on the marker's displacement and rotation along the shapes of second order, one marker after the other (body axes).
+    /// Loads on the marker's displacement and rotation along the shapes of second order, one marker after the
+    /// other (body axes).
     pulls: Vec<[f64; 6]>,
     /// One row over a body's velocities.
     line: Vec<f64>,
-    /// Room of the flexible bodies.
+    /// Scratch of the flexible bodies.
     bending: Work,
     time: f64,
 }
@@ -100,7 +102,8 @@ fn matrix_size(model: &Model) -> usize {
     width.max(reach) * width.max(rows).max(reach)
 }
 
-/// The rows by which a marker's reach is expanded: those of a linear shape are its own, others are cached from `at` on.
+/// The rows that expand a marker's reach. A linear shape has its own rows. Those of other shapes are cached
+/// from `at` on.
 fn shape_rows<'a>(marker: &'a MarkerModel, cached: &'a [f64], at: usize) -> &'a [f64] {
     match &marker.shape {
         Some(shape) if shape.is_curved() => &cached[at..at + shape.length()],
@@ -110,7 +113,7 @@ fn shape_rows<'a>(marker: &'a MarkerModel, cached: &'a [f64], at: usize) -> &'a 
 }
 
 impl Dynamics {
-    /// Room for a model.
+    /// Dynamics with the sizes of a model.
     pub fn new(model: &Model) -> Dynamics {
         let dynamic: Vec<usize> = (0..model.elements.len())
             .filter(|e| model.elements[*e].dynamic)
@@ -158,12 +161,12 @@ impl Dynamics {
         }
     }
 
-    /// Frame and shape of a body where the dynamics stand.
+    /// Frame and shape of a body at the present position.
     pub fn frame(&self, model: &Model, body: usize) -> BodyFrame<'_> {
         frame_of(&self.pose, &self.frames, &model.bodies[body], body)
     }
 
-    /// Adds the mass matrix of a body where the dynamics stand, row-major width × width.
+    /// Adds the mass matrix of a body at the present position, row-major width × width.
     pub fn add_mass(&mut self, model: &Model, index: usize, out: &mut [f64]) {
         let body = &model.bodies[index];
         let frame = frame_of(&self.pose, &self.frames, body, index);
@@ -337,7 +340,8 @@ impl Dynamics {
     }
 }
 
-/// The error of an element that gives no number; tells of a table that its function reads outside its points with these inputs.
+/// The error of an element that gives no number. It names a table that the element's function evaluates
+/// outside its points.
 pub fn undefined(
     model: &Model,
     element: usize,

@@ -1,15 +1,16 @@
-//! The floating frame of a flexible body: inertia of its modes, and what they do to markers.
+//! The floating frame of a flexible body, and the inertia of its modes.
 //!
-//! With the constants of [`Invariants`], `a` the amplitudes and `S(a) = Σ m s + P a`, the kinetic energy in body axes is
+//! With the constants of [`Invariants`], `a` the amplitudes and `S(a) = Σ m s + P a`, the kinetic energy in
+//! body axes is
 //!
 //! ```text
 //! T = ½ m v·v + v·(ω × S + P ȧ) + ½ ω·J(a) ω + ω·B(a) ȧ + ½ ȧ·m_ff ȧ
 //! J(a)_ik = J_ik + (D_k a)_i + (D_i a)_k + a·H_ik a        B(a)_k = C_k + (G_k a)ᵀ
 //! ```
 //!
-//! (P, C: momentum and angular momentum of the modal rates; D_k, G_k, H_ik: [`Invariants`]). The equations are those of Boltzmann
-//! and Hamel for (v, ω, ȧ), so that momentum and energy are kept whatever the mass matrix; v drops out, and with
-//! `β = Aᵀ(r̈ − g)`:
+//! (P, C: momentum and angular momentum of the modal rates; D_k, G_k, H_ik: [`Invariants`]). The equations
+//! are those of Boltzmann and Hamel for (v, ω, ȧ), so momentum and energy are kept for any mass matrix. v
+//! drops out. With `β = Aᵀ(r̈ − g)` they are
 //!
 //! ```text
 //! force  (ground axes)  A (m β + ω̇×S + P ä + ω×(ω×S) + 2 ω×P ȧ)
@@ -19,16 +20,17 @@
 //!
 //! (A. A. Shabana, Dynamics of Multibody Systems, 2013, chapter 5; J. Gerstmayr, A. Zwölfer 2021.)
 //!
-//! Geometric stiffness, where the constants have it ([`Geometric`]): the blocks N of spin, T of turn and L of acceleration are the
-//! second-order parts of J, B and S, that is of what a displacement a moves the mass in second order,
+//! Geometric stiffness is optional ([`Geometric`]). Its blocks N of spin, T of turn and L of acceleration are
+//! the second-order parts of J, B and S. They come from the second-order displacement of the mass with a:
 //!
 //! ```text
 //! J_ii −= a·N_ii a    J_ik −= ½ a·N_ik a    B_k += (T_k a)ᵀ    S_i += ½ a·L_i a
 //! ```
 //!
-//! The equations above then have `Σ ω_iω_k N_ik a + Σ ω̇_k T_k a + Σ β_i L_i a` in the modal rows, and what belongs to it in the rows of
-//! force and torque: the mass matrix stays symmetric, momentum and energy are kept. The centrifugal softening is that of H alone.
-//! Loads at markers change the stiffness by the second-order displacement of the markers: see [`crate::shape`].
+//! The equations above then have `Σ ω_iω_k N_ik a + Σ ω̇_k T_k a + Σ β_i L_i a` in the modal rows, and the
+//! corresponding terms in the rows of force and torque. So the mass matrix is symmetric, and momentum and
+//! energy are kept. The centrifugal softening comes from H alone. Loads at markers change the stiffness by
+//! the second-order displacement of the markers: see [`crate::shape`].
 
 use crate::dense::{add_product, add_scaled, add_transposed, dot};
 use crate::frame::{BodyFrame, Weights};
@@ -44,7 +46,7 @@ const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 
 pub struct Flexible {
     /// Its constants, with geometric stiffness of spin and turn in the centrifugal and Coriolis blocks.
     pub constants: Arc<Invariants>,
-    /// Second-order parts of the first moment, where there are any.
+    /// Second-order parts of the first moment, if there are any.
     bending: Option<[Block; 3]>,
     first_moment: V3,
     inertia: M3,
@@ -52,7 +54,7 @@ pub struct Flexible {
     gyroscopic: [Vec<f64>; 3],
 }
 
-/// Room for what inertia needs of a deformed body, kept from step to step.
+/// Scratch for the inertia of a deformed body, kept from step to step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Work {
     shape: Shape,
@@ -66,7 +68,7 @@ pub struct Work {
     coriolis: Vec<f64>,
 }
 
-/// What inertia needs of a deformed body.
+/// The constants of a deformed body for its inertia.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Shape {
     /// S(a).
@@ -77,7 +79,7 @@ struct Shape {
     coupling: Vec<f64>,
     /// ∂J_ik/∂a for [`PAIRS`], n each.
     by_shape: [Vec<f64>; 6],
-    /// ∂S/∂a, 3 × n: P, and L a where there is geometric stiffness.
+    /// ∂S/∂a, 3 × n: P, plus L a with geometric stiffness.
     translation: Vec<f64>,
     /// Ṡ.
     momentum: V3,
@@ -85,7 +87,7 @@ struct Shape {
     swing: V3,
 }
 
-/// Sets a length and zeros, in the room that is there.
+/// Sets a length and zeros, without a new allocation if the capacity suffices.
 fn clear(vector: &mut Vec<f64>, length: usize) {
     vector.clear();
     vector.resize(length, 0.0);
@@ -111,14 +113,15 @@ fn add_blocks(out: &mut [f64], blocks: &[Block; 3], x: &[f64]) {
     }
 }
 
-/// Constants with the blocks of spin and turn in them, and the blocks of acceleration unless they vanish (a free body's do).
+/// Constants that include the blocks of spin and turn, and the blocks of acceleration unless they vanish, as
+/// in a free body.
 fn with_geometric(
     constants: &Invariants,
     geometric: &Geometric,
 ) -> (Arc<Invariants>, Option<[Block; 3]>) {
     let mut own = constants.clone();
     for (p, (block, spin)) in own.centrifugal.iter_mut().zip(&geometric.spin).enumerate() {
-        // an off-diagonal pair stands twice in Σ_ik
+        // an off-diagonal pair occurs twice in Σ_ik
         let factor = if p < 3 { 1.0 } else { 0.5 };
         for (x, n) in block.iter_mut().zip(spin) {
             *x -= factor * n;
@@ -135,7 +138,7 @@ fn with_geometric(
 }
 
 impl Flexible {
-    /// From its constants.
+    /// A flexible body from its constants.
     pub fn new(constants: Arc<Invariants>) -> Flexible {
         let first_moment = V3::from(constants.first_moment);
         let inertia = M3::from_fn(|i, j| constants.inertia[i][j]);
@@ -245,7 +248,8 @@ impl Flexible {
         out
     }
 
-    /// Adds inertia, gravity, stiffness and damping: see the head of this module. `v` are (ṙ, ω, ȧ), `rate` their rates.
+    /// Adds inertia, gravity, stiffness and damping: see the head of this module. `v` are (ṙ, ω, ȧ), `rate`
+    /// their rates.
     pub fn add_inertia(
         &self,
         frame: &BodyFrame,
@@ -453,7 +457,7 @@ impl Flexible {
         self.add_modal_by_shape(&omega, &alpha, speed, out);
     }
 
-    /// Adds the derivative of the modal rows by a and ȧ.
+    /// Adds the derivative of the modal rows with respect to a and ȧ.
     fn add_modal_by_shape(&self, omega: &V3, alpha: &V3, speed: f64, out: &mut [f64]) {
         let c = &*self.constants;
         let n = c.modes;
@@ -474,8 +478,9 @@ impl Flexible {
         }
     }
 
-    /// Derivatives of the torque along the shape that do not depend on β, 3 × n each: by a in `along_alpha`, by ȧ in `by_rates`; in
-    /// `turned` of `Jω + Bȧ` by a, in `along_omega` of `J(a) ω`, in `coriolis` `(G_k − G_kᵀ) ȧ`.
+    /// Derivatives of the torque along the shape that do not depend on β, 3 × n each. `along_alpha` is with
+    /// respect to a, and `by_rates` with respect to ȧ. `turned` is that of `Jω + Bȧ` with respect to a,
+    /// `along_omega` that of `J(a) ω`, and `coriolis` is `(G_k − G_kᵀ) ȧ`.
     fn torque_by_shape(
         &self,
         omega: &V3,
@@ -532,8 +537,9 @@ impl Flexible {
         }
     }
 
-    /// Adds to the derivative what second-order parts of the first moment bring: to the force `A (2 ω~ L ȧ + L ä)` by a and
-    /// `2 A L ȧ` by ȧ (of S̈), to the modal rows `Σ β_k L_k` by a. `turning` is (ω~, β), `rates` (ȧ, ä).
+    /// Adds the derivatives of the second-order parts of the first moment: to the force `A (2 ω~ L ȧ + L ä)`
+    /// with respect to a and `2 A L ȧ` with respect to ȧ (from S̈), and to the modal rows `Σ β_k L_k` with
+    /// respect to a. `turning` is (ω~, β), and `rates` is (ȧ, ä).
     #[allow(clippy::too_many_arguments)]
     fn add_bending(
         &self,
@@ -569,7 +575,8 @@ impl Flexible {
         }
     }
 
-    /// Kinetic energy, potential of gravity (zero at the inertial origin), strain energy (J), power lost in damping (W).
+    /// Kinetic energy, potential of gravity (zero at the inertial origin), strain energy (J), power lost in
+    /// damping (W).
     pub fn energy(&self, frame: &BodyFrame, v: &[f64], gravity: &V3, work: &mut Work) -> [f64; 4] {
         let (c, a) = (&*self.constants, frame.amplitudes);
         let n = c.modes;

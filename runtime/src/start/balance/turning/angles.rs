@@ -1,4 +1,4 @@
-//! The places at all angles of a period, and Newton's method for all of them.
+//! The positions at all angles of a period, and Newton's method for all of them together.
 
 use super::super::{Balance, Place, Stop};
 use super::derivative::{PeriodicDerivative, refined};
@@ -13,40 +13,42 @@ use crate::start::{Equilibrium, Turning};
 use crate::state::{State, move_pose};
 use nalgebra::{DMatrix, DVector};
 
-/// Rounds of Newton's method.
+/// Most rounds of Newton's method.
 const ROUNDS: usize = 25;
-/// Part of the residual to which a round solves its linear system.
+/// Part of the residual at which a round's linear system is solved.
 const GOAL: f64 = 1e-10;
-/// Products with the matrix in a round. The preconditioner leaves an eigenvalue `1 − (mΩ/ω)²` to each shape
-/// of frequency ω and each order m below N/2: some hundreds that differ where a residual has all orders, as
-/// that of a fine grid.
+/// Most products with the matrix in a round. With the preconditioner each shape of frequency ω and each order
+/// m below N/2 has an eigenvalue `1 − (mΩ/ω)²`. A residual with all orders, such as that of a fine grid, has
+/// some hundreds of different ones.
 const PRODUCTS: usize = 400;
-/// Part of the residual up to which a round has solved its system: its step tells how far off the places are.
+/// Part of the residual below which a round has solved its system, so that its step measures the error of the
+/// positions.
 const SOLVED: f64 = 1e-4;
-/// Part of the residual from which on a round does not help. Between, its step is taken, and the next round
-/// goes on from there.
+/// Part of the residual above which a round is useless. Between [`SOLVED`] and this, its step is taken, and
+/// the next round continues from there.
 const STALLED: f64 = 0.5;
-/// Part of the first residual below which there is nothing but rounding.
+/// Part of the first residual below which only rounding is left.
 const ROUNDING: f64 = 1e-11;
-/// The same where a system of it is not solved.
+/// Part of the first residual below which only rounding is left, if its linear system cannot be solved.
 const NEARLY: f64 = 1e-9;
-/// Where bodies are free to move at a whole order of the period (a disc that wobbles as it turns, a shape
-/// whose frequency is met and which no load of that order excites), the matrix has nearly no inverse along
-/// that motion. There a residual of rounding asks for a step of any size, each round for another, and the
-/// places before are as good an answer. Such a step shows by its size: below this part of the first residual,
-/// where only rounding is left to solve for …
+/// Bodies may be free to move at a whole order of the period: a wobbling disc, or a shape at its frequency
+/// that no load of that order excites. Along this motion the matrix is nearly singular. There a residual of
+/// rounding gives a step of arbitrary size, different in each round, and the earlier positions are an equally
+/// good answer. Such a step is recognised below this part of the first residual, where only rounding is left
+/// …
 const SMALL: f64 = 1e-8;
-/// … it is so many times larger for its residual than the first step was for its own. A step of a sound
-/// matrix keeps the proportion of stiffest to softest shape that the first one had, within a few decades.
+/// … by its size relative to its residual, which is this many times that of the first step. With a sound
+/// matrix this ratio changes by a few decades at most, because the ratio of the stiffest to the softest shape
+/// is the same.
 const BEYOND: f64 = 1e4;
-/// Scaled step beyond which loads meet a shape that nothing damps: far beyond all bending.
+/// Scaled step, far beyond all bending, above which a load meets an undamped shape.
 const FAR: f64 = 1.0;
 
 /// One of the angles.
 #[derive(Clone, Debug)]
 pub(super) struct Angle {
     pub place: Place,
-    /// Rows of what is held, in scaled velocities; the first angle has those of the balance.
+    /// Rows of held directions, in scaled velocities. The first angle has those of the balance.
     pub held: Option<DMatrix<f64>>,
     pub velocity: Vec<f64>,
     pub acceleration: Vec<f64>,
@@ -58,21 +60,22 @@ impl AsRef<[f64]> for Angle {
     }
 }
 
-/// All of them.
+/// All angles.
 #[derive(Clone, Debug)]
 pub(super) struct Angles {
     pub list: Vec<Angle>,
     pub derivative: PeriodicDerivative,
-    /// The rows that velocities keep.
+    /// The conditions on velocities.
     pub motion: SteadyMotion,
-    /// Which candidates are held at all angles but the first.
+    /// Indices of the candidates that are held at all angles except the first.
     chosen: Vec<usize>,
-    /// Size of the residual with which Newton's method began, a number of it, and of its first step.
+    /// Size per number of the first residual of Newton's method, and of its first step.
     load: f64,
     reach: f64,
 }
 
-/// Rows of what could be held at a place: what moves first, for what is stated of places may be at a dead centre elsewhere.
+/// Rows of directions that could be held at a position. Moving rows come first, because stated positions may
+/// be at a dead centre at another angle.
 fn candidates(balance: &mut Balance, state: &State) -> Result<DMatrix<f64>, Stop> {
     let n = balance.model.velocities;
     let (moving, _) = balance.what_moves(state)?;
@@ -86,7 +89,7 @@ fn candidates(balance: &mut Balance, state: &State) -> Result<DMatrix<f64>, Stop
     Ok(rows)
 }
 
-/// Those of them that do not follow from others.
+/// The independent ones among the candidates.
 fn chosen(balance: &mut Balance, state: &State) -> Result<Vec<usize>, NoOrbit> {
     let rows = candidates(balance, state)?;
     let mut free = balance.motion.free.clone();
@@ -121,7 +124,7 @@ fn held_at(
 }
 
 impl Angles {
-    /// Every `stride`-th place of a path.
+    /// The angles at every `stride`-th position of a path.
     pub fn along(
         balance: &mut Balance,
         path: &Path,
@@ -162,7 +165,7 @@ impl Angles {
         })
     }
 
-    /// The same at twice as many angles of a path that has them all.
+    /// The solution at twice as many angles, which the path has.
     pub fn refined(&self, balance: &mut Balance, path: &Path) -> Result<Angles, NoOrbit> {
         let model = balance.model;
         let off: Vec<Vec<f64>> = self
@@ -236,7 +239,7 @@ impl Angles {
             let squares = wanted.iter().map(|r| r * r).sum::<f64>() / wanted.len() as f64;
             let left = libm::sqrt(squares);
             self.load = self.load.max(left);
-            // where a free motion has a whole order, nothing decides its size, and steps do not become small
+            // the size of a free motion at a whole order is undetermined, so steps need not become small
             if left <= ROUNDING * self.load {
                 return Ok(());
             }
@@ -289,7 +292,7 @@ impl Angles {
         ))
     }
 
-    /// Moves all places by a step of Newton's method as far as each allows; gives that part of it.
+    /// Moves all positions by a step of Newton's method, as far as each allows. Returns the part of the step.
     fn advance(&mut self, balance: &mut Balance, steps: &[DVector<f64>], size: f64) -> f64 {
         let model = balance.model;
         let n = model.velocities;
@@ -306,7 +309,7 @@ impl Angles {
         factor
     }
 
-    /// Which shape answers most in a step that solves nothing, and at which order.
+    /// The shape with the largest response in a useless step, and its order.
     fn resonance(&self, balance: &Balance, steps: &[DVector<f64>]) -> String {
         let model = balance.model;
         let modal = model
@@ -352,7 +355,8 @@ impl Angles {
         times * self.list.len() as f64
     }
 
-    /// Largest change of the first place's shapes and their rates from another grid, as a share of the largest.
+    /// Largest change of the first position's shapes and their rates from another grid, as a share of the
+    /// largest.
     pub fn change(&self, model: &Model, other: &Angles) -> f64 {
         let (Some(here), Some(there)) = (self.list.first(), other.list.first()) else {
             return f64::NAN;
@@ -376,7 +380,7 @@ impl Angles {
         if size > 0.0 { change / size } else { 0.0 }
     }
 
-    /// The first place. What nothing holds is loaded by the mean over the period.
+    /// The start at the first position. Directions that nothing holds get the mean load over the period.
     pub fn first(mut self, balance: &Balance, period: f64, change: f64) -> Orbit {
         let count = self.list.len();
         let neutral = balance.neutral.nrows();

@@ -1,29 +1,30 @@
-//! Rates of what repeats, from its values at equal parts of the period.
+//! Rates of periodic values, from the values at equal parts of the period.
 //!
-//! Through N values, N even, at `t_j = jT/N` runs one trigonometric polynomial of the orders below N/2 (the share of order N/2 has
-//! no rate at the points). Its rates there are `ẏ_j = Σ_k d(j − k) y_k` with `d(0) = 0` and
+//! One trigonometric polynomial of the orders below N/2 passes through N values at `t_j = jT/N`, with N even.
+//! (The part of order N/2 has no rate at the points.) Its rates there are `ẏ_j = Σ_k d(j − k) y_k` with
+//! `d(0) = 0` and
 //!
 //! ```text
 //! periodic      y(t + T) =  y(t):    d(l) = (π/T) (−1)^l cot(πl/N)
 //! antiperiodic  y(t + T) = −y(t):    d(l) = (π/T) (−1)^l csc(πl/N)
 //! ```
 //!
-//! A quaternion is antiperiodic where its body has made an odd number of turns. The error falls faster than any power of 1/N for
-//! smooth motions; orders from N/2 on are taken for lower ones.
-//! (L. N. Trefethen, Spectral Methods in MATLAB, 2000, chapter 3; the second by the same sum over half-odd orders.)
+//! A quaternion is antiperiodic if its body has made an odd number of turns. For smooth motions the error
+//! decreases faster than any power of 1/N. Orders from N/2 on appear as lower ones. (L. N. Trefethen,
+//! Spectral Methods in MATLAB, 2000, chapter 3; the second by the same sum over half-odd orders.)
 
 use std::f64::consts::PI;
 
-/// How values go on after a period.
+/// The sign of values after a period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Repeats {
-    /// As they were.
+    /// The same sign.
     Same,
-    /// With the other sign.
+    /// The opposite sign.
     Opposite,
 }
 
-/// The rates at the points of a period.
+/// The derivative at the points of a period.
 #[derive(Clone, Debug)]
 pub(super) struct PeriodicDerivative {
     /// d(l) for l = 0…N−1 (1/s).
@@ -32,7 +33,7 @@ pub(super) struct PeriodicDerivative {
 }
 
 impl PeriodicDerivative {
-    /// For an even number of points over a period (s).
+    /// The derivative for an even number of points over a period (s).
     pub fn new(points: usize, period: f64) -> PeriodicDerivative {
         let weights = |opposite: bool| -> Vec<f64> {
             (0..points)
@@ -64,7 +65,7 @@ impl PeriodicDerivative {
         match (repeats, j >= k) {
             (Repeats::Same, _) => self.same[(n + j - k) % n],
             (Repeats::Opposite, true) => self.opposite[j - k],
-            // a whole period on: d(l − N) y = −d(l) y
+            // after a whole period the sign changes: d(l − N) y = −d(l) y
             (Repeats::Opposite, false) => -self.opposite[n + j - k],
         }
     }
@@ -83,8 +84,9 @@ impl PeriodicDerivative {
     }
 }
 
-/// Values at twice as many points: those in between by the trigonometric polynomial through the points, Nyquist's order as a
-/// cosine, `y(t_{j+½}) = Σ_k (−1)^l cot(π(l + ½)/N)/N y_k` with `l = j − k`.
+/// Values at twice as many points. Those in between come from the trigonometric polynomial through the
+/// points, with Nyquist's order as a cosine, `y(t_{j+½}) = Σ_k (−1)^l cot(π(l + ½)/N)/N y_k` with
+/// `l = j − k`.
 pub(super) fn refined<V: AsRef<[f64]>>(values: &[V]) -> Vec<Vec<f64>> {
     let n = values.len();
     let weights: Vec<f64> = (0..n)

@@ -1,20 +1,21 @@
-//! The start of flexible bodies that turn in films: their motion followed until it repeats.
+//! The start of flexible bodies that turn in films: their motion is integrated until it repeats.
 //!
-//! A pin is carried by the squeeze of its film as much as by the wedge, so its place is the outcome of the load before: of the motion that
-//! repeats nothing is known at one angle alone. Neither does the motion with `ė = 0` come back after a period, for the rates that it
-//! sets to zero are no derivatives of places. So the whole motion is followed, from the balance, with the scheme of the steps (`ρ∞ = ½`, 2° a
-//! step), until a period changes nothing any more. What dies slowly is found ahead by Anderson's method: with the states x_i at the
-//! beginnings of the last periods and P(x_i) at their ends,
+//! The squeeze of its film carries a pin as much as the wedge, so the position of the pin depends on earlier
+//! loads, and one angle alone does not determine the repeating motion. The motion with `ė = 0` does not
+//! return after a period, because its zero rates are not derivatives of positions. So the whole motion is
+//! integrated from the balance with the scheme of the steps (`ρ∞ = ½`, 2° per step), until a period changes
+//! nothing. Anderson's method accelerates slow decay. With the states x_i at the beginnings of the last
+//! periods and P(x_i) at their ends,
 //!
 //! ```text
 //! x = Σ γ_i P(x_i)        Σ γ_i = 1        |Σ γ_i (P(x_i) − x_i)| least
 //! ```
 //!
-//! What is stated to move keeps its speed in the mean, by efforts of critical damping that are soft against all orders of the period
-//! ([`kept`]); element states stay. Velocities where the start is are those of the places followed, by central differences of eighth
-//! order: the scheme's own miss `Φ̇ = 0` by `C h² v̈`, which is as much as a film is squeezed. Last, the place and its velocities
-//! are brought to what the text states, so that eccentricities, shapes and their rates change least.
-//! (D. G. Anderson, J. ACM 12 (1965) 547.)
+//! Efforts keep the mean of each stated speed. They are critically damped and soft against all orders of the
+//! period ([`kept`]). Element states do not change. The velocities at the start are central differences of
+//! eighth order of the positions. Those of the scheme violate `Φ̇ = 0` by `C h² v̈`, which is as much as the
+//! squeeze of a film. At the end position and velocities are projected to the stated values, so that
+//! eccentricities, shapes and their rates change least. (D. G. Anderson, J. ACM 12 (1965) 547.)
 
 use super::super::{Balance, Place, Stop};
 use super::kept::Kept;
@@ -32,34 +33,34 @@ use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-/// Steps of a turn.
+/// Steps per turn.
 const STEPS: f64 = 180.0;
 /// ρ∞ of the scheme.
 const RADIUS: f64 = 0.5;
-/// Periods that are followed at most.
+/// Most periods.
 const PERIODS: usize = 40;
-/// Periods before what is left is taken for linear.
+/// Number of periods after which the remaining deviation counts as linear.
 const PLAIN: usize = 2;
-/// Periods that are taken together.
+/// Most periods in one combination.
 const TOGETHER: usize = 8;
 /// Change over a period, of a clearance or of the largest bending, below which the motion repeats.
 const REPEATS: f64 = 2e-4;
-/// The same where it has been followed for long.
+/// This change after [`PERIODS`] periods.
 const NEARLY: f64 = 5e-3;
-/// Iterations of a step.
+/// Most iterations of a step.
 const ITERATIONS: usize = 20;
 /// Iterations with the first matrix.
 const MATRIX: usize = 4;
 /// Scaled correction at which a step is solved, as a share of the position tolerance.
 const GOAL: f64 = 1e-3;
-/// Weight of eccentricities and shapes against all else where a place is brought to what is stated.
+/// Weight of eccentricities and shapes relative to all others, in the projection to stated values.
 const STIFF: f64 = 1e4;
-/// Rounds of that.
+/// Most rounds of this projection.
 const ROUNDS: usize = 5;
-/// Singular values of what changed over the last periods, as a share of the largest, that say nothing.
+/// Share of the largest singular value of the changes over the last periods, below which a value is ignored.
 const SAME: f64 = 1e-8;
 
-/// The motion found, where it starts.
+/// The start of the found motion.
 pub(super) struct Followed {
     pub place: Place,
     pub velocity: Vec<f64>,
@@ -74,14 +75,15 @@ struct Follower {
     solver: BlockLu,
     kept: Kept,
     step: f64,
-    /// The last places.
+    /// The last positions.
     behind: VecDeque<Vec<f64>>,
 }
 
-/// All that a period begins with, as offsets from a place: increments, velocities, accelerations, the scheme's own, and what is ahead.
+/// The complete state at the beginning of a period, as offsets from a position: increments, velocities,
+/// accelerations, the scheme's own accelerations, and the leads of kept speeds.
 type Vector = Vec<f64>;
 
-/// Makes the rows of element states those of what stays.
+/// Replaces the rows of element states by those of constant states.
 fn still_states(pattern: &Pattern, states: std::ops::Range<usize>, values: &mut [f64]) {
     for column in 0..pattern.size {
         for k in pattern.columns[column]..pattern.columns[column + 1] {
@@ -105,7 +107,8 @@ impl Follower {
         step: f64,
     ) -> Result<Follower, NoOrbit> {
         let model = balance.model;
-        // its own iteration is not called: that of `advance` keeps element states and adds the efforts
+        // this goal is unused: the iteration of `advance` replaces the integrator's, to hold element states
+        // and add efforts
         let goal = Goal {
             absolute: GOAL * model.tolerance / model.length,
             relative: 0.0,
@@ -130,7 +133,7 @@ impl Follower {
         })
     }
 
-    /// A step on.
+    /// Takes a step.
     fn advance(&mut self, balance: &mut Balance) -> Result<(), NoOrbit> {
         let model = balance.model;
         let (n, s) = (model.velocities, model.states);
@@ -203,7 +206,7 @@ impl Follower {
         Ok(())
     }
 
-    /// Rates of the places where it is, from those before and after, by central differences of eighth order.
+    /// Rates of the present positions, by central differences of eighth order from earlier and later ones.
     fn rates(&mut self, balance: &mut Balance) -> Result<Vec<f64>, NoOrbit> {
         const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
         let model = balance.model;
@@ -221,14 +224,14 @@ impl Follower {
         Ok(rates)
     }
 
-    /// Puts the time and all angles back to those of a state a period before.
+    /// Sets the time and all angles back to those of a state a period before.
     fn rewind(&mut self, first: &State) {
         let now = &mut self.integrator.current;
         now.time = first.time;
         now.rotations.copy_from_slice(&first.rotations);
     }
 
-    /// What goes on from here, from a place.
+    /// The complete state, as offsets from a position.
     fn read(&self, model: &Model, from: &State) -> Vector {
         let now = &self.integrator.current;
         let mut all = offset(model, &from.pose, &now.pose);
@@ -243,7 +246,7 @@ impl Follower {
         all
     }
 
-    /// The other way; `false` where a pin would not be in its shell.
+    /// Sets the complete state from offsets; `false` if a pin would be outside its shell.
     fn write(&mut self, model: &Model, from: &State, all: &[f64]) -> bool {
         let n = model.velocities;
         let mut pose = from.pose.clone();
@@ -274,14 +277,14 @@ impl Follower {
     }
 }
 
-/// Eccentricity ratio up to which a place is taken that was found ahead.
+/// Largest eccentricity ratio of an accelerated state that is accepted.
 const WITHIN: f64 = 0.98;
 
 fn unscaled(unknowns: &[f64], scales: &[f64]) -> Vec<f64> {
     unknowns.iter().zip(scales).map(|(x, s)| x * s).collect()
 }
 
-/// The increment from a place to another.
+/// The increment from one position to another.
 fn offset(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; model.velocities];
     for body in &model.bodies {
@@ -298,8 +301,8 @@ fn offset(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Largest change from a state to another: of eccentricities as shares of their clearances, and of shapes as shares of the largest of
-/// their body.
+/// Largest change from one state to another: of eccentricities as shares of their clearances, and of shapes
+/// as shares of the largest shape of their body.
 fn change(model: &Model, from: &State, to: &State) -> f64 {
     let films = eccentricities(model, &from.pose)
         .into_iter()
@@ -326,7 +329,8 @@ fn change(model: &Model, from: &State, to: &State) -> f64 {
     change
 }
 
-/// What to begin a period with, from the beginnings and ends of the last ones; weights make their entries alike.
+/// The accelerated beginning of the next period, from the beginnings and ends of the last ones. The weights
+/// make the entries comparable.
 fn ahead(begins: &[Vector], ends: &[Vector], weights: &[f64]) -> Option<Vector> {
     let (last_end, last_begin) = (ends.last()?, begins.last()?);
     let count = ends.len() - 1;
@@ -346,7 +350,7 @@ fn ahead(begins: &[Vector], ends: &[Vector], weights: &[f64]) -> Option<Vector> 
 }
 
 impl Balance<'_> {
-    /// Follows the motion from a place until it repeats.
+    /// Integrates the motion from a position until it repeats.
     pub(super) fn follow(&mut self, place: &Place) -> Result<Followed, NoOrbit> {
         let model = self.model;
         let mut first = place.state.clone();
@@ -414,7 +418,8 @@ impl Balance<'_> {
         })
     }
 
-    /// Weights that make increments and velocities alike: of shapes by the largest of their body, of frames by the clearances.
+    /// Weights that make increments and velocities comparable: the largest shape of the body for shapes, the
+    /// clearances for frames.
     fn weights(&self, state: &State, pace: f64) -> Vec<f64> {
         let model = self.model;
         let mut weights = vec![0.0; model.velocities];
@@ -431,7 +436,7 @@ impl Balance<'_> {
         weights
     }
 
-    /// What the text states of places, and what keeps its mean speed: how far off, and the rows, in scaled increments.
+    /// Deviations and rows, in scaled increments, of stated positions and of parts with a kept mean speed.
     fn stated_or_kept(
         &mut self,
         state: &State,
@@ -461,7 +466,7 @@ impl Balance<'_> {
         Ok((off, all))
     }
 
-    /// Weight of moves in scaled velocities: eccentricities and shapes are stiff.
+    /// Weight matrix of moves in scaled velocities. Eccentricities and shapes are stiff.
     fn stiff(&self, state: &State) -> DMatrix<f64> {
         let model = self.model;
         let n = model.velocities;
@@ -476,7 +481,7 @@ impl Balance<'_> {
         weight
     }
 
-    /// The least move, in scaled velocities, by which rows give what is wanted.
+    /// The least weighted move, in scaled velocities, that changes rows by `wanted`.
     fn softest(
         &self,
         state: &State,
@@ -493,7 +498,8 @@ impl Balance<'_> {
         })
     }
 
-    /// Brings a place of the motion and its velocities to what the text states, and the cycle to its angle at the place that it came from: eccentricities, shapes and their rates change least.
+    /// Projects a position of the motion and its velocities to the stated values, and the cycle to its angle
+    /// at the first position. Eccentricities, shapes and their rates change least.
     fn stated(
         &mut self,
         from: &State,

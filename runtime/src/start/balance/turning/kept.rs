@@ -1,8 +1,10 @@
-//! What keeps its mean speed along a motion: what is stated to move, the cycle's angle, and what nothing holds.
+//! Parts with a kept mean speed along a motion: stated motions, the cycle's angle, and directions that
+//! nothing holds.
 //!
-//! Held at a place of the body, its speed would not swing with the loads of the cycle, and the twist by which a crank carries these to its
-//! flywheel would be wrong. So each row has an effort that is soft against the orders of the period and damped critically,
-//! `−J (ω_g² φ + 2 ω_g φ̇)`, with how far ahead φ it is, its inertia J, and `ω_g` a tenth of the pace of the period.
+//! If a part were held at one of its points, its speed could not swing with the loads of the cycle, and the
+//! twist with which a crank carries these loads to its flywheel would be wrong. So each row has an effort
+//! `−J (ω_g² φ + 2 ω_g φ̇)`, with the lead φ, the inertia J, and `ω_g` a tenth of the rate of the period. The
+//! effort is soft against the orders of the period and critically damped.
 
 use super::super::{Balance, Stop};
 use super::NoOrbit;
@@ -12,26 +14,26 @@ use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Pace of the efforts, of that of the period.
+/// Rate of the efforts, as a share of the rate of the period.
 const SOFT: f64 = 0.1;
-/// Share of a row of what moves that the constraints leave free, up to which they hold it.
+/// Share of a moving row that the constraints leave free, below which they hold it.
 const HELD: f64 = 1e-2;
-/// Share of a row of what moves that others do not say, up to which it follows from them: what is left are small tilts.
+/// Share of a moving row outside the others, below which it follows from them. The remainder is a small tilt.
 const DEPENDS: f64 = 0.1;
 
-/// The rows of what keeps its mean speed, each of length one in scaled velocities, and where they are.
+/// The rows with a kept mean speed, each of length one in scaled velocities, and their present leads.
 pub(super) struct Kept {
-    /// Which rows of what moves.
+    /// Indices of the moving rows.
     moving: Vec<usize>,
     /// Their speeds.
     values: DVector<f64>,
     /// Inertia of each.
     inertia: Vec<f64>,
-    /// How far each is ahead.
+    /// Lead of each.
     pub ahead: DVector<f64>,
-    /// How much faster each is.
+    /// Rate of the lead of each.
     pub faster: DVector<f64>,
-    /// Pace of the efforts (1/s).
+    /// Rate of the efforts (1/s).
     pace: f64,
 }
 
@@ -45,11 +47,11 @@ fn no_numbers() -> NoOrbit {
 }
 
 impl Kept {
-    /// At a state in the motion, which repeats after a period (s).
+    /// The kept rows at a state of the motion, which repeats after a period (s).
     pub fn new(balance: &mut Balance, state: &State, period: f64) -> Result<Kept, NoOrbit> {
         let (mut rows, _) = balance.what_moves(state)?;
         unit_rows(&mut rows, 1e-12);
-        // as rigid bodies: a crank that is stated to turn at both ends is not twisted, nor are its tilts held
+        // bodies count as rigid here, so that a crank with stated speeds at both ends can twist and tilt
         let shapes = modal(balance.model);
         let bent = balance.motion.free.select_rows(&shapes);
         let rigid = split(&bent).ok_or_else(no_numbers)?;
@@ -60,7 +62,7 @@ impl Kept {
             let own = (rows.row(i) * &free).transpose();
             let mut alone = rows.row(i).into_owned();
             shapes.iter().for_each(|i| alone[*i] = 0.0);
-            // a drive holds it: what is free are tilts
+            // a drive holds the row, and only tilts are free
             if own.norm() <= HELD * alone.norm() {
                 continue;
             }
@@ -91,7 +93,7 @@ impl Kept {
             .row_iter()
             .map(|own| 1.0 / own.transpose().dot(&mass.solve(&own.transpose())))
             .collect();
-        // shapes move to and fro
+        // shapes swing and have no mean speed
         let mut velocity = scaled(balance, &state.velocity);
         for i in shapes {
             velocity[i] = 0.0;
@@ -100,15 +102,15 @@ impl Kept {
         Ok(kept)
     }
 
-    /// Takes how far the cycle's angle is ahead from the places themselves: what is added up over the steps drifts, and a crank that twists has
-    /// another angle at each of its markers.
+    /// Measures the lead of the cycle's angle from the positions themselves. A sum over the steps would
+    /// drift, and a twisting crank has a different angle at each marker.
     pub fn measure_cycle(
         &mut self,
         balance: &mut Balance,
         from: &State,
         here: &State,
     ) -> Result<(), Stop> {
-        // its row is the first of what moves
+        // the cycle's row is the first moving row
         let cycle = balance.model.compiled.system.cycle.as_ref();
         let (Some(element), Some(0)) = (cycle.map(|c| c.element as usize), self.moving.first())
         else {
@@ -120,7 +122,7 @@ impl Kept {
         Ok(())
     }
 
-    /// The rows at a place.
+    /// The rows at a position.
     pub fn rows(&self, balance: &mut Balance, state: &State) -> Result<DMatrix<f64>, Stop> {
         let (mut moving, _) = balance.what_moves(state)?;
         unit_rows(&mut moving, 1e-12);
@@ -132,7 +134,7 @@ impl Kept {
         Ok(rows)
     }
 
-    /// The loads by which they are brought back over a step (s), along the scaled velocities.
+    /// The loads of the efforts over a step (s), along the scaled velocities.
     pub fn pull(
         &self,
         balance: &mut Balance,
@@ -146,7 +148,7 @@ impl Kept {
         Ok(self.rows(balance, state)?.tr_mul(&efforts))
     }
 
-    /// Takes a step (s) to a state into account.
+    /// Updates the leads after a step (s) to a state.
     pub fn follow(&mut self, balance: &mut Balance, state: &State, step: f64) -> Result<(), Stop> {
         let faster = self.rows(balance, state)? * scaled(balance, &state.velocity) - &self.values;
         self.ahead += (&self.faster + &faster) * (0.5 * step);

@@ -1,6 +1,6 @@
-//! Linear systems of all angles together, by products with their matrix alone.
+//! Solution of the linear system of all angles, which needs only products with its matrix.
 
-/// A solution, and how well it solves.
+/// A solution with its residual.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Solution {
     /// x.
@@ -19,9 +19,10 @@ fn norm(a: &[f64]) -> f64 {
     libm::sqrt(dot(a, a))
 }
 
-/// `A x = b` by the method of generalised minimal residuals, preconditioned from the right: `A P⁻¹ y = b`, `x = P⁻¹ y`. Ends where
-/// the residual has fallen to `goal` of |b|, or after `most` products. (Y. Saad, M. H. Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856;
-/// the basis by two rounds of modified Gram–Schmidt, the least squares by Givens' rotations.)
+/// `A x = b` by the method of generalised minimal residuals, preconditioned from the right: `A P⁻¹ y = b`,
+/// `x = P⁻¹ y`. It ends when the residual is below `goal` of |b|, or after `most` products. (Y. Saad, M. H.
+/// Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856; two rounds of modified Gram–Schmidt make the basis, and
+/// Givens' rotations solve the least squares.)
 pub(super) fn gmres<E>(
     mut multiply: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
     mut precondition: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
@@ -104,7 +105,8 @@ mod tests {
     use super::*;
     use nalgebra::{DMatrix, DVector};
 
-    /// A matrix that no eigenvalue order makes easy, with a poor and with an exact preconditioner, against LU.
+    /// A matrix that no eigenvalue order makes easy, with a poor and with an exact preconditioner, against
+    /// LU.
     #[test]
     fn finds_the_solution_of_a_dense_system() {
         let n = 12;

@@ -1,4 +1,5 @@
-//! Where the bodies come by in a period, as far as rigid bodies tell: the steady motion followed until it repeats.
+//! The path of the bodies in a period, approximated with rigid bodies: the steady motion, followed until it
+//! repeats.
 
 use super::super::{Balance, Place};
 use super::{NoOrbit, TURNS, singular};
@@ -12,29 +13,29 @@ use crate::start::motion::modal;
 use crate::state::State;
 use std::f64::consts::TAU;
 
-/// Angles of a turn where there is no cycle.
+/// Angles per turn without a cycle.
 const OF_A_TURN: usize = 16;
-/// Angles of a turn of a cycle.
+/// Angles per turn with a cycle.
 const OF_A_CYCLE: usize = 48;
 /// Turns after which a motion without a cycle must have repeated.
 const MOST_TURNS: usize = 20;
 /// Steps between two angles of the fine grid.
 const STEPS: usize = 2;
-/// Share of a turn within which a body has come round.
+/// Share of a turn within which a body has completed its turns.
 const ROUND: f64 = 1e-3;
-/// Share of the model's length, or rad, within which a place has come back.
+/// Share of the model's length, or rad, within which a position has returned.
 const BACK: f64 = 1e-4;
 
 /// States at equal parts of a period.
 pub(super) struct Path {
-    /// Places and velocities; twice as many as the coarse grid has.
+    /// Positions and velocities, twice as many as in the coarse grid.
     pub states: Vec<State>,
     /// The period (s).
     pub period: f64,
 }
 
 impl Path {
-    /// Follows the steady motion from a place until it repeats.
+    /// Follows the steady motion from a position until it repeats.
     pub fn new(balance: &Balance, place: &Place) -> Result<Path, NoOrbit> {
         let model = balance.model;
         let cycle = cycle_time(balance, place)?;
@@ -85,7 +86,7 @@ fn even(x: f64) -> usize {
     (2.0 * libm::ceil(0.5 * x)).max(OF_A_TURN as f64) as usize
 }
 
-/// Time of a cycle (s) and its turns, where the model has a cycle and it turns.
+/// Time of a cycle (s) and its turns, if the model has a cycle that turns.
 fn cycle_time(balance: &Balance, place: &Place) -> Result<Option<(f64, f64)>, RuntimeError> {
     let model = balance.model;
     let Some(cycle) = &model.compiled.system.cycle else {
@@ -95,7 +96,7 @@ fn cycle_time(balance: &Balance, place: &Place) -> Result<Option<(f64, f64)>, Ru
     let mut dynamics = Dynamics::new(model);
     let mut state = place.state.clone();
     state.velocity.copy_from_slice(&balance.velocity);
-    // shapes move to and fro
+    // shapes swing and have no mean speed
     for i in modal(model) {
         state.velocity[i] = 0.0;
     }
@@ -105,7 +106,8 @@ fn cycle_time(balance: &Balance, place: &Place) -> Result<Option<(f64, f64)>, Ru
     Ok((rate > TURNS * balance.pace).then_some((period / rate, period / TAU)))
 }
 
-/// Time after which a motion repeats (s), and its turns: the cycle's, or that after which all that turns has come round.
+/// Time after which a motion repeats (s), and its turns: those of the cycle, or those after which all turning
+/// bodies have completed their turns.
 pub(super) fn period_of(balance: &Balance, place: &Place) -> Result<(f64, f64), NoOrbit> {
     if let Some(cycle) = cycle_time(balance, place)? {
         return Ok(cycle);
@@ -129,7 +131,7 @@ pub(super) fn period_of(balance: &Balance, place: &Place) -> Result<(f64, f64), 
         })
 }
 
-/// Time of a turn (s) of the flexible body that turns slowest.
+/// Time of a turn (s) of the slowest turning flexible body.
 fn slowest_turn(balance: &Balance) -> Result<f64, NoOrbit> {
     let speeds = balance
         .model
@@ -149,7 +151,7 @@ fn slowest_turn(balance: &Balance) -> Result<f64, NoOrbit> {
     }
 }
 
-/// The unwrapped angles where a state has come to.
+/// The unwrapped angles at a state.
 pub(super) fn unwrap(
     model: &Model,
     watch: &mut Watch,
@@ -179,8 +181,8 @@ pub(super) fn turn_between(from: &[f64], to: &[f64]) -> crate::rotation::V3 {
     logarithm(&turn)
 }
 
-/// Whether a state has come back to a place with its velocities, up to whole turns; else the body that is farthest off, and by how
-/// much.
+/// Checks that a state has returned to a position with its velocities, up to whole turns. The error is the
+/// body with the largest deviation, and this deviation.
 fn returned<'a>(model: &'a Model, first: &State, now: &State) -> Result<(), (&'a str, f64)> {
     let scales = model.velocity_scales();
     let pace = first

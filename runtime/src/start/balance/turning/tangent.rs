@@ -1,4 +1,4 @@
-//! Residual and derivatives at all angles: a matrix that is only ever multiplied with.
+//! Residual and derivatives at all angles. The matrix is only used for products and never stored as a whole.
 
 use super::super::{Balance, Stop};
 use super::angles::Angles;
@@ -11,13 +11,14 @@ use crate::start::motion::{Kept, SteadyMotion};
 use crate::state::move_pose;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
-/// Scaled move of a place over which velocities are compared.
+/// Scaled move of a position for differences of velocities.
 const DIFFERENCE: f64 = 1e-5;
 
 /// Derivatives at an angle.
 struct Local {
     kept: Kept,
-    /// By places, velocities and accelerations; the pattern is that of the step's matrix.
+    /// Derivatives with respect to positions, velocities and accelerations. The pattern is that of the step's
+    /// matrix.
     by_place: Vec<f64>,
     by_velocity: Vec<f64>,
     by_acceleration: Vec<f64>,
@@ -44,7 +45,8 @@ fn conjugate([w, x, y, z]: Quaternion) -> Quaternion {
     [w, -x, -y, -z]
 }
 
-/// Quaternions of all bodies along the angles without change of sign between neighbours, and how each goes on after the period.
+/// Quaternions of all bodies along the angles, without a change of sign between neighbours, and the sign of
+/// each after the period.
 fn orientations(model: &Model, angles: &Angles) -> (Vec<Vec<f64>>, Vec<Repeats>) {
     let mut all: Vec<Vec<f64>> = Vec::with_capacity(angles.list.len());
     for angle in &angles.list {
@@ -82,7 +84,7 @@ fn orientations(model: &Model, angles: &Angles) -> (Vec<Vec<f64>>, Vec<Repeats>)
     (all, repeats)
 }
 
-/// Rates of values, four of each body in its own way of repeating.
+/// Rates of values, four for each body, with the sign of its repetition.
 fn turning_rates(angles: &Angles, values: &[Vec<f64>], repeats: &[Repeats]) -> Vec<Vec<f64>> {
     let width = 4 * repeats.len();
     let mut rates = vec![vec![0.0; width]; values.len()];
@@ -101,7 +103,7 @@ fn turning_rates(angles: &Angles, values: &[Vec<f64>], repeats: &[Repeats]) -> V
     rates
 }
 
-/// What the places and shapes of bodies are, without their orientations, in the order of the velocities.
+/// Positions and shapes of bodies, without orientations, in the order of the velocities.
 fn positions(model: &Model, pose: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; model.velocities];
     for body in &model.bodies {
@@ -113,7 +115,8 @@ fn positions(model: &Model, pose: &[f64]) -> Vec<f64> {
 }
 
 impl Tangent {
-    /// Sets the velocities and accelerations of all angles; gives the rows kept, and the quaternions' rates.
+    /// Sets the velocities and accelerations at all angles. Returns the conditions on velocities, and the
+    /// quaternions' rates.
     #[allow(clippy::type_complexity)]
     fn rates(
         balance: &Balance,
@@ -170,7 +173,7 @@ impl Tangent {
         Tangent::rates(balance, &angles.motion.clone(), angles).map(|_| ())
     }
 
-    /// At places as they are, whose velocities it sets.
+    /// Residual and derivatives at the present positions. It sets their velocities.
     pub fn new(balance: &mut Balance, angles: &mut Angles) -> Result<Tangent, NoOrbit> {
         let motion = angles.motion.clone();
         let (kept, turning) = Tangent::rates(balance, &motion, angles)?;
@@ -235,7 +238,7 @@ impl Tangent {
             .collect()
     }
 
-    /// By the balance of each angle alone.
+    /// Applies the preconditioner: the balance of each angle alone.
     pub fn precondition(&self, x: &[f64]) -> Result<Vec<f64>, NoOrbit> {
         let mut out = Vec::with_capacity(x.len());
         for (part, local) in self.parts(x).iter().zip(&self.locals) {
@@ -247,7 +250,7 @@ impl Tangent {
         Ok(out)
     }
 
-    /// Changes of the rates along the places, by increments at all angles.
+    /// Changes of the rates along the positions, from increments at all angles.
     fn path_rates(&self, model: &Model, angles: &Angles, increments: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let count = angles.list.len();
         let mut rates = vec![vec![0.0; model.velocities]; count];
@@ -349,7 +352,8 @@ impl Tangent {
         Ok(out)
     }
 
-    /// Changes of velocities at an angle, from those of the rates along the places: so that the rows are kept at the place moved.
+    /// Changes of velocities at an angle, from those of the rates along the positions, such that the
+    /// conditions hold at the moved position.
     fn keep(
         &self,
         model: &Model,
@@ -386,7 +390,7 @@ impl Tangent {
 }
 
 impl Balance<'_> {
-    /// Adds the centrifugal softening of flexible bodies to a scaled matrix, at the velocities as they are.
+    /// Adds the centrifugal softening of flexible bodies to a scaled matrix, at the present velocities.
     pub(in crate::start) fn add_softening(
         &self,
         state: &crate::state::State,
