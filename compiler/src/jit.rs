@@ -1,9 +1,11 @@
-//! Machine code for element classes, by Cranelift: the one module that knows it, and the one with unsafe code.
+//! Machine code for element classes, by Cranelift. Only this module uses Cranelift, and only this module has
+//! unsafe code.
 //!
-//! Every value is an `F64X2`, two instances; a flag is a mask in an `I64X2`. A function is one block of straight-line
-//! code, planned in `plan`, with the addresses of `addresses`. What is no single instruction is a call on both lanes in
-//! place, to the same `libm` and the same tables as the interpreter's. No operation is fused or reordered, so the
-//! results are the interpreter's to the bit (the payload of a NaN aside).
+//! Every value is an `F64X2` with two instances, and a flag is a mask in an `I64X2`. A function is one block
+//! of straight-line code, planned in `plan`, with the addresses of `addresses`. An operation without an
+//! instruction of its own is a call on both lanes in place, to the same `libm` and the same tables as in the
+//! interpreter. No operation is fused or reordered, so the results equal the interpreter's to the bit (except
+//! the payload of a NaN).
 
 #![allow(unsafe_code)]
 
@@ -24,12 +26,12 @@ use plan::{Area, Constants, Place, Step, plan};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-/// What a call needs beside inputs and outputs.
+/// The data of a call besides inputs and outputs.
 #[repr(C)]
 struct Surroundings {
-    /// Of the class; generated code reads them.
+    /// Constants of the class, which generated code reads.
     constants: *const Pair,
-    /// Of the system; generated code hands them on.
+    /// Tables of the system, which generated code passes on.
     tables: *const Table,
     count: usize,
 }
@@ -42,9 +44,9 @@ pub struct JitClass {
     entries: [Entry; 7],
     shapes: [(usize, usize); 7],
     bytes: [usize; 7],
-    /// What the code reads by its place there.
+    /// Constants, which the code reads by their position.
     constants: Vec<Pair>,
-    /// The functions that read tables once more, to tell which is read outside its points.
+    /// Interpreters of the functions that read tables, to find a table that is evaluated outside its points.
     readers: [Option<Interpreter>; 7],
     /// Owns the memory that `entries` point into. Nothing but `drop` touches it; the mutex makes it `Sync`
     /// without a promise of our own.
@@ -68,7 +70,7 @@ impl JitClass {
                     .finalize_definitions()
                     .map_err(|e| CodegenError::Memory(e.to_string()))
             });
-        // from here on the class owns the module, also to free it after an error
+        // from here on the class owns the module, so that it is freed after an error too
         let mut class = JitClass {
             entries: [nothing; 7],
             shapes: [(0, 0); 7],
@@ -88,9 +90,9 @@ impl JitClass {
             for (which, (id, bytes)) in Which::ALL.into_iter().zip(list) {
                 let function = functions.get(which);
                 let code = generator.module.get_finalized_function(id);
-                // SAFETY: `code` is the start of a finalized function with exactly the signature of `Entry` in
-                // the platform's C convention (see `Generator::function`); it stays mapped and executable until
-                // `drop` frees the module, and no copy of the pointer leaves `self`.
+                // SAFETY: `code` is the start of a finalized function with exactly the signature of `Entry`
+                // in the platform's C convention (see `Generator::function`); it stays mapped and executable
+                // until `drop` frees the module, and no copy of the pointer leaves `self`.
                 class.entries[which as usize] =
                     unsafe { std::mem::transmute::<*const u8, Entry>(code) };
                 class.shapes[which as usize] = (function.inputs as usize, function.outputs.len());
@@ -102,7 +104,7 @@ impl JitClass {
     }
 }
 
-/// Stands in an entry until the code is there.
+/// The value of an entry before its code exists.
 ///
 /// # Safety
 ///
@@ -117,8 +119,8 @@ impl Drop for JitClass {
             .unwrap_or_else(PoisonError::into_inner)
             .take();
         if let Some(module) = module {
-            // SAFETY: `&mut self` in `drop`: no call is running, since `call` borrows `self` for its whole length,
-            // and the entries, which never left `self`, go away with it.
+            // SAFETY: `&mut self` in `drop`: no call is running, since `call` borrows `self` for its whole
+            // length, and the entries, which never left `self`, go away with it.
             unsafe { module.free_memory() };
         }
     }
@@ -154,11 +156,11 @@ impl ElementCode for JitClass {
             tables: tables.as_ptr(),
             count: tables.len(),
         };
-        // SAFETY: the code reads inputs below `takes` (checked when it was generated) and writes outputs below `gives`,
-        // both within the slices as just checked, and constants that stood in the generator's list; it assumes no more than
-        // their own alignment. Input and output do not overlap (`&` and `&mut`). `context` describes live slices and
-        // outlives the call. The code keeps no state, so
-        // calls from several threads do not meet.
+        // SAFETY: the code reads inputs below `takes` (checked when it was generated) and writes outputs
+        // below `gives`, both within the slices as just checked, and constants that stood in the generator's
+        // list; it assumes no more than their own alignment. Input and output do not overlap (`&` and
+        // `&mut`). `context` describes live slices and outlives the call. The code keeps no state, so calls
+        // from several threads do not meet.
         unsafe {
             self.entries[function as usize](
                 inputs.as_ptr(),
@@ -181,7 +183,8 @@ impl ElementCode for JitClass {
     }
 }
 
-/// Defines functions that the generated code calls: they replace the first operand by the result, lane by lane.
+/// Defines functions that the generated code calls: they replace the first operand by the result, lane by
+/// lane.
 macro_rules! in_place {
     ($($name:ident: $function:path;)*) => {
         $(
@@ -251,7 +254,7 @@ unsafe extern "C" fn table_pair(io: *mut [Pair; 2], context: *const Surroundings
     ];
 }
 
-/// Functions outside the generated code, by their names there; each works in place.
+/// Functions outside the generated code, by their names in it. Each works in place.
 const ONE_ARGUMENT: [(&str, unsafe extern "C" fn(*mut Pair)); 9] = [
     ("sin", sin_pair),
     ("cos", cos_pair),
@@ -280,7 +283,7 @@ impl Generator {
         let machine = |e: &dyn std::fmt::Display| CodegenError::Machine(e.to_string());
         let mut flags = settings::builder();
         for (name, value) in [
-            // the graph is optimised already, and this order of operations is the one that was planned
+            // the graph is optimised already, and its order of operations is the planned one
             ("opt_level", "none"),
             ("is_pic", "false"),
             ("use_colocated_libcalls", "false"),
@@ -342,7 +345,7 @@ impl Generator {
         Ok(())
     }
 
-    /// Generates a function; its id and its size.
+    /// Generates a function. Returns its id and its size.
     fn function(&mut self, function: &Function) -> Result<(FuncId, usize), CodegenError> {
         let refuse = |message: String| CodegenError::Function {
             function: function.name.clone(),
@@ -406,7 +409,7 @@ impl Generator {
             .compiled_code()
             .map_or(0, |code| code.code_buffer().len());
         self.module.clear_context(&mut context);
-        // a constant counts where it is used first
+        // a constant counts for the first function that uses it
         let constants = (self.constants.bits.len() - known) * size_of::<Pair>();
         Ok((id, code + constants))
     }
@@ -434,9 +437,9 @@ struct Body<'a, 'b> {
     builder: FunctionBuilder<'b>,
     addresses: Addresses,
     surroundings: Value,
-    /// What is in a register.
+    /// Values in registers.
     values: Vec<Option<Lanes>>,
-    /// What the last step loaded.
+    /// The value that the last step loaded.
     loaded: Option<Node>,
 }
 
@@ -509,7 +512,8 @@ impl Body<'_, '_> {
         Ok((self.float(a)?, self.float(b)?))
     }
 
-    /// The same for an operation whose order does not matter: only the second one can stay in memory.
+    /// The operands of a commutative operation. Only the second one can be read from memory, so they may be
+    /// exchanged.
     fn commuted(&mut self, a: Node, b: Node) -> Result<(Value, Value), String> {
         if self.loaded == Some(a) {
             self.two(b, a)
@@ -590,7 +594,7 @@ impl Body<'_, '_> {
                 let a = self.float(a)?;
                 self.builder.ins().sqrt(a)
             }
-            // the forms that are one instruction where the machine has it
+            // these forms become one instruction if the processor has it
             Op::Minimum(a, b) => {
                 let (a, b) = self.two(a, b)?;
                 let mask = self.builder.ins().fcmp(FloatCC::LessThan, b, a);
@@ -629,7 +633,7 @@ impl Body<'_, '_> {
         Ok(Lanes::Float(value))
     }
 
-    /// Calls a function on both lanes: operands and result stand in the room.
+    /// Calls a function on both lanes. Operands and result are in the stack room.
     fn external(&mut self, op: Op, first: u32) -> Result<(), String> {
         let (name, order) = match op {
             Op::Table(_, _, order) => (TABLE, Some(order)),
@@ -660,7 +664,7 @@ impl Body<'_, '_> {
                 self.builder.ins().call(function, &[address]);
             }
         }
-        // nothing outlives a call in a register
+        // no register keeps its value over a call
         self.addresses.forget();
         Ok(())
     }

@@ -2,11 +2,11 @@
 //!
 //! Rules where a function has no unique derivative:
 //!
-//! * `abs`, `min`, `max`, `select`: the derivative of the active branch. At the kink `abs` takes +1, `min` and `max` their
-//!   first argument. A derivative of the other branch that is not finite does not spread: branches are chosen by
-//!   `select`, never by multiplying with zero.
-//! * `sqrt` at 0 has an infinite slope, `atan2` at (0, 0), `asin` and `acos` at ±1, and `log` at 0 have none: the result is not finite.
-//!   Laws keep away from there by a floor.
+//! * `abs`, `min`, `max`, `select`: the derivative of the active branch. At the kink `abs` takes +1, `min`
+//!   and `max` their first argument. A derivative of the other branch that is not finite does not spread:
+//!   branches are chosen by `select`, never by multiplying with zero.
+//! * `sqrt` at 0 has an infinite slope, `atan2` at (0, 0), `asin` and `acos` at ±1, and `log` at 0 have none:
+//!   the result is not finite. Laws keep away from there by a floor.
 //! * `power(b, e)`: the slope over b is e·power(b, e − 1), finite at b = 0 for e ≥ 1; the slope over e is
 //!   power(b, e)·log b for b > 0 and taken as zero for b ≤ 0.
 //! * The fourth derivative of a table is zero.
@@ -28,12 +28,12 @@ pub enum DifferentiateError {
     /// The value depends on an input outside the layout.
     #[error("input {0} is not in the layout")]
     Input(u32),
-    /// Not one rate a state, or not one load a marker.
+    /// The number of rates differs from the states, or the number of loads from the markers.
     #[error("{found} values were given where {expected} are needed")]
     Count {
-        /// How many there should be.
+        /// The needed number.
         expected: usize,
-        /// How many there are.
+        /// The given number.
         found: usize,
     },
 }
@@ -149,9 +149,9 @@ fn choice(graph: &mut Graph, flag: Node, then: Node, otherwise: Node) -> Vec<(No
     ]
 }
 
-/// Whether a slope is zero by choice of a branch: such a slope must stay zero whatever it is multiplied with.
+/// Whether a slope may be zero by the choice of a branch. Such a zero must remain zero in every product.
 fn is_guarded(graph: &Graph, node: Node, depth: u32) -> bool {
-    // a guard that deep is not met; giving up there costs no exactness where all branches are finite
+    // no law has a guard this deep; without it the result is still exact if all branches are finite
     if depth == 0 {
         return false;
     }
@@ -168,7 +168,7 @@ fn is_guarded(graph: &Graph, node: Node, depth: u32) -> bool {
 
 const GUARD_DEPTH: u32 = 12;
 
-/// Product of slopes in which the zero of a branch that was not chosen wins over infinity and NaN.
+/// Product of slopes in which the zero of an unselected branch has priority over infinity and NaN.
 pub(crate) fn guarded_multiply(graph: &mut Graph, a: Node, b: Node) -> Node {
     if is_guarded(graph, a, GUARD_DEPTH) {
         distribute(graph, a, b)
@@ -212,7 +212,7 @@ fn zero_or_product(graph: &mut Graph, a: Node, factor: Node) -> Node {
     }
 }
 
-/// Sum of slopes; two choices by one flag become one choice.
+/// Sum of slopes. Two selections by one flag become one.
 pub(crate) fn guarded_add(graph: &mut Graph, a: Node, b: Node) -> Node {
     if let (Op::Select(f, a1, a2), Op::Select(g, b1, b2)) = (graph.op(a), graph.op(b))
         && f == g
@@ -226,8 +226,8 @@ pub(crate) fn guarded_add(graph: &mut Graph, a: Node, b: Node) -> Node {
     graph.add(a, b)
 }
 
-/// Directional derivatives of nodes. `seeds` gives the derivative of an input; `None` is zero. Only what depends on
-/// a seeded input is differentiated.
+/// Directional derivatives of nodes. `seeds` gives the derivative of an input; `None` is zero. Only nodes
+/// that depend on a seeded input are differentiated.
 pub fn forward(
     graph: &mut Graph,
     outputs: &[Node],
@@ -331,17 +331,18 @@ pub fn gradient(graph: &mut Graph, output: Node, inputs: &[u32]) -> Vec<Node> {
         .collect()
 }
 
-/// What the rates of velocities are.
+/// The rates of velocities in a time derivative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Accelerations {
     /// The acceleration inputs.
     Inputs,
-    /// Zero: what remains is the part quadratic in velocities.
+    /// Zero, which leaves the part quadratic in velocities.
     Zero,
 }
 
-/// Rates along the motion: time runs at 1, x at ẋ, R at R ω~ (ω in marker axes), velocities at the acceleration inputs,
-/// states at `rates` or else at their rate inputs; rotation references, constants and multipliers stand still.
+/// Rates along the motion: time runs at 1, x at ẋ, R at R ω~ (ω in marker axes), velocities at the
+/// acceleration inputs, states at `rates` or else at their rate inputs. Rotation references, constants and
+/// multipliers are constant.
 pub fn time_derivative(
     graph: &mut Graph,
     layout: &InputLayout,
@@ -426,7 +427,7 @@ fn turned_entry(
     graph.subtract(ap, bq)
 }
 
-/// The inputs that nodes depend on, rising.
+/// The inputs that nodes depend on, ascending.
 pub fn inputs_of(graph: &Graph, nodes: &[Node]) -> Vec<u32> {
     let needed = dependencies(graph, nodes);
     let mut inputs: Vec<u32> = graph
@@ -450,7 +451,8 @@ pub fn uses_acceleration(graph: &Graph, nodes: &[Node], layout: &InputLayout) ->
         .any(|i| Place::of(layout, i) == Place::Acceleration)
 }
 
-/// Whether nodes depend on what only outputs know: accelerations, rates of states, multipliers, channels of other elements.
+/// Whether nodes depend on inputs that only outputs have: accelerations, rates of states, multipliers,
+/// channels of other elements.
 pub fn known_in_outputs_only(graph: &Graph, nodes: &[Node], layout: &InputLayout) -> bool {
     let multipliers = layout.multiplier(0)..layout.multiplier(layout.rows);
     inputs_of(graph, nodes)
@@ -458,7 +460,7 @@ pub fn known_in_outputs_only(graph: &Graph, nodes: &[Node], layout: &InputLayout
         .any(|i| multipliers.contains(&i) || i >= layout.len())
 }
 
-/// What an input of a layout is.
+/// The kind of an input of a layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {
     Time,

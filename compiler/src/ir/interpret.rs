@@ -1,6 +1,7 @@
-//! Evaluation of functions without generated code: the tests' oracle, and the fallback.
+//! Evaluation of functions without generated code: the reference of the tests, and the fallback.
 //!
-//! Its arithmetic is the generated code's, bit for bit: IEEE operations one at a time, `libm` for the rest.
+//! Its arithmetic equals that of the generated code bit for bit: single IEEE operations, and `libm` for the
+//! rest.
 
 use super::class::ClassFunctions;
 use super::graph::{Function, Node, Op};
@@ -17,7 +18,7 @@ pub struct Interpreter {
 }
 
 impl Interpreter {
-    /// Takes what the outputs need of a function.
+    /// Takes the operations of a function that its outputs need.
     pub fn new(function: &Function) -> Self {
         let needed = super::optimise::dependencies(&function.graph, &function.outputs);
         let mut places = vec![Node(0); needed.len()];
@@ -39,12 +40,13 @@ impl Interpreter {
         }
     }
 
-    /// How many inputs and outputs it has.
+    /// Numbers of inputs and outputs.
     pub fn shape(&self) -> (usize, usize) {
         (self.inputs, self.outputs.len())
     }
 
-    /// Evaluates two instances; `false`, and nothing written, if a slice is too short. `scratch` is only room to work in.
+    /// Evaluates two instances; `false`, without writing, if a slice is too short. `scratch` holds
+    /// intermediate values.
     pub fn evaluate(
         &self,
         inputs: &[Pair],
@@ -75,7 +77,7 @@ impl Interpreter {
         self.operations.iter().any(|op| matches!(op, Op::Table(..)))
     }
 
-    /// The first table that is read outside its points, for each instance.
+    /// The first table that is evaluated outside its points, for each instance.
     pub fn outside(&self, inputs: &[Pair], tables: &[Table]) -> [Option<Outside>; 2] {
         let mut values = Vec::with_capacity(self.operations.len());
         let mut outputs = vec![[0.0; 2]; self.outputs.len()];
@@ -84,7 +86,7 @@ impl Interpreter {
     }
 }
 
-/// One operation on the values so far; flags are 1 and 0.
+/// One operation on the values so far. Flags are 1 and 0.
 pub(crate) fn operate(op: Op, values: &[Pair], tables: &[Table]) -> Pair {
     let of = |n: Node| values[n.0 as usize];
     let one = |a: Node, f: fn(f64) -> f64| of(a).map(f);
@@ -139,7 +141,7 @@ fn flag(set: bool) -> f64 {
 
 /// The value of a table by its handle; NaN if there is none.
 pub(crate) fn look_up(tables: &[Table], handle: f64, argument: f64, order: u8) -> f64 {
-    // the comparison also keeps NaN out
+    // the comparison also excludes NaN
     if !(handle >= 0.0 && handle < tables.len() as f64) {
         return f64::NAN;
     }
@@ -148,7 +150,8 @@ pub(crate) fn look_up(tables: &[Table], handle: f64, argument: f64, order: u8) -
         .map_or(f64::NAN, |table| table.evaluate(argument, order))
 }
 
-/// The first table that is read outside its points, for each instance; `values` are those of the operations.
+/// The first table that is evaluated outside its points, for each instance. `values` are those of the
+/// operations.
 pub(crate) fn outside(
     operations: &[Op],
     values: &[Pair],
@@ -166,16 +169,16 @@ pub(crate) fn outside(
     })
 }
 
-/// A class that is interpreted.
+/// An interpreted class.
 #[derive(Debug)]
 pub struct InterpretedClass {
     functions: [Interpreter; 7],
-    /// Room to work in, one for each caller at a time.
+    /// Scratch, one for each simultaneous caller.
     scratch: Mutex<Vec<Vec<Pair>>>,
 }
 
 impl InterpretedClass {
-    /// Makes the functions of a class ready.
+    /// Prepares the functions of a class.
     pub fn new(functions: &ClassFunctions) -> Self {
         InterpretedClass {
             functions: Which::ALL.map(|which| Interpreter::new(functions.get(which))),
@@ -200,7 +203,7 @@ impl ElementCode for InterpretedClass {
         outputs: &mut [Pair],
         tables: &[Table],
     ) -> bool {
-        // scratch holds nothing between calls, so one left by a panicking thread is as good as any
+        // scratch holds no data between calls, so one from a panicking thread is good too
         let pool = || self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
         let mut scratch = pool().pop().unwrap_or_default();
         let done = self

@@ -2,7 +2,7 @@
 
 use super::graph::{Function, Graph, Node, Op};
 
-/// Which nodes the given ones depend on, themselves included.
+/// For each node, whether one of the given nodes depends on it or is it.
 pub fn dependencies(graph: &Graph, nodes: &[Node]) -> Vec<bool> {
     let mut needed = vec![false; graph.nodes().len()];
     for node in nodes {
@@ -18,8 +18,8 @@ pub fn dependencies(graph: &Graph, nodes: &[Node]) -> Vec<bool> {
     needed
 }
 
-/// Copies nodes and what they need into another graph, through its folding builders. `input` makes the node that
-/// stands for an input: the same input, another index, or any expression.
+/// Copies nodes and their operands into another graph, through its folding builders. `input` makes the node
+/// for an input: the same input, another index, or any expression.
 pub fn copy_into(
     source: &Graph,
     nodes: &[Node],
@@ -42,11 +42,11 @@ pub fn copy_into(
     nodes.iter().map(|n| copies[n.0 as usize]).collect()
 }
 
-/// The same function without dead, double or constant operations, each value placed near its use.
+/// The same function without dead, repeated or constant operations, with each value near its use.
 pub fn optimise(function: &Function) -> Function {
     let mut outputs = function.outputs.clone();
     let mut graph = function.graph.clone();
-    // a folded operand may let its user fold; a fixed point is reached at once or after one more round
+    // a folded operand may allow its user to fold; the result is final after one or two rounds
     for _ in 0..3 {
         let mut folded = Graph::new();
         outputs = copy_into(&graph, &outputs, &mut folded, &mut |g, i| g.input(i));
@@ -97,7 +97,7 @@ fn order(graph: &Graph, outputs: &[Node]) -> (Graph, Vec<Node>) {
             }
             stack.push((node, true));
             let mut operands: Vec<Node> = op.operands().collect();
-            // the stack turns the order round: the greediest operand goes on last
+            // the stack reverses the order, so the operand with the largest need of registers is pushed last
             operands.reverse();
             operands.sort_by_key(|n| registers[n.0 as usize]);
             stack.extend(operands.into_iter().map(|n| (n, false)));

@@ -1,4 +1,4 @@
-//! The text of a function: stable, one operation a line, constants with all their digits.
+//! The text of a function: stable, with one operation on each line and all digits of constants.
 
 use super::graph::{Function, Op};
 use std::fmt::{Display, Formatter, Result, Write};
@@ -11,7 +11,7 @@ impl Display for Function {
 }
 
 impl Function {
-    /// Everything but the name.
+    /// Prints all but the name.
     pub(crate) fn print_body(&self, f: &mut dyn Write) -> Result {
         writeln!(f, "(inputs: {}) {{", self.inputs)?;
         for (index, op) in self.graph.nodes().iter().enumerate() {

@@ -1,7 +1,8 @@
-//! Addresses that are short to write.
+//! Short addresses.
 //!
-//! A place up to 128 bytes from a register takes one byte in an instruction, any other four. So places used often have a
-//! register in the middle of their surroundings, and it is found again after each call.
+//! A place up to 128 bytes from a register takes one byte in an instruction, and any other place takes four.
+//! So frequently used places share a register that points to their middle. After each call this register is
+//! set again.
 
 use super::plan::{Area, Place, Step};
 use cranelift::codegen::ir::StackSlot;
@@ -14,13 +15,13 @@ const PAIR: i64 = size_of::<Pair>() as i64;
 /// Reach of a one-byte offset to either side.
 const REACH: i64 = 128;
 
-/// A register of its own pays from so many uses on: it takes seven bytes to fill, and each use then takes three less.
+/// Least number of uses for a base register. Setting it takes seven bytes, and each use saves three.
 const WORTH_A_BASE: usize = 4;
 
-/// Registers for bases at the same time.
+/// Most registers for bases at the same time.
 const BASES: usize = 6;
 
-/// Bases and what is known about their uses.
+/// Bases and their future uses.
 pub(super) struct Addresses {
     inputs: Value,
     outputs: Value,
@@ -29,7 +30,7 @@ pub(super) struct Addresses {
     constants: Option<Value>,
     /// Register in the middle of a stretch, by area and number of the stretch.
     bases: BTreeMap<(Area, i64), Value>,
-    /// When a stretch is used, rising.
+    /// Times of the uses of a stretch, ascending.
     uses: BTreeMap<(Area, i64), Vec<usize>>,
     calls: Vec<usize>,
 }
@@ -118,7 +119,7 @@ impl Addresses {
         Ok(builder.ins().stack_addr(types::I64, room, offset))
     }
 
-    /// Drops the bases: a call would make them be saved and restored.
+    /// Drops the bases, because otherwise a call would save and restore them.
     pub fn forget(&mut self) {
         self.bases.clear();
         self.constants = None;
@@ -159,20 +160,22 @@ impl Addresses {
     }
 }
 
-/// The stretch that a place is in. The start of an area is a base itself and reaches to one side alone; the room has none.
+/// The stretch of a place. The start of an area is a base itself and reaches to one side only. The room has
+/// no stretches.
 fn stretch(place: Place) -> (Area, i64) {
     let offset = i64::from(place.index) * PAIR;
     let first = if place.area == Area::Room { 0 } else { REACH };
     (place.area, (offset + first) / (2 * REACH))
 }
 
-/// Where the base of a stretch points, in bytes from the start of its area.
+/// Position of the base of a stretch, in bytes from the start of its area.
 fn middle((area, number): (Area, i64)) -> i64 {
     let first = if area == Area::Room { REACH } else { 0 };
     first + 2 * REACH * number
 }
 
-/// The same value where the generator does not see what it was made of: else it would write the sum into every address.
+/// The same value with its origin hidden from the generator, which would otherwise write the sum into every
+/// address.
 fn hidden(builder: &mut FunctionBuilder<'_>, value: Value) -> Value {
     let both = builder.ins().iconcat(value, value);
     builder.ins().isplit(both).0

@@ -1,8 +1,9 @@
-//! Where values stand while a function runs: what is in a register, what in memory, and when it moves.
+//! The place of values while a function runs: in a register or in memory, and the moves between them.
 //!
-//! A straight line has no better rule than Belady's (IBM Systems J. 5 (1966) 78): the value whose next use is farthest
-//! leaves its register. A value that stands in memory already (input, constant, output, result of a call) leaves for
-//! nothing, and an operation may read one operand from there; so such values are seldom given a register at all.
+//! For straight-line code no rule is better than Belady's (IBM Systems J. 5 (1966) 78): the value with the
+//! farthest next use leaves its register. A value that is already in memory (input, constant, output, result
+//! of a call) leaves at no cost, and an operation may read one operand from memory. So such values seldom get
+//! a register.
 
 use crate::ir::optimise::dependencies;
 use crate::ir::{Function, Node, Op};
@@ -26,18 +27,18 @@ pub(super) struct Place {
     pub index: u32,
 }
 
-/// What is done, in order.
+/// A step of a plan.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Step {
-    /// Into a register, or into the next operation where the machine can.
+    /// Load into a register, or directly into the next operation if the processor can.
     Load(Node, Place),
-    /// As a number.
+    /// Store as a number.
     Store(Node, Place),
-    /// As it stands in the register: a number, or the mask of a flag.
+    /// Keep the contents of the register: a number, or the mask of a flag.
     Keep(Node, Place),
-    /// Operands are in registers.
+    /// Operate on operands in registers.
     Operate(Node),
-    /// Operands and result are in the room from this pair on.
+    /// Call with operands and result in the room from this pair on.
     Call(Node, u32),
 }
 
@@ -70,10 +71,11 @@ impl Constants {
     }
 }
 
-/// Registers for values at the same time. Where an operation needs one more to work in, the register allocator sees to it.
+/// Registers for values at the same time. If an operation needs one more for itself, the register allocator
+/// provides it.
 const REGISTERS: usize = 16;
 
-/// A value with at least so many uses ahead is loaded into a register that is free.
+/// Least number of future uses for loading a value into a free register.
 const WORTH_LOADING: usize = 2;
 
 /// Plans a function.
@@ -90,7 +92,7 @@ pub(super) fn plan(function: &Function, constants: &mut Constants) -> Result<Pla
             uses[operand.0 as usize].push(index);
         }
     }
-    // the last use on top
+    // uses in reverse, so that the next one is at the end
     for list in &mut uses {
         list.reverse();
     }
@@ -169,7 +171,7 @@ fn from_memory(op: Op) -> [Option<Node>; 2] {
 
 struct Planner {
     plan: Plan,
-    /// Where in memory a value stands.
+    /// The place of a value in memory.
     homes: Vec<Option<Place>>,
     resident: BTreeSet<Node>,
     /// Uses ahead, the next one last.
@@ -196,7 +198,7 @@ impl Planner {
                 self.load(*operand, &operands);
             }
         }
-        // an operand that is done leaves its register to the result
+        // an operand after its last use leaves its register to the result
         let last: BTreeSet<Node> = operands
             .iter()
             .copied()
@@ -230,7 +232,7 @@ impl Planner {
             self.plan.steps.push(Step::Store(*operand, place));
         }
         self.used(op);
-        // no register outlives a call
+        // no register keeps its value over a call
         for resident in std::mem::take(&mut self.resident) {
             self.keep(resident);
         }
@@ -243,7 +245,7 @@ impl Planner {
             .extend((1..operands.len() as u32).map(|k| first + k));
     }
 
-    /// Notes that the next use of each operand has come.
+    /// Removes the present use of each operand.
     fn used(&mut self, op: Op) {
         for operand in op.operands() {
             self.uses[operand.0 as usize].pop();
@@ -276,7 +278,7 @@ impl Planner {
         self.resident.insert(node);
     }
 
-    /// Frees a register; `leaving` values go by themselves.
+    /// Frees a register. `leaving` values leave theirs without help.
     fn make_room(&mut self, pinned: &[Node], leaving: usize) {
         while self.resident.len() >= REGISTERS + leaving {
             let farthest = self

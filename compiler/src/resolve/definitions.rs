@@ -1,4 +1,4 @@
-//! Definitions that use each other in any order, each evaluated once, circles told.
+//! Definitions that use each other in any order. Each is evaluated once, and circles are reported.
 
 use super::suggest::nearest;
 use crate::codes;
@@ -6,10 +6,10 @@ use eng_grammar::ast::{DimensionItem, Name, UnitItem};
 use eng_grammar::{Diagnostic, Diagnostics};
 use std::collections::BTreeMap;
 
-/// Most definitions inside each other.
+/// Most definitions that depend on each other in a chain.
 const DEEPEST: u32 = 100;
 
-/// What is defined under a name.
+/// A definition under a name.
 pub(super) trait Defined: Clone {
     /// The kind, for messages.
     const WHAT: &'static str;
@@ -33,25 +33,25 @@ impl Defined for UnitItem {
     }
 }
 
-/// What became of a definition.
+/// The state of a definition.
 enum Entry<T> {
-    /// Being evaluated: met again, it is a circle.
+    /// Under evaluation. Another use is a circle.
     Open,
-    /// Its message was given.
+    /// Wrong; the error was reported.
     Bad,
     Done(T),
 }
 
-/// Definitions by name, and what those evaluated so far mean.
+/// Definitions by name, and the results of those evaluated so far.
 pub(super) struct Definitions<I, T> {
     items: BTreeMap<String, I>,
     done: BTreeMap<String, Entry<T>>,
     depth: u32,
 }
 
-/// What a name stands for.
+/// The result of looking up a name.
 pub(super) enum Looked<I, T> {
-    /// Known, or wrong and told.
+    /// Evaluated, or wrong and reported.
     Known(Option<T>),
     /// To be evaluated, and given to [`Definitions::end`].
     New(I),
@@ -79,7 +79,7 @@ impl<I: Defined, T: Clone> Definitions<I, T> {
         nearest(name, self.items.keys().map(String::as_str))
     }
 
-    /// Looks a name up; what is new counts as being evaluated until [`Definitions::end`].
+    /// Looks a name up. A new one is under evaluation until [`Definitions::end`].
     pub fn begin(&mut self, name: &str, diagnostics: &mut Diagnostics) -> Looked<I, T> {
         match self.done.get(name) {
             Some(Entry::Done(known)) => return Looked::Known(Some(known.clone())),
@@ -114,7 +114,7 @@ impl<I: Defined, T: Clone> Definitions<I, T> {
         Looked::New(item)
     }
 
-    /// Ends the evaluation of a name; a circle met in it leaves it wrong.
+    /// Ends the evaluation of a name. After a circle it is wrong.
     pub fn end(&mut self, name: &str, result: Option<T>) -> Option<T> {
         self.depth -= 1;
         let open = matches!(self.done.get(name), Some(Entry::Open));
@@ -126,7 +126,7 @@ impl<I: Defined, T: Clone> Definitions<I, T> {
         result
     }
 
-    /// What was evaluated without error.
+    /// The definitions without error.
     pub fn known(self) -> impl Iterator<Item = (String, T)> {
         self.done
             .into_iter()

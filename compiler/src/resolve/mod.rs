@@ -1,6 +1,7 @@
-//! Finds the modules of a program, gives every module its scope, and makes the tables of dimensions and units.
+//! Finds the modules of a program, gives every module its scope, and makes the tables of dimensions and
+//! units.
 //!
-//! May contain: names of modules, items, dimensions and units. Must not contain: types of values.
+//! This stage uses names of modules, items, dimensions and units. It must not use types of values.
 
 mod definitions;
 mod modules;
@@ -16,8 +17,8 @@ use eng_system::host::Host;
 
 /// The module that every file uses.
 pub const PRELUDE: &str = "std.prelude";
-/// Reads the root file and every module it uses. `root` is a file's name for `host`; `library` maps the paths of
-/// modules (`std.joints`) to their texts. Modules come before those that use them; the root is the last.
+/// Reads the root file and every module that it uses. `root` is a file's name for `host`. `library` maps the
+/// paths of modules (`std.joints`) to their texts. Modules come before their users, and the root is the last.
 pub fn resolve(
     root: &str,
     host: &dyn Host,

@@ -20,7 +20,8 @@ pub(super) fn path_of_file(file: &str) -> String {
     file.strip_suffix(".eng").unwrap_or(file).replace('/', ".")
 }
 
-/// What the library's modules define, read off the beginnings of lines: good enough for a hint, and cheap.
+/// Names that the library's modules define, from the beginnings of lines. This is cheap and good enough for a
+/// hint.
 pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, Offered> {
     const WORDS: [&str; 9] = [
         "joint",
@@ -55,7 +56,7 @@ pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, Offered> {
     names
 }
 
-/// Most files that use each other in a row.
+/// Longest chain of files that use each other.
 const DEEPEST: usize = 100;
 
 struct Loader<'a> {
@@ -66,7 +67,7 @@ struct Loader<'a> {
     program: &'a mut Program,
     /// Modules being read, outermost first.
     open: Vec<String>,
-    /// Modules that could not be read: said once.
+    /// Unreadable modules, each reported once.
     missing: Vec<String>,
 }
 
@@ -107,7 +108,7 @@ impl Loader<'_> {
             .map(|(_, text)| *text)
     }
 
-    /// Whether a module of this path can be had, without reading it twice.
+    /// Whether a module with this path exists, without reading it twice.
     fn exists(&self, path: &str) -> bool {
         path.split('.').all(|segment| !segment.is_empty())
             && (self.text_of_library(path).is_some()
@@ -229,8 +230,8 @@ impl Loader<'_> {
         });
     }
 
-    /// `use oils` and `use std.units` name a module and take all of it: the tree says "item `units` of `std`" until the
-    /// modules are known.
+    /// `use oils` and `use std.units` name a module and take all of it: the tree says "item `units` of `std`"
+    /// until the modules are known.
     fn settle(&self, used: &mut Use) {
         let UseNames::Some(names) = &used.names else {
             return;
@@ -252,7 +253,7 @@ impl Loader<'_> {
     }
 }
 
-/// Whether a model or component has a flexible body that stands on the ground.
+/// Whether a model or component has a flexible body with supports.
 fn has_support(item: &Item) -> bool {
     let ItemKind::Declaration(declaration) = &item.kind else {
         return false;
@@ -267,7 +268,7 @@ fn has_support(item: &Item) -> bool {
     })
 }
 
-/// Whether a class of journals is defined.
+/// Whether an item defines a class of journals.
 fn is_journal(item: &Item) -> bool {
     matches!(&item.kind, ItemKind::Declaration(d)
         if d.kind == Kind::Journal && matches!(d.form, Form::Class { .. }))

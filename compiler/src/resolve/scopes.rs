@@ -1,5 +1,5 @@
-//! Which top-level names each module sees. Own names hide those taken by `use`, names taken one by one hide those of
-//! `.*`, and all of them hide the prelude's.
+//! The top-level names in the scope of each module. Own names hide those taken by `use`. Names taken one by
+//! one hide those of `.*`. All of them hide the prelude's.
 
 use super::PRELUDE;
 use super::modules::{dotted, span_of};
@@ -10,7 +10,7 @@ use eng_grammar::ast::{File, ItemKind, Name, UseNames};
 use eng_grammar::{Diagnostic, Diagnostics, Span};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The name that a top-level item gives, outside the units (which have their own table).
+/// The name that a top-level item defines, except units, which have a table of their own.
 pub(crate) fn defined_name(item: &ItemKind) -> Option<&Name> {
     match item {
         ItemKind::Dimension(dimension) => Some(&dimension.name),
@@ -41,7 +41,7 @@ pub(super) fn fill(program: &mut Program, diagnostics: &mut Diagnostics) {
     for index in 0..program.modules.len() {
         let scope = scope(program, &own, index, diagnostics);
         let mut whole = match prelude {
-            // What the prelude itself uses stands before it and sees only itself.
+            // modules that the prelude itself uses come before it and do not see the prelude
             Some(at) if index > at => prelude_scope.clone(),
             _ => BTreeMap::new(),
         };
@@ -141,7 +141,7 @@ fn scope(
     scope
 }
 
-/// `use path.{name}`: `index` uses, `from` is used.
+/// Takes names by `use path.{name}` from the module `from` into the module `index`.
 fn take(
     program: &Program,
     own: &[BTreeMap<String, DefinitionId>],

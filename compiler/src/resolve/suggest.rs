@@ -1,9 +1,9 @@
 //! "Did you mean": the nearest known name.
 
-/// Characters of a name for which others are looked for: the work grows with the square.
+/// Longest name that gets suggestions. The work grows with the square of the length.
 pub(crate) const LONGEST: usize = 100;
 
-/// The known name nearest to one that is not known, if any is near enough to have been meant.
+/// The known name nearest to an unknown one, if it is near enough to be the intended one.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = name.chars().take(LONGEST + 1).count();
     let allowed = match length {
@@ -15,7 +15,7 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     };
     let mut best: Option<(usize, &str)> = None;
     for candidate in known {
-        // no nearer than the lengths are
+        // the distance is at least the difference of the lengths
         let apart = candidate.chars().take(2 * LONGEST).count().abs_diff(length);
         if candidate == name || apart > allowed {
             continue;

@@ -12,7 +12,7 @@ use eng_grammar::{Diagnostic, Diagnostics};
 use eng_system::Dimension;
 use std::collections::BTreeMap;
 
-/// The bases that there are, by the names a library may give them, in storage order.
+/// The base dimensions in storage order, with the names that a library may give them.
 const BASES: [&[&str]; eng_system::dimension::BASES] = [
     &["Length"],
     &["Mass"],
@@ -35,7 +35,7 @@ pub(super) fn dimensions(program: &mut Program, diagnostics: &mut Diagnostics) {
         for item in &module.file.items {
             if let ItemKind::Dimension(dimension) = &item.kind {
                 match items.get(&dimension.name.text) {
-                    // Twice in one file is said with the scopes.
+                    // a repetition in one file is reported with the scopes
                     Some(first) if first.name.span.source != dimension.name.span.source => {
                         twice("dimension", &first.name, &dimension.name, diagnostics);
                     }
@@ -224,7 +224,7 @@ impl Units<'_> {
         self.definitions.end(name, result)
     }
 
-    /// The declared dimension and, where it is one of points, its name.
+    /// The declared dimension and, if it is a point, its name.
     fn declared(&mut self, ty: &TypeExpr) -> Option<(Dimension, Option<String>)> {
         if let TypeExprKind::Name(name) = &ty.kind {
             let Some(named) = self.dimensions.get(&name.text) else {
@@ -335,8 +335,8 @@ impl Units<'_> {
         })
     }
 
-    /// The size of a definition. In `pi/180 rad` and `2*pi/60 rad/s` the unit at the end belongs to the whole number, as
-    /// one reads it; where that does not give the declared dimension, the common rule (`1/2 s` is 1/(2 s)) holds.
+    /// The size of a definition. In `pi/180 rad` and `2*pi/60 rad/s` the unit at the end belongs to the whole
+    /// number. If this does not give the declared dimension, the usual rule holds (`1/2 s` is 1/(2 s)).
     fn size(&mut self, expr: &Expr, declared: Option<Dimension>) -> Option<Size> {
         if let ExprKind::Binary {
             op: BinaryOp::Divide,
@@ -485,7 +485,8 @@ impl Units<'_> {
     }
 }
 
-/// A rational power, by multiplication where the exponent is whole: 1e-3 squared is the same as written.
+/// A rational power. Whole exponents use multiplication, so that the square of 1e-3 has the same bits as the
+/// written product.
 fn power(base: f64, numerator: i32, denominator: i32) -> f64 {
     if denominator != 1 {
         return libm::pow(base, f64::from(numerator) / f64::from(denominator));

@@ -86,7 +86,7 @@ impl Dim {
         self.variables.is_empty() && self.base.without_angle().is_one()
     }
 
-    /// With the variables that are solved put in.
+    /// The dimension with the solved variables replaced.
     pub fn with(&self, solved: &Solution) -> Dim {
         let mut result = Dim::known(self.base);
         for (number, exponent) in &self.variables {
@@ -102,7 +102,7 @@ impl Dim {
     }
 }
 
-/// What generic functions' variables stand for at one call.
+/// The quantities of a generic function's variables at one call.
 #[derive(Clone, Debug, Default)]
 pub struct Solution {
     solved: Vec<(u32, Quantity)>,
@@ -120,7 +120,7 @@ impl Solution {
         self.solved.is_empty()
     }
 
-    /// As [`Solution`] of another place, where the variables of that place stand for what `outer` says.
+    /// This solution with the variables of the surrounding function replaced by those of `outer`.
     pub fn within(&self, outer: &Solution) -> Solution {
         let solved = self.solved.iter();
         Solution {
@@ -139,7 +139,7 @@ impl Solution {
 /// Whether a quantity is a point (a temperature) or a difference of points.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub enum Kind {
-    /// It can stand for either: a literal, a computed value, or a dimension without points.
+    /// Either: a literal, a computed value, or a dimension without points.
     #[default]
     Any,
     /// Declared by a dimension that has points, or computed as a difference.
@@ -149,7 +149,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Of the size or the negative: no longer a point, for it is counted otherwise.
+    /// The kind of the size or the negative. A point becomes a difference, because its zero is lost.
     pub fn of_size(&self) -> Kind {
         match self {
             Kind::Point(_) => Kind::Any,
@@ -158,21 +158,21 @@ impl Kind {
     }
 }
 
-/// A dimension with what is known about its angle and its zero.
+/// A dimension with the kind of its angle and of its zero.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Quantity {
     pub dim: Dim,
-    /// Computed from other quantities: its angle may be dropped.
+    /// Whether it is computed from other quantities. Then its angle may be dropped.
     pub soft: bool,
     pub kind: Kind,
 }
 
-/// Why two quantities do not fit.
+/// The reason why two quantities do not fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misfit {
     /// Other exponents.
     Dimension,
-    /// Other exponent of the angle only, and both are declared.
+    /// Only the exponent of the angle differs, and both are declared.
     Angle,
     /// A point and a difference, or points of two kinds.
     Point,
@@ -208,12 +208,12 @@ impl Quantity {
         }
     }
 
-    /// A number that leaves the other factor's angle alone.
+    /// Whether it is a plain number, which does not change the other factor's angle.
     pub fn is_plain_number(&self) -> bool {
         self.dim.is_one() && !self.soft
     }
 
-    /// What two of these differ by.
+    /// The quantity of a difference of two such values.
     pub fn difference(&self) -> Quantity {
         Quantity {
             kind: match &self.kind {
@@ -234,7 +234,7 @@ impl Quantity {
         }
     }
 
-    /// Whether this can stand where `expected` is due.
+    /// Checks that this quantity fits an expected one.
     pub fn fits(&self, expected: &Quantity) -> Result<(), Misfit> {
         if let Some(misfit) = self.misfit_of_dimension(expected) {
             return Err(misfit);
@@ -246,7 +246,7 @@ impl Quantity {
         }
     }
 
-    /// What two quantities that stand side by side (`max(a, b)`, `if`, a list) have in common.
+    /// The common quantity of alternatives (`max(a, b)`, `if`, a list).
     pub fn join(&self, other: &Quantity) -> Result<Quantity, Misfit> {
         self.fits(other)?;
         let kind = match (&self.kind, &other.kind) {
@@ -275,7 +275,8 @@ impl Quantity {
             (Kind::Point(a), Kind::Point(b), true) if a == b => Kind::Difference,
             (Kind::Point(_), Kind::Point(_), _) => return Err(Misfit::Point),
             (Kind::Point(p), Kind::Difference, _) => Kind::Point(p.clone()),
-            // A literal or computed value is read as what makes sense; taken off a point it may be either.
+            // a literal or computed value is read as the fitting kind; subtracted from a point it may be
+            // either
             (Kind::Point(p), Kind::Any, false) => Kind::Point(p.clone()),
             (Kind::Point(_), Kind::Any, true) => Kind::Any,
             (Kind::Difference, Kind::Point(p), false) => Kind::Point(p.clone()),
@@ -283,7 +284,7 @@ impl Quantity {
             (Kind::Any, Kind::Point(p), false) => Kind::Point(p.clone()),
             (Kind::Any, Kind::Point(_), true) => Kind::Difference,
             (Kind::Difference, Kind::Difference, _) => Kind::Difference,
-            // No point can be taken off a difference, so this is one of two differences.
+            // a point cannot be subtracted from a difference, so both are differences
             (Kind::Difference, Kind::Any, true) => Kind::Difference,
             (Kind::Difference, Kind::Any, false)
             | (Kind::Any, Kind::Difference, _)
@@ -299,7 +300,7 @@ impl Quantity {
     }
 
     pub fn times(&self, other: &Quantity) -> Quantity {
-        // a multiple of a difference is one
+        // a multiple of a difference is a difference
         let kind = match (&self.kind, &other.kind) {
             (Kind::Difference, _) if other.dim.is_one() => Kind::Difference,
             (_, Kind::Difference) if self.dim.is_one() => Kind::Difference,
@@ -324,7 +325,8 @@ impl Quantity {
         }
     }
 
-    /// With the variables that are solved put in; `D` itself takes over all that is known of its solution.
+    /// The quantity with the solved variables replaced. A lone variable `D` takes angle and kind of its
+    /// solution too.
     pub fn with(&self, solved: &Solution) -> Quantity {
         if self.dim.base.is_one()
             && let [(number, DENOMINATOR)] = self.dim.variables.as_slice()
@@ -345,7 +347,7 @@ impl Quantity {
     }
 }
 
-/// A body that stands in a definition.
+/// A body in a definition.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct BodyRef {
     pub definition: DefinitionId,
@@ -361,7 +363,7 @@ pub struct FunctionParameter {
     pub span: Span,
 }
 
-/// What a function takes and gives.
+/// The signature of a function.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signature {
     pub name: String,
@@ -372,24 +374,24 @@ pub struct Signature {
 /// The type of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Type {
-    /// In error: the message was given.
+    /// The type of an expression with a reported error.
     Error,
     Int,
     Bool,
     Text,
     Scalar(Quantity),
-    /// A vector in space; `framed` where it is an output that states its axes.
+    /// A vector in space. `framed`: it is an output that states its axes.
     Vector {
         quantity: Quantity,
         framed: bool,
     },
-    /// An array, or components where the elements are scalars; `framed` where they are along a marker's axes.
+    /// An array, or components if the elements are scalars. `framed`: they are along a marker's axes.
     List {
         element: Box<Type>,
         length: Option<u32>,
         framed: bool,
     },
-    /// `1..5`: what a binder runs over.
+    /// `1..5`: the range of a binder.
     Range(Box<Type>),
     Marker,
     /// A body; `None` for the parameter type `Body`.
@@ -397,7 +399,7 @@ pub enum Type {
     Function(Arc<Signature>),
     /// A class, record, component or model itself.
     Class(DefinitionId),
-    /// A class that belongs to an interface, known only as such.
+    /// A class known only by its interface.
     ClassOf(DefinitionId),
     /// An instance of a class, or a record.
     Instance(DefinitionId),
@@ -465,7 +467,7 @@ impl Type {
         }
     }
 
-    /// With the variables that are solved put in.
+    /// The type with the solved variables replaced.
     pub fn with(&self, solved: &Solution) -> Type {
         match self {
             Type::Scalar(quantity) => Type::Scalar(quantity.with(solved)),
@@ -495,7 +497,7 @@ impl Type {
         }
     }
 
-    /// As it is handed on to elaboration.
+    /// The form of the type for later stages.
     pub fn exported(&self) -> ValueType {
         match self {
             Type::Int => ValueType::Int,

@@ -1,4 +1,4 @@
-//! Arguments of a class, and the scope that they make.
+//! Arguments of a class, and their scope.
 
 use super::super::binding::Stated;
 use super::super::scalar::{Scalar, Stage};
@@ -11,7 +11,7 @@ use eng_grammar::ast::{BindingKind, ItemKind};
 use eng_grammar::{Diagnostic, Span, ast};
 
 impl<'a> Elaborator<'a, '_> {
-    /// Evaluates the arguments of a class; numbers become parameters of the instance.
+    /// Evaluates the arguments of a class. Numbers become parameters of the instance.
     pub fn bind_arguments(
         &mut self,
         class: Class<'a>,
@@ -41,7 +41,8 @@ impl<'a> Elaborator<'a, '_> {
                     Value::Marker(m)
                 }
                 Value::Table(mut t) => {
-                    // the handle stays out of the code, so that instances share it
+                    // the handle is no constant of the code, so that instances with other tables share the
+                    // code
                     if let Some(known) = self.bench.bind.graph.as_constant(t.handle) {
                         t.handle = self.bench.bind.fixed(known);
                     }
@@ -104,7 +105,7 @@ impl<'a> Elaborator<'a, '_> {
         for parameter in class.parameters {
             let name = &parameter.name.text;
             if !self.scope(own).entries.contains_key(name) {
-                // a default becomes a parameter of the instance the first time
+                // a default becomes a parameter of the instance at its first use
                 let parameter_path = format!("{path}.{name}");
                 let known = self
                     .parameters
@@ -141,7 +142,8 @@ impl<'a> Elaborator<'a, '_> {
         Ok(own)
     }
 
-    /// Makes lets, consts, outputs, functions and tables of a block known; they are evaluated when asked for.
+    /// Registers lets, consts, outputs, functions and tables of a block. They are evaluated at their first
+    /// use.
     pub fn register(&mut self, items: &'a [ast::Item], scope: ScopeId) {
         for item in items {
             match &item.kind {
@@ -170,7 +172,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// Names of the class before those of the place where it is used.
+    /// A scope with the names of the class before those of the place of its use.
     pub fn use_scope(&mut self, own: ScopeId, caller: ScopeId) -> ScopeId {
         let module = self.scope(caller).module;
         let path = self.scope(own).path.clone();
@@ -200,7 +202,8 @@ pub(crate) fn is_marker(ty: &Type) -> bool {
     }
 }
 
-/// Whether a class's code or layout depends on values of a type: they are no parameters of its instances.
+/// Whether a class's code or layout depends on values of a type. Such values are no parameters of its
+/// instances.
 fn is_structural(ty: &Type) -> bool {
     match ty {
         Type::Int

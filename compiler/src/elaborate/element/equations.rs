@@ -1,4 +1,4 @@
-//! What a class says: states, conditions, constraints, loads.
+//! The statements of a class: states, conditions, constraints, loads.
 
 use super::super::binding::{Asked, Message, Part};
 use super::super::scalar::{Flag, PROVISIONAL, RowDraft, Scalar, Stage, StateDraft};
@@ -72,7 +72,8 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    /// The size from which on errors of a state matter: as stated, else its start. Either may be known only when parameters are set.
+    /// The scale of a state, against which its errors are measured: the stated one, else its start. Either
+    /// may be known only when parameters are set.
     fn state_scale(
         &mut self,
         state: &'a ast::Binding,
@@ -170,7 +171,7 @@ impl<'a> Elaborator<'a, '_> {
                         self.condition(flag, kind, name, message, condition.span, draft);
                     }
                 }
-                // taken in before the equations
+                // read before the equations
                 Statement::Accept(_) => {}
                 Statement::Rate { state, value } => {
                     let v = self.evaluate(value, scope)?;
@@ -203,7 +204,7 @@ impl<'a> Elaborator<'a, '_> {
             return;
         };
         let node = element.graph.margin(lifted);
-        // the values that the message shows follow the condition
+        // the values of the message come after the condition
         let mut next = draft.conditions.len() as u32 + 1;
         let mut parts = Vec::with_capacity(message.parts.len());
         let mut shown = Vec::new();

@@ -1,4 +1,4 @@
-//! Elements whose class fills an interface that the results know: film laws, and the gas in a cylinder.
+//! Elements whose class fills an interface that the results use: film laws, and the gas in a cylinder.
 
 use super::super::scalar::Stage;
 use super::super::value::ScopeId;
@@ -8,7 +8,7 @@ use crate::codes;
 use eng_grammar::Diagnostic;
 use eng_system::system::{FiringInfo, JournalInfo, Slot};
 
-/// What the results know of an element besides its channels. The element's index is not known yet.
+/// Data of an element for the results, besides its channels. The element has no index yet.
 #[derive(Default)]
 pub(super) struct Known {
     journal: Option<JournalInfo>,
@@ -16,7 +16,7 @@ pub(super) struct Known {
 }
 
 impl<'a> Elaborator<'a, '_> {
-    /// What an element is by the interface that its class says to fill; names are those of the interface.
+    /// The role of an element by the interface that its class declares. Names are those of the interface.
     pub(super) fn by_interface(&mut self, class: Class<'a>, own: ScopeId) -> Eval<Known> {
         let module = class.definition.module;
         let interface = self.program.interface_of(module, class.declaration);
@@ -43,7 +43,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(known)
     }
 
-    /// Notes an element by its index.
+    /// Stores the data of an element with its index.
     pub(super) fn note(&mut self, known: Known, element: u32) {
         let journal = known.journal;
         self.journals

@@ -26,13 +26,13 @@ pub(crate) struct Class<'a> {
     pub block: &'a ast::Block,
 }
 
-/// What is gathered while an element is lowered.
+/// The data of an element while it is lowered.
 pub(crate) struct Draft {
     pub conditions: Vec<(Node, Condition)>,
     pub outputs: Vec<Node>,
     pub infos: Vec<OutputInfo>,
     pub shapes: Vec<OutputShape>,
-    /// Along which axes each output is, if the text says so.
+    /// The axes of each output, if the text states them.
     pub frames: Vec<Option<Axes>>,
     /// Frames of copied channels, by output.
     pub copied: Vec<(usize, String)>,
@@ -57,7 +57,7 @@ impl<'a> Elaborator<'a, '_> {
         self.checked(found, span, "this is no class")
     }
 
-    /// `= value { additions }` of a declaration.
+    /// The parts `= value { additions }` of a declaration.
     pub fn instance(
         &mut self,
         declaration: &'a ast::Declaration,
@@ -81,7 +81,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok((self.class_of(class, callee.span)?, arguments))
     }
 
-    /// What is called, and with which arguments.
+    /// The called expression and its arguments.
     pub fn called(&mut self, value: &'a ast::Expr) -> Eval<(&'a ast::Expr, &'a [ast::Argument])> {
         let found = match &value.kind {
             ExprKind::Call { callee, arguments } => Some((&**callee, arguments.as_slice())),
@@ -90,7 +90,7 @@ impl<'a> Elaborator<'a, '_> {
         self.checked(found, value.span, "it is no call")
     }
 
-    /// `kind name[index] = Class(arguments) { additions }`.
+    /// The elements of `kind name[index] = Class(arguments) { additions }`.
     pub fn elements_of(
         &mut self,
         declaration: &'a ast::Declaration,
@@ -153,7 +153,7 @@ impl<'a> Elaborator<'a, '_> {
             caller: scope,
         };
         let own = self.class_scope(&source, class, &path)?;
-        // marker parameters come first, in their order
+        // marker parameters come first, so that their local indices follow the order of the parameters
         for parameter in class.parameters {
             if is_marker(&self.type_at(parameter.ty.span)?) {
                 let value = self.entry(own, &parameter.name.text, parameter.span)?;
@@ -220,7 +220,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(index)
     }
 
-    /// Conditions of the functions that the element has called.
+    /// Adds the conditions of the functions that the element has called.
     pub fn asked(&mut self, draft: &mut Draft) {
         let asked = self
             .bench

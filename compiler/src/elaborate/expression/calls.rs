@@ -1,4 +1,4 @@
-//! Calls of functions and tables, with what functions require.
+//! Calls of functions and tables, with the conditions of functions.
 
 use super::super::binding::Part;
 use super::super::scalar::{Flag, Scalar, Stage};
@@ -100,7 +100,7 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
-    /// Evaluates what counts only where a flag is true.
+    /// Evaluates an expression that counts only if a flag is true.
     pub(super) fn guarded<T>(
         &mut self,
         flag: Flag,
@@ -112,8 +112,8 @@ impl<'a> Elaborator<'a, '_> {
         result
     }
 
-    /// A `require` or `advise` of a function for one call: of parameters alone it is checked when they are set, else its element
-    /// watches it.
+    /// Evaluates a `require` or `advise` of a function for one call. A condition of parameters alone is
+    /// checked when they are set. Its element watches any other condition.
     pub(super) fn require_in_function(
         &mut self,
         requirement: &'a ast::Requirement,

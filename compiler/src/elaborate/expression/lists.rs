@@ -29,7 +29,7 @@ impl<'a> Elaborator<'a, '_> {
             if by == 0 {
                 return Err(self.long_range(span, "its step is zero"));
             }
-            // in 128 bits, where no difference of two 64-bit numbers overflows
+            // 128 bits, because the difference of two 64-bit numbers can overflow
             let (a, b, by) = (i128::from(*a), i128::from(*b), i128::from(by));
             if (b - a) / by > LONGEST as i128 {
                 return Err(self.long_range(span, &too_long()));
@@ -48,7 +48,7 @@ impl<'a> Elaborator<'a, '_> {
         let step = match step {
             Some(v) => self.as_scalar(v, by_span)?,
             None => {
-                // a range without a step counts in whole numbers
+                // a range without a step has whole numbers
                 return Err(self.not_countable(from.span.to(to.span)));
             }
         };
@@ -76,7 +76,7 @@ impl<'a> Elaborator<'a, '_> {
         ))
     }
 
-    /// The checker has found a whole number, but its value is beyond those.
+    /// Reports a whole number whose value is too large.
     pub(super) fn not_countable(&mut self, span: Span) -> super::super::Reported {
         self.report(
             Diagnostic::error(
@@ -153,7 +153,7 @@ impl<'a> Elaborator<'a, '_> {
         )
     }
 
-    /// Two lists that should be of one length.
+    /// Checks that two lists have one length.
     pub fn lengths(
         &mut self,
         first: usize,
@@ -176,7 +176,7 @@ fn too_long() -> String {
     format!("more than {LONGEST} values")
 }
 
-/// What indices there are, shortened where they are many.
+/// The existing indices as text. A long list is shortened.
 fn known_indices(shown: &[String]) -> String {
     let mut distinct: Vec<&str> = Vec::new();
     for index in shown {

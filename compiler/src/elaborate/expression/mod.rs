@@ -15,7 +15,7 @@ use eng_grammar::ast::{self, Expr, ExprKind, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
 
 impl<'a> Elaborator<'a, '_> {
-    /// The value of an expression; a family as the list of its members.
+    /// The value of an expression. A family becomes the list of its members.
     pub fn evaluate(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Value<'a>> {
         Ok(match self.evaluate_family(expr, scope)? {
             Value::Closure(closure) => Value::Closure(Closure {
@@ -197,7 +197,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The numbers of a list; of a vector those in ground axes.
+    /// The numbers of a list, or of a vector in ground axes.
     pub fn as_components(&mut self, value: Value<'a>, span: Span) -> Eval<Vec<Scalar>> {
         match self.in_space(value, span)? {
             Value::Vector(v) => Ok(v.to_vec()),
@@ -209,7 +209,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// A vector in space; a list of three is read in ground axes.
+    /// A vector in space. A list of three numbers is read in ground axes.
     pub fn as_vector(&mut self, value: Value<'a>, span: Span) -> Eval<[Scalar; 3]> {
         let components = self.as_components(value, span)?;
         self.three(components, span)

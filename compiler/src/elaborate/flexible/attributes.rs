@@ -11,7 +11,7 @@ use eng_grammar::{Diagnostic, Span, ast};
 use eng_system::flexible::{Damping, MaterialSource, MatrixSource, MeshSource};
 use eng_system::mesh_files::{MatrixFormat, MeshFormat, Stated as _};
 
-/// Damping ratio of all modes above which a structure is none.
+/// Damping ratio of all modes above which a value is implausible for a structure.
 const MUCH_DAMPING: f64 = 0.2;
 
 impl<'a> Elaborator<'a, '_> {
@@ -63,7 +63,7 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
-    /// 3 or 6.
+    /// The number of freedoms of each node, 3 or 6.
     fn freedoms_of_node(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<u8> {
         match self.integer(expr, scope)? {
             3 => Ok(3),
@@ -76,7 +76,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The message where what is stated of the rows of stiffness and mass does not fit together.
+    /// The message about contradictory statements on the rows of stiffness and mass.
     pub(super) fn rows_of_matrices(
         &mut self,
         stiffness: &MatrixSource,
@@ -193,7 +193,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// Tells of a damping of all modes that no metal part has.
+    /// Warns of a damping of all modes that no metal part has.
     pub(super) fn much_damping(&mut self, damping: &Damping, path: &str, span: Span) {
         let Damping::Modal { ratio, up_to } = damping else {
             return;

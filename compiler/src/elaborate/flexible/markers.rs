@@ -1,4 +1,4 @@
-//! Markers on meshes: which nodes, how they are tied, along which axes.
+//! Markers on meshes: their nodes, ties and axes.
 
 use super::super::body::index_text;
 use super::super::value::{ScopeId, Value};
@@ -11,7 +11,7 @@ use eng_system::flexible::{MarkerPlace, MarkerSource, MarkerTie};
 use eng_system::system::BodyRef;
 
 impl<'a> Elaborator<'a, '_> {
-    /// Markers of one declaration; `known` gets their names with the positions in their array.
+    /// Markers of one declaration. `known` gets their names with the positions in their array.
     pub(super) fn markers_on_mesh(
         &mut self,
         declaration: &'a ast::Declaration,
@@ -123,7 +123,8 @@ impl<'a> Elaborator<'a, '_> {
                     axis: axis(self, "axis")?,
                     radius,
                     width: positive(self, "width")?,
-                    // chords of coarse facets sink by some percent of the radius; nodes lie on the surface itself
+                    // only chords of coarse facets are inside the surface by some per cent; nodes are on the
+                    // surface itself
                     tolerance: length(self, "tolerance")?.unwrap_or(1e-3 * radius),
                 }
             }
@@ -144,7 +145,7 @@ impl<'a> Elaborator<'a, '_> {
             },
             _ => return self.checked(None, value.span, "no place on a mesh"),
         };
-        // a ring or a patch is named by its middle; a set's is the mean of its nodes unless stated
+        // a ring or a patch states its middle; that of a set is the mean of its nodes unless stated
         let center = match word.word {
             "set" | "property" | "plane" | "ring" | "patch" => center,
             _ => None,

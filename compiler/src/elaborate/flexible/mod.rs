@@ -1,4 +1,4 @@
-//! Flexible bodies: what is to be reduced, with its markers and mode set.
+//! Flexible bodies: the source of the reduction, with its markers and mode set.
 
 mod attributes;
 mod markers;
@@ -16,11 +16,11 @@ use eng_system::mesh_files::{ShapeFormat, Stated};
 use eng_system::system::{Body, BodyInertia, BodyRef, Origin};
 use std::rc::Rc;
 
-/// Markers by name, as a mode set writes them; found in the body that uses the set.
+/// Markers by name, as written in a mode set. They belong to the body that uses the set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerName {
     name: String,
-    /// Of an array: these.
+    /// Indices in an array of markers.
     index: Option<Vec<i64>>,
     span: Span,
 }
@@ -37,7 +37,7 @@ impl MarkerName {
 pub struct ModePart {
     kind: PartKind,
     at: Vec<MarkerName>,
-    /// As listed; else those that the model's elements can load.
+    /// The listed freedoms; `None`: those that the model's elements can load.
     freedoms: Option<Freedoms>,
     span: Span,
 }
@@ -50,11 +50,11 @@ enum PartKind {
     Given { format: ShapeFormat, file: String },
 }
 
-/// A flexible body before it is known which elements stand on its markers.
+/// A flexible body before the elements on its markers are known.
 #[derive(Clone, Debug)]
 pub(crate) struct FlexibleDraft {
     pub source: FlexibleSource,
-    /// Terms whose markers are known, with their freedoms if listed.
+    /// Terms with known markers, and with their freedoms if listed.
     pub terms: Vec<TermDraft>,
     /// The system's markers, in the order of the source's.
     pub markers: Vec<u32>,
@@ -83,7 +83,7 @@ pub(crate) enum TermKind {
 }
 
 impl<'a> Elaborator<'a, '_> {
-    /// One flexible body.
+    /// Elaborates one flexible body.
     pub fn flexible_body(
         &mut self,
         declaration: &'a ast::Declaration,
@@ -114,7 +114,7 @@ impl<'a> Elaborator<'a, '_> {
         let reference = BodyRef::Body(body);
         let origin = self.frame_marker(reference, format!("{path}.origin"));
         self.define(own, "origin", Entry::Value(Value::Marker(origin)));
-        // holds its place while the parts are read
+        // reserves the index while the parts are read
         self.flexible.push(None);
         let mut markers = Vec::new();
         let mut known = Vec::new();
@@ -122,7 +122,7 @@ impl<'a> Elaborator<'a, '_> {
             if let ItemKind::Declaration(d) = &item.kind
                 && d.kind == Kind::Marker
             {
-                // a marker's own message does not hide those of its neighbours
+                // an error in one marker does not hide those of its neighbours
                 let entry = match self.markers_on_mesh(
                     d,
                     reference,
@@ -247,7 +247,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(body)
     }
 
-    /// The word that is called and its arguments.
+    /// The called word and its arguments.
     fn worded(
         &mut self,
         place: Place,
@@ -329,7 +329,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(Some(text))
     }
 
-    /// Bodies with supports stand on the ground: their frames are welded to it where they are at the start.
+    /// Welds the frames of bodies with supports to the ground at their start positions.
     pub fn weld_supports(&mut self) {
         let welds: Vec<(String, u32, ScopeId, Span)> = self
             .flexible
@@ -345,7 +345,7 @@ impl<'a> Elaborator<'a, '_> {
             let class = self
                 .checked(weld, span, "the library has no weld")
                 .and_then(|id| self.class_of(id, span));
-            // a message was given
+            // the error was reported
             let Ok(class) = class else { continue };
             let path = format!("{path}.support");
             let ground = self.ground_at(origin, format!("ground at {path}"), span);
@@ -379,7 +379,7 @@ fn bare_word(expr: &ast::Expr) -> &str {
     }
 }
 
-/// What a bare word states; the checker has seen that it is one of those known.
+/// The meaning of a bare word. The checker has tested that the word is known.
 fn meaning<T: Stated>(expr: &ast::Expr) -> Option<T> {
     T::named(bare_word(expr))
 }

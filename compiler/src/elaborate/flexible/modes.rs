@@ -1,4 +1,4 @@
-//! Mode sets: their terms, and the markers that these name.
+//! Mode sets: their terms, and the markers of these terms.
 
 use super::super::value::{ScopeId, Value};
 use super::super::{Elaborator, Eval, Reported};
@@ -12,7 +12,7 @@ use eng_system::flexible::{FREEDOM_NAMES, Freedoms, ModeCount};
 use std::rc::Rc;
 
 impl<'a> Elaborator<'a, '_> {
-    /// `static(…)` and its like, as a value.
+    /// The value of `static(…)` and of similar terms.
     pub fn mode_set(
         &mut self,
         word: &'static Word,
@@ -139,7 +139,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// Indices of the markers of a name.
+    /// Indices of the markers with a name.
     pub(super) fn found(
         &mut self,
         wanted: &MarkerName,
