@@ -2,7 +2,8 @@
 //!
 //! In the axes of a turning body a load that stands still in space turns, and a load that turns with the body
 //! stands still. The two have different answers: with ȧ = 0 and ä = 0 the sag of a shaft under its weight
-//! would be too large by `1/(1 − Ω²/ω²)`. The repeating motion distinguishes them. Its positions q_j at N
+//! would be too large by the factor
+//! `1/(1 − Ω²/ω²)`. The repeating motion distinguishes them. Its positions q_j at N
 //! equal parts of the period T obey
 //!
 //! ```text
