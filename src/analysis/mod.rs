@@ -27,9 +27,9 @@ pub struct Analysis {
     plan: eng_system::system::Analysis,
     program: Program,
     overrides: Vec<Option<f64>>,
-    /// Parameters that were set over the text's.
+    /// Parameters set in place of the text's values.
     set_here: Vec<String>,
-    /// How steps were stated over the text's: `step` or `tolerance`, and its value.
+    /// `step` or `tolerance` set in place of the text's, with its value.
     stepped_here: Option<(&'static str, String)>,
     replaced: Vec<String>,
     recording: Recording,
@@ -38,17 +38,18 @@ pub struct Analysis {
 /// Findings of lints on an analysis.
 pub(crate) struct Findings {
     pub list: Vec<Finding>,
-    /// The dry turn that the lints of cylinders made, where there are cylinders.
+    /// The dry turn of the lints of cylinders, if there are cylinders.
     pub turned: Option<Result<Turned, RuntimeError>>,
 }
 
-/// Steps after which a cycle that has turned by less than this part of a run stands.
+/// Number of steps, and part of a run. A cycle that has turned by less than this part after these steps is at
+/// rest.
 const STANDING: (u64, f64) = (50, 1e-3);
 
-/// How far a run is.
+/// The progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// Done part, 0…1.
+    /// Finished part, 0…1.
     pub fraction: f64,
     /// Simulated time (s).
     pub time: f64,
@@ -56,15 +57,16 @@ pub struct Progress {
     pub steps: u64,
     /// Unwrapped cycle angle (rad), if the model has a cycle.
     pub cycle_angle: Option<f64>,
-    /// Of a periodic analysis: whole cycles so far, and the largest change from the last to this one as a share of its swing.
+    /// For a periodic analysis: number of whole cycles, and the largest change from the last cycle, as a
+    /// share of the swing.
     pub cycles: Option<(u32, Option<f64>)>,
 }
 
-/// What watches a run while it goes on; a function of the progress is one.
+/// A watch on a run. A function of the progress is one.
 pub trait Watch {
-    /// After every step.
+    /// Called after every step.
     fn progress(&mut self, now: Progress) -> Verdict;
-    /// What makes steps short, after [`Verdict::Explain`].
+    /// Takes the cause of short steps, after [`Verdict::Explain`].
     fn paced(&mut self, _slow: &Slow) {}
 }
 
@@ -74,31 +76,31 @@ impl<F: FnMut(Progress) -> Verdict> Watch for F {
     }
 }
 
-/// What a run made.
+/// The outcome of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// All columns.
     pub results: Results,
-    /// Where the bodies were in the last cycle, thinned: see [`crate::motion`].
+    /// The thinned motion of the bodies in the last cycle: see [`crate::motion`].
     pub motion: Results,
-    /// `advise`s that did not hold.
+    /// Failed `advise`s.
     pub warnings: Vec<Warning>,
-    /// Steps and energy; absent where only the start was asked for, or the run failed.
+    /// Steps and energy; absent for a start alone, and after a failure.
     pub summary: Option<RunSummary>,
-    /// How the motion began; absent where it did not.
+    /// The report on the start; absent if the run did not start.
     pub start: Option<StartReport>,
-    /// Cycles, decay and whirl of a periodic analysis; absent where it failed.
+    /// Cycles, decay and whirl of a periodic analysis; absent after a failure.
     pub periodic: Option<PeriodicSummary>,
-    /// Modes of a linear analysis, which are the rows of `results` as well; absent where it failed.
+    /// Modes of a linear analysis, which are also the rows of `results`; absent after a failure.
     pub modes: Option<LinearModes>,
-    /// Whether an earlier run had made all that and nothing was computed.
+    /// Whether all this comes from an earlier run, and nothing was computed.
     pub made_before: bool,
 }
 
-/// A run that failed, with what was computed before.
+/// A failed run, with its results up to the failure.
 #[derive(Debug)]
 pub struct Failed<O = Outcome> {
-    /// Why.
+    /// The reason.
     pub error: Box<Error>,
     /// Samples up to the failure, if there are any.
     pub partial: Option<Box<O>>,
@@ -121,8 +123,8 @@ impl Program {
         Analysis::new(model, plan.analysis.clone(), self.clone())
     }
 
-    /// Several analyses. Those of one model with the same constants, such as the points of a sweep over a parameter, share one
-    /// compiled model.
+    /// Several analyses. Those of one model with the same constants, such as the points of a sweep over a
+    /// parameter, share one compiled model.
     pub fn analyses_of(&self, names: &[&str]) -> Vec<Result<Analysis, Error>> {
         self.analyses_with(names, Bodies::Reduced)
     }
@@ -192,7 +194,7 @@ impl Analysis {
         &self.plan.origin
     }
 
-    /// Where it stands in its sweep; empty for one without an index.
+    /// Its point in the sweep; empty for an analysis without an index.
     pub fn point(&self) -> &[PointValue] {
         &self.plan.point
     }
@@ -202,7 +204,7 @@ impl Analysis {
         &self.model
     }
 
-    /// The parameter of its model with a path; of a constant it is told that it is one.
+    /// The parameter of its model with a path. The error about a constant says that it is one.
     pub fn parameter(&self, path: &str) -> Result<Parameter, Error> {
         self.model.parameter(path).map_err(|error| {
             let constant = self.program.constant(self.model.name(), path);
@@ -210,12 +212,12 @@ impl Analysis {
         })
     }
 
-    /// What is done.
+    /// Its kind.
     pub fn kind(&self) -> &AnalysisKind {
         &self.plan.kind
     }
 
-    /// Sets a parameter, over what the analysis states; but not what its sweep varies.
+    /// Sets a parameter in place of the analysis's value. Refuses a parameter that its sweep varies.
     pub fn set(mut self, parameter: Parameter, value: Quantity) -> Result<Self, Error> {
         let value = self.model.checked(parameter, value)?;
         let system = &self.model.compiled().system;
@@ -248,7 +250,7 @@ impl Analysis {
         Ok(self)
     }
 
-    /// Takes fixed steps, or steps of another tolerance, in place of those that the text states.
+    /// Takes fixed steps, or steps of another tolerance, in place of the text's.
     pub fn stepping(mut self, control: StepControl) -> Self {
         let Some(place) = self.plan.kind.step_mut() else {
             return self;
@@ -275,23 +277,23 @@ impl Analysis {
         self
     }
 
-    /// Parameters that were set over what the text of the analysis states, in words.
+    /// Parameters set in place of the text's values, in words.
     pub fn replaced(&self) -> &[String] {
         &self.replaced
     }
 
-    /// States what is kept of the run, and where.
+    /// Sets the kept channels and their folder.
     pub fn record(mut self, recording: Recording) -> Self {
         self.recording = recording;
         self
     }
 
-    /// The folder that its samples go to while it runs.
+    /// The folder of its samples during the run.
     pub(crate) fn recorded_to(&self) -> Option<&std::path::Path> {
         self.recording.folder.as_deref()
     }
 
-    /// The values of all slots for this analysis's parameters: what the summary needs of journals and cycle.
+    /// The values of all slots for this analysis's parameters. The summary uses those of journals and cycle.
     pub(crate) fn bound(&self) -> Result<eng_system::code::Bound, Error> {
         let compiled = self.model.compiled();
         compiled
@@ -300,7 +302,7 @@ impl Analysis {
             .map_err(|e| self.error(e.into()))
     }
 
-    /// What tables and figures need to know of the machine with its parameters.
+    /// The data of the machine with its parameters, for tables and figures.
     ///
     /// # Errors
     /// Parameters that the model refuses.
@@ -309,8 +311,8 @@ impl Analysis {
         Ok(Machine::new(system, &self.bound()?, &self.plan.kind))
     }
 
-    /// Findings of lints on its numbers and on the assembled model, with the `advise`s that the start does not
-    /// keep. A model that does not assemble is reported elsewhere.
+    /// Findings of lints on its numbers and on the assembled model, with the failed `advise`s of the start.
+    /// Another stage reports a model that does not assemble.
     pub(crate) fn findings(&self) -> Result<Findings, Error> {
         let (compiled, overrides) = (self.model.compiled(), &self.overrides);
         let bound = self.bound()?;
@@ -324,7 +326,7 @@ impl Analysis {
         if let Ok((model, state)) = assembled {
             let origin = &self.plan.origin;
             list.extend(lint::of_start(&model, &state, &self.plan.kind, origin));
-            // the points of a sweep turn alike
+            // the dry turn is the same for all points of a sweep
             let first = self.plan.point.is_empty() || self.plan.origin.path.ends_with("[1]");
             if first {
                 let (found, turn) = lint::of_turn(compiled, overrides, &bound);
@@ -335,7 +337,8 @@ impl Analysis {
         Ok(Findings { list, turned })
     }
 
-    /// Where the markers that the text states and the bodies' origins are, as assembled: body, path and place (m, ground's axes).
+    /// Assembled positions of the stated markers and of the bodies' origins: body, path and position (m,
+    /// ground's axes).
     pub fn positions(&self) -> Result<Vec<(String, String, [f64; 3])>, Error> {
         let compiled = self.model.compiled();
         let bind = eng_runtime::model::Model::bind(compiled, &self.overrides);
@@ -355,7 +358,7 @@ impl Analysis {
         Ok(placed.collect())
     }
 
-    /// What `advise`s on the motion say of the start.
+    /// Failed `advise`s on the motion at the start.
     pub(crate) fn findings_of_start(&self) -> Vec<Finding> {
         let options = eng_runtime::Options::default();
         let start = eng_runtime::Simulation::new(self.model.compiled(), &self.overrides, options);
@@ -370,7 +373,7 @@ impl Analysis {
             .collect()
     }
 
-    /// What is told of a run by angle that came to grief before its cycle turned.
+    /// The note for a run by angle that failed before its cycle turned.
     fn stands(&self, last: &Advance) -> Option<String> {
         let Some((_, Some(Extent::Angle(whole)))) = self.plan.kind.sampling() else {
             return None;
@@ -385,7 +388,7 @@ impl Analysis {
         })
     }
 
-    /// A failure with its places; who set a parameter that does not fit is told.
+    /// A failure with its places. It names the analysis that set an unsuitable parameter.
     fn error(&self, cause: RuntimeError) -> Error {
         self.error_with(cause, None)
     }
@@ -432,7 +435,7 @@ impl Analysis {
         })
     }
 
-    /// Assembles the model as the analysis begins, and counts its freedoms.
+    /// Assembles the model at the start of the analysis, and counts its freedoms.
     pub fn topology(&self) -> Result<eng_runtime::TopologyReport, Error> {
         let (compiled, overrides) = (self.model.compiled(), &self.overrides);
         let begins = |start: Start| {
@@ -442,8 +445,9 @@ impl Analysis {
             };
             eng_runtime::Simulation::new(compiled, overrides, options)
         };
-        // The start has conditions of its own: clearances, velocities that fit each other. They count in the state in which the run
-        // begins; that is dearer to find, and asked for where the assembled state does not do.
+        // The start has conditions of its own, on clearances and velocities. They count in the state in which
+        // the run begins. This state is costly, so it is computed only if the assembled state fails the
+        // conditions.
         let run_starts = self.plan.kind.start();
         if let AnalysisKind::Transient(transient) = &self.plan.kind {
             eng_runtime::countable(transient).map_err(|cause| self.error(cause))?;
@@ -459,7 +463,7 @@ impl Analysis {
             .map_err(|cause| self.error(cause))
     }
 
-    /// The numbers that place its markers, as bits: analyses that agree in them have one geometry.
+    /// The numbers that place its markers, as bits. Analyses with equal numbers have one geometry.
     pub(crate) fn geometry(&self) -> Result<Vec<u64>, Error> {
         let bound = self.bound()?;
         let markers = &self.model.compiled().system.markers;
@@ -476,8 +480,9 @@ impl Analysis {
         Ok(found.as_ref().map(crate::failure::hanging))
     }
 
-    /// Where the machine locks when it is turned through its cycle by its geometry alone, as a warning: a run need not come there.
-    /// Asked of machines that [`Analysis::hanging`] finds held: what falls is turned nowhere by geometry.
+    /// The lock of the machine in a turn through its cycle by geometry alone. It is a warning, because a run
+    /// need not reach it. Call it for machines that [`Analysis::hanging`] finds held, because geometry does
+    /// not determine the motion of a falling machine.
     pub fn dry_turn(&self) -> Result<Option<eng_grammar::Diagnostic>, Error> {
         self.lock(turn(
             self.model.compiled(),
@@ -486,7 +491,7 @@ impl Analysis {
         ))
     }
 
-    /// The warning of a dry turn that locked.
+    /// The warning about a lock in the dry turn.
     pub(crate) fn lock(
         &self,
         turned: Result<Turned, RuntimeError>,

@@ -9,15 +9,15 @@ use eng_system::system::BodyInertia;
 use eng_system::{Dimension, DisplayUnit};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Slack (rad) when the begin of the last cycle is looked for.
+/// Slack (rad) in the search for the beginning of the last cycle.
 const SLACK: f64 = 1e-6;
 
-/// Positions, orientation and amplitudes while a run goes on.
+/// Positions, orientation and amplitudes during a run.
 #[derive(Debug)]
 pub(super) struct Motion {
     period: Option<f64>,
     kept: VecDeque<Moment>,
-    /// All samples, where the run can be gone on from.
+    /// All samples, if the run can be resumed.
     trail: Option<Trail>,
 }
 
@@ -29,7 +29,7 @@ struct Moment {
 }
 
 impl Moment {
-    /// From the numbers of a trail.
+    /// A moment from the numbers of a trail.
     fn of_row(row: &[f64], with_cycle: bool) -> Moment {
         let (head, pose) = row.split_at(row.len().min(1 + usize::from(with_cycle)));
         Moment {
@@ -41,7 +41,7 @@ impl Moment {
 }
 
 impl Motion {
-    /// The motion of a run that begins, or goes on after a number of samples.
+    /// The motion of a run that begins, or is resumed after a number of samples.
     pub fn begin(analysis: &Analysis, resumed: Option<u64>) -> Result<Motion, Error> {
         let mut motion = Motion::of(analysis);
         if let Some(folder) = analysis.recorded_to() {
@@ -58,7 +58,7 @@ impl Motion {
         Ok(motion)
     }
 
-    /// The motion of a complete run that was killed before it was written; nothing where it was.
+    /// The motion of a complete run that was killed before its motion was written; `None` if it was written.
     pub fn left(
         analysis: &Analysis,
         metadata: &BTreeMap<String, String>,
@@ -78,7 +78,7 @@ impl Motion {
     }
 
     fn of(analysis: &Analysis) -> Motion {
-        // what cannot be bound is told by the run
+        // the run reports parameters that cannot be bound
         let bound = analysis.bound().ok();
         let period = bound.and_then(|b| cycle_period(&analysis.model().compiled().system, &b));
         Motion {
@@ -88,7 +88,7 @@ impl Motion {
         }
     }
 
-    /// Takes a sample.
+    /// Adds a sample.
     pub fn push(&mut self, sample: &Sample<'_>) -> Result<(), ResultsError> {
         if let Some(trail) = &mut self.trail {
             let row = std::iter::once(sample.time)
@@ -104,7 +104,7 @@ impl Motion {
         Ok(())
     }
 
-    /// Keeps a moment, forgets what lies more than a cycle back.
+    /// Keeps a moment, and drops those more than a cycle earlier.
     fn keep(&mut self, moment: Moment) {
         if let (Some(period), Some(now)) = (self.period, moment.cycle_angle) {
             let old = |moment: &Moment| {
@@ -119,7 +119,8 @@ impl Motion {
         self.kept.push_back(moment);
     }
 
-    /// Brings all samples to disk: before a checkpoint that counts them, and before the results are complete.
+    /// Writes all samples to disk. It comes before a checkpoint that counts them, and before the results are
+    /// complete.
     pub fn save(&mut self) -> Result<(), ResultsError> {
         match &mut self.trail {
             Some(trail) => trail.save(),
@@ -127,7 +128,8 @@ impl Motion {
         }
     }
 
-    /// As columns, with what is known about the run. Where the run goes to a folder, they are written there, and the trail ends.
+    /// The motion as columns, with the metadata of the run. If the run has a folder, they are written there,
+    /// and the trail ends.
     pub fn results(
         mut self,
         analysis: &Analysis,
@@ -188,7 +190,7 @@ fn name_of(analysis: &Analysis) -> String {
     format!("{}{SUFFIX}", analysis.name())
 }
 
-/// The columns without values: time, the cycle's angle, and those of each body in the order of a pose.
+/// The columns without values: time, the cycle's angle, and the columns of each body in the order of a pose.
 fn columns_of(analysis: &Analysis) -> Result<Results, Error> {
     let compiled = analysis.model().compiled();
     let mut header = Results::new(name_of(analysis), analysis.model().name());

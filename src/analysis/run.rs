@@ -1,4 +1,4 @@
-//! Runs of analyses: what each kind solves, and what is kept of it.
+//! Runs of analyses: the solution of each kind, and its records.
 
 use super::motion::Motion;
 use super::{Analysis, Failed, Outcome, Progress, Watch};
@@ -13,7 +13,7 @@ use eng_system::recorded::recorded;
 use eng_system::system::{AnalysisKind, Location, Origin, Rows};
 use std::ops::ControlFlow;
 
-/// What was solved, besides the samples that the recorder has taken.
+/// The solution, besides the samples in the recorder.
 #[derive(Default)]
 struct Solved {
     summary: Option<RunSummary>,
@@ -22,7 +22,7 @@ struct Solved {
 }
 
 impl Analysis {
-    /// Runs. `progress` is called after every step.
+    /// Runs the analysis. `progress` is called after every step.
     pub fn run(&self, progress: &mut dyn FnMut(Progress)) -> Result<Outcome, Failed> {
         self.run_watched(&mut |now: Progress| {
             progress(now);
@@ -30,9 +30,9 @@ impl Analysis {
         })
     }
 
-    /// Runs as long as a watch, which is asked after every step, wants it. One that is stopped ends with [`RuntimeError::Stopped`], which
-    /// tells what makes its steps as short as they are; what a recording has on disk then stays, to go on from. A run that ends has the
-    /// same bits as without being watched.
+    /// Runs the analysis as long as a watch allows, which is asked after every step. A stopped run ends with
+    /// [`RuntimeError::Stopped`], which has the cause of its short steps. Its files remain, so that it can be
+    /// resumed. A finished run has the same bits as without a watch.
     pub fn run_watched(&self, watch: &mut dyn Watch) -> Result<Outcome, Failed> {
         let begun = self
             .header()
@@ -58,7 +58,7 @@ impl Analysis {
         self.finish(recorder, solved)
     }
 
-    /// Solves what the kind of the analysis asks for.
+    /// Solves the analysis by its kind.
     fn solve(
         &self,
         recorder: &mut Recorder<'_>,
@@ -88,7 +88,7 @@ impl Analysis {
 
     /// The outcome of an analysis that an earlier run has completed.
     fn made_before(&self, results: Results) -> Result<Outcome, Error> {
-        // its motion is on disk beside it, unless the run was killed just then
+        // its motion is on disk beside it, unless the run was killed between the two
         let motion = Motion::left(self, results.metadata())?;
         Ok(Outcome {
             motion: motion.unwrap_or_else(|| Results::new(self.name(), self.model.name())),
@@ -102,13 +102,13 @@ impl Analysis {
         })
     }
 
-    /// Completes table and motion of a run that has ended, well or with a failure.
+    /// Completes table and motion of a finished or failed run.
     fn finish(
         &self,
         mut recorder: Recorder<'_>,
         solved: Result<Solved, RuntimeError>,
     ) -> Result<Outcome, Failed> {
-        // what the disk refused ended the run; its samples stay as they are, to go on from
+        // a failure of the disk ended the run; its samples remain, so that it can be resumed
         if let Some(refused) = recorder.refused {
             return Err(Error::from(refused).into());
         }
@@ -127,7 +127,7 @@ impl Analysis {
             }
         }
         let failure = cause.as_ref().map(ToString::to_string);
-        // a run that is killed between its results and its motion has all of the motion on disk
+        // after this, a run killed between its results and its motion has the whole motion on disk
         let saved = recorder.motion.save();
         if cause.is_none() {
             saved.map_err(Error::from)?;
@@ -137,7 +137,7 @@ impl Analysis {
         let cause = cause.map(|cause| self.error_with(cause, stands));
         let results = match finished {
             Ok(results) => results,
-            // the failure of the run says more than that its table could not be completed
+            // the failure of the run says more than the failure of its table
             Err(error) => return Err(cause.unwrap_or_else(|| error.into()).into()),
         };
         let motion = recorder.motion.results(self, results.metadata())?;
@@ -160,7 +160,8 @@ impl Analysis {
         }
     }
 
-    /// All columns without values, in the order of [`Recorder::sample`], with what is known before the run.
+    /// All columns without values, in the order of [`Recorder::sample`], with the metadata known before the
+    /// run.
     fn header(&self) -> Result<Results, Error> {
         let system = &self.model.compiled().system;
         let mut results = Results::new(self.name(), self.model.name());
@@ -209,7 +210,7 @@ impl Analysis {
         Ok(())
     }
 
-    /// What tells this run from others: program's version, texts, plan, bound model, reduced bodies, kept channels.
+    /// The identity of this run: program's version, texts, plan, bound model, reduced bodies, kept channels.
     fn identity(&self) -> Result<String, Error> {
         use sha2::Digest;
         use std::fmt::Write;
@@ -226,7 +227,7 @@ impl Analysis {
         );
         let bound = self.bound()?;
         for value in bound.parameters.iter().chain(&bound.slots) {
-            // a text takes all that is written to it
+            // writing to a text cannot fail
             let _ = write!(text, " {:x}", value.to_bits());
         }
         for reduction in self.model.reductions() {
@@ -261,18 +262,18 @@ impl Analysis {
     }
 }
 
-/// What a run gives on its way to a table.
+/// The recorder between a run and its table.
 struct Recorder<'a> {
     table: Table,
-    /// Why samples or checkpoints could not be kept.
+    /// The reason for samples or checkpoints that could not be kept.
     refused: Option<ResultsError>,
-    /// Whether an earlier run told of the start.
+    /// Whether an earlier run reported the start.
     resumed: bool,
     warnings: Vec<Warning>,
     motion: Motion,
     start: Option<StartReport>,
     cycles: Option<(u32, Option<f64>)>,
-    /// How far the run is.
+    /// The last progress of the run.
     last: Option<Advance>,
     watch: &'a mut dyn Watch,
 }
@@ -342,7 +343,7 @@ impl Observer for Recorder<'_> {
     fn started(&mut self, report: &StartReport) {
         if !self.resumed {
             let stated = self.table.set_metadata("start", report.to_string());
-            // the first sample ends the run
+            // an error is noted, and the first sample then ends the run
             let _ = self.keep(stated);
             self.start = Some(report.clone());
         }
@@ -388,7 +389,7 @@ impl Observer for Recorder<'_> {
             .motion
             .save()
             .and_then(|()| self.table.save(bytes, warnings));
-        // the next sample ends the run
+        // an error is noted, and the next sample then ends the run
         let _ = self.keep(saved);
     }
 

@@ -1,4 +1,5 @@
-//! Lints of the cycle: fixed steps and samples that are long for its speed, gas that is read backwards.
+//! Lints of the cycle: fixed steps and samples that are too long for its speed, and gas that is read
+//! backwards.
 
 use super::assembled::Start;
 use super::{Finding, short};
@@ -7,14 +8,14 @@ use eng_runtime::chain::MarkerKinematics;
 use eng_system::lint;
 use eng_system::system::{AnalysisKind, Extent, Origin};
 
-/// Most a step may turn the cycle (rad).
+/// Largest turn of the cycle in a step (rad).
 const LONG_STEP: f64 = 10.0 * std::f64::consts::PI / 180.0;
-/// Most the cycle may turn between two samples (rad).
+/// Largest turn of the cycle between two samples (rad).
 const COARSE: f64 = 30.0 * std::f64::consts::PI / 180.0;
-/// Shortest run of a turning machine (rad of its cycle) that is stated as an angle.
+/// Shortest run of a turning machine (rad of its cycle) that gives no warning.
 const SHORT: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
-/// A fixed step that turns the cycle too far.
+/// The finding of a fixed step that turns the cycle too far.
 pub(super) fn step(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) -> Option<Finding> {
     let step = kind.step()?.fixed()?;
     let speed = start.cycle_speed()?;
@@ -37,7 +38,8 @@ pub(super) fn step(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) ->
     })
 }
 
-/// Samples so far apart that they show nothing of a turn, and a run that ends before the machine has turned.
+/// The findings of samples too far apart to show a turn, and of a run that ends before the machine has
+/// turned.
 pub(super) fn sampling(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) -> Vec<Finding> {
     let finding = |message: String, label: &str, help: &str| Finding {
         code: codes::SAMPLING,
@@ -65,7 +67,7 @@ pub(super) fn sampling(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin
         Extent::Time(time) => time * speed,
         Extent::Angle(angle) => angle,
     };
-    // a few milliseconds may be meant, a few degrees are `4 rev`
+    // a run of a few milliseconds may be intended; one of a few degrees is probably a mistake for `4 rev`
     let sample = angle(sample);
     let duration = match duration {
         Some(Extent::Angle(duration)) => Some(duration),
@@ -95,7 +97,7 @@ impl Start<'_> {
         (rate != 0.0).then(|| rate.abs())
     }
 
-    /// The markers of the cycle's angle, that which turns first, and its rate at the start (rad/s).
+    /// The markers of the cycle's angle (the turning one first), and its rate at the start (rad/s).
     pub(super) fn cycle_rate(&self) -> Option<([usize; 2], f64)> {
         let system = &self.model.compiled.system;
         let element = system.cycle.as_ref()?.element as usize;
@@ -107,7 +109,7 @@ impl Start<'_> {
         Some(([turning, reference], rate))
     }
 
-    /// A gas trace that is read from its end to its beginning, of a model whose cycle's angle falls as it turns.
+    /// The finding of a gas trace that is read backwards, because the cycle's angle decreases.
     pub(super) fn backwards(&self) -> Option<Finding> {
         let system = &self.model.compiled.system;
         let ([turning, reference], _) = self.cycle_rate()?;

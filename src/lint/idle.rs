@@ -1,4 +1,5 @@
-//! Lints of what does nothing, or what it was not meant for: couplings that wind up, springs between welded bodies, bodies on the ground.
+//! Lints of elements and bodies without effect or with an unintended one: couplings that wind up, springs
+//! between welded bodies, bodies on the ground.
 
 use super::Finding;
 use super::assembled::{Start, rpm};
@@ -8,11 +9,12 @@ use eng_runtime::loose::springs;
 use eng_system::lint;
 use eng_system::system::{Origin, Role};
 
-/// Share of the speed that a coupling may slip at the start.
+/// Largest slip of a coupling at the start, as a share of the speed.
 const SLIP: f64 = 0.1;
 
 impl Start<'_> {
-    /// A spring between things that turn against each other: a flywheel that is tied to the ground.
+    /// The finding of a spring between bodies that turn against each other, such as a flywheel that is tied
+    /// to the ground.
     pub(super) fn slips(&self, element: usize) -> Option<Finding> {
         let system = &self.model.compiled.system;
         let class = self.model.class(element);
@@ -49,7 +51,7 @@ impl Start<'_> {
         Some(finding)
     }
 
-    /// A body and all that welds tie to it, the ground left out.
+    /// A body and all bodies welded to it, without the ground.
     pub(super) fn welded_to(&self, body: usize) -> Vec<usize> {
         let mut welded = vec![body];
         let mut next = 0;
@@ -70,7 +72,7 @@ impl Start<'_> {
         welded
     }
 
-    /// A spring, film or gas between two rigid bodies that are welded to each other.
+    /// The finding of a spring, film or gas between two rigid bodies that are welded to each other.
     pub(super) fn between_welded(&self, element: usize) -> Option<Finding> {
         let class = self.model.class(element);
         let markers = self.pair(element)?;
@@ -113,8 +115,8 @@ impl Start<'_> {
             .collect()
     }
 
-    /// Where the start velocities of the shaft behind a coupling's end are stated: of the bodies that joints tie to it, the ground left
-    /// out; and where its slower end hangs.
+    /// Places of the start velocities of the shaft behind a coupling's end (of the bodies that joints tie to
+    /// it, without the ground), and of the support of its slower end.
     pub(super) fn what_turns(&self, end: usize, slower: usize) -> Vec<Origin> {
         let system = &self.model.compiled.system;
         let body_of = |marker: &usize| self.model.markers[*marker].body;
@@ -132,7 +134,7 @@ impl Start<'_> {
         places
     }
 
-    /// Bodies that are held on the ground and that nothing else touches.
+    /// The findings of bodies that are held on the ground and have no other element.
     pub(super) fn useless(&self) -> Vec<Finding> {
         let system = &self.model.compiled.system;
         let bodies = self.model.bodies.iter().enumerate();

@@ -8,9 +8,10 @@ use eng_system::code::Bound;
 use eng_system::lint;
 use eng_system::system::{BodyInertia, BodyRef, Marker, Origin, Role, System};
 
-/// Share of a rod's length by which its centre of mass may be beyond an end: heavy big ends reach the pin's middle, none comes past it.
+/// Share of a rod's length by which its centre of mass may be beyond an end. With a heavy big end it reaches
+/// the pin's middle, and never passes it.
 const BEYOND: f64 = 0.2;
-/// Rods shorter than this (m) are not asked.
+/// Length (m) below which a rod is not checked.
 const SHORTEST: f64 = 0.01;
 
 /// A joint of a body: the body's own marker, and the body it leads to.
@@ -19,7 +20,8 @@ struct Joint<'s> {
     leads_to: BodyRef,
 }
 
-/// Rigid bodies with two joints, one to a body that slides and one to a body that does not, whose centre of mass is beyond both ends.
+/// The findings of rigid bodies with two joints, one to a sliding body and one to another body, whose ends
+/// are both on one side of the centre of mass.
 pub(super) fn rods(system: &System, bound: &Bound) -> Vec<Finding> {
     let bodies = (0..system.bodies.len() as u32).map(BodyRef::Body);
     bodies.filter_map(|body| rod(system, bound, body)).collect()
@@ -87,7 +89,7 @@ fn rod(system: &System, bound: &Bound, body: BodyRef) -> Option<Finding> {
     Some(finding)
 }
 
-/// What joins a body to others: elements with equations, and films.
+/// The joints of a body: elements with equations, and films.
 fn joints(system: &System, body: BodyRef) -> Vec<Joint<'_>> {
     let elements = system.elements.iter().enumerate();
     let joining = elements.filter(|(index, element)| {

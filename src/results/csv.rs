@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// How numbers and fields are written. The default is a point and commas.
+/// The form of numbers and fields. The default is a decimal point and commas between fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CsvForm {
     separator: char,
@@ -70,14 +70,15 @@ impl CsvForm {
 }
 
 impl Results {
-    /// Writes `ANALYSIS.csv` (of a failed run `ANALYSIS.failed.csv`) into a folder and returns its path. pandas reads it with `header=[0, 1]`.
+    /// Writes `ANALYSIS.csv` (for a failed run `ANALYSIS.failed.csv`) into a folder and returns its path.
+    /// pandas reads it with `header=[0, 1]`.
     pub fn write_csv(&self, folder: impl AsRef<Path>) -> Result<PathBuf, ResultsError> {
         let path = folder.as_ref().join(format!("{}.csv", self.stem()));
         self.write_csv_as(&path, CsvForm::default())?;
         Ok(path)
     }
 
-    /// Writes a file in any form; it appears whole or not at all.
+    /// Writes a file in any form, whole or not at all.
     pub fn write_csv_as(&self, path: &Path, form: CsvForm) -> Result<(), ResultsError> {
         let written = replace_file(path, |file: &mut File| -> io::Result<()> {
             let mut writer = BufWriter::new(file);
@@ -90,7 +91,7 @@ impl Results {
         })
     }
 
-    /// Writes the CSV text anywhere. Numbers read back to the same bits, but for the sign of a zero, which is left out.
+    /// Writes the CSV text to a writer. Numbers read back to the same bits, except that a zero has no sign.
     pub fn write_csv_to(&self, writer: &mut impl Write, form: CsvForm) -> io::Result<()> {
         form.row(writer, self.columns().iter().map(|c| form.quoted(&c.path)))?;
         form.row(
@@ -112,7 +113,7 @@ impl Results {
     }
 }
 
-/// The shortest text that reads back to the same number; a zero has no sign.
+/// The shortest text that reads back to the same number. A zero has no sign.
 fn number(value: f64) -> String {
     let magnitude = value.abs();
     let value = if magnitude == 0.0 { 0.0 } else { value };

@@ -1,17 +1,17 @@
-//! Files that are whole or absent.
+//! Writing of files that are either whole or absent.
 
 use crate::regular::regular;
 use std::fs::{File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Where something is written: the file that a path leads to, or the path itself where nothing is.
+/// The target of writing: the file that a path leads to, or the path itself if there is none.
 ///
 /// # Errors
-/// What is there is no file: a folder, a device, a pipe.
+/// A folder, a device or a pipe at the path.
 fn target(path: &Path) -> io::Result<PathBuf> {
     match regular(path) {
-        // a link that leads nowhere is replaced; a file in place of a folder is told of where the folder is made
+        // a link without a target is replaced; making the folder reports a file in place of a folder
         Err(error)
             if matches!(
                 error.kind(),
@@ -24,7 +24,8 @@ fn target(path: &Path) -> io::Result<PathBuf> {
     }
 }
 
-/// Refuses what can be no folder, though nothing is made: something else is in its place, or in that of a folder above. It is named.
+/// Refuses a path that cannot be a folder, without making it. The error names the file in place of the folder
+/// or of a parent.
 pub(crate) fn may_be_folder(folder: &Path) -> io::Result<()> {
     let in_the_way = folder
         .ancestors()
@@ -47,7 +48,8 @@ pub(super) fn make_folder(folder: &Path) -> io::Result<()> {
     std::fs::create_dir_all(folder).or_else(|error| may_be_folder(folder).and(Err(error)))
 }
 
-/// Refuses a link: who may put one into the folder of results would choose the file that is overwritten.
+/// Refuses a link. Otherwise anyone who can put a link into the folder of results could choose the
+/// overwritten file.
 pub(super) fn refuse_link(path: &Path) -> io::Result<()> {
     match std::fs::symlink_metadata(path) {
         Ok(found) if found.is_symlink() => Err(io::Error::new(
@@ -58,8 +60,8 @@ pub(super) fn refuse_link(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Writes a file under a temporary name beside it, then renames it: `path` is never half-written, and keeps its old
-/// content when writing fails. Creates the folder; a link is followed.
+/// Writes a file under a temporary name beside it, then renames it. So `path` is never half-written, and
+/// keeps its old contents if writing fails. It creates the folder and follows a link.
 pub fn replace_file<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut File) -> Result<(), E>,
@@ -81,8 +83,8 @@ pub fn replace_file<E: From<io::Error>>(
     written
 }
 
-/// Removes what killed processes left of [`replace_file`] for a path. Nobody else may be writing it. What cannot be removed stays: it is in
-/// nobody's way.
+/// Removes temporary files of [`replace_file`] for a path that killed processes left. No other process may be
+/// writing the path. Files that cannot be removed remain and do no harm.
 pub fn remove_leftovers(path: &Path) {
     let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else {
         return;
@@ -100,7 +102,7 @@ pub fn remove_leftovers(path: &Path) {
     }
 }
 
-/// Finds out whether a file can be written, without touching what it holds; creates its folder.
+/// Tests whether a file can be written, without changing its contents. Creates its folder.
 pub fn writable(path: &Path) -> Result<(), super::ResultsError> {
     let refused = |source| super::ResultsError::File {
         path: path.to_owned(),
@@ -142,7 +144,7 @@ fn create_beside(folder: &Path, path: &Path) -> io::Result<(File, PathBuf)> {
     }
 }
 
-/// An analysis's name as the beginning of a file name: what some file system refuses becomes `_`.
+/// An analysis's name as the beginning of a file name. Characters that some file system refuses become `_`.
 pub fn file_stem(analysis: &str) -> String {
     let stem: String = analysis
         .chars()

@@ -1,17 +1,17 @@
-//! What result files hold, told in short.
+//! Summaries of result files.
 
 use super::recording::{is_partial, is_result};
 use super::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
 use std::path::{Path, PathBuf};
 
-/// How a file's run ended.
+/// The end of a file's run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// As planned, or not stated.
+    /// Complete, or not stated.
     Complete,
-    /// It failed, for this reason; the samples up to then are there.
+    /// Failed, for this reason, with the samples up to the failure.
     Failed(String),
-    /// It goes on, or was killed.
+    /// Still running, or killed.
     Unfinished,
 }
 
@@ -20,9 +20,9 @@ pub enum Kind {
 pub struct Listed {
     /// The file.
     pub path: PathBuf,
-    /// How its run ended.
+    /// The end of its run.
     pub kind: Kind,
-    /// What it holds.
+    /// Its contents.
     pub results: Results,
 }
 

@@ -1,14 +1,15 @@
 //! MAT-files of level 5, uncompressed (MathWorks, "MAT-File Format", version 5).
 //!
-//! A column vector a channel, in its display unit, under a legal name: `main[5].force.x` is `main_5_force_x`. The structs
-//! `units`, `frames` and `paths` tell of each name its unit, axes and path; `info` tells of the run.
+//! Each channel is a column vector in its display unit under a legal name: `main[5].force.x` is
+//! `main_5_force_x`. The structs `units`, `frames` and `paths` have the unit, axes and path of each name, and
+//! `info` has the metadata of the run.
 
 use super::{Results, ResultsError, replace_file};
 use std::collections::BTreeSet;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-/// Longest name that MATLAB takes.
+/// Length of the longest name in MATLAB.
 const LONGEST: usize = 63;
 
 const INT8: u32 = 1;
@@ -23,7 +24,7 @@ const CLASS_CHAR: u32 = 4;
 const CLASS_DOUBLE: u32 = 6;
 
 impl Results {
-    /// Writes a MAT-file; it appears whole or not at all.
+    /// Writes a MAT-file, whole or not at all.
     pub fn write_mat(&self, path: &Path) -> Result<(), ResultsError> {
         let names = legal_names(self.columns().iter().map(|c| c.path.as_str()), &RESERVED);
         // sizes are 32-bit numbers; the widest column decides
@@ -82,7 +83,8 @@ impl Results {
 
 const RESERVED: [&str; 4] = ["units", "frames", "paths", "info"];
 
-/// Names that begin with a letter, hold letters, digits and `_`, are of at most [`LONGEST`] characters, and differ.
+/// Names that begin with a letter, hold letters, digits and `_`, are of at most [`LONGEST`] characters, and
+/// differ.
 fn legal_names<'a>(paths: impl Iterator<Item = &'a str>, reserved: &[&str]) -> Vec<String> {
     let mut taken: BTreeSet<String> = reserved.iter().map(|r| (*r).to_owned()).collect();
     paths

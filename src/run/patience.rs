@@ -1,40 +1,40 @@
-//! How long a run will take, and whether anybody waits for it.
+//! Estimates of the remaining time of a run, and the decision to stop it.
 
 use std::time::Duration;
 
-/// A run whose rest takes longer is stopped, unless it was asked for.
+/// Remaining time above which a run is stopped, unless the user asks for patience.
 const LONGEST: Duration = Duration::from_secs(24 * 3600);
-/// The first look at the pace.
+/// Time of the first check of the pace.
 const FIRST: Duration = Duration::from_secs(5);
-/// Time from one look to the next, as a part of what has passed.
+/// Time between two checks, as a part of the time passed.
 const LATER: f64 = 0.2;
 
-/// A rest (s) that is worth a word where it grew,
+/// Least remaining time (s) for a warning about a growing one,
 const LONG: f64 = 600.0;
-/// and by how much it must be above what it was once.
+/// and the least factor over the shortest earlier estimate.
 const GROWN: f64 = 10.0;
 
-/// What a look at a run finds.
+/// The result of a check.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Look {
-    /// It is too soon after the last one.
+    /// Too soon after the last check.
     Soon,
-    /// The run goes on.
+    /// The run makes progress.
     Now,
-    /// It slows down: the rest would take so many seconds, many times what it seemed to take once.
+    /// The run slows down. The rest would take this number of seconds, many times an earlier estimate.
     Slowing(f64),
-    /// Nobody waits for the rest: it would take so many seconds (infinite where nothing goes on).
+    /// The rest would take too long: this number of seconds (infinite without progress).
     Lost(f64),
 }
 
-/// Watches the pace of a run: two looks one after the other must find it hopeless, or slow.
+/// Watches the pace of a run. Two checks in a row must find it too slow, or slowing down.
 #[derive(Clone, Debug)]
 pub(crate) struct Patience {
-    /// Time and done part at the last look.
+    /// Time and finished part at the last check.
     last: (Duration, f64),
     next: Duration,
     hopeless: bool,
-    /// The shortest rest (s) that any look found.
+    /// The shortest remaining time (s) of all checks.
     shortest: f64,
     slowing: bool,
 }
@@ -52,7 +52,8 @@ impl Default for Patience {
 }
 
 impl Patience {
-    /// Takes the time since the start of the run and its done part, 0…1. From time to time it is worth a look.
+    /// Takes the time since the start of the run and its finished part, 0…1. It makes a check from time to
+    /// time.
     pub fn look(&mut self, passed: Duration, done: f64) -> Look {
         if passed < self.next {
             return Look::Soon;
@@ -99,7 +100,8 @@ pub(crate) fn in_words(seconds: f64) -> String {
 mod tests {
     use super::*;
 
-    /// Looks every half second at a run whose done part is a function of time; when it is stopped, and what is left.
+    /// Looks every half second at a run whose done part is a function of time; when it is stopped, and what
+    /// is left.
     fn stopped(done: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
         let mut patience = Patience::default();
         (1..200_000).find_map(|half| {
@@ -140,8 +142,8 @@ mod tests {
         assert_eq!(passed, 10.0);
         assert!((left - (1e9 - 10.0)).abs() < 1.0, "{left}");
         assert_eq!(stopped(|_| 0.0), Some((10.0, f64::INFINITY)));
-        // One that comes to stand after an hour. The look that follows may still see a part of the motion, the two after it see
-        // none, and each is a fifth later than the one before, at whole half seconds.
+        // One that comes to stand after an hour. The look that follows may still see a part of the motion,
+        // the two after it see none, and each is a fifth later than the one before, at whole half seconds.
         let (passed, left) = stopped(|t| t.min(3600.0) / 7200.0).unwrap();
         let latest = 3600.0 * 1.2_f64.powi(3) + 3.0;
         assert!((3600.0..latest).contains(&passed), "{passed}");
