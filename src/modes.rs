@@ -1,14 +1,15 @@
-//! Modes of a `linear` analysis as columns: a row a mode, oscillations first, each kind from slow to fast.
+//! Modes of a `linear` analysis as columns. Each row is a mode: oscillations first, then the others, each
+//! from slow to fast.
 //!
 //! | column | meaning |
 //! | --- | --- |
 //! | `mode` | counted from 1 |
-//! | `frequency`, `undamped_frequency` | ω/2π, \|λ\|/2π (Hz) of λ = growth ± iω; the first is 0 where nothing oscillates |
-//! | `damping_ratio` | −Re λ/\|λ\| (shown and written in %): 1 of a decay, −1 of a growth without oscillation |
+//! | `frequency`, `undamped_frequency` | ω/2π, \|λ\|/2π (Hz) of λ = growth ± iω; the first is 0 for a motion without oscillation |
+//! | `damping_ratio` | −Re λ/\|λ\| (shown and written in %): 1 for a decay, −1 for a growth, both without oscillation |
 //! | `growth` | Re λ (1/s) |
-//! | `cycle.speed` | at which it was linearised, of a model with a cycle |
-//! | `kinetic.B` | share of body B in the kinetic energy; of a flexible one also `kinetic.B.rigid` and `kinetic.B.mode[k]` |
-//! | `potential.P`, `lost.P` | share of flexible body or load P in the stored energy, in the lost power (negative: P feeds the mode) |
+//! | `cycle.speed` | speed of the cycle in the linearised state, for a model with a cycle |
+//! | `kinetic.B` | share of body B in the kinetic energy; for a flexible body also `kinetic.B.rigid` and `kinetic.B.mode[k]` |
+//! | `potential.P`, `lost.P` | share of flexible body or load P in the stored energy and in the lost power (negative: P feeds energy into the mode) |
 //! | a channel's path, `….phase` | its amplitude while the mode has 1 J, and its phase against the mode's largest motion |
 
 use crate::counted::counted;
@@ -20,23 +21,24 @@ use eng_runtime::model::Model;
 use eng_system::recorded::{KINETIC, LOST, POTENTIAL, RIGID, Recorded, of_modes};
 use std::f64::consts::PI;
 
-/// Key of the metadata that tells what the coefficients are, and its value where they were held at a moment.
+/// Key of the metadata for the coefficients: see [`PERIODIC`] and [`FROZEN`].
 const COEFFICIENTS: &str = "coefficients";
-/// The value where they repeat.
+/// Value of [`COEFFICIENTS`] if the coefficients repeat with a period.
 const PERIODIC: &str = "periodic";
-/// See [`COEFFICIENTS`].
+/// Value of [`COEFFICIENTS`] if the analysis held changing coefficients at one moment.
 const FROZEN: &str = "frozen";
-/// Modes whose harmonics are listed.
+/// The largest number of modes whose harmonics are listed.
 const MOST_HARMONICS: usize = 20;
-/// Roundness of a motion, 0…1, from which on it is called a whirl.
+/// A motion of at least this roundness (0…1) is called a whirl.
 const WHIRLS: f64 = 0.2;
-/// What frozen modes are good for.
+/// The use of frozen modes, in words.
 const FROZEN_PICTURE: &str = "frozen picture: the coefficients change while bodies turn and were held at this moment; frequencies well above the speed are about right, whirl, damping and stability are not those of the motion";
-/// Parts that a line of the table names, and the smallest share that it does.
+/// The largest number of parts that a line of the table names.
 const NAMED: usize = 4;
+/// The smallest share that a line of the table names.
 const SMALLEST: f64 = 0.03;
 
-/// Parts of one body: the first of them, and how many.
+/// The parts of each body: index of the first part, and their number.
 fn bodies(parts: &[Part]) -> Vec<(usize, usize)> {
     let mut found: Vec<(usize, usize)> = Vec::new();
     for (index, part) in parts.iter().enumerate() {
@@ -53,7 +55,7 @@ pub(crate) fn push_columns(results: &mut Results, model: &Model) -> Result<(), R
     results.set_metadata(ROWS, MODES);
     let (parts, stores) = (parts_of(model), stores(model));
     let columns = of_modes(&model.compiled.system);
-    // amplitude and phase of every channel stand last
+    // amplitude and phase of every channel come last
     let own = columns
         .len()
         .saturating_sub(2 * model.compiled.system.channels.len());
@@ -80,7 +82,7 @@ pub(crate) fn push_columns(results: &mut Results, model: &Model) -> Result<(), R
         };
         let of_body = parts.iter().filter(|part| part.path == body);
         let modes: Vec<usize> = of_body.filter_map(|part| part.mode).collect();
-        // of a body that only moves as a whole its share says it all
+        // a rigid body needs no column beside its share
         if modes.is_empty() {
             continue;
         }
@@ -132,7 +134,7 @@ pub(crate) fn row(modes: &LinearModes, index: usize, mode: &Mode) -> Vec<f64> {
     row
 }
 
-/// Where and how it was linearised: keys and values of metadata.
+/// Keys and values of the metadata: the moment, the state and the coefficients of the linearisation.
 pub(crate) fn metadata(modes: &LinearModes) -> Vec<(&'static str, String)> {
     let coefficients = match modes.coefficients {
         Coefficients::Constant => "constant",
@@ -154,12 +156,12 @@ pub(crate) fn are_of_a_period(results: &Results) -> bool {
     results.metadata().get(COEFFICIENTS).map(String::as_str) == Some(PERIODIC)
 }
 
-/// Whether results hold the picture of a moment of changing coefficients.
+/// Whether results hold modes of changing coefficients that were held at one moment.
 pub(crate) fn are_frozen(results: &Results) -> bool {
     results.metadata().get(COEFFICIENTS).map(String::as_str) == Some(FROZEN)
 }
 
-/// What is told of the whole: where, how many, what is zero, what grows.
+/// Lines about the whole analysis: its moment, the number of modes, zero eigenvalues and growing modes.
 pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
     let count = modes.oscillations().count();
     let mut told = format!(
@@ -213,7 +215,8 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
     facts
 }
 
-/// What is told of a motion that repeats: its period, how well it and its exponents are known, what is left out or doubtful.
+/// Lines about a repeating motion: its period, the errors of the motion and of its exponents, and omitted or
+/// doubtful modes.
 fn of_orbit(modes: &LinearModes, orbit: &Orbit) -> Vec<String> {
     let error = |mode: &Mode| mode.repeating.as_ref().map_or(0.0, |r| r.error);
     let worst = modes.modes.iter().map(error).fold(0.0, f64::max);
@@ -296,7 +299,7 @@ fn of_orbit(modes: &LinearModes, orbit: &Orbit) -> Vec<String> {
     facts
 }
 
-/// `62 % crank mode 3, 20 % block`: the largest first.
+/// `62 % crank mode 3, 20 % block`, with the largest share first.
 fn listed(mut shares: Vec<(String, f64)>) -> String {
     shares.sort_by(|a, b| b.1.total_cmp(&a.1));
     shares.truncate(NAMED);
@@ -314,7 +317,7 @@ pub(crate) fn values<'r>(results: &'r Results, path: &str) -> Option<&'r [f64]> 
     results.column(path).map(|c| c.values.as_slice())
 }
 
-/// What moves in a row: bodies by name, of flexible ones the rigid motion and each mode.
+/// The moving parts of a row: bodies by name, and for flexible bodies the rigid motion and each mode.
 pub(crate) fn composition(results: &Results, row: usize) -> String {
     let columns = || {
         results.columns().iter().filter_map(|c| {

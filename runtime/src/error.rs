@@ -1,4 +1,4 @@
-//! Everything that can go wrong between binding and the last sample.
+//! All errors between binding and the last sample.
 
 mod pace;
 
@@ -8,7 +8,7 @@ use eng_system::table::Outside;
 use eng_system::{Dimension, DisplayUnit};
 pub use pace::{Jump, Pace, Slow};
 
-/// When something happened.
+/// The moment of an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
     /// Time (s).
@@ -34,7 +34,7 @@ pub struct NamedRow {
     pub origin: Origin,
     /// The equation as written.
     pub equation: String,
-    /// What is left of it, or its share in a dependence (SI).
+    /// Its residual, or its share in a dependence (SI).
     pub value: f64,
     /// Whether `value` is a length (m).
     pub is_length: bool,
@@ -47,7 +47,8 @@ impl std::fmt::Display for NamedRow {
 }
 
 impl NamedRow {
-    /// Products of unit axes are angles for small gaps.
+    /// The residual with its unit. Equations that are no lengths are products of unit axes; for small gaps
+    /// these are angles.
     fn gap(&self, per: &str) -> String {
         if self.is_length {
             format!("{} mm{per}", digits(1e3 * self.value.abs()))
@@ -62,7 +63,7 @@ impl NamedRow {
 pub struct Chain {
     /// Joints and films, with the z axis of the reference marker of each (unit vector, inertial).
     pub joints: Vec<(Origin, Option<[f64; 3]>)>,
-    /// Bodies, the ground left out.
+    /// Its bodies without the ground.
     pub bodies: Vec<ChainBody>,
 }
 
@@ -122,7 +123,7 @@ fn standing(moment: &Moment, angle: f64) -> String {
     }
 }
 
-/// By how much a branch condition is missed.
+/// The amount by which a branch condition fails, in words.
 fn missed(value: f64, dimension: Option<Dimension>) -> String {
     if value.abs() <= 1e-9 {
         "the only place found lies on the border of two branches".to_owned()
@@ -131,7 +132,7 @@ fn missed(value: f64, dimension: Option<Dimension>) -> String {
     }
 }
 
-/// A gap with its unit: lengths in mm, numbers without one, all else in SI units.
+/// A gap with its unit: lengths in mm, numbers without a unit, and all other values in SI units.
 pub fn gap(value: f64, dimension: Option<Dimension>) -> String {
     match dimension {
         Some(Dimension::LENGTH) => format!("{} mm", digits(1e3 * value)),
@@ -149,7 +150,7 @@ pub fn gap(value: f64, dimension: Option<Dimension>) -> String {
 pub struct RedundantGroup {
     /// The equation that follows from the others.
     pub redundant: NamedRow,
-    /// Those it follows from.
+    /// The equations that it follows from.
     pub repeats: Vec<NamedRow>,
 }
 
@@ -164,10 +165,10 @@ impl std::fmt::Display for RedundantGroup {
     }
 }
 
-/// Most equations that a message names.
+/// The largest number of equations that a message names.
 const MOST_GAPS: usize = 3;
 
-/// `per`: what the units are divided by, `/s` for velocities.
+/// The residuals of equations. `per` is added to the units: `/s` for velocities.
 fn gaps(rows: &[NamedRow], per: &str) -> String {
     let mut text = rows
         .iter()
@@ -193,11 +194,11 @@ pub struct Massless {
 /// Why the coefficients of the linearised motion change while a body turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Varies {
-    /// It is flexible: its shapes turn with it, what holds or loads them does not.
+    /// It is flexible: its shapes turn with it, but its supports and loads do not.
     Shapes,
-    /// Its mass and inertia are not those of a body of revolution about the axis it turns about.
+    /// Its mass and inertia are not those of a body of revolution about its axis of turning.
     Inertia,
-    /// Something acts on it beside its axis, or depends on its angle.
+    /// A joint or load acts on it beside its axis, or depends on its angle.
     Loads,
 }
 
@@ -206,9 +207,9 @@ pub enum Varies {
 pub struct TurningBody {
     /// The body.
     pub origin: Origin,
-    /// How fast it turns (rad/s).
+    /// Its angular speed (rad/s).
     pub speed: f64,
-    /// What changes.
+    /// The reason for the change.
     pub varies: Varies,
 }
 
@@ -225,7 +226,7 @@ impl TurningBody {
     }
 }
 
-/// How a body leaves the state about which a motion was to be linearised.
+/// The way in which a body leaves the state of a linearisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Leaving {
     /// It moves (m/s).
@@ -234,12 +235,12 @@ pub enum Leaving {
     Unbalanced(f64),
 }
 
-/// A body that leaves the state, by which the coefficients of the linearised motion change.
+/// A body that leaves the state, so that the coefficients of the linearised motion change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeavingBody {
     /// The body.
     pub origin: Origin,
-    /// How.
+    /// The way in which it leaves.
     pub leaving: Leaving,
 }
 
@@ -311,7 +312,7 @@ fn undefined(origin: &Origin, outside: &Option<Box<Outside>>, moment: &Moment) -
     }
 }
 
-/// Why an analysis stopped.
+/// The reason why an analysis stopped.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RuntimeError {
     /// The parameters cannot be used.
@@ -320,21 +321,21 @@ pub enum RuntimeError {
     /// System and code do not fit together: a fault of the compiler, not of the model.
     #[error("the compiled model is inconsistent: {what}")]
     Malformed {
-        /// What does not fit.
+        /// The parts that do not fit.
         what: String,
     },
     /// An option has no meaning.
     #[error("{message}")]
     Options {
-        /// What is wrong, and what would be right.
+        /// The mistake and its remedy.
         message: String,
     },
-    /// A body whose mass or inertia no body can have.
+    /// A body has a mass or inertia that is physically impossible.
     #[error("{}: {message}", origin.path)]
     Body {
         /// The body.
         origin: Box<Origin>,
-        /// What is wrong.
+        /// The mistake.
         message: String,
     },
     /// Positions cannot satisfy every constraint.
@@ -342,7 +343,7 @@ pub enum RuntimeError {
     OpenLoop {
         /// The rows that stay open, the widest first.
         rows: Vec<NamedRow>,
-        /// The loop of the first.
+        /// The loop of the first row.
         chain: Option<Box<Chain>>,
     },
     /// The assembled positions are on the wrong branch.
@@ -352,14 +353,14 @@ pub enum RuntimeError {
         origin: Box<Origin>,
         /// The condition as written.
         condition: String,
-        /// Its dimension, where all that it compares has one.
+        /// Its dimension, if all the compared values have the same one.
         dimension: Option<Dimension>,
-        /// Its value; positive would hold.
+        /// Its value. The condition holds for a positive value.
         value: f64,
         /// The loop of the element.
         chain: Option<Box<Chain>>,
     },
-    /// A body is guessed where no joint reaches.
+    /// The `guess` for a body is beyond the reach of its joints.
     #[error(
         "{} is guessed {distance:.4e} m away from what it is joined to, and the parts of the model are at most {length:.4e} m large",
         origin.path
@@ -377,10 +378,10 @@ pub enum RuntimeError {
     StartVelocity {
         /// The rows that stay unsatisfied, the worst first.
         rows: Vec<NamedRow>,
-        /// The loop that the stated motion does not fit, where a joint is among the rows.
+        /// The loop that the stated motion does not fit, if a joint is among the rows.
         chain: Option<Box<Chain>>,
     },
-    /// The mechanism stands where its geometry lets it go no further.
+    /// The mechanism has reached a position beyond which its geometry does not let it move.
     #[error("{} locks at {moment}", whose(chain.as_deref()))]
     Locked {
         /// When.
@@ -393,7 +394,7 @@ pub enum RuntimeError {
     /// Constraint equations repeat each other.
     #[error("{} constraint equation(s) repeat others: {}", groups.len(), list_groups(groups))]
     Redundant {
-        /// One group an excess equation.
+        /// One group for each excess equation.
         groups: Vec<RedundantGroup>,
     },
     /// The system of accelerations has no unique solution.
@@ -404,7 +405,7 @@ pub enum RuntimeError {
     Singular {
         /// When.
         moment: Moment,
-        /// Bodies without mass or inertia; empty where equations depend on each other.
+        /// Bodies without mass or inertia; empty if equations depend on each other.
         massless: Vec<Massless>,
         /// Constraint equations that repeat others at this position.
         repeated: Vec<RedundantGroup>,
@@ -414,7 +415,7 @@ pub enum RuntimeError {
     NotFinite {
         /// The element.
         origin: Box<Origin>,
-        /// The table that it reads outside its points, if it is that.
+        /// The table that it reads outside its points, if this is the reason.
         outside: Option<Box<Outside>>,
         /// When.
         moment: Moment,
@@ -435,20 +436,20 @@ pub enum RuntimeError {
         /// Its unit.
         unit: &'static str,
     },
-    /// A tolerance that asks for less than rounding leaves.
+    /// A tolerance is smaller than the rounding error of the solution.
     #[error(
         "a tolerance of {tolerance:e} is below rounding{}: the least is about {least:.0e}",
         moment.as_ref().map_or(String::new(), |m| format!(" at {m}"))
     )]
     Rounding {
-        /// When it was seen; `None` where it is so from the start.
+        /// The moment of the finding; `None` if it holds from the start.
         moment: Option<Moment>,
         /// The factor on the tolerances.
         tolerance: f64,
-        /// The least factor that can be kept.
+        /// The smallest factor that the run can satisfy.
         least: f64,
     },
-    /// Error control asks for steps below what numbers resolve.
+    /// Error control asks for steps that floating-point numbers cannot resolve.
     #[error(
         "the step falls below {step:.3e} s at {moment}; {} is not smooth there: {}",
         state.as_ref().map_or("the motion".to_owned(), |name| format!("the state `{name}`")),
@@ -459,19 +460,19 @@ pub enum RuntimeError {
         moment: Moment,
         /// The step (s).
         step: f64,
-        /// The body with the largest error, or the element whose state has it.
+        /// The body with the largest error, or the element whose state has the largest error.
         origin: Box<Origin>,
         /// The name of that state.
         state: Option<String>,
     },
-    /// A load or a rate changes at once where the motion stands: no step passes it.
+    /// A load or a rate jumps at the present motion, and no step passes the jump.
     #[error("{jump} at {moment}, and the steps fall below {step:.3e} s there")]
     Jumps {
         /// When.
         moment: Moment,
         /// The step (s).
         step: f64,
-        /// What jumps.
+        /// The jump.
         jump: Jump,
     },
     /// The observer ended the run before its end.
@@ -498,9 +499,9 @@ pub enum RuntimeError {
         moment: Moment,
         /// The body.
         origin: Box<Origin>,
-        /// How far it is from the ground's origin (m).
+        /// Its distance from the ground's origin (m).
         distance: f64,
-        /// The same in lengths of the model.
+        /// The same distance in lengths of the model.
         lengths: f64,
     },
     /// A condition that must hold at every state does not.
@@ -514,7 +515,7 @@ pub enum RuntimeError {
         moment: Moment,
         /// The value that should be positive.
         value: f64,
-        /// Its dimension, where all that is compared has one.
+        /// Its dimension, if all the compared values have the same one.
         dimension: Option<Dimension>,
     },
     /// An output position or velocity does not come back to the constraints.
@@ -528,7 +529,7 @@ pub enum RuntimeError {
         /// The worst row.
         row: Box<NamedRow>,
     },
-    /// Eigenvalues that were not found.
+    /// The iteration did not find the eigenvalues.
     #[error("the eigenvalues of the linearised motion ({size} unknowns) were not found: {what}")]
     Eigenvalues {
         /// Rows of the matrix.
@@ -564,10 +565,10 @@ pub enum RuntimeError {
         period: f64,
         /// The body that is farthest off, if it is one.
         origin: Option<Box<Origin>>,
-        /// What is off, and by how much.
+        /// The quantity with the largest deviation, and this deviation.
         what: String,
     },
-    /// There is no period to take.
+    /// The model gives no period.
     #[error("{message}")]
     NoPeriod {
         /// Why.
@@ -587,14 +588,14 @@ pub enum RuntimeError {
     /// A time outside the last step.
     #[error("t = {time} s is outside the last step, {from}…{to} s")]
     OutsideStep {
-        /// Asked for (s).
+        /// The requested time (s).
         time: f64,
         /// Begin of the last step (s).
         from: f64,
         /// End of the last step (s).
         to: f64,
     },
-    /// Bytes that are no checkpoint of this model.
+    /// The bytes are no checkpoint of this model.
     #[error("the checkpoint cannot be used: {reason}")]
     Checkpoint {
         /// Why.

@@ -1,18 +1,20 @@
-//! Singular values and vectors that are right.
+//! Singular values and vectors, with a check of the decomposition.
 //!
-//! The decomposition of `nalgebra` finds most in the least time, but where rows repeat each other up to rounding it may
-//! split off a wrong value: of two equal unit rows it gave √3 in place of √2. So what it finds is multiplied out again, and
-//! what is no decomposition of the matrix is left for the method of Jacobi, which is slower and always converges.
+//! The decomposition of `nalgebra` is fast and usually right. But if rows repeat each other up to rounding,
+//! it may give a wrong singular value: for two equal unit rows it gave √3 instead of √2. So [`decompose`]
+//! multiplies the factors again. If the product is not the matrix, Jacobi's method replaces the
+//! decomposition. It is slower and always converges.
 
 use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
-/// Error of the product, relative to the matrix, from which on a decomposition is wrong: rounding leaves 1e-14 of hundreds of rows.
+/// A decomposition is wrong if its product misses the matrix by more than this share. Rounding alone gives
+/// 1e-14 for hundreds of rows.
 const WRONG: f64 = 1e-11;
-/// Most sweeps of Jacobi's method; some ten do.
+/// The largest number of sweeps of Jacobi's method. About ten are enough.
 const SWEEPS: usize = 60;
 
-/// `A = U Σ Vᵀ` with orthonormal columns of U and rows of Vᵀ, as many as the shorter side of A has, the largest singular value
-/// first. `None` where A is empty or not finite.
+/// `A = U Σ Vᵀ` with orthonormal columns of U and rows of Vᵀ. Their number is that of the shorter side of A,
+/// and the largest singular value comes first. `None` if A is empty or not finite.
 pub fn decompose(matrix: DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
     if matrix.is_empty() || matrix.iter().any(|x| !x.is_finite()) {
         return None;
@@ -35,12 +37,13 @@ fn is_of(matrix: &DMatrix<f64>, found: &SVD<f64, Dyn, Dyn>) -> bool {
     for (mut row, value) in scaled.row_iter_mut().zip(found.singular_values.iter()) {
         row.scale_mut(*value);
     }
-    // NaN is not right
+    // a comparison with NaN is false, so a decomposition with NaN is wrong
     (left * scaled - matrix).amax() <= WRONG * matrix.amax()
 }
 
-/// One-sided Jacobi: the columns of `W = A V` are made orthogonal by plane rotations, two at a time; their lengths are the
-/// singular values (G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition, section 8.6.3).
+/// One-sided Jacobi: plane rotations make the columns of `W = A V` orthogonal, two at a time. The lengths of
+/// the columns are then the singular values (G. H. Golub, C. F. Van Loan, Matrix Computations, 4th edition,
+/// section 8.6.3).
 fn jacobi(matrix: &DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
     let is_wide = matrix.nrows() < matrix.ncols();
     let mut work = if is_wide {
@@ -50,7 +53,7 @@ fn jacobi(matrix: &DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
     };
     let (rows, columns) = work.shape();
     let mut turned = DMatrix::identity(columns, columns);
-    // products below this are rounding of the whole
+    // products below this are rounding errors of the whole matrix
     let rounding = f64::EPSILON * work.norm();
     let floor = rounding * rounding;
     let mut is_done = false;
@@ -89,7 +92,8 @@ fn jacobi(matrix: &DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
     let largest = order.first().map_or(0.0, |first| lengths[*first]);
     let mut left = DMatrix::zeros(rows, columns);
     for (k, from) in order.iter().enumerate() {
-        // directions of nothing but rounding are taken from what the others leave
+        // a column of rounding errors alone has no direction of its own, so it takes one orthogonal to the
+        // others
         let is_rounding = lengths[*from] <= columns as f64 * f64::EPSILON * largest;
         let column = match is_rounding {
             true => beside(&left.columns(0, k).into_owned()),
@@ -110,14 +114,15 @@ fn jacobi(matrix: &DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
     })
 }
 
-/// A unit vector square to orthonormal columns, fewer than they have entries: of the axes' parts square to them the longest.
+/// A unit vector orthogonal to orthonormal columns, of which there are fewer than rows. Of the parts of the
+/// axes that are orthogonal to the columns, it takes the longest.
 fn beside(columns: &DMatrix<f64>) -> DVector<f64> {
     let rows = columns.nrows();
     let mut best = DVector::zeros(rows);
     for axis in 0..rows {
         let mut rest = DVector::zeros(rows);
         rest[axis] = 1.0;
-        // twice: the second pass takes the rounding of the first
+        // twice: the second pass removes the rounding error of the first
         for _ in 0..2 {
             let along = columns.tr_mul(&rest);
             rest -= columns * along;

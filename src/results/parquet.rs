@@ -1,6 +1,6 @@
-//! One Parquet file an analysis.
+//! One Parquet file for each analysis.
 //!
-//! A column a channel, 64-bit floats in the DISPLAY unit; metadata as told at [`schema`].
+//! Each channel is a column of 64-bit floats in the DISPLAY unit. [`schema`] describes the metadata.
 
 use super::{Column, Results, ResultsError, replace_file, schema};
 use crate::regular::open;
@@ -18,12 +18,13 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Rows that are written at a time, however they come: the same rows make the same bytes.
+/// Number of rows written at a time. It does not depend on the portions in which rows come, so the same rows
+/// give the same bytes.
 const CHUNK: usize = 16_384;
-/// Rows of a row group: what a reader takes at least.
+/// Rows of a row group, the smallest part that a reader loads.
 const ROW_GROUP: usize = 4 * CHUNK;
 
-/// The system's or the library's refusal, before the path is known.
+/// An error of the system or of the library, before the path is known.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum WriteError {
     #[error(transparent)]
@@ -33,7 +34,7 @@ pub(super) enum WriteError {
 }
 
 impl WriteError {
-    /// With the path.
+    /// Adds the path.
     pub fn at(self, path: PathBuf) -> ResultsError {
         match self {
             WriteError::File(source) => ResultsError::File { path, source },
@@ -46,7 +47,7 @@ fn refused(error: impl std::fmt::Display) -> WriteError {
     WriteError::Parquet(error.to_string())
 }
 
-/// Writes rows that come in any portions; keeps at most [`CHUNK`] of them, and one compressed row group.
+/// Writes rows that come in any portions. Memory holds at most [`CHUNK`] rows and one compressed row group.
 pub(super) struct ParquetRows<'a> {
     writer: ArrowWriter<&'a mut File>,
     schema: Arc<Schema>,
@@ -55,12 +56,12 @@ pub(super) struct ParquetRows<'a> {
 }
 
 impl<'a> ParquetRows<'a> {
-    /// Begins a file with the columns and metadata of results, whose values are not looked at.
+    /// Begins a file with the columns and metadata of results. It does not use their values.
     pub fn new(file: &'a mut File, header: &Results) -> Result<Self, WriteError> {
         let entries = schema::metadata(header);
         let schema = Arc::new(schema::schema(header));
         let sum = Sum::new(&entries, &schema);
-        // pyarrow and pandas read the schema's entries, other tools the file's
+        // pyarrow and pandas read the entries of the schema, other tools read those of the file
         let entries = entries
             .into_iter()
             .map(|(key, value)| KeyValue::new(key, value))
@@ -68,7 +69,8 @@ impl<'a> ParquetRows<'a> {
         let properties = WriterProperties::builder()
             .set_created_by(format!("eng {}", env!("CARGO_PKG_VERSION")))
             .set_compression(Compression::SNAPPY)
-            // neighbouring samples share sign and exponent: streams of equal bytes, which then compress
+            // neighbouring samples share sign and exponent, so the streams of bytes hold runs of equal bytes,
+            // which compress well
             .set_dictionary_enabled(false)
             .set_encoding(Encoding::BYTE_STREAM_SPLIT)
             .set_statistics_enabled(EnabledStatistics::Chunk)
@@ -84,7 +86,7 @@ impl<'a> ParquetRows<'a> {
         })
     }
 
-    /// Adds rows: as many slices of one length as there are columns, in display units.
+    /// Adds rows: one slice for each column, all of the same length, in display units.
     pub fn push(&mut self, columns: &[&[f64]]) -> Result<(), WriteError> {
         let length = columns.first().map_or(0, |c| c.len());
         let mut from = 0;
@@ -115,7 +117,7 @@ impl<'a> ParquetRows<'a> {
         self.writer.write(&batch).map_err(refused)
     }
 
-    /// Writes the rest and the end of the file.
+    /// Writes the remaining rows and the end of the file.
     pub fn close(mut self) -> Result<(), WriteError> {
         if self.rows.first().is_some_and(|row| !row.is_empty()) {
             self.write()?;
@@ -127,13 +129,15 @@ impl<'a> ParquetRows<'a> {
     }
 }
 
-/// Key of the sum of all that a file holds. Files of before have none and are read all the same.
+/// Key of the checksum over the whole contents of a file. Files of earlier versions have none and can still
+/// be read.
 const SUM: &str = "eng.sha256";
-/// Key under which the library keeps the schema itself; what it says is summed by its fields.
+/// Key under which the library keeps the schema itself. The checksum covers its fields instead.
 const SCHEMA: &str = "ARROW:schema";
 
-/// SHA-256 of the metadata, the names and units of the columns, and their numbers: the pages of the file have no sums of their own. Each
-/// column is summed by itself, so that the portions in which rows come don't matter.
+/// SHA-256 of the metadata, the names and units of the columns, and their numbers. It is needed because the
+/// pages of the file have no checksums of their own. Each column has its own sum, so that the portions in
+/// which rows come do not matter.
 struct Sum {
     header: Sha256,
     columns: Vec<Sha256>,
@@ -185,8 +189,8 @@ impl Sum {
 }
 
 impl Results {
-    /// Writes `ANALYSIS.parquet` (of a failed run `ANALYSIS.failed.parquet`) into a folder and returns its path. The file appears
-    /// whole or not at all.
+    /// Writes `ANALYSIS.parquet` (of a failed run `ANALYSIS.failed.parquet`) into a folder and returns its
+    /// path. The file appears whole or not at all.
     pub fn write_parquet(&self, folder: impl AsRef<Path>) -> Result<PathBuf, ResultsError> {
         let path = folder.as_ref().join(format!("{}.parquet", self.stem()));
         match replace_file(&path, |file: &mut File| self.write_parquet_to(file)) {
@@ -202,7 +206,8 @@ impl Results {
         writer.close()
     }
 
-    /// Reads what [`Results::write_parquet`] wrote. Values return to SI within a rounding error of the unit's factor.
+    /// Reads a file of [`Results::write_parquet`]. Values return to SI within a rounding error of the unit's
+    /// factor.
     pub fn read_parquet(path: impl AsRef<Path>) -> Result<Results, ResultsError> {
         let path = path.as_ref();
         let system = |source| ResultsError::File {
@@ -211,7 +216,8 @@ impl Results {
         };
         let file = open(path).map_err(system)?;
         let length = file.metadata().map_err(system)?.len();
-        // the library panics on some damaged files: on sizes and offsets, which are looked at before, and perhaps on others
+        // the library panics on some damaged files: on bad sizes and offsets, which `read` checks first, and
+        // perhaps on other damage
         let read = std::panic::catch_unwind(|| read(file, length));
         match read.unwrap_or(Err(Refused::Damage)) {
             Ok(results) => Ok(results),
@@ -227,11 +233,11 @@ impl Results {
     }
 }
 
-/// Why a file is not read.
+/// The reason why a file cannot be read.
 enum Refused {
-    /// The library says so.
+    /// The library reports damage.
     Damage,
-    /// It is a Parquet file, but none of ours.
+    /// It is a Parquet file, but not one that Eng wrote.
     Foreign(String),
 }
 
@@ -272,7 +278,7 @@ fn read(file: File, length: u64) -> Result<Results, Refused> {
     Ok(results)
 }
 
-/// Whether places and sizes of columns lie within a file of a length.
+/// Whether the offsets and sizes of columns lie within a file of this length.
 fn is_sound(metadata: &ParquetMetaData, length: u64) -> bool {
     metadata.row_groups().iter().all(|group| {
         group.num_rows() >= 0
@@ -294,7 +300,7 @@ fn is_sound(metadata: &ParquetMetaData, length: u64) -> bool {
 /// The mark at both ends of a Parquet file.
 const MARK: [u8; 4] = *b"PAR1";
 
-/// What is wrong with a file that the library does not read, as far as its ends tell.
+/// The damage of a file that the library cannot read, as far as both ends of the file show it.
 fn damage(path: &Path) -> String {
     let ends = || -> io::Result<(u64, [u8; 4], [u8; 4])> {
         let mut file = open(path)?;
@@ -451,7 +457,8 @@ mod tests {
         std::fs::remove_dir_all(&folder).unwrap();
     }
 
-    /// A byte that has changed anywhere is refused or changes nothing that is read; an end that is missing is refused.
+    /// A byte that has changed anywhere is refused or changes nothing that is read; an end that is missing is
+    /// refused.
     #[test]
     fn damaged_files_are_refused_or_read() {
         let folder = folder("damaged");

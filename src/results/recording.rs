@@ -1,38 +1,38 @@
-//! Where the samples of a run go, and which of them stay.
+//! The destination of a run's samples, and the selection of samples to keep.
 
 use super::table::{FAILED_BECAUSE, STATE};
 use super::{Last, Results, Selection, file_stem};
 use std::path::{Path, PathBuf};
 
-/// What is kept of an analysis, and where. Without a folder: in memory.
+/// The kept part of an analysis, and its place. Without a folder the samples stay in memory.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
     /// Samples go to this folder while the analysis runs; at its end it holds `ANALYSIS.parquet`.
     pub folder: Option<PathBuf>,
-    /// Go on where an interrupted run of the same analysis stopped; what is complete is not run again.
+    /// Continue an interrupted run of the same analysis. A complete analysis is not run again.
     pub resume: bool,
-    /// Channels that are kept.
+    /// The kept channels.
     pub channels: Selection,
-    /// The part of the run that is kept in the end; an interrupted run leaves all of it.
+    /// The part of the run that is kept at its end. An interrupted run keeps all samples.
     pub last: Option<Last>,
 }
 
 const PARTIAL: &str = ".partial.arrows";
 const CHECKPOINT: &str = ".checkpoint";
 const FINAL: &str = ".parquet";
-/// What the names of files of a run that failed get, so that they replace no good ones.
+/// Ending of the files of a failed run, so that they replace no good results.
 const FAILED: &str = ".failed";
 
 /// The files of one analysis.
 #[derive(Clone, Debug)]
 pub(super) struct Files {
-    /// Samples of a run that goes on or was killed.
+    /// Samples of a run that continues or was killed.
     pub partial: PathBuf,
-    /// Where it goes on.
+    /// The state from which `--resume` continues.
     pub checkpoint: PathBuf,
     /// The results.
     pub parquet: PathBuf,
-    /// What there is of a run that failed.
+    /// Samples of a failed run.
     pub failed: PathBuf,
 }
 
@@ -48,7 +48,7 @@ impl Files {
         }
     }
 
-    /// Removes half-written files of runs that were killed; the run that owns the stream of samples may do so.
+    /// Removes half-written files of killed runs. Only the run that owns the stream of samples may do so.
     pub fn remove_leftovers(&self) {
         for path in [&self.checkpoint, &self.parquet, &self.failed] {
             super::file::remove_leftovers(path);
@@ -56,12 +56,12 @@ impl Files {
     }
 }
 
-/// Whether a run of an analysis was interrupted, or goes on: its samples are in the folder.
+/// Whether a run of an analysis was interrupted or still continues. Its samples are then in the folder.
 pub(crate) fn interrupted(folder: &Path, analysis: &str) -> bool {
     Files::new(folder, analysis).partial.exists()
 }
 
-/// Begin of the names of the files of an analysis, or of a picture of it.
+/// Beginning of the file names of an analysis or of a picture of it.
 pub(crate) fn stem_of(name: &str, failed: bool) -> String {
     let stem = file_stem(name);
     if failed {
@@ -72,23 +72,23 @@ pub(crate) fn stem_of(name: &str, failed: bool) -> String {
 }
 
 impl Results {
-    /// Begin of the names of its files: the analysis, and `.failed` where the run failed.
+    /// Beginning of its file names: the analysis, with `.failed` if the run failed.
     pub fn stem(&self) -> String {
         stem_of(self.analysis(), self.failure().is_some())
     }
 
-    /// Why the run failed, if it did; what is there then is what was computed before.
+    /// The reason of a failure, if the run failed. The results then hold the samples before the failure.
     pub fn failure(&self) -> Option<&str> {
         self.metadata().get(STATE)?.strip_prefix(FAILED_BECAUSE)
     }
 
-    /// States that the run failed.
+    /// Marks the run as failed.
     pub fn set_failure(&mut self, reason: &str) {
         self.set_metadata(STATE, format!("{FAILED_BECAUSE}{reason}"));
     }
 }
 
-/// The file of a failed run that a good one stands for: `fired.failed.svg` of `fired.svg`.
+/// The file of a failed run that corresponds to a file of a good run: `fired.failed.svg` for `fired.svg`.
 pub(crate) fn failed_twin(path: &Path) -> Option<PathBuf> {
     let name = path.file_name()?.to_str()?;
     let (stem, ending) = name.rsplit_once('.')?;

@@ -1,7 +1,8 @@
-//! Samples on disk while an analysis runs: an Arrow stream that is readable up to its last whole batch at any moment.
+//! Samples on disk while an analysis runs: an Arrow stream that is readable up to its last whole batch at any
+//! moment.
 //!
-//! Columns and metadata are those of the Parquet file; see [`super::schema`]. Every batch is handed to the system in one
-//! piece. What a killed run leaves of a batch is ignored by [`read`], and cut by [`Stream::resume`].
+//! Columns and metadata are those of the Parquet file; see [`super::schema`]. Every batch is written in one
+//! call. A killed run may leave an incomplete batch: [`read`] ignores it, and [`Stream::resume`] removes it.
 
 use super::file::{make_folder, refuse_link};
 use super::{Column, Results, ResultsError, schema};
@@ -19,13 +20,13 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// A stream that is being written. Its file is locked, so that no other run writes into it.
+/// An open stream. A lock on its file keeps other runs from writing into it.
 pub(super) struct Stream {
     path: PathBuf,
     file: File,
     encoder: StreamWriter<Vec<u8>>,
     schema: Arc<Schema>,
-    /// Bytes of whole batches.
+    /// Length of all whole batches (bytes).
     length: u64,
 }
 
@@ -36,21 +37,22 @@ impl std::fmt::Debug for Stream {
 }
 
 impl Stream {
-    /// Begins a stream with the columns and metadata of results, over what was there.
+    /// Begins a stream with the columns and metadata of results. It overwrites an earlier file.
     pub fn create(path: &Path, header: &Results) -> Result<Stream, ResultsError> {
         if let Some(folder) = path.parent() {
             make_folder(folder).map_err(at(folder))?;
         }
         let mut stream = Stream::on(path, locked(path, true)?, header)?;
-        // a run that is killed between these two leaves an empty file: they follow each other closely
+        // a run killed between these two calls leaves an empty file, so nothing comes between them
         stream.file.set_len(0).map_err(at(path))?;
         stream.hand_over()?;
         Ok(stream)
     }
 
-    /// Goes on after a number of rows, at which a batch ends; cuts what follows. The header on disk stays as it is.
+    /// Continues after a number of rows, at which a batch must end, and removes later rows. The header on
+    /// disk does not change.
     pub fn resume(path: &Path, rows: u64) -> Result<(Stream, Results), ResultsError> {
-        // what is refused leaves no file where there was none
+        // `false`: a refused `--resume` must not leave a new file
         let mut file = locked(path, false).map_err(|error| match error {
             ResultsError::File { path, source } if source.kind() == io::ErrorKind::NotFound => {
                 ResultsError::Foreign {
@@ -104,7 +106,7 @@ impl Stream {
         })
     }
 
-    /// Writes a batch: a vector a column, in display units; they are left empty.
+    /// Writes a batch: one vector for each column, in display units. It leaves the vectors empty.
     pub fn write(&mut self, columns: &mut [Vec<f64>]) -> Result<(), ResultsError> {
         let arrays = columns
             .iter_mut()
@@ -116,7 +118,7 @@ impl Stream {
         self.hand_over()
     }
 
-    /// To the system, whole or not at all.
+    /// Writes the encoded batch to the file, whole or not at all.
     fn hand_over(&mut self) -> Result<(), ResultsError> {
         let bytes = std::mem::take(self.encoder.get_mut());
         match self.file.write_all(&bytes) {
@@ -125,7 +127,7 @@ impl Stream {
                 Ok(())
             }
             Err(source) => {
-                // a batch less is better than a broken one; where even that fails, readers ignore it
+                // a missing batch is better than a broken one; if the cut fails too, readers ignore the rest
                 let _ = self.file.set_len(self.length);
                 let _ = self.file.seek(SeekFrom::Start(self.length));
                 Err(at(&self.path)(source))
@@ -133,13 +135,13 @@ impl Stream {
         }
     }
 
-    /// Waits until what was written is safe from a loss of power.
+    /// Waits until the written data would survive a loss of power.
     pub fn sync(&self) -> Result<(), ResultsError> {
         self.file.sync_data().map_err(at(&self.path))
     }
 }
 
-/// Opens a stream for one writer alone; makes it where that is meant.
+/// Opens a stream for a single writer. `make` creates a missing file.
 fn locked(path: &Path, make: bool) -> Result<File, ResultsError> {
     refuse_link(path).map_err(at(path))?;
     match regular(path) {
@@ -153,7 +155,7 @@ fn locked(path: &Path, make: bool) -> Result<File, ResultsError> {
         .truncate(false)
         .open(path)
         .map_err(at(path))?;
-    // elsewhere a lock keeps readers out, too
+    // on other systems a lock would also keep readers out
     if !cfg!(unix) {
         return Ok(file);
     }
@@ -182,7 +184,7 @@ fn library<E: std::fmt::Display>(path: &Path) -> impl FnOnce(E) -> ResultsError 
     }
 }
 
-/// Counts the bytes that were taken.
+/// Counts the bytes that were read.
 struct Counting<R> {
     inner: R,
     position: Rc<Cell<u64>>,
@@ -249,7 +251,7 @@ impl Portions {
         self.header.clone()
     }
 
-    /// The next whole batch. What comes after the last is a batch that was never finished, and ends the stream as its end does.
+    /// The next whole batch. An unfinished batch after the last whole one counts as the end of the stream.
     pub fn next(&mut self) -> Result<Option<RecordBatch>, ResultsError> {
         let next = catch_unwind(AssertUnwindSafe(|| self.reader.next()));
         match next.ok().flatten() {
@@ -285,7 +287,8 @@ pub(super) fn read(path: &Path) -> Result<Results, ResultsError> {
 mod tests {
     use super::*;
 
-    /// A byte that has changed anywhere, or an end that is missing, is refused or gives no more samples than were written.
+    /// A byte that has changed anywhere, or an end that is missing, is refused or gives no more samples than
+    /// were written.
     #[test]
     fn damaged_streams_are_refused_or_read() {
         let folder = std::env::temp_dir().join(format!("eng-stream-{}", std::process::id()));

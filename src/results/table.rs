@@ -9,27 +9,28 @@ use super::{Results, ResultsError, replace_file, schema};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Samples that wait at most, before they go to disk.
+/// The largest number of samples that wait before they are written to disk.
 const BATCH: usize = 512;
-/// Time that a sample waits at most.
+/// The longest time that a sample waits.
 const WAIT: Duration = Duration::from_millis(250);
-/// A checkpoint is taken no sooner than this after the one before,
+/// The least time between two checkpoints.
 const REST: Duration = Duration::from_millis(100);
-/// and than this many times what that one took: saving stays a small part of a run.
+/// The least time between two checkpoints, as a multiple of the time that the last one took. So saving stays
+/// a small part of a run.
 const SHARE: u32 = 20;
 
-/// Key of the metadata that tells runs apart.
+/// Key of the metadata that identify a run.
 const IDENTITY: &str = "identity";
-/// Key of the metadata that tells how a run ended: [`COMPLETE`], or why it failed.
+/// Key of the metadata for the end of a run: [`COMPLETE`], or the reason of a failure.
 pub(crate) const STATE: &str = "state";
-/// How the state of a failed run begins.
+/// Beginning of the state of a failed run.
 pub(super) const FAILED_BECAUSE: &str = "failed: ";
 const COMPLETE: &str = "complete";
 
 /// The rows of a run: kept in memory, or sent to disk in batches.
 #[derive(Debug)]
 pub(crate) struct Table {
-    /// The kept columns without values, and what is known about the run.
+    /// The kept columns without values, and the metadata of the run.
     header: Results,
     kept: Vec<bool>,
     /// Rows that are not on disk: SI in memory, in display units before a stream.
@@ -50,19 +51,20 @@ struct Disk {
     cost: Duration,
 }
 
-/// How a recording begins.
+/// The beginning of a recording.
 #[derive(Debug)]
 pub(crate) enum Begun {
     /// At the start.
     Fresh(Table),
     /// At a checkpoint.
     Resumed(Table, ResumePoint),
-    /// It was complete before.
+    /// The results are already complete.
     Complete(Results),
 }
 
 impl Table {
-    /// Begins a recording of all columns of `header`, whose values are empty. `identity` tells this run from others.
+    /// Begins a recording of all columns of `header`, whose values are empty. `identity` distinguishes this
+    /// run from others.
     pub fn begin(
         mut header: Results,
         recording: &Recording,
@@ -95,7 +97,8 @@ impl Table {
         let Some(folder) = &recording.folder else {
             return Ok(Begun::Fresh(table));
         };
-        // the last part is cut in the end: a checkpoint serves whatever it is, complete results don't
+        // the last part is cut at the end, so a checkpoint serves every `--last`; complete results serve only
+        // their own
         let whole = format!("{identity} {:?}", recording.last);
         table.header.set_metadata(IDENTITY, &whole);
         let files = Files::new(folder, table.header.analysis());
@@ -129,7 +132,7 @@ impl Table {
                             .to_owned(),
                     });
                 }
-                // what is known of the start is in the stream's header
+                // the stream's header holds the metadata of the start
                 for (key, value) in header.metadata() {
                     if key != IDENTITY {
                         table.header.set_metadata(key, value);
@@ -157,7 +160,8 @@ impl Table {
                 };
             }
         }
-        // an unwritable folder is told before hours of computing; a checkpoint of another run must not outlive its samples
+        // creating the stream now reports an unwritable folder before hours of computing;
+        // a checkpoint of another run must not outlive its samples
         disk.stream = Some(Stream::create(&disk.files.partial, &table.header)?);
         remove(&disk.files.checkpoint)?;
         disk.files.remove_leftovers();
@@ -165,7 +169,7 @@ impl Table {
         Ok(Begun::Fresh(table))
     }
 
-    /// States something about the run before its first row.
+    /// Sets metadata of the run before its first row.
     pub fn set_metadata(&mut self, key: &str, value: String) -> Result<(), ResultsError> {
         self.header.set_metadata(key, value);
         if self.given == 0
@@ -177,7 +181,7 @@ impl Table {
         Ok(())
     }
 
-    /// Adds a row: a value (SI) for each column of the header that it began with.
+    /// Adds a row: a value (SI) for each column of the header given to [`Table::begin`].
     pub fn push(&mut self, values: impl Iterator<Item = f64>) -> Result<(), ResultsError> {
         let kept = values.zip(&self.kept).filter(|(_, kept)| **kept);
         let places = self.rows.iter_mut().zip(self.header.columns());
@@ -195,14 +199,14 @@ impl Table {
         }
     }
 
-    /// Whether it is time for a checkpoint.
+    /// Whether a checkpoint is due.
     pub fn wants_checkpoint(&self) -> bool {
         self.disk
             .as_ref()
             .is_some_and(|disk| disk.saved.elapsed() >= REST.max(disk.cost * SHARE))
     }
 
-    /// Keeps the runtime's state after the last row.
+    /// Saves the runtime's state after the last row.
     pub fn save(&mut self, state: Vec<u8>, warnings: Vec<KeptWarning>) -> Result<(), ResultsError> {
         let began = Instant::now();
         self.flush()?;
@@ -236,8 +240,9 @@ impl Table {
         Ok(())
     }
 
-    /// Ends the recording: the results, which are on disk where there is a folder. `failure` tells why the run ended early: then
-    /// they have a file of their own, and what an earlier run left stays as it is.
+    /// Ends the recording and returns the results. With a folder they are also on disk. `failure` is the
+    /// reason if the run ended early. The results then have a file of their own, and files of an earlier run
+    /// remain.
     pub fn finish(mut self, failure: Option<&str>) -> Result<Results, ResultsError> {
         self.flush()?;
         match failure {
@@ -267,7 +272,8 @@ impl Table {
                 });
                 written.map_err(|error: super::parquet::WriteError| error.at(parquet.clone()))?;
                 let results = Results::read_parquet(parquet)?;
-                // a checkpoint without samples would be refused, samples without a checkpoint are run again
+                // the checkpoint goes first: a killed run may leave samples without a checkpoint, which are
+                // computed again, but a checkpoint without samples would be refused
                 remove(checkpoint)?;
                 remove(partial)?;
                 if failure.is_none() {
@@ -298,7 +304,7 @@ impl Table {
     }
 }
 
-/// The results of a run that came to its end, if there are any.
+/// The results of a complete run, if the file has any.
 fn complete(parquet: &Path) -> Result<Option<Results>, ResultsError> {
     match Results::read_parquet(parquet) {
         Err(ResultsError::File { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
@@ -308,7 +314,7 @@ fn complete(parquet: &Path) -> Result<Option<Results>, ResultsError> {
     }
 }
 
-/// In what kept results and a run that is to begin differ, as far as both say.
+/// The difference between kept results and a new run, as far as the metadata of both show it.
 fn difference(found: &Results, begun: &Results) -> String {
     let (old, new) = (found.metadata(), begun.metadata());
     let parameters: Vec<String> = new
@@ -343,7 +349,7 @@ fn first_of(last: Last, values: &[f64]) -> usize {
         .unwrap_or(0)
 }
 
-/// Index of the first sample that is kept in the end.
+/// Index of the first sample that is kept at the end.
 fn first_kept(partial: &Path, last: Option<Last>) -> Result<usize, ResultsError> {
     let Some(last) = last else {
         return Ok(0);
@@ -365,7 +371,7 @@ fn first_kept(partial: &Path, last: Option<Last>) -> Result<usize, ResultsError>
         .map_or(0, |column| first_of(last, &column.values)))
 }
 
-/// Rows of a stream from the one with an index on.
+/// Copies the rows of a stream from an index on.
 fn copy(
     partial: &Path,
     first: usize,

@@ -1,14 +1,14 @@
-//! What makes the steps of a run short.
+//! The reasons for short steps of a run.
 
 use super::Moment;
 use eng_system::system::Origin;
 
-/// What keeps steps from being longer.
+/// The reason why steps are not longer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pace {
     /// The text states the step.
     Stated,
-    /// Nothing but the distance of samples, or how far a body turns in a step.
+    /// Only the distance of samples, or the angle by which a body turns in a step.
     Longest,
     /// A load or a rate that jumps.
     Jump(Jump),
@@ -19,7 +19,7 @@ pub enum Pace {
         /// The state's name.
         state: Option<String>,
     },
-    /// Newton's iteration, which finds no solution of longer steps.
+    /// Newton's iteration: it finds no solution for longer steps.
     Unsolved {
         /// Element or body of the worst row.
         origin: Box<Origin>,
@@ -28,14 +28,14 @@ pub enum Pace {
     },
 }
 
-/// How long the steps of a run are, and why.
+/// The length of the steps of a run, with its reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slow {
     /// When.
     pub moment: Moment,
     /// The last step (s).
     pub step: f64,
-    /// What keeps it from being longer.
+    /// The reason why it is not longer.
     pub pace: Box<Pace>,
 }
 
@@ -45,7 +45,7 @@ impl std::fmt::Display for Slow {
     }
 }
 
-/// A load, or the rate of a state, that changes at once.
+/// A jump of a load or of the rate of a state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jump {
     /// The element.

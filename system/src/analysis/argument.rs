@@ -8,15 +8,15 @@ use std::f64::consts::PI;
 pub struct Argument {
     /// `duration`.
     pub name: &'static str,
-    /// What it is, a clause with its default.
+    /// Its meaning, as a clause with its default.
     pub about: &'static str,
     /// Its type.
     pub takes: Takes,
-    /// The unit in which messages show how it is written; empty for a plain number.
+    /// The unit that messages use to show its form; empty for a plain number.
     pub unit: &'static str,
     /// Whether it must be stated.
     pub required: bool,
-    /// What its number (SI) must keep; the first that it breaks is told.
+    /// The limits of its number (SI). A message reports the first limit that the number breaks.
     pub limits: &'static [Limit],
 }
 
@@ -41,32 +41,32 @@ pub enum Takes {
     Start,
 }
 
-/// What counts the angle of an extent.
+/// The motion that counts the angle of an extent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Counted {
     /// The cycle: a model without one refuses an angle.
     ByCycle,
-    /// The cycle, or without one the body that turns fastest.
+    /// The cycle, or the body that turns fastest in a model without a cycle.
     ByFastest,
 }
 
-/// What a number must keep.
+/// A limit of a number.
 #[derive(Debug)]
 pub struct Limit {
-    /// Whether a value (SI) keeps it.
+    /// Whether a value (SI) keeps the limit.
     pub fits: fn(f64) -> bool,
     /// "must be …".
     pub due: &'static str,
-    /// The label and the help of its message, where "this is negative" would not tell enough.
+    /// The label and the help of its message, if "this is negative" would say too little.
     pub told: Option<(&'static str, &'static str)>,
 }
 
 /// Two arguments that contradict each other.
 #[derive(Debug)]
 pub struct Apart {
-    /// One with its label.
+    /// One argument with its label.
     pub first: (&'static str, &'static str),
-    /// The other with its label.
+    /// The other argument with its label.
     pub second: (&'static str, &'static str),
     /// The title of the message.
     pub title: &'static str,
@@ -87,11 +87,11 @@ pub enum Value {
     Start(Start),
 }
 
-/// The stated arguments of an analysis: each within its limits, of the type that its row says.
+/// The stated arguments of an analysis. Each is within its limits and has the type of its row.
 #[derive(Clone, Debug, Default)]
 pub struct Given(Vec<(&'static str, Value)>);
 
-/// Why no plan is made of arguments.
+/// The reason why arguments give no plan.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unplanned {
     /// An argument does not fit the others.
@@ -105,7 +105,7 @@ pub enum Unplanned {
         /// Its help.
         help: &'static str,
     },
-    /// One that must be stated is absent.
+    /// A required argument is absent.
     Absent(&'static str),
 }
 
@@ -120,7 +120,7 @@ impl Given {
         stated.map(|(_, value)| *value)
     }
 
-    /// A number (SI), where it is stated.
+    /// A number (SI), if the text states it.
     pub fn number(&self, name: &str) -> Option<f64> {
         match self.find(name)? {
             Value::Number(number) => Some(number),
@@ -128,7 +128,7 @@ impl Given {
         }
     }
 
-    /// A time or an angle, where it is stated.
+    /// A time or an angle, if the text states it.
     pub fn extent(&self, name: &str) -> Option<Extent> {
         match self.find(name)? {
             Value::Extent(extent) => Some(extent),
@@ -136,12 +136,12 @@ impl Given {
         }
     }
 
-    /// Whether something is stated to be true.
+    /// Whether the text states `true` for an argument.
     pub fn switch(&self, name: &str) -> bool {
         self.find(name) == Some(Value::Switch(true))
     }
 
-    /// How the motion begins; `unstated` where the text leaves that open.
+    /// The start of the motion; `unstated` if the text leaves it open.
     pub fn start(&self, unstated: Start) -> Start {
         match self.find(START.name) {
             Some(Value::Start(start)) => start,
@@ -149,7 +149,7 @@ impl Given {
         }
     }
 
-    /// How steps are taken: `step` and `tolerance`.
+    /// The control of steps, from `step` and `tolerance`.
     pub fn steps(&self) -> StepControl {
         match (self.number(STEP.name), self.number(TOLERANCE.name)) {
             (Some(step), Some(tolerance)) => StepControl::FixedTo { step, tolerance },
@@ -164,7 +164,7 @@ impl Given {
     }
 }
 
-/// One that need not be stated.
+/// An argument that may be left out.
 pub(super) const fn argument(
     name: &'static str,
     takes: Takes,
@@ -182,7 +182,7 @@ pub(super) const fn argument(
     }
 }
 
-/// One whose message says how the number breaks it.
+/// A limit whose message describes the number that breaks it.
 pub(super) const fn limit(fits: fn(f64) -> bool, due: &'static str) -> Limit {
     Limit {
         fits,
@@ -191,7 +191,7 @@ pub(super) const fn limit(fits: fn(f64) -> bool, due: &'static str) -> Limit {
     }
 }
 
-/// Of times, angles and frequencies.
+/// The limit of times, angles and frequencies.
 pub(super) const POSITIVE: &[Limit] = &[limit(|x| x > 0.0 && x.is_finite(), "positive")];
 
 /// Distance of samples over the cycle angle (rad) without `sample`: half a degree.

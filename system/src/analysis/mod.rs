@@ -1,8 +1,9 @@
-//! Analyses: their kinds as a table, and as the compiler plans them.
+//! Analyses: the table of their kinds, and the plans that the compiler makes.
 //!
-//! A kind has a file here: a struct with its numbers, the answers of [`Kind`] that every stage asks for, and a [`KindRow`] with its
-//! name, its arguments and how a plan is made of them. The checker and elaboration read the row and know no kind by name. What
-//! solves a kind is a function of the runtime, which `src/analysis/run.rs` calls.
+//! Each kind has a file here. It holds a struct with the numbers of the kind, an implementation of [`Kind`],
+//! which every stage uses, and a [`KindRow`] with the name, the arguments and the function that makes a plan
+//! of them. The checker and elaboration read the row and know no kind by name. A function of the runtime
+//! solves the kind; `src/analysis/run.rs` calls it.
 
 mod argument;
 mod assemble;
@@ -27,26 +28,26 @@ pub fn kind(name: &str) -> Option<&'static KindRow> {
     KINDS.iter().find(|row| row.name == name)
 }
 
-/// What a text can say of a kind, and how a plan is made of it.
+/// The name and the arguments of a kind in a text, and the function that makes a plan of them.
 #[derive(Debug)]
 pub struct KindRow {
     /// `transient`.
     pub name: &'static str,
-    /// What it gives, a clause.
+    /// Its result, as a clause for messages.
     pub about: &'static str,
-    /// Words of other programs for the same.
+    /// The names of this kind in other programs. A message uses them to suggest the name here.
     pub also_called: &'static [&'static str],
-    /// Of a kind that only a model with a cycle can have: the clause that says why.
+    /// The reason, as a clause, if only a model with a cycle can have this kind.
     pub needs_cycle: Option<&'static str>,
     /// Its arguments after the model, in the order in which messages list them.
     pub arguments: &'static [Argument],
     /// Arguments that contradict each other.
     pub apart: &'static [Apart],
-    /// Makes the plan.
+    /// Makes the plan from the stated arguments.
     pub plan: fn(&Given) -> Result<AnalysisKind, Unplanned>,
 }
 
-/// What the rows of results are.
+/// The meaning of the rows of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rows {
     /// Samples of a motion.
@@ -59,33 +60,34 @@ pub enum Rows {
     State,
 }
 
-/// What every stage asks of an analysis.
+/// The questions that every stage asks of an analysis.
 pub trait Kind {
-    /// How the steps of its motion are taken; `None` where it takes none.
+    /// The control of its steps; `None` if it takes no steps.
     fn step(&self) -> Option<StepControl> {
         None
     }
 
-    /// How steps are taken, also where an argument leaves none to take; `None` of a kind without steps.
+    /// The control of its steps, even if an argument leaves no step to take; `None` for a kind without steps.
     fn step_mut(&mut self) -> Option<&mut StepControl> {
         None
     }
 
-    /// How its motion begins.
+    /// The start of its motion.
     fn start(&self) -> Start {
         Start::Assembled
     }
 
-    /// Distance of its samples, and how long it samples where the text states that; `None` of a kind without samples.
+    /// The distance of its samples, and the sampled span if the text states it; `None` for a kind without
+    /// samples.
     fn sampling(&self) -> Option<(Extent, Option<Extent>)> {
         None
     }
 
-    /// What the rows of its results are.
+    /// The meaning of the rows of its results.
     fn rows(&self) -> Rows;
 }
 
-/// What an analysis does. It answers as the [`Kind`] that it is.
+/// An analysis of one kind, with its numbers. It dereferences to its [`Kind`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum AnalysisKind {
     /// Positions and velocities that satisfy every constraint.
@@ -148,7 +150,7 @@ pub enum StepControl {
 }
 
 impl StepControl {
-    /// The step (s), where it is fixed.
+    /// The step (s) if it is fixed.
     pub fn fixed(self) -> Option<f64> {
         match self {
             StepControl::Fixed(step) | StepControl::FixedTo { step, .. } => Some(step),
@@ -156,7 +158,8 @@ impl StepControl {
         }
     }
 
-    /// Factor on the tolerances to which the equations of a step are solved. 1 where a fixed step states none.
+    /// Factor on the tolerances to which the equations of a step are solved. It is 1 if a fixed step states
+    /// none.
     pub fn tolerance(self) -> f64 {
         match self {
             StepControl::Fixed(_) => 1.0,
@@ -168,11 +171,12 @@ impl StepControl {
 /// How a motion begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Start {
-    /// Quasi-static where the cycle turns at the start and there are journals or flexible bodies; else as assembled.
+    /// Quasi-static if the cycle turns at the start and the model has journals or flexible bodies; otherwise
+    /// as assembled.
     Automatic,
     /// In balance with the loads of the steady motion.
     QuasiStatic,
-    /// As assembled: where the text and the joints put everything.
+    /// As assembled: the text and the joints decide all positions.
     #[default]
     Assembled,
 }
@@ -182,27 +186,27 @@ pub enum Start {
 pub struct PointValue {
     /// The variable.
     pub name: String,
-    /// Its value (SI); for what is no number its place in the list.
+    /// Its value (SI); for a value that is no number, its index in the list.
     pub value: f64,
     /// Its dimension.
     pub dimension: Dimension,
-    /// How it is shown.
+    /// The unit in which it is shown.
     pub display: DisplayUnit,
 }
 
 /// An analysis of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analysis {
-    /// `unfired`, `runup[3]`, and places.
+    /// Its path (`unfired`, `runup[3]`) and its places in the text.
     pub origin: Origin,
     /// The model's name.
     pub model: String,
-    /// Of an analysis with an index: where in the sweep it stands.
+    /// The values of the sweep's variables, for an analysis with an index.
     pub point: Vec<PointValue>,
     /// Parameters set by the analysis (path, SI value).
     pub set: Vec<(String, f64)>,
-    /// Named arguments of the analysis and where their values stand in the text.
+    /// Named arguments of the analysis, each with the place of its value in the text.
     pub arguments: Vec<(String, Location)>,
-    /// What is done.
+    /// The kind, with its numbers.
     pub kind: AnalysisKind,
 }
