@@ -9,42 +9,51 @@ use eng_system::system::{
     BodyInertia, BodyRef, Element, FiringInfo, Location, Origin, Slot, System,
 };
 
-/// Gravity on earth, with what people round it to (m/s²).
+/// Gravity on earth (m/s²), with the usual rounded values.
 const EARTH: std::ops::Range<f64> = 9.7..10.1;
 /// Density of the heaviest metals (kg/m³).
 const HEAVIEST: f64 = 20_000.0;
-/// Share of the inertia radius of a ball of the heaviest metal below which a body has a mistake in its unit, and no rounded number.
+/// A body has a mistake in its unit, and not only a rounded number, if its radius of gyration is below this
+/// share of that of a ball of the heaviest metal.
 const NO_BALL: f64 = 0.3;
-/// Radius of gyration over the way to the farthest marker, from the centre of mass: uniform rods have 0.58, cranks 0.5, webs 1.
+/// Usual ratios of the radius of gyration to the distance of the farthest marker from the centre of mass.
+/// Uniform rods have 0.58, cranks 0.5, webs 1.
 const USUAL: std::ops::Range<f64> = 0.13..2.6;
-/// Radius of gyration over the radius of a ball of steel of the same mass, up to which a body may be larger than its markers: discs, rims.
+/// A body may be larger than its markers, as discs and rims are, up to this ratio of its radius of gyration
+/// to the radius of a steel ball of the same mass.
 const COMPACT: f64 = 3.0;
-/// The same, from which on no part of a machine is as slender: a steel bar of a hundred diameters has 11, a tube of thirty as much.
+/// No part of a machine is so slender that this ratio is larger. A steel bar of a hundred diameters has 11,
+/// and so has a tube of thirty diameters.
 const SLENDER: f64 = 20.0;
-/// Least distance of two markers (m) that tells two places of a body.
+/// Markers at least this far apart (m) count as two places of a body.
 const TWO_PLACES: f64 = 1e-3;
-/// How often a centre of mass is farther from all markers of its body than these are apart, and the farthest marker than any of other
-/// bodies, where it has lost its unit.
+/// The centre of mass of a body has probably lost its unit if two ratios are large. This is the first limit:
+/// the distance to the nearest marker over the largest distance of two markers.
 const FAR_IN_SPANS: f64 = 2.0;
+/// The second limit: the distance to the farthest marker over the same distance of all other bodies.
 const FAR_IN_REACHES: f64 = 3.0;
 /// Density of steel (kg/m³).
 const STEEL: f64 = 7_800.0;
-/// Share of the farthest way by which markers on the other side of the centre of mass make a body a long one.
+/// Two markers are on opposite sides of the centre of mass if the product of their arms is below minus this
+/// share of the square of the farthest arm.
 const OTHER_SIDE: f64 = 0.02;
-/// Share of the stated mass below which an analysis takes a mass away.
+/// An analysis removes a mass if it sets less than this share of the stated mass.
 const TAKEN_AWAY: f64 = 0.01;
-/// Share of their sum of squares by which markers may stand beside the line that they are on.
+/// Markers are on one line if at most this share of their sum of squares is across it.
 const BESIDE_LINE: f64 = 0.1;
-/// How far a body's mass lies along the line of its markers (root of the mean square), over the way to the farthest of them, below which
-/// the moments stand in the wrong order, if that about the line is larger than this times the least across it. A disc has 2.
+/// The moments of a body are in the wrong order if two conditions hold. The first: its mass extends along the
+/// line of its markers (root of the mean square) by less than this share of the distance to the farthest
+/// marker.
 const ALONG_LINE: f64 = 0.3;
+/// The second: the moment about the line is larger than this multiple of the smallest moment across it. A
+/// disc has 2.
 const ABOUT_LINE: f64 = 2.0;
-/// Firing angles (rad) nearer than this are one.
+/// Firing angles closer than this (rad) count as equal.
 const SAME_ANGLE: f64 = 1e-6;
-/// Distances below this (m) are no measure of a machine.
+/// Distances below this (m) say nothing about the size of a machine.
 const NO_MEASURE: f64 = 0.02;
 
-/// What is probably wrong in the numbers of a model.
+/// The probable mistakes in the numbers of a model.
 pub(super) fn numbers(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -58,7 +67,7 @@ pub(super) fn numbers(
         bodies.map(|body| body.farthest).fold(0.0, f64::max)
     };
     let reach = farthest(&mut bodies.iter());
-    // bodies of one declaration have one mistake
+    // bodies of one declaration share its mistake, so they do not count as other bodies
     let of_others = |body: &Solid<'_>| {
         farthest(
             &mut bodies
@@ -66,7 +75,7 @@ pub(super) fn numbers(
                 .filter(|other| other.declared != body.declared),
         )
     };
-    // an analysis that takes a mass away leaves an inertia that does not fit
+    // if an analysis removes a mass, the remaining inertia does not fit it
     let text = compiled.bind.bind(&[], &system.tables);
     let taken_away = |body: &Solid<'_>| {
         let set = overrides.iter().any(Option::is_some);
@@ -131,22 +140,23 @@ fn gravity(system: &System, bound: &Bound) -> Option<Finding> {
     Some(finding)
 }
 
-/// A rigid body as its numbers have it.
+/// The numbers of a rigid body.
 struct Solid<'s> {
     path: &'s str,
     mass: f64,
     /// The largest entry on the diagonal of the inertia (kg m²).
     inertia: f64,
-    /// Way from the centre of mass to the farthest marker that the text states (m).
+    /// Distance from the centre of mass to the farthest marker that the text states (m).
     farthest: f64,
     /// Whether it has markers at two places.
     spread: bool,
-    /// Way from the centre of mass to the nearest of them, and the largest between two (m).
+    /// Distance from the centre of mass to the nearest marker, and largest distance of two markers (m).
     nearest: f64,
     span: f64,
-    /// Where its declaration stands.
+    /// Place of its declaration.
     declared: Option<Location>,
-    /// Whether it has markers on opposite sides of its centre of mass, or this is far beyond all of them.
+    /// Whether it has markers on opposite sides of its centre of mass, or the centre of mass is far from all
+    /// markers.
     both_sides: bool,
     /// Slots of the mass and of the largest moment.
     slots: [Slot; 2],
@@ -154,7 +164,7 @@ struct Solid<'s> {
     farthest_marker: Option<usize>,
     /// The moments about the body's axes (kg m²).
     moments: [f64; 3],
-    /// Sums of squares of the ways along the body's axes (m²).
+    /// Sums of squares of the markers' distances along the body's axes (m²).
     spans: [f64; 3],
 }
 
@@ -217,8 +227,9 @@ fn bodies<'s>(system: &'s System, bound: &Bound) -> Vec<Solid<'s>> {
                 nearest: libm::sqrt(least),
                 span: libm::sqrt(span),
                 declared: body.origin.used_at,
-                // or farther from all markers than half of what they are apart, of markers that are apart by more than a fifth of the
-                // farthest way: two hinges beside each other tell of no length
+                // or the nearest marker is farther away than half the markers' distance from each other; this
+                // distance must exceed a fifth of the farthest arm, because two hinges close together say
+                // nothing about a length
                 both_sides: pairs().any(|(a, b)| dot(a, b) < -OTHER_SIDE * square)
                     || (span > 0.04 * square && least > 0.25 * span),
             })
@@ -226,13 +237,14 @@ fn bodies<'s>(system: &'s System, bound: &Bound) -> Vec<Solid<'s>> {
         .collect()
 }
 
-/// What does not fit in a body's inertia, and whether a marker has a part in it.
+/// A message about a body's inertia. `marker`: whether a marker is part of the reason.
 struct Doubt {
     message: String,
     marker: bool,
 }
 
-/// A body whose inertia does not fit its mass and its markers. `reach` is the farthest marker of all bodies from its centre of mass.
+/// A body whose inertia does not fit its mass and its markers. `reach` is the farthest marker of all bodies
+/// from its centre of mass.
 fn size(body: &Solid<'_>, reach: f64) -> Option<Doubt> {
     let radius = libm::sqrt(body.inertia / body.mass);
     // I = 2/5 m r², m = 4/3 π r³ ρ
@@ -265,7 +277,7 @@ fn size(body: &Solid<'_>, reach: f64) -> Option<Doubt> {
         );
         (message, false)
     } else if body.span > TWO_PLACES
-        // a point with an inertia of its own has one marker
+        // a point mass with an inertia of its own has one marker, so it gets no message
         && radius > SLENDER * ball(STEEL)
         && radius > USUAL.end * body.farthest
     {
@@ -278,8 +290,9 @@ fn size(body: &Solid<'_>, reach: f64) -> Option<Doubt> {
     Some(Doubt { message, marker })
 }
 
-/// A centre of mass that is far from the markers of its body, for the other bodies: `of_others` is their farthest marker. A pendulum has
-/// one hinge, or is as large as what it hangs from.
+/// A centre of mass that is far from the markers of its body, compared with other bodies. `of_others` is the
+/// farthest marker of the other bodies. A pendulum gets no message: it has one hinge, or it is as large as
+/// its support.
 fn far_center(body: &Solid<'_>, of_others: f64) -> Option<Doubt> {
     let radius = libm::sqrt(body.inertia / body.mass);
     let far = body.span > TWO_PLACES
@@ -299,13 +312,13 @@ fn far_center(body: &Solid<'_>, of_others: f64) -> Option<Doubt> {
     })
 }
 
-/// A body with its markers along one of its axes that has little inertia across that line, and much about it.
+/// A body with all markers along one of its axes, but with little inertia across that line and much about it.
 fn order(body: &Solid<'_>) -> Option<Doubt> {
     let whole: f64 = body.spans.iter().sum();
     let line = (0..3).find(|i| body.spans[*i] > (1.0 - BESIDE_LINE) * whole)?;
     let across = (0..3).filter(|i| *i != line).map(|i| body.moments[i]);
     let least = across.fold(f64::INFINITY, f64::min);
-    // ∫ z² dm is half of what the moments across have more than that about z
+    // ∫ z² dm is half of: the sum of the moments across z, less the moment about z
     let along = 0.5 * body.moments.iter().sum::<f64>() - body.moments[line];
     let wrong = body.spread
         && body.farthest > NO_MEASURE
@@ -358,7 +371,7 @@ fn of_inertia(compiled: &Compiled, body: &Solid<'_>, doubt: Doubt) -> Finding {
     finding
 }
 
-/// Bodies that stand for pistons as others of their declaration do, and have no gas.
+/// Pistons without gas, while other bodies of the same declaration have gas.
 fn without_gas(system: &System) -> Vec<Finding> {
     // two pistons may face each other in one bore
     let bodies_of = |firing: &FiringInfo| {
@@ -405,7 +418,8 @@ fn without_gas(system: &System) -> Vec<Finding> {
     found
 }
 
-/// A cycle whose period is no whole number of half turns: degrees read as rad.
+/// A cycle whose period is no whole number of half turns. The usual reason: a number in degrees was read as
+/// rad.
 fn whole_turns(system: &System, bound: &Bound) -> Option<Finding> {
     let cycle = system.cycle.as_ref()?;
     let period = at(bound, cycle.period);
@@ -429,7 +443,7 @@ fn whole_turns(system: &System, bound: &Bound) -> Option<Finding> {
     })
 }
 
-/// Periodic tables of angles of which no whole number fills the cycle.
+/// Periodic tables over angles whose period does not divide the cycle.
 fn periods(system: &System, bound: &Bound) -> Vec<Finding> {
     let Some(cycle) = &system.cycle else {
         return Vec::new();
@@ -469,8 +483,8 @@ fn periods(system: &System, bound: &Bound) -> Vec<Finding> {
         .collect()
 }
 
-/// Cylinders that fire at one angle: all of a machine, whose order was forgotten; or some of them where others fire alone, whose
-/// angles were mistaken. In engines whose cylinders fire in pairs all do.
+/// Cylinders that fire at the same angle. If all of them do, the firing order was forgotten. If some do and
+/// others fire alone, an angle is wrong. An engine whose cylinders all fire in pairs gets no message.
 fn one_firing(system: &System, bound: &Bound) -> Option<Finding> {
     let period = system
         .cycle

@@ -1,31 +1,32 @@
-//! Texts as messages show them: very long lines are cut around what the message speaks of, control characters are escaped.
+//! Texts as messages show them. Very long lines are cut around the places of the message, and control
+//! characters are escaped.
 
 use super::visible::{acts, shown, visible};
 use codespan_reporting::files::{Error, Files};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Characters of a line that is shown whole.
+/// A line of at most this many characters is shown whole.
 const WHOLE: usize = 240;
 /// Characters that are kept before and after the ends of a label.
 const AROUND: usize = 60;
-/// Stands for what is cut.
+/// The mark in place of a cut part.
 const CUT: &str = "…";
 
-/// A text with its long lines cut; places are told as in the whole text.
+/// A text with its long lines cut. Messages name places of the whole text.
 #[derive(Debug)]
 pub(super) struct Excerpt<'a> {
     name: Cow<'a, str>,
     whole: &'a str,
     shown: String,
-    /// What is kept, in order: first byte in the whole text, bytes, first byte in what is shown.
+    /// The kept parts, in order: first byte in the whole text, number of bytes, first byte in the shown text.
     kept: Vec<(usize, usize, usize)>,
-    /// Begins of the lines of what is shown.
+    /// First bytes of the lines of the shown text.
     lines: Vec<usize>,
 }
 
 impl<'a> Excerpt<'a> {
-    /// The text, cut around the places (bytes) that are shown of it.
+    /// The text, cut around the places (bytes) of a message.
     pub fn new(name: &'a str, whole: &'a str, places: &[Range<usize>]) -> Excerpt<'a> {
         let mut excerpt = Excerpt {
             name: visible(name),
@@ -50,7 +51,7 @@ impl<'a> Excerpt<'a> {
         excerpt
     }
 
-    /// Keeps of a line its begin and what is around the ends of the places in it.
+    /// Keeps the beginning of a line and the characters around both ends of each place in it.
     fn cut(&mut self, line: Range<usize>, places: &[Range<usize>]) {
         let begin = line.start..self.far(line.start, true, line.end);
         let mut parts = vec![begin];
@@ -77,7 +78,7 @@ impl<'a> Excerpt<'a> {
         }
     }
 
-    /// The place some characters on or back from another, not beyond a limit.
+    /// The place [`AROUND`] characters after a place (`on`) or before it, not beyond a limit.
     fn far(&self, from: usize, on: bool, limit: usize) -> usize {
         if on {
             let rest = self.whole.get(from..limit).unwrap_or_default();
@@ -101,7 +102,7 @@ impl<'a> Excerpt<'a> {
         let mut from = part.start;
         for (at, c) in text.match_indices(acts) {
             let (start, end) = (part.start + at, part.start + at + c.len());
-            // the line ends of other systems are line ends
+            // the line ends of other systems are also line ends
             if c == "\r" && whole[end..].starts_with('\n') {
                 continue;
             }
@@ -120,7 +121,7 @@ impl<'a> Excerpt<'a> {
         };
         let at = self.shown.len();
         self.shown.push_str(text);
-        // neighbours are one piece
+        // neighbouring parts become one
         match self.kept.last_mut() {
             Some((first, length, begin))
                 if *first + *length == part.start && *begin + *length == at =>
@@ -131,7 +132,7 @@ impl<'a> Excerpt<'a> {
         }
     }
 
-    /// A place of the whole text in what is shown; one that is cut is where the text was.
+    /// The place in the shown text for a place of the whole text. For a cut part it is the place of the mark.
     pub fn place(&self, whole: usize) -> usize {
         let after = self.kept.partition_point(|(first, ..)| *first <= whole);
         match after.checked_sub(1).and_then(|i| self.kept.get(i)) {
@@ -140,7 +141,7 @@ impl<'a> Excerpt<'a> {
         }
     }
 
-    /// A place of what is shown in the whole text.
+    /// The place in the whole text for a place of the shown text.
     fn original(&self, shown: usize) -> usize {
         let after = self.kept.partition_point(|(_, _, at)| *at <= shown);
         match after.checked_sub(1).and_then(|i| self.kept.get(i)) {
@@ -224,7 +225,7 @@ mod tests {
         assert_eq!(line, 1);
         let range = excerpts.line_range(0, line).unwrap();
         assert!(shown[range].contains("HERE"));
-        // told as in the whole text
+        // the column counts in the whole text
         let column = text[..at].rsplit('\n').next().unwrap().chars().count() + 1;
         assert_eq!(excerpts.column_number(0, line, place).unwrap(), column);
         assert_eq!(

@@ -1,5 +1,5 @@
-//! What the readers of all formats build a mesh with: elements with their nodes, beams with their axes, and
-//! properties and materials that are made once, when an element first uses them.
+//! Tools with which the readers of all formats build a mesh. They add elements with their nodes and beams
+//! with their axes. They make each property and material once, when an element first uses it.
 
 use std::collections::BTreeMap;
 
@@ -8,11 +8,11 @@ use crate::element::ElementKind;
 use crate::error::FileProblem;
 use crate::mesh::{BeamAxes, Element, Mesh, Variant};
 
-/// A list of things that are made once each, by what they are made from.
+/// A list of values that are made once each. A key identifies the source of a value.
 #[derive(Clone, Debug)]
 pub(super) struct Once<K, T> {
     made: BTreeMap<K, u32>,
-    /// All, in the order in which they were made.
+    /// All values, in the order in which they were made.
     pub all: Vec<T>,
 }
 
@@ -26,18 +26,18 @@ impl<K, T> Default for Once<K, T> {
 }
 
 impl<K: Ord, T> Once<K, T> {
-    /// Index of the one of this key.
+    /// Index of the value of this key.
     pub fn find(&self, key: &K) -> Option<u32> {
         self.made.get(key).copied()
     }
 
-    /// Adds one that no other element shares.
+    /// Adds a value that no other element shares.
     pub fn push(&mut self, value: T) -> u32 {
         self.all.push(value);
         (self.all.len() - 1) as u32 // never more than elements
     }
 
-    /// Adds the one of a key.
+    /// Adds the value of a key.
     pub fn add(&mut self, key: K, value: T) -> u32 {
         let index = self.push(value);
         self.made.insert(key, index);
@@ -52,16 +52,16 @@ pub(super) struct NewElement {
     pub id: u64,
     /// Shape and order of nodes.
     pub kind: ElementKind,
-    /// How the file names its integration.
+    /// The variant of integration that the file names.
     pub variant: Variant,
     /// Index of its property.
     pub property: u32,
 }
 
-/// Adds an element to a mesh, a beam with its axes; its index.
+/// Adds an element to a mesh, and for a beam its axes. Returns the index of the element.
 ///
 /// # Errors
-/// Where the mesh has more than 4 billion nodes of elements.
+/// If the elements of the mesh have more than 4 billion nodes.
 pub(super) fn add_element(
     mesh: &mut Mesh,
     new: NewElement,
@@ -86,12 +86,12 @@ pub(super) fn add_element(
     Ok(index)
 }
 
-/// More elements than a mesh can number.
+/// The error of more elements than a mesh can number.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TooMany;
 
 impl TooMany {
-    /// What to say, and what to do.
+    /// The problem and the remedy.
     pub const WORDS: (&'static str, &'static str) = ("too many elements", "divide the model");
 
     /// As a problem of a line.

@@ -1,4 +1,5 @@
-//! What a file holds, told by its beginning: for the message where it is not what the model states.
+//! The kind of contents of a file, found from its beginning. A message uses it if the file has another format
+//! than the model states.
 
 use std::io::Read;
 
@@ -6,10 +7,10 @@ use super::{Files, number};
 use crate::error::{FileProblem, FlexibleError, Place};
 use eng_system::mesh_files::Stated;
 
-/// Bytes that are looked at.
+/// The number of bytes read from the beginning.
 const BEGINNING: u64 = 1 << 16;
 
-/// Words with which lines of a Nastran deck begin before anything else of it is met.
+/// Words that begin the first lines of a Nastran deck.
 const NASTRAN_WORDS: [&str; 40] = [
     "ID", "NASTRAN", "INIT", "ASSIGN", "SOL", "TIME", "CEND", "TITLE", "SUBTITLE", "LABEL", "ECHO",
     "SUBCASE", "METHOD", "DISP", "BEGIN", "INCLUDE", "PARAM", "GRDSET", "GRID", "CORD1R", "CORD2R",
@@ -17,7 +18,7 @@ const NASTRAN_WORDS: [&str; 40] = [
     "CPYRAM", "CBAR", "CBEAM", "CQUAD4", "CTRIA3", "RBE2", "RBE3", "CONM2", "ENDDATA",
 ];
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Content {
     /// Cards of Nastran: a deck, or `DMIG`.
@@ -63,16 +64,16 @@ impl Content {
         }
     }
 
-    /// What a file holds, where its beginning tells. A compressed one is unpacked.
+    /// The contents of a file, if its beginning shows them. A compressed file is unpacked.
     fn of(files: &dyn Files, file: &str) -> Option<Content> {
         let mut bytes = Vec::new();
         let mut beginning = super::open(files, file).ok()?.take(BEGINNING);
-        // what comes before an error serves
+        // after an error, the bytes read so far are enough
         let _ = beginning.read_to_end(&mut bytes);
         Content::of_binary(&bytes).or_else(|| Content::of_text(&String::from_utf8_lossy(&bytes)))
     }
 
-    /// By the length of the first record, in either order of bytes.
+    /// Decides by the length of the first record, in either order of bytes.
     fn of_binary(bytes: &[u8]) -> Option<Content> {
         let first = *bytes.first_chunk::<4>()?;
         [i32::from_le_bytes(first), i32::from_be_bytes(first)]
@@ -104,7 +105,7 @@ impl Content {
 
     fn of_numbers(line: &str) -> Option<Content> {
         let whole = |text: &&str| number::integer(text).is_some();
-        // the head of a matrix: four whole numbers in eight columns each, a name
+        // the head of a matrix: four whole numbers of eight columns each, then a name
         let column = |i: usize| line.get(8 * i..8 * i + 8).map_or("", str::trim);
         let name = line.get(32..40).map_or("", str::trim);
         if (0..4).all(|i| whole(&column(i))) && name.starts_with(|c: char| c.is_alphabetic()) {
@@ -137,20 +138,21 @@ impl Content {
 
 /// A format that a model states by a word, and that a reader reads.
 pub(crate) trait Readable: Stated + PartialEq {
-    /// What files of these formats are read for: "meshes".
+    /// The purpose of files of these formats: "meshes".
     const READ_FOR: &'static str;
 
-    /// Whether its reader is the one for such a file.
+    /// Whether the reader of this format reads such a file.
     fn reads(self, content: Content) -> bool;
 
-    /// How the model states the format of this name.
+    /// The form in which a model states the format of this name.
     fn written(name: &str) -> String {
         format!("`{name}(…)`")
     }
 }
 
-/// What a reader gave, but for a damaged packed file, whose rubbish it took for text; and for a file that is
-/// another's: then both formats are named, and the word that reads it.
+/// The result of a reader, with two errors explained. A damaged packed file unpacks to bytes without meaning,
+/// and the error is that of the packing. For a file of another format the message names both formats and the
+/// word that reads the file.
 pub(crate) fn explained<F: Readable, T>(
     files: &dyn Files,
     file: &str,

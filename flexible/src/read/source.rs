@@ -1,4 +1,4 @@
-//! Text files that include others: their lines, and where each stands.
+//! Text files that include others: their lines, each with its place.
 
 use std::io::{BufRead, Read};
 use std::rc::Rc;
@@ -6,17 +6,17 @@ use std::rc::Rc;
 use super::Files;
 use crate::error::{FileProblem, Place};
 
-/// Longer lines than this are no text.
+/// A file with a longer line than this is no text.
 const LONGEST_LINE: u64 = 1 << 16;
-/// Files open in each other.
+/// The largest number of files open inside each other.
 const DEEPEST: usize = 60;
-/// Includes in all.
+/// The largest number of includes.
 const MOST_INCLUDES: usize = 10_000;
 
-/// Where something stands.
+/// A place in a file.
 #[derive(Clone, Debug)]
 pub(super) struct At {
-    /// The file, as it was asked for.
+    /// The file, under the name of the request.
     pub file: Rc<str>,
     /// The line, from 1.
     pub line: u64,
@@ -29,13 +29,13 @@ impl At {
     }
 }
 
-/// What messages about a kind of files say.
+/// Words for messages about a kind of files.
 pub(super) struct Syntax {
     /// The word that includes a file.
     pub include: &'static str,
-    /// What the text is: "no text of …".
+    /// The kind of text: "no text of …".
     pub text: &'static str,
-    /// Which files are meant: "give …".
+    /// The expected files: "give …".
     pub files: &'static str,
 }
 
@@ -80,14 +80,14 @@ impl<'f> Source<'f> {
         !self.stack.is_empty()
     }
 
-    /// Ends the innermost file; `false` where that is the outermost one.
+    /// Closes the innermost file; `false` if it is the outermost one.
     pub fn end_file(&mut self) -> bool {
         self.stack.pop();
         !self.stack.is_empty()
     }
 
-    /// A line of the innermost file as it stands, with its end; `None` at the end of the file, which stays
-    /// open.
+    /// The next line of the innermost file, unchanged and with its line end; `None` at the end of the file,
+    /// which remains open.
     pub fn line(&mut self) -> Result<Option<(Vec<u8>, At)>, FileProblem> {
         let Some(file) = self.stack.last_mut() else {
             return Ok(None);
@@ -182,8 +182,8 @@ pub(super) fn whole(name: &str, problem: &str, advice: &str) -> FileProblem {
     }
 }
 
-/// Names under which an included file may be found, best first. A logical prefix (`VAR:file`) can't be known
-/// here and is left out.
+/// Names under which an included file may be found, best first. Eng does not know the meaning of a logical
+/// prefix (`VAR:file`) and leaves it out.
 fn candidates(beside: &[&str], name: &str) -> Vec<String> {
     let plain = name.replace('\\', "/");
     let mut forms = vec![plain.clone()];

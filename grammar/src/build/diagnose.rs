@@ -1,8 +1,8 @@
-//! What to say about text that the grammar does not take.
+//! The message about text that the grammar does not accept.
 //!
-//! The recogniser only knows the farthest place it reached and what it tried there. People need the mistake behind
-//! it, so the likely ones are looked for first, in the tokens around that place; what the recogniser tried is put
-//! into words only when none of them fits.
+//! The recogniser knows only the farthest place that it reached and the rules that it tried there. A reader
+//! needs the mistake behind this. So the tokens around that place are first compared with the likely
+//! mistakes. Only if none fits, the message names the tried rules.
 
 mod expected;
 mod place;
@@ -20,13 +20,13 @@ use pest::error::{ErrorVariant, InputLocation};
 use pest::iterators::Pairs;
 pub(crate) use place::Place;
 
-/// The message for a bad piece, and where in it good items begin again.
+/// The message for a bad piece, and the place in it where good items begin again.
 pub(crate) struct Finding {
     pub diagnostic: Diagnostic,
     pub rest: Option<usize>,
 }
 
-/// How many line ends of a bad piece are tried as the end of the mistake.
+/// The number of line ends of a bad piece that are tried as the end of the mistake.
 const MAX_SPLITS: usize = 8;
 
 /// Words that begin an item and are not kinds.
@@ -55,7 +55,7 @@ const ITEM_WORDS: [&str; 22] = [
     "value",
 ];
 
-/// Whether an item can begin with this word for more than its name.
+/// Whether this word can begin an item as more than a name.
 fn is_item_word(word: &str) -> bool {
     ITEM_WORDS.contains(&word) || KINDS.iter().any(|(kind, _)| *kind == word)
 }
@@ -88,7 +88,7 @@ fn tokens_of(tokens: &[Token], start: usize, end: usize) -> &[Token] {
     tokens.get(first..last).unwrap_or(&[])
 }
 
-/// Whether the token at `start` cannot begin an item, so that it must go on with the one before.
+/// Whether the token at `start` cannot begin an item, so that it must continue the item before.
 pub(crate) fn continues(text: &str, tokens: &[Token], start: usize) -> bool {
     let Some(token) = tokens_of(tokens, start, text.len()).first() else {
         return false;
@@ -103,7 +103,7 @@ pub(crate) fn continues(text: &str, tokens: &[Token], start: usize) -> bool {
     }
 }
 
-/// How many `(` and `[` are open after `start..end` when `open` are before.
+/// The number of open `(` and `[` after `start..end`, if `open` are open before it.
 pub(crate) fn open_brackets(
     text: &str,
     tokens: &[Token],
@@ -227,7 +227,7 @@ pub(crate) fn item_list(slice: &str) -> Option<Pairs<'_, Rule>> {
     pairs.into_iter().next().map(|list| list.into_inner())
 }
 
-/// What is wrong with the text `start..end`, which is no item.
+/// The mistake in the text `start..end`, which is no item.
 pub(crate) fn item(builder: &Builder<'_, '_>, start: usize, end: usize) -> Option<Finding> {
     let text = builder.text;
     let tokens = tokens_of(&builder.tokens, start, end);
@@ -243,7 +243,7 @@ pub(crate) fn item(builder: &Builder<'_, '_>, start: usize, end: usize) -> Optio
     if let Some(brace) = builder.open_brace
         && (start..end).contains(&brace.start)
     {
-        // Its message was given.
+        // This text already has its message.
         return None;
     }
     if let Some(diagnostic) = brackets(builder, tokens) {
@@ -356,7 +356,7 @@ fn partner(sign: &str) -> &'static str {
     }
 }
 
-/// Reads `slice`, which begins at `start`, as one item, and says where that ends.
+/// Reads `slice`, which begins at `start`, as one item, and gives the place where reading fails.
 fn item_failure(
     builder: &Builder<'_, '_>,
     start: usize,
@@ -374,7 +374,7 @@ fn item_failure(
     Some(Failure::new(builder, tokens, start + position(&error), rules(&error)).describe())
 }
 
-/// Why an expression (`rule` tells which entry was used) could not be read.
+/// The reason why an expression could not be read. `rule` is the entry of the grammar that was used.
 pub(crate) fn expression(builder: &Builder<'_, '_>, rule: Rule) -> Diagnostic {
     let text = builder.text;
     let tokens = &builder.tokens;
@@ -394,7 +394,7 @@ fn position(error: &pest::error::Error<Rule>) -> usize {
     }
 }
 
-/// What was tried at the place of the error; `None` when the stack's guard stopped the parse.
+/// The rules tried at the place of the error; `None` if the guard of the stack stopped the parse.
 fn rules(error: &pest::error::Error<Rule>) -> Option<Vec<Rule>> {
     match &error.variant {
         ErrorVariant::ParsingError { positives, .. } => Some(positives.clone()),
@@ -441,7 +441,7 @@ fn first_word(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic>
         .then(|| unknown_kind(word, span, builder.place_of_items))
 }
 
-/// The item word that `word` was probably meant to be.
+/// The item word that the user probably meant by `word`.
 fn nearest(word: &str) -> Option<&'static str> {
     let lower = word.to_ascii_lowercase();
     let allowed = |known: &str| (known.len().min(word.len()) / 3).max(1);
@@ -449,7 +449,7 @@ fn nearest(word: &str) -> Option<&'static str> {
         .iter()
         .map(|(kind, _)| *kind)
         .chain(ITEM_WORDS)
-        // no nearer than the lengths are
+        // words of very different lengths are never similar
         .filter(|known| known.len().abs_diff(word.len()) <= allowed(known))
         .map(|known| (strsim::osa_distance(&lower, known), known))
         .filter(|(distance, known)| *distance <= allowed(known))
