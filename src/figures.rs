@@ -113,15 +113,6 @@ struct Family {
 }
 
 impl Family {
-    /// The quantity with a capital.
-    fn title(&self) -> String {
-        let mut letters = self.quantity.chars();
-        match letters.next() {
-            Some(first) => first.to_uppercase().chain(letters).collect(),
-            None => String::new(),
-        }
-    }
-
     fn columns<'a>(&self, results: &'a Results) -> Vec<&'a Column> {
         self.paths
             .iter()
@@ -148,6 +139,14 @@ fn families(results: &Results) -> Vec<Family> {
         }
     }
     families
+}
+
+/// A text that begins with a capital.
+pub(crate) fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
 }
 
 fn journal_forces(outcome: &RunOutcome, axis: &str) -> Family {
@@ -232,7 +231,7 @@ fn history(
         });
     }
     Some(History {
-        title: family.title(),
+        title: capital(&family.quantity),
         subtitle: subtitle.to_owned(),
         abscissa: if with_angle {
             Abscissa::CrankAngle

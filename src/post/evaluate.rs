@@ -31,11 +31,25 @@ enum Value {
 }
 
 impl Value {
-    fn name(&self) -> &'static str {
-        match self {
+    /// The error where another sort of value is due.
+    fn instead_of(&self, due: &'static str) -> PostError {
+        let found = match self {
             Value::Number(_) => "number",
             Value::Signal(_) => "signal",
             Value::Truth(_) => "condition",
+        };
+        PostError::Shape { due, found }
+    }
+
+    /// A function of each number.
+    fn each(self, function: impl Fn(f64) -> f64) -> Result<Value, PostError> {
+        match self {
+            Value::Number(x) => Ok(Value::Number(function(x))),
+            Value::Signal(mut track) => {
+                track.values.iter_mut().for_each(|x| *x = function(*x));
+                Ok(Value::Signal(track))
+            }
+            other => Err(other.instead_of("number")),
         }
     }
 }
@@ -64,10 +78,7 @@ impl<'r> Evaluator<'r> {
     pub fn number(&self, expression: &Expression) -> Result<f64, PostError> {
         match self.value(expression)? {
             Value::Number(value) => Ok(value),
-            other => Err(PostError::Shape {
-                due: "number",
-                found: other.name(),
-            }),
+            other => Err(other.instead_of("number")),
         }
     }
 
@@ -75,10 +86,7 @@ impl<'r> Evaluator<'r> {
     pub fn truth(&self, expression: &Expression) -> Result<bool, PostError> {
         match self.value(expression)? {
             Value::Truth(value) => Ok(value),
-            other => Err(PostError::Shape {
-                due: "condition",
-                found: other.name(),
-            }),
+            other => Err(other.instead_of("condition")),
         }
     }
 
@@ -86,10 +94,7 @@ impl<'r> Evaluator<'r> {
     pub fn track(&self, expression: &Expression) -> Result<Track, PostError> {
         match self.value(expression)? {
             Value::Signal(track) => Ok(track),
-            other => Err(PostError::Shape {
-                due: "signal",
-                found: other.name(),
-            }),
+            other => Err(other.instead_of("signal")),
         }
     }
 
@@ -147,21 +152,7 @@ impl<'r> Evaluator<'r> {
         Ok(match expression {
             Expression::Number(value) => Value::Number(*value),
             Expression::Channel { analysis, path } => Value::Signal(self.channel(analysis, path)?),
-            Expression::Map(function, of) => match self.value(of)? {
-                Value::Number(x) => Value::Number(mapped(*function, x)),
-                Value::Signal(mut track) => {
-                    for value in &mut track.values {
-                        *value = mapped(*function, *value);
-                    }
-                    Value::Signal(track)
-                }
-                other => {
-                    return Err(PostError::Shape {
-                        due: "number",
-                        found: other.name(),
-                    });
-                }
-            },
+            Expression::Map(function, of) => self.value(of)?.each(|x| mapped(*function, x))?,
             Expression::Binary(operator, left, right) => {
                 let (left, right) = (self.value(left)?, self.value(right)?);
                 operated(*operator, left, right)?
@@ -178,25 +169,12 @@ impl<'r> Evaluator<'r> {
                 }
                 whole
             }
-            Expression::Decibel(reference, of) => {
-                let level = |x: f64| 20.0 * libm::log10(x.abs() / reference);
-                match self.value(of)? {
-                    Value::Number(0.0) => {
-                        return Err(PostError::NotFinite("the level of 0".to_owned()));
-                    }
-                    Value::Number(x) => Value::Number(level(x)),
-                    Value::Signal(mut track) => {
-                        track.values.iter_mut().for_each(|x| *x = level(*x));
-                        Value::Signal(track)
-                    }
-                    other => {
-                        return Err(PostError::Shape {
-                            due: "number",
-                            found: other.name(),
-                        });
-                    }
+            Expression::Decibel(reference, of) => match self.value(of)? {
+                Value::Number(0.0) => {
+                    return Err(PostError::NotFinite("the level of 0".to_owned()));
                 }
-            }
+                value => value.each(|x| 20.0 * libm::log10(x.abs() / reference))?,
+            },
             Expression::Last(part, of) => {
                 let mut last = self.last(*part, self.track(of)?)?;
                 // what the others are over counts from the begin, too
@@ -376,10 +354,6 @@ fn compared(operator: Operator, a: f64, b: f64) -> Option<bool> {
 }
 
 fn operated(operator: Operator, left: Value, right: Value) -> Result<Value, PostError> {
-    let misfit = |found: &Value| PostError::Shape {
-        due: "number",
-        found: found.name(),
-    };
     let each = |a: f64, b: f64| computed(operator, a, b).unwrap_or(f64::NAN);
     Ok(match (left, right) {
         (Value::Number(a), Value::Number(b)) => match computed(operator, a, b) {
@@ -390,22 +364,16 @@ fn operated(operator: Operator, left: Value, right: Value) -> Result<Value, Post
                     return Err(PostError::NotFinite("a side of the comparison".to_owned()));
                 }
                 Some(truth) => Value::Truth(truth),
-                None => return Err(misfit(&Value::Number(a))),
+                None => return Err(Value::Number(a).instead_of("number")),
             },
         },
         (Value::Truth(a), Value::Truth(b)) => match operator {
             Operator::And => Value::Truth(a && b),
             Operator::Or => Value::Truth(a || b),
-            _ => return Err(misfit(&Value::Truth(a))),
+            _ => return Err(Value::Truth(a).instead_of("number")),
         },
-        (Value::Signal(mut track), Value::Number(b)) => {
-            track.values.iter_mut().for_each(|a| *a = each(*a, b));
-            Value::Signal(track)
-        }
-        (Value::Number(a), Value::Signal(mut track)) => {
-            track.values.iter_mut().for_each(|b| *b = each(a, *b));
-            Value::Signal(track)
-        }
+        (signal @ Value::Signal(_), Value::Number(b)) => signal.each(|a| each(a, b))?,
+        (Value::Number(a), signal @ Value::Signal(_)) => signal.each(|b| each(a, b))?,
         (Value::Signal(mut left), Value::Signal(mut right)) => {
             // beside a signal that lost the odd sample at its end the other loses it, too
             if left.samples.shortened != right.samples.shortened {
@@ -426,7 +394,9 @@ fn operated(operator: Operator, left: Value, right: Value) -> Result<Value, Post
             }
             Value::Signal(left)
         }
-        (other @ Value::Truth(_), _) | (_, other @ Value::Truth(_)) => return Err(misfit(&other)),
+        (other @ Value::Truth(_), _) | (_, other @ Value::Truth(_)) => {
+            return Err(other.instead_of("number"));
+        }
     })
 }
 

@@ -37,7 +37,7 @@ mod table;
 mod track;
 
 pub(crate) use natural::Natural;
-pub(crate) use picture::{ORDERS, main_orders, with_floor};
+pub(crate) use picture::{ORDERS, main_orders, over_speed, with_floor};
 pub(crate) use sampling::{Sampled, on, sampled};
 pub(crate) use section::section;
 pub use table::text;

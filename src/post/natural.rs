@@ -34,10 +34,9 @@ impl Natural {
     pub(super) fn of(names: &[String], evaluator: &Evaluator<'_>) -> Result<Natural, PostError> {
         let mut natural = Natural::default();
         for name in names {
-            let frequencies = evaluator.column(name, FREQUENCY)?;
-            let damping = evaluator.column(name, DAMPING_RATIO)?;
-            let speeds = evaluator.column(name, CYCLE_SPEED)?;
-            natural.push(name, frequencies, damping, speeds);
+            let column = |path| evaluator.column(name, path);
+            let (damping, speeds) = (column(DAMPING_RATIO)?, column(CYCLE_SPEED)?);
+            natural.push(name, column(FREQUENCY)?, damping, speeds);
         }
         Ok(natural)
     }

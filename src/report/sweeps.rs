@@ -3,7 +3,7 @@
 use super::Entry;
 use super::analyses::{acceleration, force};
 use super::spectra::{Hertz, in_hertz};
-use crate::post::{Natural, ORDERS, main_orders, with_floor};
+use crate::post::{Natural, ORDERS, main_orders, over_speed, with_floor};
 use crate::results::{Column, Results};
 use crate::run::RunOutcome;
 use crate::tables::sweep::{families, table};
@@ -322,10 +322,6 @@ fn campbell(
     let level = Level::new(1e-6, unit).ok()?;
     let mut figure = SweepFigure {
         title: format!("Campbell diagram: {title}"),
-        subtitle: match natural.said() {
-            Some(said) => format!("{}; {said}", figure.subtitle),
-            None => figure.subtitle.clone(),
-        },
         quantity: format!("{title}, 0-peak"),
         unit: level.label(),
         ..figure.clone()
@@ -333,10 +329,5 @@ fn campbell(
     for shown in figure.map.amplitudes.iter_mut().flatten() {
         *shown = level.of(*shown * column.display.scale);
     }
-    with_floor(&mut figure).then_some(Campbell {
-        figure,
-        orders,
-        natural_frequencies: natural.lines(),
-        modes: natural.marks(),
-    })
+    with_floor(&mut figure).then(|| over_speed(figure, orders, natural))
 }

@@ -322,11 +322,10 @@ pub struct Vector {
 }
 
 impl Expression {
-    /// Calls with every channel in it: analysis and path.
-    pub fn channels<'e>(&'e self, found: &mut dyn FnMut(&'e str, &'e str)) {
+    /// The expressions that it is made of.
+    pub fn parts(&self) -> Vec<&Expression> {
         match self {
-            Expression::Number(_) => {}
-            Expression::Channel { analysis, path } => found(analysis, path),
+            Expression::Number(_) | Expression::Channel { .. } => Vec::new(),
             Expression::Map(_, of)
             | Expression::Last(_, of)
             | Expression::Filter(_, of)
@@ -334,12 +333,21 @@ impl Expression {
             | Expression::Amplitude(_, _, of)
             | Expression::Mode(_, of)
             | Expression::Decibel(_, of)
-            | Expression::Not(of) => of.channels(found),
+            | Expression::Not(of) => vec![of],
             Expression::Binary(_, left, right) | Expression::Resample(left, right) => {
-                left.channels(found);
-                right.channels(found);
+                vec![left, right]
             }
-            Expression::Fold(_, members) => members.iter().for_each(|m| m.channels(found)),
+            Expression::Fold(_, members) => members.iter().collect(),
+        }
+    }
+
+    /// Calls with every channel in it: analysis and path.
+    pub fn channels<'e>(&'e self, found: &mut dyn FnMut(&'e str, &'e str)) {
+        if let Expression::Channel { analysis, path } = self {
+            found(analysis, path);
+        }
+        for part in self.parts() {
+            part.channels(found);
         }
     }
 }

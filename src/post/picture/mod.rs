@@ -3,12 +3,12 @@
 mod orders;
 mod plane;
 
-pub(crate) use orders::{ORDERS, main_orders, with_floor};
+pub(crate) use orders::{ORDERS, main_orders, over_speed, with_floor};
 
 use super::evaluate::{Evaluator, filter_of};
 use super::track::{Track, told_apart};
 use super::{PostError, Run};
-use crate::figures::{common_frame, firing_marks, letters};
+use crate::figures::{capital, common_frame, firing_marks, letters};
 use eng_report::figure::{
     Abscissa, Curve, Figure, History, Mark, Ordinate, Panel, Scale, Waterfall,
 };
@@ -108,30 +108,19 @@ impl Drawer<'_> {
 
     /// What the filters of an expression do, each once.
     fn filters(&self, expression: &Expression, found: &mut Vec<String>) -> Result<(), PostError> {
-        match expression {
-            Expression::Filter(filter, of) => {
-                self.filters(of, found)?;
-                let track = self.evaluator.track(of)?;
-                if let Some((made, sampled)) = filter_of(filter, &track)? {
-                    let text = made.description(sampled.sampling);
-                    if !found.contains(&text) {
-                        found.push(text);
-                    }
-                }
-                Ok(())
-            }
-            Expression::Map(_, of)
-            | Expression::Last(_, of)
-            | Expression::Decibel(_, of)
-            | Expression::Reduce(_, of)
-            | Expression::Amplitude(_, _, of) => self.filters(of, found),
-            Expression::Binary(_, left, right) | Expression::Resample(left, right) => {
-                self.filters(left, found)?;
-                self.filters(right, found)
-            }
-            Expression::Fold(_, members) => members.iter().try_for_each(|m| self.filters(m, found)),
-            _ => Ok(()),
+        for part in expression.parts() {
+            self.filters(part, found)?;
         }
+        if let Expression::Filter(filter, of) = expression {
+            let track = self.evaluator.track(of)?;
+            if let Some((made, sampled)) = filter_of(filter, &track)? {
+                let text = made.description(sampled.sampling);
+                if !found.contains(&text) {
+                    found.push(text);
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The axes that components are along.
@@ -320,11 +309,4 @@ fn alike(a: &[f64], b: &[f64]) -> bool {
 
 fn shown(values: &[f64], display: &DisplayUnit) -> Vec<f64> {
     values.iter().map(|value| display.from_si(*value)).collect()
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
 }

@@ -130,17 +130,7 @@ impl Drawer<'_> {
             }
             (None, None) => Vec::new(),
         };
-        let natural = Natural::of(modes, self.evaluator)?;
-        if let Some(said) = natural.said() {
-            figure.subtitle = format!("{}; {said}", figure.subtitle);
-        }
-        Ok(Campbell {
-            figure,
-            orders,
-            natural_frequencies: natural.lines(),
-            modes: natural.marks(),
-        }
-        .into())
+        Ok(over_speed(figure, orders, &Natural::of(modes, self.evaluator)?).into())
     }
 
     pub(super) fn map(
@@ -251,6 +241,19 @@ impl Drawer<'_> {
 pub(crate) const ORDERS: f64 = 30.0;
 /// Levels this far (dB) below the largest are one colour.
 const DYNAMIC: f64 = 80.0;
+
+/// A map with the lines of orders and with natural frequencies, which its subtitle names.
+pub(crate) fn over_speed(mut figure: SweepFigure, orders: Vec<f64>, natural: &Natural) -> Campbell {
+    if let Some(said) = natural.said() {
+        figure.subtitle = format!("{}; {said}", figure.subtitle);
+    }
+    Campbell {
+        figure,
+        orders,
+        natural_frequencies: natural.lines(),
+        modes: natural.marks(),
+    }
+}
 
 /// Raises levels (dB) to 80 dB below the largest, and says so; `false` where there is none. What is no number stays a gap.
 pub(crate) fn with_floor(figure: &mut SweepFigure) -> bool {

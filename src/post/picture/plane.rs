@@ -1,7 +1,7 @@
 //! Orbits and polar diagrams.
 
-use super::{Drawer, capital, degrees};
-use crate::figures::common_frame;
+use super::{Drawer, degrees};
+use crate::figures::{capital, common_frame};
 use crate::plot::Upright;
 use crate::post::PostError;
 use crate::post::track::{Track, told_apart};
