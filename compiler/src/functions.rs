@@ -1,17 +1,24 @@
-//! The functions of the language: one table for the checker and elaboration.
+//! The functions of the language: one table for the checker, elaboration and reports.
 //!
 //! A function of one plain number needs only its row here. A function of another kind also has its type in
-//! `check/builtin.rs` and its evaluation in `elaborate/builtin.rs`.
+//! `check/builtin.rs` and its evaluation in `elaborate/builtin.rs`. A number of a signal needs its row here, a variant of
+//! `Reduction` in `system/src/report.rs` and its evaluation in `src/post/evaluate.rs`.
 
 use crate::ir::{Node, Op};
+use eng_system::report::{Function, Operator, Reduction};
 
 /// A function of the language.
 #[derive(Debug)]
 pub(crate) struct BuiltIn {
     pub name: &'static str,
-    /// Names of the parameters, for messages; empty if the function takes any number of arguments.
+    /// Names of the parameters that take arguments by place.
     pub parameters: &'static [&'static str],
+    /// Whether more arguments by place may follow.
+    pub more: bool,
+    /// Names of the parameters that take an argument by name, or none.
+    pub options: &'static [&'static str],
     pub kind: Kind,
+    pub results: OfResults,
 }
 
 /// The kind of a function: its arguments and its result.
@@ -31,51 +38,238 @@ pub(crate) enum Kind {
     List,
     /// The time derivative.
     Rate,
+    /// A function of results, in reports alone.
+    Results,
+}
+
+/// The meaning of a function in reports.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum OfResults {
+    /// None: reports do not have the function.
+    Nothing,
+    /// Its value at each number of a signal.
+    Each(Function),
+    /// One signal or number of several.
+    Fold(Operator),
+    /// The length of a recorded vector.
+    Length,
+    /// A number of a signal.
+    Reduce(Reduction),
+    /// The amplitude of an order or a frequency of a signal.
+    Amplitude,
+    /// The number of one mode.
+    Mode,
+    /// A band of a signal.
+    Filter,
+    /// The last part of a signal.
+    Last,
+    /// The last cycles of a signal.
+    LastCycle,
+    /// A signal at the samples of another.
+    Resample,
+    /// A level.
+    Decibel,
+    /// A figure.
+    Draw(Drawing),
+}
+
+/// A figure that a function draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Drawing {
+    History,
+    Spectrum,
+    Orbit,
+    Polar,
+    OrderTrack,
+    Waterfall,
+    Campbell,
+}
+
+impl BuiltIn {
+    /// Adds the meaning in reports.
+    const fn of(mut self, results: OfResults) -> BuiltIn {
+        self.results = results;
+        self
+    }
+
+    /// Adds parameters that take an argument by name.
+    const fn with(mut self, options: &'static [&'static str]) -> BuiltIn {
+        self.options = options;
+        self
+    }
+
+    /// Allows further arguments by place.
+    const fn and_more(mut self) -> BuiltIn {
+        self.more = true;
+        self
+    }
+
+    /// Whether reports compute with it; the other functions of reports draw.
+    pub fn computes(&self) -> bool {
+        !matches!(self.results, OfResults::Nothing | OfResults::Draw(_))
+    }
+
+    /// Whether it takes the modes of a linear analysis as well as samples of a run.
+    pub fn takes_modes(&self) -> bool {
+        match self.results {
+            OfResults::Each(_) | OfResults::Fold(_) | OfResults::Mode | OfResults::Decibel => true,
+            OfResults::Reduce(reduction) => matches!(
+                reduction,
+                Reduction::Minimum | Reduction::Maximum | Reduction::PeakToPeak
+            ),
+            _ => false,
+        }
+    }
 }
 
 const fn function(name: &'static str, parameters: &'static [&'static str], kind: Kind) -> BuiltIn {
     BuiltIn {
         name,
         parameters,
+        more: false,
+        options: &[],
         kind,
+        results: OfResults::Nothing,
     }
 }
 
+/// A function that only reports have.
+const fn of_results(
+    name: &'static str,
+    parameters: &'static [&'static str],
+    results: OfResults,
+) -> BuiltIn {
+    function(name, parameters, Kind::Results).of(results)
+}
+
+const fn reduction(name: &'static str, reduction: Reduction) -> BuiltIn {
+    of_results(name, &["signal"], OfResults::Reduce(reduction))
+}
+
+const fn figure_of(
+    name: &'static str,
+    parameters: &'static [&'static str],
+    drawing: Drawing,
+) -> BuiltIn {
+    of_results(name, parameters, OfResults::Draw(drawing))
+}
+
+/// A figure of signals.
+const fn figure(name: &'static str, drawing: Drawing) -> BuiltIn {
+    figure_of(name, &["signals"], drawing)
+}
+
+/// Options of every spectrum.
+const SPECTRUM: [&str; 9] = [
+    "axis",
+    "up_to",
+    "window",
+    "block",
+    "overlap",
+    "averaging",
+    "mean",
+    "scale",
+    "reference",
+];
+
+/// Options of a Campbell diagram: the lines over the spectra, then the options of these.
+const CAMPBELL: [&str; 11] = {
+    let mut options = ["orders"; 11];
+    options[1] = "modes";
+    let mut at = 0;
+    while at < SPECTRUM.len() {
+        options[at + 2] = SPECTRUM[at];
+        at += 1;
+    }
+    options
+};
+
 /// All functions.
-pub(crate) static FUNCTIONS: [BuiltIn; 25] = [
+static FUNCTIONS: [BuiltIn; 48] = [
     function("dot", &["a", "b"], Kind::Vectors),
     function("cross", &["a", "b"], Kind::Vectors),
-    function("norm", &["v"], Kind::Vectors),
+    function("norm", &["v"], Kind::Vectors)
+        .with(&["floor"])
+        .of(OfResults::Length),
     function("local", &["v", "m"], Kind::Vectors),
     function("vector", &["c", "m"], Kind::Vectors),
     function("perpendicular", &["v"], Kind::Vectors),
     function("rotation", &["a", "b"], Kind::Vectors),
     function("der", &["x"], Kind::Rate),
-    function("abs", &["x"], Kind::Numbers),
-    function("sqrt", &["x"], Kind::Numbers),
-    function("exp", &["x"], Kind::Plain(Op::Exp)),
-    function("log", &["x"], Kind::Plain(Op::Log)),
-    function("sin", &["x"], Kind::OfAngle(Op::Sin)),
-    function("cos", &["x"], Kind::OfAngle(Op::Cos)),
-    function("tan", &["x"], Kind::OfAngle(Op::Tan)),
+    function("abs", &["x"], Kind::Numbers).of(OfResults::Each(Function::Abs)),
+    function("sqrt", &["x"], Kind::Numbers).of(OfResults::Each(Function::Sqrt)),
+    function("exp", &["x"], Kind::Plain(Op::Exp)).of(OfResults::Each(Function::Exp)),
+    function("log", &["x"], Kind::Plain(Op::Log)).of(OfResults::Each(Function::Log)),
+    function("sin", &["x"], Kind::OfAngle(Op::Sin)).of(OfResults::Each(Function::Sin)),
+    function("cos", &["x"], Kind::OfAngle(Op::Cos)).of(OfResults::Each(Function::Cos)),
+    function("tan", &["x"], Kind::OfAngle(Op::Tan)).of(OfResults::Each(Function::Tan)),
     function("asin", &["x"], Kind::ToAngle(Op::Asin)),
     function("acos", &["x"], Kind::ToAngle(Op::Acos)),
     function("atan", &["x"], Kind::ToAngle(Op::Atan)),
     function("tanh", &["x"], Kind::Plain(Op::Tanh)),
     function("atan2", &["y", "x"], Kind::Numbers),
-    function("min", &[], Kind::List),
-    function("max", &[], Kind::List),
-    function("sum", &["v"], Kind::List),
+    function("min", &["x"], Kind::List)
+        .and_more()
+        .of(OfResults::Fold(Operator::Minimum)),
+    function("max", &["x"], Kind::List)
+        .and_more()
+        .of(OfResults::Fold(Operator::Maximum)),
+    function("sum", &["x"], Kind::List).of(OfResults::Fold(Operator::Add)),
     function("length", &["v"], Kind::List),
     function("distinct", &["v"], Kind::List),
+    reduction("minimum", Reduction::Minimum),
+    reduction("maximum", Reduction::Maximum),
+    // the checker replaces `false` if the place is a time: `over` and the model decide
+    reduction("minimum_at", Reduction::MinimumAt(false)).with(&["over"]),
+    reduction("maximum_at", Reduction::MaximumAt(false)).with(&["over"]),
+    reduction("mean", Reduction::Mean),
+    reduction("rms", Reduction::RootMeanSquare),
+    reduction("peak_to_peak", Reduction::PeakToPeak),
+    of_results("amplitude", &["signal", "at"], OfResults::Amplitude).with(&["window"]),
+    of_results("mode", &["column", "at"], OfResults::Mode),
+    of_results("low_pass", &["signal", "to"], OfResults::Filter).with(&["butterworth"]),
+    of_results("high_pass", &["signal", "from"], OfResults::Filter).with(&["butterworth"]),
+    of_results("band", &["signal", "from", "to"], OfResults::Filter).with(&["butterworth"]),
+    of_results("last", &["signal", "part"], OfResults::Last),
+    of_results("last_cycle", &["signal"], OfResults::LastCycle).with(&["cycles"]),
+    of_results("resample", &["signal", "like"], OfResults::Resample),
+    of_results("decibel", &["x", "reference"], OfResults::Decibel),
+    figure("history", Drawing::History)
+        .and_more()
+        .with(&["over"]),
+    figure("spectrum", Drawing::Spectrum).with(&SPECTRUM),
+    figure_of("orbit", &["journals"], Drawing::Orbit).with(&["cycles"]),
+    figure_of("polar", &["vectors"], Drawing::Polar).with(&["turned_by", "cycles"]),
+    figure_of("order_track", &["signals", "orders"], Drawing::OrderTrack)
+        .with(&["window", "block", "overlap"]),
+    figure("waterfall", Drawing::Waterfall).with(&SPECTRUM),
+    figure("campbell", Drawing::Campbell).with(&CAMPBELL),
 ];
 
-/// The function with a name.
+/// The function of a name that any expression can call.
 pub(crate) fn find(name: &str) -> Option<&'static BuiltIn> {
-    FUNCTIONS.iter().find(|function| function.name == name)
+    everywhere().find(|function| function.name == name)
 }
 
-/// Their names.
+/// The names of the functions that any expression can call.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
-    FUNCTIONS.iter().map(|function| function.name)
+    everywhere().map(|function| function.name)
+}
+
+fn everywhere() -> impl Iterator<Item = &'static BuiltIn> {
+    FUNCTIONS
+        .iter()
+        .filter(|function| !matches!(function.kind, Kind::Results))
+}
+
+/// The functions that reports have.
+pub(crate) fn of_reports() -> impl Iterator<Item = &'static BuiltIn> {
+    FUNCTIONS
+        .iter()
+        .filter(|function| function.results != OfResults::Nothing)
+}
+
+/// The function of a name that only reports have.
+pub(crate) fn only_of_reports(name: &str) -> Option<&'static BuiltIn> {
+    of_reports().find(|f| f.name == name && matches!(f.kind, Kind::Results))
 }

@@ -31,7 +31,7 @@ enum Value {
 }
 
 impl Value {
-    /// The error where another sort of value is due.
+    /// The error if the place needs another sort of value.
     fn instead_of(&self, due: &'static str) -> PostError {
         let found = match self {
             Value::Number(_) => "number",

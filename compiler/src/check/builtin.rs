@@ -27,89 +27,57 @@ impl<'p> Checker<'p> {
         span: Span,
         arguments: &[Argument],
     ) -> Type {
-        let name = function.name;
-        let mut plain: Vec<(&Expr, Type)> = Vec::new();
-        let mut floor: Option<(&Expr, Type)> = None;
-        let mut failed = false;
+        let mut typed: Vec<(&Expr, Type)> = Vec::new();
         for argument in arguments {
-            let ty = self.infer(scope, &argument.value);
-            failed |= ty.is_error();
-            match &argument.name {
-                None => plain.push((&argument.value, ty)),
-                Some(given) if name == "norm" && given.text == "floor" => {
-                    floor = Some((&argument.value, ty));
-                }
-                Some(given) => {
-                    failed = true;
-                    let mut message = Diagnostic::error(
-                        codes::UNKNOWN_ARGUMENT,
-                        format!("`{name}` has no parameter `{}`", given.text),
-                    )
-                    .at(given.span, "no parameter of this name");
-                    message = if name == "norm" {
-                        message.with_help("it has `floor`")
-                    } else {
-                        message.with_help("its arguments stand without names")
-                    };
-                    self.report(message);
-                }
-            }
+            typed.push((&argument.value, self.infer(scope, &argument.value)));
         }
-        let names = function.parameters;
-        if names.is_empty() {
-            if plain.is_empty() && !failed {
-                return self.too_few(name, "at least one argument", span);
-            }
-        } else if plain.len() > names.len() {
-            self.report(
-                Diagnostic::error(
-                    codes::TOO_MANY_ARGUMENTS,
-                    format!(
-                        "`{name}` takes {} argument{}",
-                        names.len(),
-                        if names.len() == 1 { "" } else { "s" }
-                    ),
-                )
-                .at(plain[names.len()].0.span, "one too many"),
-            );
+        let Some(bound) = self.bound(function, arguments, span, false) else {
             return Type::Error;
-        } else if plain.len() < names.len() && !failed {
-            let missing: Vec<&str> = names[plain.len()..].to_vec();
-            let missing = crate::resolve::suggest::listing(missing, 4);
-            return self.too_few(name, &missing, span);
-        }
-        if failed {
+        };
+        if typed.iter().any(|(_, ty)| ty.is_error()) {
             return Type::Error;
         }
-        match (function.kind, plain.as_slice()) {
+        let floor = bound.option("floor").map(|floor| floor.span);
+        let (floor, plain): (Vec<_>, Vec<_>) = typed
+            .into_iter()
+            .partition(|(expr, _)| Some(expr.span) == floor);
+        if let ("norm", [v]) = (function.name, plain.as_slice()) {
+            return self.norm(v, floor.into_iter().next());
+        }
+        self.applied(function, &plain)
+    }
+
+    /// The type of a call with arguments by place alone.
+    pub(super) fn applied(&mut self, function: &BuiltIn, plain: &[(&Expr, Type)]) -> Type {
+        if plain
+            .iter()
+            .any(|(_, ty)| matches!(ty, Type::Signal { .. }))
+        {
+            return self.applied_by_rows(function, plain);
+        }
+        match (function.kind, plain) {
             (Kind::Plain(_) | Kind::OfAngle(_), [x]) => {
-                self.plain_argument(name, x, true, Quantity::one())
+                self.plain_argument(function.name, x, true, Quantity::one())
             }
             (Kind::ToAngle(_), [x]) => {
                 let angle = Quantity {
                     soft: true,
                     ..Quantity::hard(Dimension::ANGLE)
                 };
-                self.plain_argument(name, x, false, angle)
+                self.plain_argument(function.name, x, false, angle)
             }
-            (_, plain) => self.of_own_rule(name, plain, floor),
+            (_, plain) => self.of_own_rule(function.name, plain),
         }
     }
 
     /// The type of a call of a function with a rule of its own.
-    fn of_own_rule(
-        &mut self,
-        name: &str,
-        plain: &[(&Expr, Type)],
-        floor: Option<(&Expr, Type)>,
-    ) -> Type {
+    fn of_own_rule(&mut self, name: &str, plain: &[(&Expr, Type)]) -> Type {
         match (name, plain) {
             ("sqrt", [x]) => self.root(x),
             ("abs", [x]) => self.magnitude(x),
             ("atan2", [y, x]) => self.atan2(y, x),
             ("der", [x]) => self.rate(x),
             ("dot" | "cross", [a, b]) => self.vector_product(name, a, b),
-            ("norm", [v]) => self.norm(v, floor),
             ("local" | "vector", [v, m]) => self.change_axes(name, v, m),
             ("perpendicular", [e]) => self.perpendicular(e),
             ("rotation", [a, b]) => {
@@ -146,14 +114,6 @@ impl<'p> Checker<'p> {
         }
     }
 
-    fn too_few(&mut self, name: &str, missing: &str, span: Span) -> Type {
-        self.report(
-            Diagnostic::error(codes::MISSING_ARGUMENT, format!("`{name}` needs {missing}"))
-                .at(span, format!("without {missing}")),
-        );
-        Type::Error
-    }
-
     fn not_a(&mut self, expr: &Expr, found: &Type, what: &str, wanted: &str) -> Type {
         let found = self.describe(found);
         self.report(
@@ -173,7 +133,7 @@ impl<'p> Checker<'p> {
     }
 
     /// Checks the argument of a function of a plain number. An angle may replace the number.
-    pub(super) fn plain_argument(
+    fn plain_argument(
         &mut self,
         name: &str,
         (expr, ty): &(&Expr, Type),
@@ -202,7 +162,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    pub(super) fn root(&mut self, (expr, ty): &(&Expr, Type)) -> Type {
+    fn root(&mut self, (expr, ty): &(&Expr, Type)) -> Type {
         let Some(quantity) = ty.quantity() else {
             return self.not_a(expr, ty, "the argument of `sqrt`", "a number");
         };
@@ -221,7 +181,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    pub(super) fn magnitude(&mut self, (expr, ty): &(&Expr, Type)) -> Type {
+    fn magnitude(&mut self, (expr, ty): &(&Expr, Type)) -> Type {
         match ty {
             Type::Int => Type::Int,
             Type::Scalar(quantity) => Type::Scalar(Quantity {

@@ -1,13 +1,14 @@
 //! Calls of functions, tables and records; arguments of any call.
 
 use super::Checker;
+use super::bound::{Called, Parameter};
 use super::declare::written_unit;
 use super::mismatch::Due;
 use super::scope::{Member, Scope};
 use super::types::{Misfit, Quantity, Signature, Solution, Type};
 use crate::codes;
 use crate::program::DefinitionId;
-use crate::resolve::suggest::{listing, nearest};
+use crate::resolve::suggest::listing;
 use crate::typed::Callee;
 use eng_grammar::ast::{Argument, Expr, ExprKind, Form, Kind};
 use eng_grammar::{Diagnostic, Span};
@@ -82,6 +83,19 @@ impl<'p> Checker<'p> {
                 );
                 return Type::Error;
             }
+        }
+        if let ExprKind::Name(name) = &callee.kind
+            && crate::functions::only_of_reports(name).is_some()
+            && self.find(scope, name).is_none()
+        {
+            self.report(
+                Diagnostic::error(
+                    codes::MISPLACED,
+                    format!("`{name}` is a function of results"),
+                )
+                .at(callee.span, "only reports have it: `report name { … }`"),
+            );
+            return Type::Error;
         }
         match self.infer(scope, callee) {
             Type::Error => {
@@ -255,98 +269,32 @@ impl<'p> Checker<'p> {
         span: Span,
         solution: &mut Solution,
     ) -> bool {
-        let mut ok = true;
-        let mut given: Vec<Option<Span>> = vec![None; slots.len()];
-        let mut places = Vec::with_capacity(arguments.len());
-        let mut position = 0;
-        for argument in arguments {
-            let place = match &argument.name {
-                Some(name) => slots.iter().position(|slot| slot.name == name.text),
-                None => {
-                    let place =
-                        (position < slots.len() && !slots[position].named_only).then_some(position);
-                    position += 1;
-                    place
-                }
-            };
-            let Some(place) = place else {
-                ok = false;
-                match &argument.name {
-                    Some(name) => {
-                        let near = nearest(&name.text, slots.iter().map(|slot| slot.name.as_str()));
-                        let mut message = Diagnostic::error(
-                            codes::UNKNOWN_ARGUMENT,
-                            format!("`{callee}` has no parameter `{}`", name.text),
-                        )
-                        .at(name.span, "no parameter of this name");
-                        if let Some(near) = near {
-                            message = message.meant(name.span, near);
-                            // a misspelled argument is not reported a second time as a missing one
-                            if let Some(meant) = slots.iter().position(|slot| slot.name == near) {
-                                given[meant] = given[meant].or(Some(name.span));
-                            }
-                        } else {
-                            message = message.with_note(format!(
-                                "it takes {}",
-                                listing(slots.iter().map(|slot| slot.name.as_str()), 12)
-                            ));
-                        }
-                        self.report(message);
-                    }
-                    None => {
-                        let count = slots.iter().filter(|slot| !slot.named_only).count();
-                        self.report(
-                            Diagnostic::error(
-                                codes::TOO_MANY_ARGUMENTS,
-                                match count {
-                                    0 if !slots.is_empty() => {
-                                        format!("the arguments of `{callee}` have names")
-                                    }
-                                    1 => format!("`{callee}` takes 1 argument"),
-                                    _ => format!("`{callee}` takes {count} arguments"),
-                                },
-                            )
-                            .at(argument.value.span, "one too many")
-                            .with_note(format!(
-                                "it takes {}",
-                                listing(slots.iter().map(|slot| slot.name.as_str()), 12)
-                            )),
-                        );
-                    }
-                }
-                self.infer(scope, &argument.value);
-                continue;
-            };
-            let slot = &slots[place];
-            if let Some(first) = given[place] {
-                ok = false;
-                self.report(
-                    Diagnostic::error(
-                        codes::ARGUMENT_TWICE,
-                        format!("`{}` is given twice", slot.name),
-                    )
-                    .at(argument.value.span, "again here")
-                    .also(first, "first here"),
-                );
-                self.infer(scope, &argument.value);
-                continue;
-            }
-            given[place] = Some(argument.value.span);
-            places.push(place as u32);
-            ok &= self.argument(scope, callee, slot, &argument.value, solution);
+        let parameters = slots.iter().map(|slot| Parameter {
+            name: &slot.name,
+            required: !slot.optional,
+            by_place: !slot.named_only,
+            by_name: true,
+        });
+        let called = Called {
+            name: callee,
+            parameters: parameters.collect(),
+            more: false,
+            example: None,
+        };
+        let given = self.given(&called, arguments);
+        let mut ok = given.odd.is_empty() && given.missing.is_empty();
+        for value in &given.odd {
+            self.infer(scope, value);
         }
-        let missing: Vec<&Slot> = slots
-            .iter()
-            .zip(&given)
-            .filter(|(slot, given)| given.is_none() && !slot.optional)
-            .map(|(slot, _)| slot)
-            .collect();
-        if let Some(first) = missing.first() {
-            ok = false;
-            let names = listing(missing.iter().map(|slot| slot.name.as_str()), 12);
-            let mut message =
-                Diagnostic::error(codes::MISSING_ARGUMENT, format!("`{callee}` needs {names}"))
-                    .at(span, format!("without {names}"));
+        let mut places = Vec::with_capacity(arguments.len());
+        for (place, value) in &given.arguments {
+            if let Some((place, slot)) = place.and_then(|at| Some((at, slots.get(at)?))) {
+                places.push(place as u32);
+                ok &= self.argument(scope, callee, slot, value, solution);
+            }
+        }
+        if let Some(first) = given.missing.first().and_then(|at| slots.get(*at)) {
+            let mut message = called.missing(&given.missing, span);
             if let Some(place) = first.span {
                 message = message.also(place, "declared here");
             }

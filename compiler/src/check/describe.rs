@@ -194,6 +194,9 @@ impl Checker<'_> {
             Type::ModeSet => "a mode set".to_owned(),
             Type::Scalar(quantity) if quantity.dim.is_one() => "a plain number".to_owned(),
             Type::Scalar(quantity) => with_article(&self.quantity_name(quantity)),
+            Type::Signal { quantity, .. } => {
+                format!("a signal of {}", self.quantity_name(quantity))
+            }
             Type::Vector { quantity, .. } if quantity.dim.is_one() => {
                 "a vector of numbers".to_owned()
             }

@@ -3,7 +3,7 @@
 use super::Checker;
 use super::mismatch::Due;
 use super::scope::Scope;
-use super::types::{Misfit, Quantity, Type};
+use super::types::{Misfit, Quantity, Rows, Type};
 use crate::codes;
 use crate::program::unit_text;
 use eng_grammar::ast::{Binder, Expr, ExprKind, IndexArgument, UnaryOp, UnitExpr};
@@ -290,6 +290,15 @@ impl<'p> Checker<'p> {
         }
         let joined = match (a, b) {
             (Type::Int, Type::Int) => return Type::Int,
+            (Type::Signal { rows, .. }, Type::Signal { rows: others, .. }) => {
+                // a list may hold modes of several analyses
+                let of_modes = [rows, others].map(|rows| matches!(rows, Rows::Modes(_)));
+                if of_modes != [true; 2] && self.common_rows(b_span, a, b).is_none() {
+                    return Type::Error;
+                }
+                let of_row = self.join((&a.row(), a_span), (&b.row(), b_span), what);
+                return of_row.in_rows(rows);
+            }
             (Type::Vector { quantity: p, .. }, Type::Vector { quantity: q, .. }) => {
                 p.join(q).map(Type::vector)
             }
@@ -572,7 +581,13 @@ impl<'p> Checker<'p> {
 
     fn unary(&mut self, scope: &Scope<'p>, op: UnaryOp, operand: &Expr) -> Type {
         let ty = self.infer(scope, operand);
+        self.signed(op, operand, ty)
+    }
+
+    /// The type of `-` or `not` before an operand of known type.
+    pub(super) fn signed(&mut self, op: UnaryOp, operand: &Expr, ty: Type) -> Type {
         match (op, &ty) {
+            (_, Type::Signal { rows, .. }) => self.signed(op, operand, ty.row()).in_rows(rows),
             (_, Type::Error) => Type::Error,
             (UnaryOp::Not, Type::Bool) => Type::Bool,
             (UnaryOp::Negate, Type::Int) => Type::Int,

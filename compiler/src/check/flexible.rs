@@ -1,6 +1,7 @@
 //! Flexible bodies: their attributes, markers on meshes, mode sets.
 
 use super::Checker;
+use super::bound::{Called, Parameter};
 use super::mismatch::Due;
 use super::scope::{Member, Scope, block_of};
 use super::types::{Quantity, Type};
@@ -266,74 +267,26 @@ impl<'p> Checker<'p> {
         span: Span,
         arguments: &[Argument],
     ) {
-        let mut given: Vec<&str> = Vec::new();
-        let mut position = 0;
-        for given_argument in arguments {
-            let slot = match &given_argument.name {
-                Some(name) => word.arguments.iter().find(|a| a.name == name.text),
-                None => {
-                    position += 1;
-                    word.arguments.iter().filter(|a| !a.named).nth(position - 1)
-                }
-            };
-            let Some(slot) = slot else {
-                let names = word.arguments.iter().map(|a| a.name);
-                let place = given_argument
-                    .name
-                    .as_ref()
-                    .map_or(given_argument.value.span, |n| n.span);
-                let mut message = match &given_argument.name {
-                    Some(name) => Diagnostic::error(
-                        codes::UNKNOWN_ARGUMENT,
-                        format!("`{}` has no parameter `{}`", word.word, name.text),
-                    )
-                    .at(place, "no parameter of this name"),
-                    None => Diagnostic::error(
-                        codes::TOO_MANY_ARGUMENTS,
-                        format!("the arguments of `{}` have names", word.word),
-                    )
-                    .at(place, "which one is this?"),
-                };
-                let near = given_argument
-                    .name
-                    .as_ref()
-                    .and_then(|n| nearest(&n.text, names.clone()));
-                if let Some(near) = near {
-                    given.push(near);
-                    message = message.meant(place, near);
-                } else {
-                    message = message
-                        .with_note(format!("it takes {}", listing(names, 12)))
-                        .with_help(format!("for instance `{}`", word.example));
-                }
-                self.report(message);
-                continue;
-            };
-            if given.contains(&slot.name) {
-                self.report(
-                    Diagnostic::error(
-                        codes::ARGUMENT_TWICE,
-                        format!("`{}` is given twice", slot.name),
-                    )
-                    .at(given_argument.value.span, "again here"),
-                );
+        let parameters = word.arguments.iter().map(|argument| Parameter {
+            name: argument.name,
+            required: argument.required,
+            by_place: !argument.named,
+            by_name: true,
+        });
+        let called = Called {
+            name: word.word,
+            parameters: parameters.collect(),
+            more: false,
+            example: Some(word.example),
+        };
+        let given = self.given(&called, arguments);
+        for (place, value) in &given.arguments {
+            if let Some(slot) = place.and_then(|at| word.arguments.get(at)) {
+                self.taken(scope, word, slot.name, slot.takes, value);
             }
-            given.push(slot.name);
-            self.taken(scope, word, slot.name, slot.takes, &given_argument.value);
         }
-        for missing in word
-            .arguments
-            .iter()
-            .filter(|a| a.required && !given.contains(&a.name))
-        {
-            self.report(
-                Diagnostic::error(
-                    codes::MISSING_ARGUMENT,
-                    format!("`{}` needs `{}`", word.word, missing.name),
-                )
-                .at(span, format!("no `{}`", missing.name))
-                .with_help(format!("for instance `{}`", word.example)),
-            );
+        if !given.missing.is_empty() {
+            self.report(called.missing(&given.missing, span));
         }
         // how many modes: one of two ways
         if matches!(word.word, "normal" | "craig_bampton") {

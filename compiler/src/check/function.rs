@@ -80,27 +80,7 @@ impl<'p> Checker<'p> {
             scope.locals.push((parameter.name.text.clone(), ty));
         }
         let declared = function.result.as_ref().map(|ty| self.ty(&scope, ty));
-        for binding in &function.lets {
-            if scope
-                .locals
-                .iter()
-                .any(|(name, _)| *name == binding.name.text)
-            {
-                let first = function
-                    .parameters
-                    .iter()
-                    .map(|p| p.name.span)
-                    .chain(function.lets.iter().map(|l| l.name.span))
-                    .find(|span| self.sources.text(*span) == binding.name.text);
-                self.defined_twice(
-                    &binding.name.text,
-                    binding.name.span,
-                    first.unwrap_or(binding.name.span),
-                );
-            }
-            let ty = self.binding(&scope, binding);
-            scope.locals.push((binding.name.text.clone(), ty));
-        }
+        self.lets(function, &mut scope);
         for requirement in &function.requirements {
             let word = if requirement.advise {
                 "advise"
@@ -131,5 +111,30 @@ impl<'p> Checker<'p> {
         self.signatures
             .insert(key, Progress::Done(signature.clone()));
         signature
+    }
+
+    /// Checks the `let`s of a function and adds them to its locals.
+    fn lets(&mut self, function: &'p Function, scope: &mut Scope<'p>) {
+        for binding in &function.lets {
+            if scope
+                .locals
+                .iter()
+                .any(|(name, _)| *name == binding.name.text)
+            {
+                let first = function
+                    .parameters
+                    .iter()
+                    .map(|p| p.name.span)
+                    .chain(function.lets.iter().map(|l| l.name.span))
+                    .find(|span| self.sources.text(*span) == binding.name.text);
+                self.defined_twice(
+                    &binding.name.text,
+                    binding.name.span,
+                    first.unwrap_or(binding.name.span),
+                );
+            }
+            let ty = self.binding(scope, binding);
+            scope.locals.push((binding.name.text.clone(), ty));
+        }
     }
 }

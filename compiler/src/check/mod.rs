@@ -8,6 +8,7 @@
 
 mod analysis;
 mod body;
+mod bound;
 mod builtin;
 mod call;
 mod class;
@@ -24,6 +25,7 @@ mod mismatch;
 mod operator;
 mod report;
 mod scope;
+mod signal;
 mod state;
 mod statement;
 mod table;

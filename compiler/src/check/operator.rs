@@ -154,6 +154,12 @@ impl<'p> Checker<'p> {
                 _ => Type::Error,
             };
         }
+        if [a, b]
+            .iter()
+            .any(|side| matches!(side, Type::Signal { .. }))
+        {
+            return self.operated_by_rows(op, op_span, (left, a), (right, b));
+        }
         let sides = Sides {
             op,
             op_span,

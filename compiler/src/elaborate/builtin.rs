@@ -90,7 +90,7 @@ impl<'a> Elaborator<'a, '_> {
             Kind::Numbers => self.of_numbers(name, values, span),
             Kind::Vectors => self.of_vectors(name, values, floor, span),
             Kind::List => self.of_list(name, values, span),
-            Kind::Rate => self.arguments(span),
+            Kind::Rate | Kind::Results => self.arguments(span),
         }
     }
 

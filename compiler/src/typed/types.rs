@@ -371,6 +371,15 @@ pub struct Signature {
     pub result: Type,
 }
 
+/// The rows of a signal.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Rows {
+    /// Each sample of a run.
+    Samples,
+    /// Each mode of this linear analysis.
+    Modes(Arc<str>),
+}
+
 /// The type of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Type {
@@ -380,6 +389,11 @@ pub enum Type {
     Bool,
     Text,
     Scalar(Quantity),
+    /// `Signal<D>`: numbers of results, one in each row.
+    Signal {
+        quantity: Quantity,
+        rows: Rows,
+    },
     /// A vector in space. `framed`: it is an output that states its axes.
     Vector {
         quantity: Quantity,
@@ -447,11 +461,30 @@ impl Type {
         }
     }
 
-    /// The quantity of each number in a number, a truth value (1 or 0), a vector, a list or a range.
+    /// The type of a signal in one row. Any other value is the same in all rows.
+    pub fn row(&self) -> Type {
+        match self {
+            Type::Signal { quantity, .. } => Type::Scalar(quantity.clone()),
+            other => other.clone(),
+        }
+    }
+
+    /// The signal that has a number of this type in each row.
+    pub fn in_rows(&self, rows: &Rows) -> Type {
+        match self.quantity() {
+            Some(quantity) => Type::Signal {
+                quantity,
+                rows: rows.clone(),
+            },
+            None => self.clone(),
+        }
+    }
+
+    /// The quantity of each number in a number, a truth value (1 or 0), a signal, a vector, a list or a range.
     pub fn each(&self) -> Option<Quantity> {
         match self {
             Type::Bool => Some(Quantity::one()),
-            Type::Vector { quantity, .. } => Some(quantity.clone()),
+            Type::Signal { quantity, .. } | Type::Vector { quantity, .. } => Some(quantity.clone()),
             Type::List { element, .. } | Type::Range(element) => element.each(),
             other => other.quantity(),
         }

@@ -2,8 +2,8 @@
 
 use super::Reporter;
 use super::axes::Frames;
-use super::value::{Label, Member, Typed};
-use crate::check::types::{Kind, Quantity};
+use super::value::Typed;
+use crate::check::types::{Kind, Quantity, Rows, Type};
 use crate::codes;
 use crate::elaborate::{AnalysisPlan, Structural};
 use crate::models::SharedModels;
@@ -14,7 +14,7 @@ use eng_grammar::ast::{Expr, ExprKind, IndexArgument, Name};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
 use eng_system::host::Host;
 use eng_system::recorded::{Recorded, of_modes, recorded};
-use eng_system::report::Expression;
+use eng_system::report::{Expression, Member};
 use std::rc::Rc;
 
 /// Indices written out in a message.
@@ -189,6 +189,31 @@ pub(super) struct Found<'a> {
 }
 
 impl Found<'_> {
+    /// The rows of a channel at the place.
+    pub fn rows(&self) -> Rows {
+        match are_modes(self.plan) {
+            true => Rows::Modes(self.plan.analysis.origin.path.as_str().into()),
+            false => Rows::Samples,
+        }
+    }
+
+    /// A member that stands for the place.
+    pub fn member(&self, expression: Expression) -> Member {
+        Member {
+            analysis: self.plan.analysis.origin.path.clone(),
+            channel: self.path.clone(),
+            expression,
+        }
+    }
+
+    /// A channel of the analysis.
+    pub fn channel(&self, path: &str) -> Expression {
+        Expression::Channel {
+            analysis: self.plan.analysis.origin.path.clone(),
+            path: path.to_owned(),
+        }
+    }
+
     /// What the analysis records.
     pub fn columns(&self) -> &[Recorded] {
         if are_modes(self.plan) {
@@ -215,16 +240,6 @@ pub(super) struct Places<'a> {
     pub found: Vec<Found<'a>>,
     /// Whether a range or `*` was written.
     pub list: bool,
-}
-
-impl Places<'_> {
-    /// How a place is called beside the others.
-    pub fn label(&self, place: &Found<'_>) -> Label {
-        Label {
-            analysis: place.plan.analysis.origin.path.clone(),
-            channel: place.path.clone(),
-        }
-    }
 }
 
 /// The numbers of one index that a text asks for.
@@ -488,18 +503,14 @@ impl<'a> Reporter<'a, '_> {
                 Some(_) => {}
                 None => first = Some(column.clone()),
             }
-            members.push(Member {
-                label: places.label(place),
-                expression: Expression::Channel {
-                    analysis: place.plan.analysis.origin.path.clone(),
-                    path: column.path.clone(),
-                },
-            });
+            members.push(place.member(place.channel(&column.path)));
         }
         let first = first?;
-        let kind = self.kind_of(&first);
-        let mut found = Typed::signals(members, places.list, &first);
-        found.quantity.kind = kind;
+        let rows = places.found.first()?.rows();
+        let mut found = Typed::signals(members, places.list, &first, rows);
+        if let Type::Signal { quantity, .. } = &mut found.ty {
+            quantity.kind = self.kind_of(&first);
+        }
         Some(found)
     }
 

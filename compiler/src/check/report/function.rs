@@ -1,75 +1,20 @@
 //! Functions of signals and numbers.
 
 use super::Reporter;
-use super::arguments::Form;
-use super::picture;
-use super::value::{Member, Shape, Typed};
-use crate::check::types::{Quantity, Type};
+use super::picture::no_vector;
+use super::value::Typed;
+use crate::check::bound::Bound;
+use crate::check::signal::Shape;
+use crate::check::types::{Quantity, Rows, Type};
 use crate::codes;
-use crate::resolve::suggest::nearest;
+use crate::functions::{self, BuiltIn, OfResults};
+use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{Argument, Expr, ExprKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
-use eng_system::report::{Chosen, Expression, Filter, Function, Limit, Operator, Part, Reduction};
-
-/// Functions that the language has outside of reports too.
-static PLAIN: [Form; 11] = [
-    Form::new("abs", &["x"], &[]),
-    Form::new("sqrt", &["x"], &[]),
-    Form::new("sin", &["x"], &[]),
-    Form::new("cos", &["x"], &[]),
-    Form::new("tan", &["x"], &[]),
-    Form::new("exp", &["x"], &[]),
-    Form::new("log", &["x"], &[]),
-    Form::new("norm", &["v"], &[]),
-    Form::of_many("min", &["x"], &[]),
-    Form::of_many("max", &["x"], &[]),
-    Form::new("sum", &["x"], &[]),
-];
-
-/// Functions of signals.
-static SIGNALS: [Form; 16] = [
-    Form::new("minimum", &["signal"], &[]),
-    Form::new("maximum", &["signal"], &[]),
-    Form::new("minimum_at", &["signal"], &["over"]),
-    Form::new("maximum_at", &["signal"], &["over"]),
-    Form::new("mean", &["signal"], &[]),
-    Form::new("rms", &["signal"], &[]),
-    Form::new("peak_to_peak", &["signal"], &[]),
-    Form::new("amplitude", &["signal", "at"], &["window"]),
-    Form::new("mode", &["column", "at"], &[]),
-    Form::new("low_pass", &["signal", "to"], &["butterworth"]),
-    Form::new("high_pass", &["signal", "from"], &["butterworth"]),
-    Form::new("band", &["signal", "from", "to"], &["butterworth"]),
-    Form::new("last", &["signal", "part"], &[]),
-    Form::new("last_cycle", &["signal"], &["cycles"]),
-    Form::new("resample", &["signal", "like"], &[]),
-    Form::new("decibel", &["x", "reference"], &[]),
-];
-
-/// Whether a name is a function that only reports have.
-pub(super) fn is_of_signals(name: &str) -> bool {
-    SIGNALS.iter().any(|form| form.name == name) || picture::form(name).is_some()
-}
-
-/// Functions that take the modes of a linear analysis, too.
-const OF_MODES: [&str; 15] = [
-    "abs",
-    "sqrt",
-    "sin",
-    "cos",
-    "tan",
-    "exp",
-    "log",
-    "min",
-    "max",
-    "sum",
-    "decibel",
-    "minimum",
-    "maximum",
-    "peak_to_peak",
-    "mode",
-];
+use eng_system::report::{
+    Chosen, Expression, Filter, Function, Limit, Member, Operator, Part, Reduction,
+};
 
 impl<'a> Reporter<'a, '_> {
     /// A call; `None` where a message was given.
@@ -80,138 +25,134 @@ impl<'a> Reporter<'a, '_> {
         place: Span,
         arguments: &'a [Argument],
     ) -> Option<Typed> {
-        let Some(form) = PLAIN.iter().chain(&SIGNALS).find(|f| f.name == name) else {
+        let mut known = functions::of_reports().filter(|function| function.computes());
+        let Some(function) = known.find(|function| function.name == name) else {
             self.no_function(name, place);
             return None;
         };
-        let taken = self.taken(form, arguments, span)?;
-        let first = taken.option(form.required.first()?)?;
-        if name == "norm" {
-            return self.magnitude(first);
+        let bound = self.checker.bound(function, arguments, span, true)?;
+        let first = bound.option(function.parameters.first()?)?;
+        if function.results == OfResults::Length {
+            return self.length(first, bound.option("floor"));
         }
         let of = self.expression(first)?;
-        if !OF_MODES.contains(&name) {
-            self.of_samples(first, &of, name)?;
+        if !function.takes_modes() {
+            self.checker.of_samples(first, &of.ty, name)?;
         }
-        match name {
-            "abs" | "sqrt" | "sin" | "cos" | "tan" | "exp" | "log" => self.mapped(name, first, of),
-            "min" | "max" => self.extreme(name, first, of, &taken.more, span),
-            "sum" => self.fold(Operator::Add, first, of),
-            "amplitude" => {
-                self.shaped(first, &of, Shape::Signal, "the argument of `amplitude`")?;
-                let at = taken.option("at")?;
-                let limit = self.limit(at, "`at`")?;
-                if let Limit::Order(_) = limit {
-                    self.with_cycle(at, &of, "an order")?;
-                }
-                let window = self.window(&taken, &of)?;
-                let mut made = of.mapped(|e| Expression::Amplitude(limit, window, Box::new(e)));
-                made.shape = Shape::Number;
-                made.quantity = difference(&made.quantity);
-                Some(made)
+        match function.results {
+            OfResults::Each(each) => self.each(function, each, first, of),
+            OfResults::Fold(operator) if bound.more().next().is_none() => {
+                self.fold(operator, first, of)
             }
-            "mode" => {
-                self.shaped(first, &of, Shape::Signal, "the argument of `mode`")?;
-                if self.linear(&of).is_none() {
-                    self.tell(
-                        Diagnostic::error(
-                            codes::REPORT_SHAPE,
-                            "`mode` takes a column of a `linear` analysis",
-                        )
-                        .at(first.span, "samples of a run, not modes"),
-                    );
-                    return None;
-                }
-                let chosen = self.chosen_mode(taken.option("at")?)?;
-                let mut made = of.mapped(|e| Expression::Mode(chosen, Box::new(e)));
-                made.shape = Shape::Number;
-                Some(made)
-            }
-            "low_pass" | "high_pass" | "band" => {
-                self.shaped(
-                    first,
-                    &of,
-                    Shape::Signal,
-                    &format!("the argument of `{name}`"),
-                )?;
-                let (from, to) = (taken.option("from"), taken.option("to"));
-                let poles = taken.option("butterworth");
-                let filter = self.filter(from, to, poles, &of)?;
-                let mut made = of.mapped(|e| Expression::Filter(filter, Box::new(e)));
-                if filter.from.is_some() {
-                    // the mean is gone, and with it the zero
-                    made.quantity = difference(&made.quantity);
-                }
-                Some(made)
-            }
-            "last" => {
-                self.shaped(first, &of, Shape::Signal, "the argument of `last`")?;
-                let part = taken.option("part")?;
-                let part = Part::Extent(self.extent(part, &of, "`part`")?);
-                Some(of.mapped(|e| Expression::Last(part, Box::new(e))))
-            }
-            "last_cycle" => {
-                self.shaped(first, &of, Shape::Signal, "the argument of `last_cycle`")?;
-                self.with_cycle(first, &of, "`last_cycle`")?;
-                let part = Part::Cycles(self.cycles(taken.option("cycles"))?.unwrap_or(1));
-                Some(of.mapped(|e| Expression::Last(part, Box::new(e))))
-            }
-            "resample" => {
-                let other = taken.option("like")?;
-                let like = self.expression(other)?;
-                self.shaped(first, &of, Shape::Signal, "what is resampled")?;
-                self.shaped(other, &like, Shape::Signal, "`like`")?;
-                self.of_samples(other, &like, "resample")?;
-                let (quantity, display) = (of.quantity.clone(), of.display.clone());
-                // paired as an operator's sides are, then given its own form
-                let mut made = self.paired(
-                    Operator::Add,
-                    span,
-                    of.clone(),
-                    like,
-                    Shape::Signal,
-                    quantity,
-                )?;
-                for (at, member) in made.members.iter_mut().enumerate() {
-                    let inner = std::mem::replace(&mut member.expression, Expression::Number(0.0));
-                    if let Expression::Binary(_, signal, like) = inner {
-                        member.expression = Expression::Resample(signal, like);
+            OfResults::Fold(operator) => self.extreme(function, operator, first, of, &bound, span),
+            OfResults::Decibel => self.decibel(first, of, bound.option("reference")?),
+            results => {
+                let what = format!("the argument of `{name}`");
+                self.shaped(first, &of, Shape::Signal, &what)?;
+                match results {
+                    OfResults::Reduce(reduction) => {
+                        self.reduced(reduction, bound.option("over"), first, of)
                     }
-                    let at = if of.list { at } else { 0 };
-                    if let Some(own) = of.members.get(at) {
-                        member.label = own.label.clone();
+                    OfResults::Amplitude => self.amplitude(of, &bound),
+                    OfResults::Mode => self.mode(first, of, bound.option("at")?),
+                    OfResults::Filter => self.filtered(of, &bound),
+                    OfResults::Last => {
+                        let part = self.extent(bound.option("part")?, &of, "`part`")?;
+                        Some(of.kept(|of| Expression::Last(Part::Extent(part), Box::new(of))))
                     }
+                    OfResults::LastCycle => {
+                        self.with_cycle(first, &of, "`last_cycle`")?;
+                        let count = self.cycles(bound.option("cycles"))?.unwrap_or(1);
+                        Some(of.kept(|of| Expression::Last(Part::Cycles(count), Box::new(of))))
+                    }
+                    OfResults::Resample => self.resampled(of, bound.option("like")?, span),
+                    _ => None,
                 }
-                made.display = display;
-                Some(made)
-            }
-            "decibel" => {
-                if of.shape == Shape::Truth {
-                    self.shaped(first, &of, Shape::Number, "what is told in decibels")?;
-                }
-                let expr = taken.option("reference")?;
-                let reference = self.reference(expr, &of)?;
-                let text = self.checker.sources.text(expr.span).to_owned();
-                let mut made = of.mapped(|e| Expression::Decibel(reference, Box::new(e)));
-                made.quantity = Quantity::one();
-                made.display = None;
-                made.level = Some(text);
-                Some(made)
-            }
-            _ => {
-                self.shaped(
-                    first,
-                    &of,
-                    Shape::Signal,
-                    &format!("the argument of `{name}`"),
-                )?;
-                self.reduced(name, taken.option("over"), first, of)
             }
         }
     }
 
+    fn amplitude(&mut self, of: Typed, bound: &Bound<'a>) -> Option<Typed> {
+        let at = bound.option("at")?;
+        let limit = self.limit(at, "`at`")?;
+        if let Limit::Order(_) = limit {
+            self.with_cycle(at, &of, "an order")?;
+        }
+        let window = self.window(bound, &of)?;
+        let ty = Type::Scalar(of.quantity().difference());
+        Some(of.mapped(ty, |of| Expression::Amplitude(limit, window, Box::new(of))))
+    }
+
+    fn mode(&mut self, first: &Expr, of: Typed, at: &'a Expr) -> Option<Typed> {
+        let Type::Signal {
+            rows: Rows::Modes(_),
+            ..
+        } = of.ty
+        else {
+            self.tell(
+                Diagnostic::error(
+                    codes::REPORT_SHAPE,
+                    "`mode` takes a column of a `linear` analysis",
+                )
+                .at(first.span, "samples of a run, not modes"),
+            );
+            return None;
+        };
+        let chosen = self.chosen_mode(at)?;
+        let ty = of.ty.row();
+        Some(of.mapped(ty, |of| Expression::Mode(chosen, Box::new(of))))
+    }
+
+    fn filtered(&mut self, of: Typed, bound: &Bound<'a>) -> Option<Typed> {
+        let filter = self.filter(bound, &of)?;
+        let mut ty = of.ty.clone();
+        if let (Some(_), Type::Signal { quantity, .. }) = (filter.from, &mut ty) {
+            // the mean is gone, and with it the zero
+            *quantity = quantity.difference();
+        }
+        Some(of.mapped(ty, |of| Expression::Filter(filter, Box::new(of))))
+    }
+
+    fn resampled(&mut self, of: Typed, other: &'a Expr, span: Span) -> Option<Typed> {
+        let like = self.expression(other)?;
+        self.shaped(other, &like, Shape::Signal, "`like`")?;
+        self.checker.of_samples(other, &like.ty, "resample")?;
+        let (ty, display) = (of.ty.clone(), of.display.clone());
+        // pair the members like the sides of an operator, then replace the operator
+        let mut made = self.paired(Operator::Multiply, span, of.clone(), like, ty)?;
+        for (at, member) in made.members.iter_mut().enumerate() {
+            let inner = std::mem::replace(&mut member.expression, Expression::Number(0.0));
+            if let Expression::Binary(_, signal, like) = inner {
+                member.expression = Expression::Resample(signal, like);
+            }
+            let at = if of.list { at } else { 0 };
+            if let Some(own) = of.members.get(at) {
+                member.analysis.clone_from(&own.analysis);
+                member.channel.clone_from(&own.channel);
+            }
+        }
+        made.display = display;
+        Some(made)
+    }
+
+    fn decibel(&mut self, first: &Expr, of: Typed, reference: &'a Expr) -> Option<Typed> {
+        if of.shape() == Shape::Truth {
+            self.shaped(first, &of, Shape::Number, "the argument of `decibel`")?;
+        }
+        let over = self.reference(reference, &of)?;
+        let text = self.checker.sources.text(reference.span).to_owned();
+        let ty = match &of.ty {
+            Type::Signal { rows, .. } => Type::one().in_rows(rows),
+            _ => Type::one(),
+        };
+        let mut made = of.mapped(ty, |of| Expression::Decibel(over, Box::new(of)));
+        made.display = None;
+        made.level = Some(text);
+        Some(made)
+    }
+
     fn no_function(&mut self, name: &str, place: Span) {
-        if picture::form(name).is_some() {
+        if functions::only_of_reports(name).is_some() {
             self.tell(
                 Diagnostic::error(
                     codes::REPORT_SHAPE,
@@ -222,7 +163,10 @@ impl<'a> Reporter<'a, '_> {
             );
             return;
         }
-        let known = || PLAIN.iter().chain(&SIGNALS).map(|form| form.name);
+        let known = || {
+            let all = functions::of_reports().filter(|function| function.computes());
+            all.map(|function| function.name)
+        };
         let message = Diagnostic::error(
             codes::UNKNOWN_NAME,
             format!("reports have no function `{name}`"),
@@ -230,109 +174,67 @@ impl<'a> Reporter<'a, '_> {
         .at(place, "not known");
         let message = match nearest(name, known()) {
             Some(near) => message.meant(place, near),
-            None => message.with_note(format!(
-                "they have {}",
-                crate::resolve::suggest::listing(known(), 30)
-            )),
+            None => message.with_note(format!("they have {}", listing(known(), 30))),
         };
         self.tell(message);
     }
 
-    /// A function of each sample or number.
-    fn mapped(&mut self, name: &str, expr: &Expr, of: Typed) -> Option<Typed> {
-        if of.shape == Shape::Truth {
-            self.shaped(
-                expr,
-                &of,
-                Shape::Number,
-                &format!("the argument of `{name}`"),
-            )?;
+    /// A function of each number.
+    fn each(
+        &mut self,
+        function: &BuiltIn,
+        each: Function,
+        expr: &Expr,
+        of: Typed,
+    ) -> Option<Typed> {
+        if of.shape() == Shape::Truth {
+            let what = format!("the argument of `{}`", function.name);
+            self.shaped(expr, &of, Shape::Number, &what)?;
         }
-        let argument = (expr, Type::Scalar(of.quantity.clone()));
-        let one = Quantity::one();
-        let (function, ty) = match name {
-            "abs" => (Function::Abs, self.checker.magnitude(&argument)),
-            "sqrt" => (Function::Sqrt, self.checker.root(&argument)),
-            "exp" => {
-                let ty = self.checker.plain_argument(name, &argument, false, one);
-                (Function::Exp, ty)
-            }
-            "log" => {
-                let ty = self.checker.plain_argument(name, &argument, false, one);
-                (Function::Log, ty)
-            }
-            _ => {
-                let ty = self.checker.plain_argument(name, &argument, true, one);
-                let function = match name {
-                    "sin" => Function::Sin,
-                    "cos" => Function::Cos,
-                    _ => Function::Tan,
-                };
-                (function, ty)
-            }
-        };
-        let quantity = ty.quantity()?;
-        let keeps = quantity.dim == of.quantity.dim;
-        let mut made = of.mapped(|e| Expression::Map(function, Box::new(e)));
-        made.quantity = quantity;
-        if !keeps {
+        let ty = self.checker.applied(function, &[(expr, of.ty.clone())]);
+        if ty.is_error() {
+            return None;
+        }
+        let before = of.quantity().dim;
+        let mut made = of.mapped(ty, |of| Expression::Map(each, Box::new(of)));
+        if made.quantity().dim != before {
             made.display = None;
         }
         Some(made)
     }
 
-    /// `min(list)`, or `min(a, b, …)` sample by sample.
+    /// `min(a, b, …)`, row by row.
     fn extreme(
         &mut self,
-        name: &str,
+        function: &BuiltIn,
+        operator: Operator,
         first: &'a Expr,
         of: Typed,
-        more: &[&'a Expr],
+        bound: &Bound<'a>,
         span: Span,
     ) -> Option<Typed> {
-        let operator = if name == "min" {
-            Operator::Minimum
-        } else {
-            Operator::Maximum
-        };
-        if more.is_empty() {
-            return self.fold(operator, first, of);
-        }
         let mut whole = of;
-        for expr in more {
+        for expr in bound.more() {
             let next = self.expression(expr)?;
-            let joined = self.checker.join(
-                (&Type::Scalar(whole.quantity.clone()), first.span),
-                (&Type::Scalar(next.quantity.clone()), expr.span),
-                &format!("the arguments of `{name}`"),
-            );
-            let quantity = joined.quantity()?;
-            let shape = match (whole.shape, next.shape) {
-                (Shape::Truth, _) | (_, Shape::Truth) => {
-                    let (expr, odd) = if whole.shape == Shape::Truth {
-                        (first, &whole)
-                    } else {
-                        (*expr, &next)
-                    };
-                    self.shaped(
-                        expr,
-                        odd,
-                        Shape::Number,
-                        &format!("an argument of `{name}`"),
-                    )?;
-                    return None;
+            for (expr, side) in [(first, &whole), (expr, &next)] {
+                if side.shape() == Shape::Truth {
+                    let what = format!("an argument of `{}`", function.name);
+                    self.shaped(expr, side, Shape::Number, &what)?;
                 }
-                (Shape::Number, Shape::Number) => Shape::Number,
-                _ => Shape::Signal,
-            };
-            whole = self.paired(operator, span, whole, next, shape, quantity)?;
+            }
+            let sides = [(first, whole.ty.clone()), (expr, next.ty.clone())];
+            let ty = self.checker.applied(function, &sides);
+            if ty.is_error() {
+                return None;
+            }
+            whole = self.paired(operator, span, whole, next, ty)?;
         }
         Some(whole)
     }
 
     /// One number of a list's.
     fn fold(&mut self, operator: Operator, expr: &Expr, of: Typed) -> Option<Typed> {
-        if !of.list || of.shape == Shape::Truth {
+        if !of.list || of.shape() == Shape::Truth {
             self.tell(
                 Diagnostic::error(codes::REPORT_SHAPE, "a list of numbers or signals is due")
                     .at(expr.span, "one alone")
@@ -342,10 +244,12 @@ impl<'a> Reporter<'a, '_> {
             );
             return None;
         }
-        if operator == Operator::Add && of.quantity.plus(&of.quantity, false).is_err() {
+        let quantity = of.quantity();
+        if operator == Operator::Add && quantity.plus(&quantity, false).is_err() {
+            let name = self.checker.quantity_name(&quantity);
             self.tell(
                 Diagnostic::error(codes::OPERANDS, "points have differences, but no sum")
-                    .at(expr.span, self.checker.quantity_name(&of.quantity)),
+                    .at(expr.span, name),
             );
             return None;
         }
@@ -354,15 +258,13 @@ impl<'a> Reporter<'a, '_> {
                 self.of_one_frame(expr.span, &first.expression, &member.expression)?;
             }
         }
-        let analysis = of.members.first()?.label.analysis.clone();
+        let analysis = of.members.first()?.analysis.clone();
         let text = self.checker.sources.text(expr.span).to_owned();
         let members = of.members.into_iter().map(|m| m.expression).collect();
         Some(Typed {
             members: vec![Member {
-                label: super::value::Label {
-                    analysis,
-                    channel: text,
-                },
+                analysis,
+                channel: text,
                 expression: Expression::Fold(operator, members),
             }],
             list: false,
@@ -371,8 +273,18 @@ impl<'a> Reporter<'a, '_> {
         })
     }
 
-    /// The size of a recorded vector.
-    fn magnitude(&mut self, expr: &'a Expr) -> Option<Typed> {
+    /// The length of a recorded vector.
+    fn length(&mut self, expr: &'a Expr, floor: Option<&Expr>) -> Option<Typed> {
+        if let Some(floor) = floor {
+            self.tell(
+                Diagnostic::error(
+                    codes::UNKNOWN_ARGUMENT,
+                    "`norm` of a recorded vector has no parameter `floor`",
+                )
+                .at(floor.span, "it is of equations alone"),
+            );
+            return None;
+        }
         if !matches!(
             expr.kind,
             ExprKind::Name(_) | ExprKind::Field { .. } | ExprKind::Index { .. }
@@ -397,12 +309,8 @@ impl<'a> Reporter<'a, '_> {
                 let Some(column) = place.column(&format!(".{axis}")) else {
                     continue;
                 };
-                let path = column.path.clone();
                 first.get_or_insert_with(|| column.clone());
-                let channel = Expression::Channel {
-                    analysis: place.plan.analysis.origin.path.clone(),
-                    path,
-                };
+                let channel = place.channel(&column.path);
                 let square = Expression::Binary(
                     Operator::Multiply,
                     Box::new(channel.clone()),
@@ -414,31 +322,23 @@ impl<'a> Reporter<'a, '_> {
                 });
             }
             let Some(sum) = sum else {
-                self.tell(
-                    Diagnostic::error(
-                        codes::REPORT_SHAPE,
-                        format!("`{}` is no vector", place.path),
-                    )
-                    .at(expr.span, "it has no x and y"),
-                );
+                self.tell(no_vector(place, expr.span));
                 return None;
             };
-            members.push(Member {
-                label: places.label(place),
-                expression: Expression::Map(Function::Sqrt, Box::new(sum)),
-            });
+            members.push(place.member(Expression::Map(Function::Sqrt, Box::new(sum))));
         }
-        Some(Typed::signals(members, places.list, &first?))
+        Some(Typed::signals(members, places.list, &first?, Rows::Samples))
     }
 
     /// A number of a signal.
     fn reduced(
         &mut self,
-        name: &str,
+        reduction: Reduction,
         over: Option<&'a Expr>,
         expr: &'a Expr,
         of: Typed,
     ) -> Option<Typed> {
+        let placed = matches!(reduction, Reduction::MinimumAt(_) | Reduction::MaximumAt(_));
         let by_time = match self.word(over, "`over`", &super::settings::OVER)? {
             Some(time) => {
                 if !time {
@@ -446,42 +346,32 @@ impl<'a> Reporter<'a, '_> {
                 }
                 time
             }
-            None => name.ends_with("_at") && !self.has_cycle(&of)?,
+            None => placed && !self.has_cycle(&of)?,
         };
-        let reduction = match name {
-            "minimum" => Reduction::Minimum,
-            "maximum" => Reduction::Maximum,
-            "mean" => Reduction::Mean,
-            "rms" => Reduction::RootMeanSquare,
-            "peak_to_peak" => Reduction::PeakToPeak,
-            "minimum_at" => Reduction::MinimumAt(by_time),
-            _ => Reduction::MaximumAt(by_time),
-        };
-        let level = of.level.clone();
-        let mut made = of.mapped(|e| Expression::Reduce(reduction, Box::new(e)));
-        made.shape = Shape::Number;
-        match reduction {
-            Reduction::MinimumAt(time) | Reduction::MaximumAt(time) => {
-                let dimension = if time {
-                    Dimension::TIME
-                } else {
-                    Dimension::ANGLE
-                };
-                made.quantity = Quantity::hard(dimension);
-                made.display = None;
-                if !time {
-                    let degree = self.checker.program.units.get("deg");
-                    made.display = degree.map(|unit| eng_system::DisplayUnit {
-                        symbol: unit.symbol.clone(),
-                        scale: unit.scale,
-                        offset: unit.offset,
-                    });
-                }
+        let (quantity, level) = (of.quantity(), of.level.clone());
+        let (reduction, quantity) = match reduction {
+            Reduction::MinimumAt(_) => (Reduction::MinimumAt(by_time), place_of(by_time)),
+            Reduction::MaximumAt(_) => (Reduction::MaximumAt(by_time), place_of(by_time)),
+            Reduction::PeakToPeak => (reduction, quantity.difference()),
+            Reduction::RootMeanSquare => {
+                let kind = Default::default();
+                (reduction, Quantity { kind, ..quantity })
             }
-            Reduction::PeakToPeak => made.quantity = difference(&made.quantity),
-            Reduction::RootMeanSquare => made.quantity.kind = Default::default(),
-            // the largest of levels is a level
-            _ => made.level = level,
+            _ => (reduction, quantity),
+        };
+        let mut made = of.mapped(Type::Scalar(quantity), |of| {
+            Expression::Reduce(reduction, Box::new(of))
+        });
+        if placed {
+            let degree = self.checker.program.units.get("deg");
+            made.display = degree.filter(|_| !by_time).cloned().map(Into::into);
+        }
+        // the largest of levels is a level
+        if matches!(
+            reduction,
+            Reduction::Minimum | Reduction::Maximum | Reduction::Mean
+        ) {
+            made.level = level;
         }
         Some(made)
     }
@@ -499,13 +389,8 @@ impl<'a> Reporter<'a, '_> {
         }
     }
 
-    fn filter(
-        &mut self,
-        from: Option<&'a Expr>,
-        to: Option<&'a Expr>,
-        poles: Option<&'a Expr>,
-        of: &Typed,
-    ) -> Option<Filter> {
+    fn filter(&mut self, bound: &Bound<'a>, of: &Typed) -> Option<Filter> {
+        let (from, to) = (bound.option("from"), bound.option("to"));
         let mut limits = [None, None];
         for (limit, (expr, what)) in limits
             .iter_mut()
@@ -541,7 +426,7 @@ impl<'a> Reporter<'a, '_> {
             }
             _ => {}
         }
-        let butterworth = match poles {
+        let butterworth = match bound.option("butterworth") {
             Some(expr) => {
                 let value = self.constant(expr, &Quantity::one(), "`butterworth`")?;
                 if !(1.0..=32.0).contains(&value) || value.fract() != 0.0 {
@@ -575,9 +460,10 @@ impl<'a> Reporter<'a, '_> {
     }
 }
 
-/// What the difference of two such quantities is.
-pub(super) fn difference(quantity: &Quantity) -> Quantity {
-    quantity
-        .plus(quantity, true)
-        .unwrap_or_else(|_| quantity.clone())
+/// The quantity of a place in a run: a time or an angle of the cycle.
+fn place_of(by_time: bool) -> Quantity {
+    Quantity::hard(match by_time {
+        true => Dimension::TIME,
+        false => Dimension::ANGLE,
+    })
 }

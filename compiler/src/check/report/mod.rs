@@ -5,7 +5,6 @@
 //!
 //! May contain: names, types, numbers that are known. Must not contain: results.
 
-mod arguments;
 mod axes;
 mod channel;
 mod function;
@@ -15,9 +14,10 @@ mod value;
 
 use super::Checker;
 use super::scope::Scope;
+use super::signal::Shape;
 use super::types::Quantity;
 use crate::codes;
-use crate::elaborate::{AnalysisPlan, Constants};
+use crate::elaborate::{AnalysisPlan, Constants, location};
 use crate::models::SharedModels;
 use crate::typed::TypedProgram;
 use channel::Models;
@@ -26,9 +26,8 @@ use eng_grammar::{Diagnostic, Diagnostics, MessagePart, SourceMap, Span, parse_m
 use eng_system::DisplayUnit;
 use eng_system::host::Host;
 use eng_system::report as plan;
-use eng_system::system::Location;
 use std::collections::BTreeMap;
-use value::{Shape, Typed};
+use value::Typed;
 
 /// The reports of the root module. Those with a mistake are left out, and messages given.
 pub fn reports(
@@ -246,7 +245,7 @@ impl<'a> Reporter<'a, '_> {
         self.shaped(&entry.value, &typed, Shape::Number, "a value")?;
         let display = self.display(&typed, entry.display.as_ref(), &entry.value)?;
         Some(plan::EntryKind::Value {
-            members: picture::planned(typed.members),
+            members: typed.members,
             display,
         })
     }
@@ -276,8 +275,7 @@ impl<'a> Reporter<'a, '_> {
         }
         if let Some(stated) = stated {
             let before = self.checker.diagnostics.len();
-            let ty = super::types::Type::Scalar(typed.quantity.clone());
-            self.checker.display(&self.scope, &ty, stated);
+            self.checker.display(&self.scope, &typed.ty.row(), stated);
             if self.checker.diagnostics.len() > before {
                 return None;
             }
@@ -285,32 +283,27 @@ impl<'a> Reporter<'a, '_> {
             return Some(DisplayUnit::from(unit));
         }
         // the zero of a unit is one of points alone
-        let point = matches!(typed.quantity.kind, super::types::Kind::Point(_));
+        let quantity = typed.quantity();
+        let point = matches!(quantity.kind, super::types::Kind::Point(_));
         if let Some(display) = &typed.display
             && (point || display.offset == 0.0)
         {
             return Some(display.clone());
         }
-        Some(self.usual_display(&typed.quantity))
+        Some(self.usual_display(&quantity))
     }
 
-    fn usual_display(&mut self, quantity: &Quantity) -> DisplayUnit {
+    fn usual_display(&self, quantity: &Quantity) -> DisplayUnit {
         let dimension = quantity.dim.base;
-        let usual = self.checker.usual_unit(quantity).and_then(|text| {
-            let mut none = Diagnostics::new();
-            let source = eng_grammar::SourceId(0);
-            let written = format!("1 as {text}");
-            let (_, unit) = eng_grammar::parse_placeholder(&written, source, 0, &mut none)?;
-            let unit = self.checker.program.unit(&unit?).ok()?;
-            (unit.dimension == dimension).then_some(DisplayUnit {
-                symbol: text,
-                scale: unit.scale,
-                offset: unit.offset,
-            })
+        let usual = self.checker.usual_unit(quantity);
+        let program = self.checker.program;
+        let unit = usual.and_then(|text| {
+            let own = program.units.get(&text).cloned();
+            own.or_else(|| program.unit_of_text(&text))
         });
-        match usual {
-            Some(usual) if !dimension.is_one() => usual,
-            _ => DisplayUnit::si(dimension),
+        match unit.filter(|unit| unit.dimension == dimension && !dimension.is_one()) {
+            Some(usual) => usual.into(),
+            None => DisplayUnit::si(dimension),
         }
     }
 
@@ -452,13 +445,5 @@ fn title(stated: Option<&ast::Title>, name: &str) -> String {
             let first = letters.next().into_iter().flat_map(char::to_uppercase);
             first.chain(letters).collect()
         }
-    }
-}
-
-fn location(span: Span) -> Location {
-    Location {
-        source: span.source.0,
-        start: span.start,
-        end: span.end,
     }
 }

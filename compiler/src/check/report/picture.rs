@@ -1,36 +1,28 @@
 //! Figures.
 
 use super::Reporter;
-use super::arguments::{Form, Taken};
-use super::channel::{are_modes, begins, not_one};
-use super::function::difference;
-use super::settings::{CAMPBELL, OVER, SPECTRUM};
-use super::value::{Label, Member, Shape, Typed};
-use crate::check::types::Quantity;
+use super::channel::{Found, Places, are_modes, begins, not_one};
+use super::settings::OVER;
+use super::value::Typed;
+use crate::check::bound::Bound;
+use crate::check::mismatch::Due;
+use crate::check::signal::Shape;
+use crate::check::types::{Quantity, Rows, Type};
 use crate::codes;
+use crate::functions::{self, BuiltIn, Drawing, OfResults};
 use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{Expr, ExprKind, UnitExpr};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::report::{self as plan, Expression, Figure, Function, Picture, Vector};
+use eng_system::recorded::Recorded;
+use eng_system::report::{Expression, Figure, Function, Member, Picture, Vector};
 use eng_system::{Dimension, DisplayUnit};
 
-static PICTURES: [Form; 7] = [
-    Form::of_many("history", &["signals"], &["over"]),
-    Form::new("spectrum", &["signals"], &SPECTRUM),
-    Form::new("orbit", &["journals"], &["cycles"]),
-    Form::new("polar", &["vectors"], &["turned_by", "cycles"]),
-    Form::new(
-        "order_track",
-        &["signals", "orders"],
-        &["window", "block", "overlap"],
-    ),
-    Form::new("waterfall", &["signals"], &SPECTRUM),
-    Form::new("campbell", &["signals"], &CAMPBELL),
-];
-
-/// The form of a function that draws.
-pub(super) fn form(name: &str) -> Option<&'static Form> {
-    PICTURES.iter().find(|form| form.name == name)
+/// The functions that draw, each with its figure.
+fn drawings() -> impl Iterator<Item = (&'static BuiltIn, Drawing)> {
+    functions::of_reports().filter_map(|function| match function.results {
+        OfResults::Draw(drawing) => Some((function, drawing)),
+        _ => None,
+    })
 }
 
 impl<'a> Reporter<'a, '_> {
@@ -44,22 +36,26 @@ impl<'a> Reporter<'a, '_> {
             ExprKind::Name(name) => name.as_str(),
             _ => "",
         };
-        let Some(form) = form(name) else {
+        let Some((function, drawing)) = drawings().find(|(function, _)| function.name == name)
+        else {
             self.no_picture(callee.span, Some(name));
             return None;
         };
-        let taken = self.taken(form, arguments, expr.span)?;
-        let first = taken.option(form.required.first()?)?;
-        match name {
-            "orbit" => self.orbit(first, &taken, display),
-            "polar" => self.polar(first, &taken, display),
-            "history" => self.history(first, &taken, display),
-            _ => self.spectral(name, first, &taken, display),
+        let bound = self.checker.bound(function, arguments, expr.span, true)?;
+        let first = bound.option(function.parameters.first()?)?;
+        match drawing {
+            Drawing::Orbit => self.orbit(first, &bound, display),
+            Drawing::Polar => self.polar(first, &bound, display),
+            Drawing::History => self.history(first, &bound, display),
+            Drawing::OrderTrack => self.order_track(first, &bound, display),
+            Drawing::Spectrum | Drawing::Waterfall | Drawing::Campbell => {
+                self.spectral(drawing, name, first, &bound, display)
+            }
         }
     }
 
     fn no_picture(&mut self, span: Span, name: Option<&str>) {
-        let known = || PICTURES.iter().map(|form| form.name);
+        let known = || drawings().map(|(function, _)| function.name);
         let message = Diagnostic::error(
             codes::REPORT_SHAPE,
             "a figure is drawn by one of the functions that draw",
@@ -75,21 +71,20 @@ impl<'a> Reporter<'a, '_> {
     fn history(
         &mut self,
         first: &'a Expr,
-        taken: &Taken<'a>,
+        bound: &Bound<'a>,
         display: Option<&UnitExpr>,
     ) -> Option<Figure> {
         let mut panels: Vec<Typed> = Vec::new();
-        for expr in std::iter::once(&first).chain(&taken.more) {
+        for expr in std::iter::once(first).chain(bound.more()) {
             let panel = self.expression(expr)?;
             self.shaped(expr, &panel, Shape::Signal, "what a history shows")?;
-            self.of_samples(expr, &panel, "history")?;
+            self.checker.of_samples(expr, &panel.ty, "history")?;
             if let Some(first) = panels.first()
-                && panel.quantity.fits(&first.quantity).is_err()
+                && panel.quantity().fits(&first.quantity()).is_err()
             {
-                let (a, b) = (
-                    self.checker.quantity_name(&first.quantity),
-                    self.checker.quantity_name(&panel.quantity),
-                );
+                let names =
+                    [first, &panel].map(|panel| self.checker.quantity_name(&panel.quantity()));
+                let [a, b] = names;
                 self.tell(
                     Diagnostic::error(
                         codes::LIST_ELEMENTS,
@@ -106,7 +101,7 @@ impl<'a> Reporter<'a, '_> {
         for panel in &panels {
             cycle &= self.has_cycle(panel)?;
         }
-        let over = taken.option("over");
+        let over = bound.option("over");
         let by_time = match self.word(over, "`over`", &OVER)? {
             Some(false) if !cycle => {
                 let panel = panels.first()?.clone();
@@ -122,99 +117,114 @@ impl<'a> Reporter<'a, '_> {
             quantity,
             display: shown,
             picture: Picture::History(
-                panels
-                    .into_iter()
-                    .map(|panel| planned(panel.members))
-                    .collect(),
+                panels.into_iter().map(|panel| panel.members).collect(),
                 by_time,
             ),
         })
     }
 
-    fn spectral(
-        &mut self,
-        name: &str,
-        first: &'a Expr,
-        taken: &Taken<'a>,
-        display: Option<&UnitExpr>,
-    ) -> Option<Figure> {
+    /// The signals of a figure of amplitudes, which have no zero of their own.
+    fn amplitudes(&mut self, name: &str, first: &'a Expr) -> Option<Typed> {
         let mut of = self.expression(first)?;
         self.shaped(first, &of, Shape::Signal, &format!("what `{name}` shows"))?;
-        self.of_samples(first, &of, name)?;
-        // an amplitude has no zero of its own
-        of.quantity = difference(&of.quantity);
-        let mut shown = self.display(&of, display, first)?;
-        let quantity = quantity_text(&of);
-        let enough = match name {
-            "spectrum" => true,
-            "order_track" => taken.option("block").is_some() || runs(&of.members) > 1,
-            _ => runs(&of.members) > 1 && runs(&of.members) == of.members.len(),
+        self.checker.of_samples(first, &of.ty, name)?;
+        if let Type::Signal { quantity, .. } = &mut of.ty {
+            *quantity = quantity.difference();
+        }
+        Some(of)
+    }
+
+    /// Reports a figure over the speed of the cycle that has too few runs, or no cycle.
+    fn of_runs(&mut self, name: &str, first: &'a Expr, of: &Typed, enough: bool) -> Option<()> {
+        if enough {
+            return self.with_cycle(first, of, &format!("`{name}`"));
+        }
+        let sweep = super::channel::root_name(first).filter(|root| {
+            let plans = self.models.named(root);
+            plans.iter().any(|plan| !plan.analysis.point.is_empty())
+        });
+        let help = match sweep {
+            Some(sweep) => format!("`{sweep}[*]` are all its runs"),
+            None => "an analysis with an index has several: `analysis runup[s in 1000 rpm .. 6000 rpm by 250 rpm] = …`".to_owned(),
         };
-        if !enough {
-            let sweep = super::channel::root_name(first).filter(|root| {
-                let plans = self.models.named(root);
-                plans.iter().any(|plan| !plan.analysis.point.is_empty())
-            });
-            let help = match sweep {
-                Some(sweep) => format!("`{sweep}[*]` are all its runs"),
-                None => "an analysis with an index has several: `analysis runup[s in 1000 rpm .. 6000 rpm by 250 rpm] = …`".to_owned(),
-            };
-            self.tell(
-                Diagnostic::error(
-                    codes::REPORT_RUNS,
-                    format!("`{name}` shows one signal of several runs"),
-                )
-                .at(first.span, "of one run, or several of one")
-                .with_help(help),
-            );
-            return None;
-        }
-        if name != "spectrum" {
-            // it is over the speed of the cycle
-            self.with_cycle(first, &of, &format!("`{name}`"))?;
-        }
-        if name == "order_track" {
-            let orders = self.orders(taken.option("orders")?)?;
-            let window = self.window(taken, &of)?;
-            let block = match taken.option("block") {
-                Some(expr) => {
-                    let angle = Quantity::hard(Dimension::ANGLE);
-                    let angle = self.constant(expr, &angle, "`block`, an angle of the shaft,")?;
-                    if !(angle > 0.0 && angle.is_finite()) {
-                        self.refuse(expr, "`block`", "above zero")?;
-                    }
-                    let overlap = self.overlap(taken)?;
-                    Some((angle / std::f64::consts::TAU, overlap))
+        self.tell(
+            Diagnostic::error(
+                codes::REPORT_RUNS,
+                format!("`{name}` shows one signal of several runs"),
+            )
+            .at(first.span, "of one run, or several of one")
+            .with_help(help),
+        );
+        None
+    }
+
+    fn order_track(
+        &mut self,
+        first: &'a Expr,
+        bound: &Bound<'a>,
+        display: Option<&UnitExpr>,
+    ) -> Option<Figure> {
+        let of = self.amplitudes("order_track", first)?;
+        let display = self.display(&of, display, first)?;
+        let enough = bound.option("block").is_some() || runs(&of.members) > 1;
+        self.of_runs("order_track", first, &of, enough)?;
+        let orders = self.orders(bound.option("orders")?)?;
+        let window = self.window(bound, &of)?;
+        let block = match bound.option("block") {
+            Some(expr) => {
+                let angle = Quantity::hard(Dimension::ANGLE);
+                let angle = self.constant(expr, &angle, "`block`, an angle of the shaft,")?;
+                if !(angle > 0.0 && angle.is_finite()) {
+                    self.refuse(expr, "`block`", "above zero")?;
                 }
-                None => None,
-            };
-            return Some(Figure {
-                quantity,
-                display: shown,
-                picture: Picture::OrderTrack {
-                    members: planned(of.members),
-                    orders,
-                    window,
-                    block,
-                },
-            });
+                let overlap = self.overlap(bound)?;
+                Some((angle / std::f64::consts::TAU, overlap))
+            }
+            None => None,
+        };
+        Some(Figure {
+            quantity: quantity_text(&of),
+            display,
+            picture: Picture::OrderTrack {
+                members: of.members,
+                orders,
+                window,
+                block,
+            },
+        })
+    }
+
+    fn spectral(
+        &mut self,
+        drawing: Drawing,
+        name: &str,
+        first: &'a Expr,
+        bound: &Bound<'a>,
+        display: Option<&UnitExpr>,
+    ) -> Option<Figure> {
+        let of = self.amplitudes(name, first)?;
+        let mut display = self.display(&of, display, first)?;
+        let quantity = quantity_text(&of);
+        if drawing != Drawing::Spectrum {
+            let count = runs(&of.members);
+            self.of_runs(name, first, &of, count > 1 && count == of.members.len())?;
         }
-        let settings = self.spectrum_settings(taken, &of)?;
-        let picture = match name {
-            "spectrum" => Picture::Spectrum(planned(of.members), settings),
-            "waterfall" => Picture::Waterfall(planned(of.members), settings),
+        let settings = self.spectrum_settings(bound, &of)?;
+        let picture = match drawing {
+            Drawing::Spectrum => Picture::Spectrum(of.members, settings),
+            Drawing::Waterfall => Picture::Waterfall(of.members, settings),
             _ => {
-                let orders = match taken.option("orders") {
+                let orders = match bound.option("orders") {
                     Some(expr) => Some(self.orders(expr)?),
                     None => None,
                 };
-                let settings = self.campbell_settings(taken, settings, &of, &mut shown)?;
-                let modes = match taken.option("modes") {
+                let settings = self.campbell_settings(bound, settings, &of, &mut display)?;
+                let modes = match bound.option("modes") {
                     Some(expr) => self.natural_modes(expr, &of)?,
                     None => Vec::new(),
                 };
                 Picture::Campbell {
-                    members: planned(of.members),
+                    members: of.members,
                     settings,
                     orders,
                     modes,
@@ -223,7 +233,7 @@ impl<'a> Reporter<'a, '_> {
         };
         Some(Figure {
             quantity,
-            display: shown,
+            display,
             picture,
         })
     }
@@ -249,7 +259,7 @@ impl<'a> Reporter<'a, '_> {
                 return None;
             }
             let same = |member: &Member| {
-                let own = self.models.plan(&member.label.analysis);
+                let own = self.models.plan(&member.analysis);
                 own.is_some_and(|own| own.model == plan.model)
             };
             if !of.members.iter().all(same) {
@@ -290,7 +300,7 @@ impl<'a> Reporter<'a, '_> {
     fn orbit(
         &mut self,
         first: &'a Expr,
-        taken: &Taken<'a>,
+        bound: &Bound<'a>,
         display: Option<&UnitExpr>,
     ) -> Option<Figure> {
         let places = self.of_path(first, "`orbit` takes journals", "such as `run.main[1..5]`")?;
@@ -321,7 +331,7 @@ impl<'a> Reporter<'a, '_> {
             }
             journals.push((place.plan.analysis.origin.path.clone(), place.path.clone()));
         }
-        let cycles = self.cycles(taken.option("cycles"))?;
+        let cycles = self.cycles(bound.option("cycles"))?;
         Some(Figure {
             quantity: "Eccentricity".to_owned(),
             display: DisplayUnit {
@@ -336,80 +346,22 @@ impl<'a> Reporter<'a, '_> {
     fn polar(
         &mut self,
         first: &'a Expr,
-        taken: &Taken<'a>,
+        bound: &Bound<'a>,
         display: Option<&UnitExpr>,
     ) -> Option<Figure> {
         let help = "such as `run.main[1..5]` or `run.pin.force`";
         let places = self.of_path(first, "`polar` takes journals and recorded vectors", help)?;
-        let turned = match taken.option("turned_by") {
-            Some(expr) => {
-                let turned = self.expression(expr)?;
-                self.shaped(expr, &turned, Shape::Signal, "`turned_by`")?;
-                let angle = Quantity::hard(Dimension::ANGLE);
-                if let Err(misfit) = turned.quantity.fits(&angle) {
-                    let due = crate::check::mismatch::Due::new("`turned_by`");
-                    self.checker
-                        .misfit(expr, misfit, &turned.quantity, &angle, &due);
-                    return None;
-                }
-                if turned.list && turned.members.len() != places.found.len() {
-                    self.tell(
-                        Diagnostic::error(
-                            codes::REPORT_RUNS,
-                            format!(
-                                "{} vectors are turned by {} angles",
-                                places.found.len(),
-                                turned.members.len()
-                            ),
-                        )
-                        .at(expr.span, "one angle for all, or one for each"),
-                    );
-                    return None;
-                }
-                Some(turned)
-            }
+        let turned = match bound.option("turned_by") {
+            Some(expr) => Some(self.turned_by(expr, places.found.len())?),
             None => None,
         };
-        let mut vectors = Vec::new();
+        let mut vectors: Vec<Vector> = Vec::new();
         let mut column = None;
         for (at, place) in places.found.iter().enumerate() {
-            self.samples_at(first, place, "polar")?;
-            let analysis = place.plan.analysis.origin.path.clone();
-            let load = place.channels.journals.contains(&place.path);
-            let vector = if load { ".force" } else { "" };
-            let axis = |axis: &str| place.column(&format!("{vector}.{axis}"));
-            let (Some(x), Some(y)) = (axis("x"), axis("y")) else {
-                let several = place
-                    .columns()
-                    .iter()
-                    .filter(|c| begins(&c.path, &place.path))
-                    .count();
-                let message = if several > 1 {
-                    not_one(place, first.span)
-                } else {
-                    Diagnostic::error(
-                        codes::REPORT_SHAPE,
-                        format!("`{}` is no vector", place.path),
-                    )
-                    .at(first.span, "it has no x and y")
-                };
-                self.tell(message);
-                return None;
-            };
-            let component = |path: &str| {
-                let channel = Expression::Channel {
-                    analysis: analysis.clone(),
-                    path: path.to_owned(),
-                };
-                // what the pin gives the shell is against what it gets
-                if load {
-                    Expression::Map(Function::Negate, Box::new(channel))
-                } else {
-                    channel
-                }
-            };
-            if let Some(known) = vectors.first().map(|vector: &Vector| vector.load)
-                && known != load
+            let (mut vector, x) = self.vector(first, place)?;
+            if vectors
+                .first()
+                .is_some_and(|known| known.load != vector.load)
             {
                 self.tell(
                     Diagnostic::error(
@@ -420,30 +372,17 @@ impl<'a> Reporter<'a, '_> {
                 );
                 return None;
             }
-            vectors.push(Vector {
-                load,
-                x: component(&x.path),
-                y: component(&y.path),
-                turned_by: turned.as_ref().and_then(|turned| {
-                    let at = if turned.list { at } else { 0 };
-                    turned.members.get(at).map(|m| m.expression.clone())
-                }),
-                path: place.path.clone(),
-                analysis,
+            vector.turned_by = turned.as_ref().and_then(|turned| {
+                let at = if turned.list { at } else { 0 };
+                turned.members.get(at).map(|m| m.expression.clone())
             });
-            column.get_or_insert_with(|| x.clone());
+            vectors.push(vector);
+            column.get_or_insert(x);
         }
         let column = column?;
-        let of = Typed {
-            members: Vec::new(),
-            list: true,
-            shape: Shape::Signal,
-            quantity: Quantity::hard(column.dimension),
-            display: Some(column.display),
-            level: None,
-        };
+        let of = Typed::signals(Vec::new(), true, &column, Rows::Samples);
         let display = self.display(&of, display, first)?;
-        let cycles = self.cycles(taken.option("cycles"))?;
+        let cycles = self.cycles(bound.option("cycles"))?;
         let quantity = if vectors.iter().any(|vector| vector.load) {
             "load".to_owned()
         } else {
@@ -456,13 +395,67 @@ impl<'a> Reporter<'a, '_> {
         })
     }
 
+    /// The angles that turn the axes of a polar diagram: one for all of its vectors, or one for each.
+    fn turned_by(&mut self, expr: &'a Expr, vectors: usize) -> Option<Typed> {
+        let turned = self.expression(expr)?;
+        self.shaped(expr, &turned, Shape::Signal, "`turned_by`")?;
+        let (found, angle) = (turned.quantity(), Quantity::hard(Dimension::ANGLE));
+        if let Err(misfit) = found.fits(&angle) {
+            let due = Due::new("`turned_by`");
+            self.checker.misfit(expr, misfit, &found, &angle, &due);
+            return None;
+        }
+        if turned.list && turned.members.len() != vectors {
+            let angles = turned.members.len();
+            self.tell(
+                Diagnostic::error(
+                    codes::REPORT_RUNS,
+                    format!("{vectors} vectors are turned by {angles} angles"),
+                )
+                .at(expr.span, "one angle for all, or one for each"),
+            );
+            return None;
+        }
+        Some(turned)
+    }
+
+    /// The vector at a place, or the load of a journal there, and the column of its component along x.
+    fn vector(&mut self, expr: &Expr, place: &Found<'a>) -> Option<(Vector, Recorded)> {
+        self.samples_at(expr, place, "polar")?;
+        let load = place.channels.journals.contains(&place.path);
+        let vector = if load { ".force" } else { "" };
+        let axis = |axis: &str| place.column(&format!("{vector}.{axis}"));
+        let (Some(x), Some(y)) = (axis("x"), axis("y")) else {
+            let below = |column: &&Recorded| begins(&column.path, &place.path);
+            let message = if place.columns().iter().filter(below).count() > 1 {
+                not_one(place, expr.span)
+            } else {
+                no_vector(place, expr.span)
+            };
+            self.tell(message);
+            return None;
+        };
+        let component = |column: &Recorded| {
+            let channel = place.channel(&column.path);
+            // the load on the shell is opposite to the force on the pin
+            match load {
+                true => Expression::Map(Function::Negate, Box::new(channel)),
+                false => channel,
+            }
+        };
+        let vector = Vector {
+            load,
+            x: component(x),
+            y: component(y),
+            turned_by: None,
+            path: place.path.clone(),
+            analysis: place.plan.analysis.origin.path.clone(),
+        };
+        Some((vector, x.clone()))
+    }
+
     /// The places of a path; says what is due where an expression is none.
-    fn of_path(
-        &mut self,
-        expr: &'a Expr,
-        title: &str,
-        label: &str,
-    ) -> Option<super::channel::Places<'a>> {
+    fn of_path(&mut self, expr: &'a Expr, title: &str, label: &str) -> Option<Places<'a>> {
         let known =
             super::channel::root_name(expr).is_some_and(|root| !self.models.named(root).is_empty());
         if known {
@@ -476,30 +469,27 @@ impl<'a> Reporter<'a, '_> {
     }
 }
 
+/// The message for a place that is no vector.
+pub(super) fn no_vector(place: &Found<'_>, span: Span) -> Diagnostic {
+    Diagnostic::error(
+        codes::REPORT_SHAPE,
+        format!("`{}` is no vector", place.path),
+    )
+    .at(span, "it has no x and y")
+}
+
 /// How many runs there are.
 fn runs(members: &[Member]) -> usize {
-    let mut analyses: Vec<&str> = members.iter().map(|m| m.label.analysis.as_str()).collect();
+    let mut analyses: Vec<&str> = members.iter().map(|m| m.analysis.as_str()).collect();
     analyses.sort_unstable();
     analyses.dedup();
     analyses.len()
 }
 
-pub(super) fn planned(members: Vec<Member>) -> Vec<plan::Member> {
-    members
-        .into_iter()
-        .map(|member| plan::Member {
-            analysis: member.label.analysis,
-            channel: member.label.channel,
-            expression: member.expression,
-        })
-        .collect()
-}
-
 /// What an axis shows: the last name of the first channel.
 fn quantity_text(of: &Typed) -> String {
-    let empty = Label::default();
-    let label = of.members.first().map_or(&empty, |m| &m.label);
-    last_name(&label.channel)
+    let first = of.members.first();
+    last_name(first.map_or("", |member| &member.channel))
 }
 
 /// `shell acceleration` of `shell_acceleration[5]`, `force x` of `main[5].force.x`.

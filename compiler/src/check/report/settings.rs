@@ -1,15 +1,15 @@
 //! Options of filters and spectra.
 
 use super::Reporter;
-use super::arguments::Taken;
-use super::channel::{Found, are_modes};
-use super::value::{Shape, Typed};
+use super::channel::Found;
+use super::value::Typed;
+use crate::check::bound::Bound;
 use crate::check::mismatch::Due;
-use crate::check::types::Quantity;
+use crate::check::types::{Quantity, Type};
 use crate::codes;
-use crate::elaborate::AnalysisPlan;
+use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::Diagnostic;
-use eng_grammar::ast::Expr;
+use eng_grammar::ast::{Expr, ExprKind};
 use eng_system::report::{Averaging, Axis, Expression, Limit, SpectrumSettings, Window};
 use eng_system::system::Extent;
 use eng_system::{Dimension, DisplayUnit};
@@ -30,29 +30,6 @@ const SCALES: [(&str, bool); 2] = [("linear", false), ("logarithmic", true)];
 /// Whether places are told by time instead of crank angle.
 pub(super) const OVER: [(&str, bool); 2] = [("crank_angle", false), ("time", true)];
 const MEANS: [(&str, bool); 2] = [("removed", true), ("kept", false)];
-/// Options of every spectrum.
-pub(super) const SPECTRUM: [&str; 9] = [
-    "axis",
-    "up_to",
-    "window",
-    "block",
-    "overlap",
-    "averaging",
-    "mean",
-    "scale",
-    "reference",
-];
-/// Options of a Campbell diagram: what it draws over the spectra, then theirs.
-pub(super) const CAMPBELL: [&str; 11] = {
-    let mut options = ["orders"; 11];
-    options[1] = "modes";
-    let mut at = 0;
-    while at < SPECTRUM.len() {
-        options[at + 2] = SPECTRUM[at];
-        at += 1;
-    }
-    options
-};
 
 fn frequency() -> Quantity {
     Quantity::hard(Dimension::ONE.over(Dimension::TIME))
@@ -65,6 +42,38 @@ impl<'a> Reporter<'a, '_> {
             Diagnostic::error(codes::REPORT_NUMBER, format!("{what} must be {due}"))
                 .at(expr.span, "outside of this"),
         );
+        None
+    }
+
+    /// One of several words; `None` inside where the argument is absent.
+    pub(super) fn word<T: Copy>(
+        &mut self,
+        value: Option<&Expr>,
+        what: &str,
+        known: &[(&'static str, T)],
+    ) -> Option<Option<T>> {
+        let Some(value) = value else {
+            return Some(None);
+        };
+        let word = match &value.kind {
+            ExprKind::Name(name) => name.as_str(),
+            ExprKind::Bool(true) => "true",
+            ExprKind::Bool(false) => "false",
+            _ => "",
+        };
+        if let Some((_, meaning)) = known.iter().find(|(name, _)| *name == word) {
+            return Some(Some(*meaning));
+        }
+        let words = || known.iter().map(|(name, _)| *name);
+        let mut message = Diagnostic::error(
+            codes::REPORT_WORD,
+            format!("{what} is one of {}", listing(words(), 12)),
+        )
+        .at(value.span, "none of these words");
+        if let Some(near) = nearest(word, words()) {
+            message = message.meant(value.span, near);
+        }
+        self.tell(message);
         None
     }
 
@@ -116,7 +125,7 @@ impl<'a> Reporter<'a, '_> {
     pub(super) fn has_cycle(&mut self, of: &Typed) -> Option<bool> {
         let mut all = true;
         for member in &of.members {
-            let plan = self.models.plan(&member.label.analysis)?;
+            let plan = self.models.plan(&member.analysis)?;
             all &= self.models.channels(plan)?.cycle;
         }
         Some(all)
@@ -140,43 +149,10 @@ impl<'a> Reporter<'a, '_> {
         None
     }
 
-    /// The linear analysis of one of the members, if there is one.
-    pub(super) fn linear(&self, of: &Typed) -> Option<&'a AnalysisPlan> {
-        let plans = of.members.iter();
-        plans
-            .filter_map(|member| self.models.plan(&member.label.analysis))
-            .find(|plan| are_modes(plan))
-    }
-
-    /// Says that something takes samples of a run, where a signal is of modes.
-    pub(super) fn of_samples(&mut self, expr: &Expr, of: &Typed, name: &str) -> Option<()> {
-        match self.linear(of) {
-            Some(plan) if of.shape == Shape::Signal => self.no_samples(expr, plan, name),
-            _ => Some(()),
-        }
-    }
-
     /// Says that something takes what is recorded in time, where a place is of modes.
     pub(super) fn samples_at(&mut self, expr: &Expr, place: &Found<'_>, name: &str) -> Option<()> {
-        if are_modes(place.plan) {
-            return self.no_samples(expr, place.plan, name);
-        }
-        Some(())
-    }
-
-    fn no_samples(&mut self, expr: &Expr, plan: &AnalysisPlan, name: &str) -> Option<()> {
-        let analysis = &plan.analysis.origin.path;
-        let text = self.checker.sources.text(expr.span);
-        self.tell(
-            Diagnostic::error(
-                codes::REPORT_SHAPE,
-                format!("`{name}` takes samples of a run, and `{analysis}` gives modes"),
-            )
-            .at(expr.span, "a row a mode, not a sample")
-            .with_note("of modes there are `mode`, `minimum`, `maximum`, operators and, in a `campbell`, `modes:`")
-            .with_help(format!("for instance `mode({text}, 1)`, or of that near a frequency `mode({text}, 100 Hz)`")),
-        );
-        None
+        let found = Type::Int.in_rows(&place.rows());
+        self.checker.of_samples(expr, &found, name)
     }
 
     /// Whether all members are of analyses whose cycle repeats, and whole.
@@ -185,13 +161,13 @@ impl<'a> Reporter<'a, '_> {
             whole(&member.expression)
                 && self
                     .models
-                    .plan(&member.label.analysis)
+                    .plan(&member.analysis)
                     .is_some_and(|p| p.analysis.kind.rows() == eng_system::analysis::Rows::Cycle)
         })
     }
 
     /// A share from 0 to below 1.
-    pub(super) fn overlap(&mut self, taken: &Taken<'a>) -> Option<f64> {
+    pub(super) fn overlap(&mut self, taken: &Bound<'a>) -> Option<f64> {
         let Some(expr) = taken.option("overlap") else {
             return Some(0.5);
         };
@@ -203,7 +179,7 @@ impl<'a> Reporter<'a, '_> {
     }
 
     /// The window as stated; else rectangular where the cycle repeats, Hann elsewhere.
-    pub(super) fn window(&mut self, taken: &Taken<'a>, of: &Typed) -> Option<Window> {
+    pub(super) fn window(&mut self, taken: &Bound<'a>, of: &Typed) -> Option<Window> {
         let stated = self.word(taken.option("window"), "`window`", &WINDOWS)?;
         Some(stated.unwrap_or(if self.repeats(of) {
             Window::Rectangular
@@ -215,7 +191,7 @@ impl<'a> Reporter<'a, '_> {
     /// Everything about a spectrum of signals.
     pub(super) fn spectrum_settings(
         &mut self,
-        taken: &Taken<'a>,
+        taken: &Bound<'a>,
         of: &Typed,
     ) -> Option<SpectrumSettings> {
         let stated = self.word(taken.option("axis"), "`axis`", &AXES)?;
@@ -282,7 +258,7 @@ impl<'a> Reporter<'a, '_> {
     /// over 1 of their unit.
     pub(super) fn campbell_settings(
         &mut self,
-        taken: &Taken<'a>,
+        taken: &Bound<'a>,
         settings: SpectrumSettings,
         of: &Typed,
         shown: &mut DisplayUnit,
@@ -294,11 +270,9 @@ impl<'a> Reporter<'a, '_> {
         let scale = self.word(taken.option("scale"), "`scale`", &SCALES)?;
         let mut reference = settings.reference;
         if reference.is_none() && scale.unwrap_or(true) {
-            let force = Dimension::MASS
-                .times(Dimension::LENGTH)
-                .over(Dimension::TIME.times(Dimension::TIME));
+            let force = crate::check::scope::force_dimension();
             let acceleration = force.over(Dimension::MASS);
-            let symbol = match of.quantity.dim.base {
+            let symbol = match of.quantity().dim.base {
                 dimension if dimension == force => Some("N"),
                 dimension if dimension == acceleration => Some("m/s^2"),
                 _ => None,
@@ -324,7 +298,7 @@ impl<'a> Reporter<'a, '_> {
 
     /// The reference of a level: above zero, and of what it is a level of.
     pub(super) fn reference(&mut self, expr: &'a Expr, of: &Typed) -> Option<f64> {
-        let value = self.constant(expr, &of.quantity, "`reference`")?;
+        let value = self.constant(expr, &of.quantity(), "`reference`")?;
         if !(value > 0.0 && value.is_finite()) {
             self.refuse(expr, "`reference`", "above zero")?;
         }
@@ -334,19 +308,5 @@ impl<'a> Reporter<'a, '_> {
 
 /// Whether no part of a signal was selected.
 fn whole(expression: &Expression) -> bool {
-    match expression {
-        Expression::Last(..) => false,
-        Expression::Number(_) | Expression::Channel { .. } => true,
-        Expression::Map(_, of)
-        | Expression::Filter(_, of)
-        | Expression::Reduce(_, of)
-        | Expression::Amplitude(_, _, of)
-        | Expression::Mode(_, of)
-        | Expression::Decibel(_, of)
-        | Expression::Not(of) => whole(of),
-        Expression::Binary(_, left, right) | Expression::Resample(left, right) => {
-            whole(left) && whole(right)
-        }
-        Expression::Fold(_, members) => members.iter().all(whole),
-    }
+    !matches!(expression, Expression::Last(..)) && expression.parts().into_iter().all(whole)
 }

@@ -2,62 +2,28 @@
 
 use super::Reporter;
 use super::channel::root_name;
-use super::function;
 use crate::check::declare::collect_names;
 use crate::check::mismatch::Due;
 use crate::check::scope::BUILT_IN_NAMES;
-use crate::check::types::{Quantity, Type};
+use crate::check::signal::Shape;
+use crate::check::types::{Quantity, Rows, Type};
 use crate::codes;
-use crate::elaborate::AnalysisPlan;
+use crate::functions;
 use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{BinaryOp, Expr, ExprKind, IndexArgument, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::DisplayUnit;
 use eng_system::recorded::Recorded;
-use eng_system::report::{Expression, Function, Operator};
+use eng_system::report::{Expression, Function, Member, Operator};
 
-/// What a member is of.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Label {
-    /// The analysis of its first channel; empty for a constant.
-    pub analysis: String,
-    /// `vertical[5]`.
-    pub channel: String,
-}
-
-/// One signal, number or condition.
-#[derive(Clone, Debug)]
-pub(super) struct Member {
-    pub label: Label,
-    pub expression: Expression,
-}
-
-/// What the members of a value are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shape {
-    Signal,
-    Number,
-    Truth,
-}
-
-impl Shape {
-    fn words(self) -> &'static str {
-        match self {
-            Shape::Signal => "a signal",
-            Shape::Number => "a number",
-            Shape::Truth => "a condition",
-        }
-    }
-}
-
-/// Members of one kind and dimension.
+/// Members of one type.
 #[derive(Clone, Debug)]
 pub(super) struct Typed {
     pub members: Vec<Member>,
     /// Whether it is a list, of however many.
     pub list: bool,
-    pub shape: Shape,
-    pub quantity: Quantity,
+    /// The type of each member: a signal, a number or a truth value.
+    pub ty: Type,
     /// How its channels are shown.
     pub display: Option<DisplayUnit>,
     /// The reference, for a level in decibels.
@@ -66,19 +32,35 @@ pub(super) struct Typed {
 
 impl Typed {
     /// Signals of a dimension, shown as one of their channels is.
-    pub fn signals(members: Vec<Member>, list: bool, like: &Recorded) -> Typed {
+    pub fn signals(members: Vec<Member>, list: bool, like: &Recorded, rows: Rows) -> Typed {
+        let quantity = Quantity::hard(like.dimension);
         Typed {
             members,
             list,
-            shape: Shape::Signal,
-            quantity: Quantity::hard(like.dimension),
+            ty: Type::Signal { quantity, rows },
             display: Some(like.display.clone()),
             level: None,
         }
     }
 
-    /// The same members, each put into something.
-    pub fn mapped(mut self, wrap: impl Fn(Expression) -> Expression) -> Typed {
+    pub fn shape(&self) -> Shape {
+        Shape::of(&self.ty)
+    }
+
+    /// The quantity of each number.
+    pub fn quantity(&self) -> Quantity {
+        self.ty.each().unwrap_or_default()
+    }
+
+    /// Members of the same type, each made of one of these.
+    pub fn kept(self, wrap: impl Fn(Expression) -> Expression) -> Typed {
+        let ty = self.ty.clone();
+        self.mapped(ty, wrap)
+    }
+
+    /// Members of another type, each made of one of these.
+    pub fn mapped(mut self, ty: Type, wrap: impl Fn(Expression) -> Expression) -> Typed {
+        self.ty = ty;
         for member in &mut self.members {
             let inner = std::mem::replace(&mut member.expression, Expression::Number(0.0));
             member.expression = wrap(inner);
@@ -128,16 +110,16 @@ impl<'a> Reporter<'a, '_> {
             ExprKind::List { items, unit: None } => self.list(expr.span, items),
             ExprKind::Unary { op, operand } => {
                 let of = self.expression(operand)?;
-                match op {
-                    UnaryOp::Negate => {
-                        self.numeric(operand, &of)?;
-                        Some(of.mapped(|e| Expression::Map(Function::Negate, Box::new(e))))
-                    }
-                    UnaryOp::Not => {
-                        self.shaped(operand, &of, Shape::Truth, "the operand of `not`")?;
-                        Some(of.mapped(|e| Expression::Not(Box::new(e))))
-                    }
+                if *op == UnaryOp::Not {
+                    self.shaped(operand, &of, Shape::Truth, "the operand of `not`")?;
                 }
+                let ty = self.checker.signed(*op, operand, of.ty.clone());
+                (!ty.is_error()).then(|| {
+                    of.mapped(ty, |of| match op {
+                        UnaryOp::Negate => Expression::Map(Function::Negate, Box::new(of)),
+                        UnaryOp::Not => Expression::Not(Box::new(of)),
+                    })
+                })
             }
             ExprKind::Binary {
                 op,
@@ -166,7 +148,7 @@ impl<'a> Reporter<'a, '_> {
         names.iter().all(|(name, _)| {
             !self.names.contains_key(name.as_str())
                 && self.models.named(name).is_empty()
-                && !function::is_of_signals(name)
+                && functions::only_of_reports(name).is_none()
         })
     }
 
@@ -177,10 +159,10 @@ impl<'a> Reporter<'a, '_> {
         if ty.is_error() {
             return None;
         }
-        let (quantity, list) = match (&ty, ty.quantity(), ty.components()) {
-            (_, Some(quantity), _) => (quantity, false),
-            (_, _, Some((quantity, _))) => (quantity, true),
-            _ => {
+        let (ty, list) = match ty {
+            Type::Int | Type::Scalar(_) => (ty, false),
+            Type::List { element, .. } if element.quantity().is_some() => (*element, true),
+            ty => {
                 let found = self.checker.describe(&ty);
                 self.tell(
                     Diagnostic::error(
@@ -199,13 +181,13 @@ impl<'a> Reporter<'a, '_> {
             members: numbers
                 .into_iter()
                 .map(|value| Member {
-                    label: Label::default(),
+                    analysis: String::new(),
+                    channel: String::new(),
                     expression: Expression::Number(value),
                 })
                 .collect(),
             list,
-            shape: Shape::Number,
-            quantity,
+            ty,
             display: None,
             level: None,
         })
@@ -217,7 +199,7 @@ impl<'a> Reporter<'a, '_> {
         collect_names(expr, &mut names);
         let found = names.into_iter().find(|(name, _)| {
             !BUILT_IN_NAMES.contains(&name.as_str())
-                && crate::functions::find(name).is_none()
+                && functions::find(name).is_none()
                 && self.checker.find(&self.scope, name).is_none()
         });
         let Some((name, span)) = found else {
@@ -272,7 +254,7 @@ impl<'a> Reporter<'a, '_> {
         }
         let typed = self.known(expr)?;
         match (typed.list, typed.members.first().map(|m| &m.expression)) {
-            (false, Some(Expression::Number(value))) => Some((typed.quantity, *value)),
+            (false, Some(Expression::Number(value))) => Some((typed.quantity(), *value)),
             _ => {
                 self.tell(
                     Diagnostic::error(codes::REPORT_SHAPE, format!("{what} is one number"))
@@ -366,29 +348,18 @@ impl<'a> Reporter<'a, '_> {
             whole = Some(match whole {
                 None => Typed { list: true, ..next },
                 Some(mut whole) => {
-                    if whole.shape != next.shape {
-                        self.shaped(item, &next, whole.shape, "this element of a list")?;
+                    self.shaped(item, &next, whole.shape(), "this element of a list")?;
+                    let (a, b) = ((&whole.ty, span), (&next.ty, item.span));
+                    whole.ty = self.checker.join(a, b, "the elements of a list");
+                    if whole.ty.is_error() {
+                        return None;
                     }
-                    let joined = self.checker.join(
-                        (&Type::Scalar(whole.quantity.clone()), span),
-                        (&Type::Scalar(next.quantity.clone()), item.span),
-                        "the elements of a list",
-                    );
-                    whole.quantity = joined.quantity()?;
                     whole.members.extend(next.members);
                     whole
                 }
             });
         }
         whole
-    }
-
-    /// Not a condition.
-    fn numeric(&mut self, expr: &Expr, found: &Typed) -> Option<()> {
-        match found.shape {
-            Shape::Truth => self.shaped(expr, found, Shape::Number, "an operand"),
-            _ => Some(()),
-        }
     }
 
     /// Says where something of another shape stands than is due.
@@ -399,36 +370,7 @@ impl<'a> Reporter<'a, '_> {
         due: Shape,
         what: &str,
     ) -> Option<()> {
-        if found.shape == due {
-            return Some(());
-        }
-        let mut message = Diagnostic::error(
-            codes::REPORT_SHAPE,
-            format!(
-                "{what} must be {}, not {}",
-                due.words(),
-                found.shape.words()
-            ),
-        )
-        .at(expr.span, format!("this is {}", found.shape.words()));
-        let text = self.checker.sources.text(expr.span);
-        message = match (found.shape, due) {
-            (Shape::Signal, Shape::Number) if self.linear(found).is_some() => message
-                .with_note("a column of a linear analysis has a number for each mode")
-                .with_help(format!(
-                    "take one of them: `mode({text}, 1)`, `mode({text}, 100 Hz)`, `minimum({text})`, …"
-                )),
-            (Shape::Signal, Shape::Number) => message
-                .with_note("a signal is a number at each sample of a run")
-                .with_help(format!(
-                    "make a number of it: `maximum({text})`, `rms({text})`, `mean({text})`, …"
-                )),
-            (_, Shape::Signal) => message.with_note("a signal is a number at each sample of a run"),
-            (_, Shape::Truth) => message.with_help("compare it with something: `x < 5 %`"),
-            _ => message,
-        };
-        self.tell(message);
-        None
+        self.checker.shaped(expr, &found.ty, due, what)
     }
 
     fn binary(
@@ -440,46 +382,20 @@ impl<'a> Reporter<'a, '_> {
     ) -> Option<Typed> {
         let (a, b) = (self.expression(left), self.expression(right));
         let (a, b) = (a?, b?);
-        let operator = operator(op);
-        if matches!(op, BinaryOp::And | BinaryOp::Or) {
+        let ty = if matches!(op, BinaryOp::And | BinaryOp::Or) {
             self.shaped(left, &a, Shape::Truth, "a side of `and` and `or`")?;
             self.shaped(right, &b, Shape::Truth, "a side of `and` and `or`")?;
-            return self.paired(operator, op_span, a, b, Shape::Truth, Quantity::one());
-        }
-        self.numeric(left, &a)?;
-        self.numeric(right, &b)?;
-        let ty = self.checker.operated(
-            op,
-            op_span,
-            (left, &Type::Scalar(a.quantity.clone())),
-            (right, &Type::Scalar(b.quantity.clone())),
-        );
-        let comparison = matches!(
-            op,
-            BinaryOp::Equal
-                | BinaryOp::NotEqual
-                | BinaryOp::Less
-                | BinaryOp::LessEqual
-                | BinaryOp::Greater
-                | BinaryOp::GreaterEqual
-        );
-        if comparison {
-            // the sides were compared above, and a misfit told
-            let Type::Bool = ty else { return None };
-            if a.quantity.fits(&b.quantity).is_err() {
-                return None;
-            }
-            self.shaped(left, &a, Shape::Number, "a side of a comparison")?;
-            self.shaped(right, &b, Shape::Number, "a side of a comparison")?;
-            return self.paired(operator, op_span, a, b, Shape::Truth, Quantity::one());
-        }
-        let quantity = ty.quantity()?;
-        let shape = if Shape::Signal == a.shape || Shape::Signal == b.shape {
-            Shape::Signal
+            Type::Bool
         } else {
-            Shape::Number
+            for (side, of) in [(left, &a), (right, &b)] {
+                if of.shape() == Shape::Truth {
+                    self.shaped(side, of, Shape::Number, "an operand")?;
+                }
+            }
+            let sides = ((left, &a.ty), (right, &b.ty));
+            self.checker.operated(op, op_span, sides.0, sides.1)
         };
-        self.paired(operator, op_span, a, b, shape, quantity)
+        (!ty.is_error()).then(|| self.paired(operator(op), op_span, a, b, ty))?
     }
 
     /// Member by member; a single one goes with every member of a list.
@@ -489,8 +405,7 @@ impl<'a> Reporter<'a, '_> {
         span: Span,
         a: Typed,
         b: Typed,
-        shape: Shape,
-        quantity: Quantity,
+        ty: Type,
     ) -> Option<Typed> {
         let count = match (a.list, b.list) {
             (true, true) if a.members.len() != b.members.len() => {
@@ -511,9 +426,6 @@ impl<'a> Reporter<'a, '_> {
             (_, true) => b.members.len(),
             _ => 1,
         };
-        if a.shape == Shape::Signal && b.shape == Shape::Signal {
-            self.of_one_kind(span, &a, &b)?;
-        }
         let of = |side: &Typed, at: usize| {
             let at = if side.list { at } else { 0 };
             side.members.get(at).cloned()
@@ -524,71 +436,42 @@ impl<'a> Reporter<'a, '_> {
             if matches!(operator, Operator::Add | Operator::Subtract) {
                 self.of_one_frame(span, &x.expression, &y.expression)?;
             }
-            let mut label = joined(&x.label, &y.label, operator);
-            if a.shape != Shape::Signal && b.shape == Shape::Signal {
-                // of which run the samples are
-                label.analysis.clone_from(&y.label.analysis);
+            let (mut analysis, channel) = joined(&x, &y, operator);
+            if a.shape() != Shape::Signal && b.shape() == Shape::Signal {
+                // the samples are those of this run
+                analysis.clone_from(&y.analysis);
             }
+            let sides = (Box::new(x.expression), Box::new(y.expression));
             members.push(Member {
-                label,
-                expression: Expression::Binary(
-                    operator,
-                    Box::new(x.expression),
-                    Box::new(y.expression),
-                ),
+                analysis,
+                channel,
+                expression: Expression::Binary(operator, sides.0, sides.1),
             });
         }
         // a sum and a multiple are shown as their parts are
+        let dimension = ty.each().map(|quantity| quantity.dim);
         let display = [&a, &b]
             .into_iter()
-            .filter(|side| side.quantity.dim == quantity.dim)
+            .filter(|side| Some(side.quantity().dim) == dimension)
             .find_map(|side| side.display.clone());
         Some(Typed {
             members,
             list: a.list || b.list,
-            shape,
-            quantity,
+            ty,
             display,
             level: None,
         })
     }
 }
 
-impl<'a> Reporter<'a, '_> {
-    /// Says that two signals have no rows in common: samples and modes, or modes of two analyses.
-    fn of_one_kind(&mut self, span: Span, a: &Typed, b: &Typed) -> Option<()> {
-        let (first, second) = match (self.linear(a), self.linear(b)) {
-            (None, None) => return Some(()),
-            (first, second) => (first, second),
-        };
-        let name = |plan: &AnalysisPlan| plan.analysis.origin.path.clone();
-        let (title, label) = match (first.map(name), second.map(name)) {
-            (Some(first), Some(second)) if first == second => return Some(()),
-            (Some(first), Some(second)) => (
-                format!("modes of `{first}` are combined with modes of `{second}`"),
-                "their numbers need not be those of the same modes",
-            ),
-            _ => (
-                "modes are combined with samples".to_owned(),
-                "one side has a row a mode, the other a row a sample",
-            ),
-        };
-        self.tell(
-            Diagnostic::error(codes::REPORT_SHAPE, title)
-                .at(span, label)
-                .with_help("make numbers of both before: `mode(x, 100 Hz)`, `rms(y)`"),
-        );
-        None
-    }
-}
-
-/// What an operator between two things is of.
-fn joined(a: &Label, b: &Label, operator: Operator) -> Label {
+/// The analysis and the channel that stand for an operator between two members.
+fn joined(a: &Member, b: &Member, operator: Operator) -> (String, String) {
+    let own = |member: &Member| (member.analysis.clone(), member.channel.clone());
     if b.analysis.is_empty() {
-        return a.clone();
+        return own(a);
     }
     if a.analysis.is_empty() {
-        return b.clone();
+        return own(b);
     }
     let sign = match operator {
         Operator::Add => "+",
@@ -606,10 +489,7 @@ fn joined(a: &Label, b: &Label, operator: Operator) -> Label {
             a.analysis, a.channel, b.analysis, b.channel
         ),
     };
-    Label {
-        analysis: a.analysis.clone(),
-        channel,
-    }
+    (a.analysis.clone(), channel)
 }
 
 fn operator(op: BinaryOp) -> Operator {
