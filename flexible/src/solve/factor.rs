@@ -1,7 +1,7 @@
 //! Factors of sparse symmetric matrices: `L Lᵀ` of positive definite ones, `L B Lᵀ` of indefinite ones.
 //!
 //! The factorisation is supernodal (dense blocks of columns with the same rows), by faer. One [`Analysis`]
-//! serves all matrices of one pattern, as `K − σ M` for all shifts.
+//! serves all matrices of one pattern, such as `K − σ M` for all shifts.
 
 use super::ordering::{Ordering, out_of_memory, too_large};
 use crate::error::FlexibleError;
@@ -18,20 +18,21 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 use std::sync::Arc;
 
-/// A pivot this much smaller than what was there before the elimination is rounding, not stiffness. Foreign
-/// matrices come with 13 or 14 digits, so their rigid motions leave pivots of about 1e-13.
+/// A pivot is a rounding error and not a stiffness if its ratio to the entry before the elimination is below
+/// this. Foreign matrices have 13 or 14 digits, so their rigid motions leave pivots of about 1e-13.
 const LOST: f64 = 1e-12;
-/// The same for the pivots of an indefinite matrix, which may come nearer zero at a shift near an eigenvalue.
+/// The same ratio for an indefinite matrix. Its pivots may come closer to zero, at a shift near an
+/// eigenvalue.
 const LOST_INDEFINITE: f64 = 1e-14;
-/// Right-hand sides solved together.
+/// Number of right-hand sides solved together.
 const TOGETHER: usize = 32;
 
-/// What is known of a matrix before it is factored.
+/// The known definiteness of a matrix before its factorisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Definiteness {
     /// All eigenvalues are positive.
     Positive,
-    /// There may be negative ones; their number comes out.
+    /// Some eigenvalues may be negative. The factorisation counts them.
     Indefinite,
 }
 
@@ -41,12 +42,13 @@ pub struct Analysis {
     symbolic: SymbolicCholesky<u32>,
     column_start: Vec<u32>,
     ordering: Ordering,
-    /// Hash of the pattern, and number of its entries: faer's behaviour on another pattern is not defined.
+    /// Hash of the pattern, and number of its entries. Every factorisation compares them, because faer's
+    /// behaviour for another pattern is undefined.
     pattern: (u64, usize),
 }
 
 impl Analysis {
-    /// For the pattern of a matrix, in the given order.
+    /// The analysis of a matrix's pattern, in the given order.
     ///
     /// # Errors
     /// When the order is not of this matrix's rows, or memory or indices run out.
@@ -95,7 +97,7 @@ impl Analysis {
         })
     }
 
-    /// For the pattern of a matrix, in the order that [`Ordering::fill_reducing`] finds.
+    /// The analysis of a matrix's pattern, in the order that [`Ordering::fill_reducing`] finds.
     ///
     /// # Errors
     /// When memory or indices run out.
@@ -113,12 +115,14 @@ impl Analysis {
         &self.ordering
     }
 
-    /// Numbers stored of a factor: its entries, and the zeros that make its blocks rectangles.
+    /// Number of stored values of a factor: its entries, and the zeros that complete its blocks to
+    /// rectangles.
     pub fn stored(&self) -> usize {
         self.symbolic.len_val()
     }
 
-    /// Visits the pivots: place in the factor's values, and place in the order, block by block.
+    /// Visits the pivots block by block, with their index in the factor's values and their index in the
+    /// order.
     fn each_pivot(&self, mut visit: impl FnMut(usize, usize)) {
         if let SymbolicCholeskyRaw::Supernodal(factor) = self.symbolic.raw() {
             let blocks = factor
@@ -143,7 +147,8 @@ impl Analysis {
 pub struct Factorization {
     analysis: Arc<Analysis>,
     values: Vec<f64>,
-    /// Of an indefinite matrix: below the diagonal of B, and the exchanges of rows inside blocks, both ways.
+    /// For an indefinite matrix: the entries below the diagonal of B, and the row exchanges inside blocks, in
+    /// both directions.
     indefinite: Option<(Vec<f64>, Vec<u32>, Vec<u32>)>,
     negative: usize,
 }
@@ -152,8 +157,8 @@ impl Factorization {
     /// Factors a matrix of the analysed pattern.
     ///
     /// # Errors
-    /// [`FlexibleError::Singular`] when a pivot vanishes (or, of a matrix said to be positive definite, is
-    /// negative); [`FlexibleError::Matrix`] when the matrix is not finite or of another pattern.
+    /// [`FlexibleError::Singular`] when a pivot vanishes (or is negative although the matrix should be
+    /// positive definite); [`FlexibleError::Matrix`] when the matrix is not finite or of another pattern.
     pub fn new(
         analysis: &Arc<Analysis>,
         matrix: &SymmetricMatrix,
@@ -162,8 +167,8 @@ impl Factorization {
         Factorization::reusing(Vec::new(), analysis, matrix, kind)
     }
 
-    /// Like [`Factorization::new`], in the memory of an earlier factorisation: a factor is by far the largest
-    /// thing here.
+    /// Like [`Factorization::new`], but in the memory of an earlier factorisation, because a factor needs by
+    /// far the most memory.
     ///
     /// # Errors
     /// See [`Factorization::new`].
@@ -183,7 +188,7 @@ impl Factorization {
     ) -> Result<Factorization, FlexibleError> {
         check(analysis, matrix)?;
         let stored = analysis.stored();
-        // the factorisation overwrites what is there
+        // the factorisation overwrites the old values
         if values.len() != stored {
             values.clear();
             values
@@ -295,7 +300,7 @@ impl Factorization {
         self.settle(weakest, LOST_INDEFINITE)
     }
 
-    /// Refuses a weakest pivot that has lost too many digits.
+    /// Returns an error if the weakest pivot has lost too many digits.
     fn settle(&self, weakest: (usize, f64), lost: f64) -> Result<(), FlexibleError> {
         if self.analysis.size() == 0 {
             return Ok(());
@@ -315,13 +320,13 @@ impl Factorization {
             .map_or(0, |&row| row as usize)
     }
 
-    /// The analysis this factor is of.
+    /// The analysis of this factor.
     pub fn analysis(&self) -> &Arc<Analysis> {
         &self.analysis
     }
 
-    /// How many eigenvalues of the matrix are negative (Sylvester's law of inertia): of `K − σ M` with a
-    /// positive semidefinite `M`, how many eigenvalues of the pencil lie below σ.
+    /// Number of negative eigenvalues of the matrix (Sylvester's law of inertia). For `K − σ M` with a
+    /// positive semidefinite `M` it is the number of eigenvalues of the pencil below σ.
     pub fn negative_pivots(&self) -> usize {
         self.negative
     }
@@ -368,8 +373,8 @@ impl Factorization {
         Ok(())
     }
 
-    /// Solves `A x = b` and improves the solutions `steps` times by solving for what is left of the
-    /// right-hand sides. Gives the largest `‖b − A x‖ / ‖b‖` after the last step.
+    /// Solves `A x = b` and improves the solutions `steps` times by solving for the residual of the
+    /// right-hand sides. Returns the largest `‖b − A x‖ / ‖b‖` after the last step.
     ///
     /// # Errors
     /// When lengths don't fit, or memory runs out.
@@ -423,7 +428,7 @@ impl Factorization {
     }
 }
 
-/// The pivot with the smaller ratio; what is not a number counts as zero.
+/// The pivot with the smaller ratio. A ratio that is not a number counts as zero.
 fn weaker(one: (usize, f64), two: (usize, f64)) -> (usize, f64) {
     let ratio = if two.1.is_nan() { 0.0 } else { two.1 };
     if ratio < one.1 { (two.0, ratio) } else { one }
@@ -448,7 +453,7 @@ fn view<'a>(analysis: &'a Analysis, matrix: &'a SymmetricMatrix) -> SparseColMat
 }
 
 fn pattern_of(matrix: &SymmetricMatrix) -> (u64, usize) {
-    // FNV-1a over words; the column starts go in through the lengths of the columns
+    // FNV-1a over words; the lengths of the columns represent the column starts
     let mut hash = 0xcbf2_9ce4_8422_2325u64;
     let mut add = |word: u64| hash = (hash ^ word).wrapping_mul(0x0100_0000_01b3);
     for column in 0..matrix.size() {
@@ -482,7 +487,7 @@ fn check(analysis: &Analysis, matrix: &SymmetricMatrix) -> Result<(), FlexibleEr
     Ok(())
 }
 
-/// Diagonal entries; zero where there is none.
+/// Diagonal entries; zero for a row without one.
 pub(crate) fn diagonal(matrix: &SymmetricMatrix) -> Vec<f64> {
     (0..matrix.size())
         .map(|column| {
@@ -495,14 +500,15 @@ pub(crate) fn diagonal(matrix: &SymmetricMatrix) -> Vec<f64> {
         .collect()
 }
 
-/// How large the pivot of each row can be expected: its diagonal entry, or what eliminating a neighbour adds
-/// to it, `a_ij² / |a_jj|`, whichever is larger. Does not depend on the units of the freedoms.
+/// The expected size of each row's pivot. It is the larger of two values: the diagonal entry, and the amount
+/// `a_ij² / |a_jj|` that the elimination of a neighbour adds. The result does not depend on the units of the
+/// freedoms.
 fn pivot_scale(matrix: &SymmetricMatrix) -> Vec<f64> {
     let diagonal = diagonal(matrix);
     let mut scale: Vec<f64> = diagonal.iter().map(|entry| entry.abs()).collect();
     let mut raise = |row: usize, value: f64, other: usize| {
         let added = value * value / diagonal[other].abs();
-        // over a zero diagonal the entry itself is the pivot of a pair
+        // for a zero diagonal the entry itself is the pivot of a pair
         let added = if added.is_finite() {
             added
         } else {

@@ -1,4 +1,4 @@
-//! The graph of a symmetric matrix, with indistinguishable rows made one vertex.
+//! The graph of a symmetric matrix. Rows with the same pattern share a vertex.
 
 use super::random::mix;
 use crate::sparse::SymmetricMatrix;
@@ -6,15 +6,15 @@ use crate::sparse::SymmetricMatrix;
 /// No vertex.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// An undirected graph: each edge stands at both ends, none from a vertex to itself.
+/// An undirected graph. Each edge is listed at both ends, and no edge joins a vertex to itself.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Graph {
-    /// Where the neighbours of each vertex start, and the end.
+    /// Start of the neighbours of each vertex, and the end of the last ones.
     pub(crate) start: Vec<usize>,
     pub(crate) neighbour: Vec<u32>,
-    /// How many edges of the finest graph an edge stands for.
+    /// Number of edges of the finest graph that an edge represents.
     pub(crate) edge_weight: Vec<u32>,
-    /// How many rows of the matrix a vertex stands for.
+    /// Number of rows of the matrix that a vertex represents.
     pub(crate) weight: Vec<u32>,
 }
 
@@ -40,8 +40,8 @@ impl Graph {
             .zip(self.edge_weight[range].iter().copied())
     }
 
-    /// The graph of some vertices; `place` gives each vertex's new number, [`NONE`] for those left out,
-    /// ascending in the order of `chosen`.
+    /// The graph of the `chosen` vertices. `place` gives each vertex its new number, ascending in the order
+    /// of `chosen`, and [`NONE`] to the others.
     pub(crate) fn induced(&self, chosen: &[u32], place: &[u32]) -> Graph {
         let mut part = Graph {
             start: Vec::with_capacity(chosen.len() + 1),
@@ -64,18 +64,19 @@ impl Graph {
     }
 }
 
-/// Rows of a matrix that stand for one vertex: those with the same rows in their columns. The three or six
-/// freedoms of a node fall together this way, whatever their numbers.
+/// Groups of rows of a matrix, one for each vertex. The rows of a group have entries in the same columns. So
+/// the three or six freedoms of a node share a vertex, whatever their numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Compressed {
     pub(crate) graph: Graph,
-    /// Where each vertex's rows start in `member`, and the end.
+    /// Start of each vertex's rows in `member`, and the end of the last ones.
     pub(crate) first: Vec<usize>,
     pub(crate) member: Vec<u32>,
 }
 
 impl Compressed {
-    /// Compares the columns by a 64-bit hash of their rows: a collision would cost fill, not correctness.
+    /// Compares the columns by a 64-bit hash of their rows. A collision would only add fill; the result stays
+    /// correct.
     pub(crate) fn new(matrix: &SymmetricMatrix) -> Compressed {
         let size = matrix.size();
         let code: Vec<u64> = (1..=size as u64).map(mix).collect();
@@ -94,7 +95,7 @@ impl Compressed {
         }
         let mut by_hash: Vec<(u64, u32)> = hash.iter().copied().zip(0..).collect();
         by_hash.sort_unstable();
-        // the vertex of each group's first row, numbered in the order of those rows
+        // the vertex of each group's first row; vertices are numbered in the order of these rows
         let mut leader = vec![0u32; size];
         for group in by_hash.chunk_by(|one, two| one.0 == two.0) {
             for &(_, row) in group {
@@ -132,7 +133,7 @@ impl Compressed {
         }
     }
 
-    /// The order of the rows that goes with an order of the vertices.
+    /// The order of the rows for an order of the vertices.
     pub(crate) fn expand(&self, order: &[u32]) -> Vec<u32> {
         let mut rows = Vec::with_capacity(self.member.len());
         for &vertex in order {

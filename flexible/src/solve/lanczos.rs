@@ -2,9 +2,9 @@
 //! thick restarts (Grimes, Lewis, Simon: A shifted block Lanczos algorithm, SIAM J. Matrix Anal. Appl. 15,
 //! 1994; Wu, Simon: Thick-restart Lanczos method, ibid. 22, 2000).
 //!
-//! The basis is a set of processed columns `V`, followed by the next block `W`:
-//! `A⁻¹ M V = V T + W C`, `[V W]ᵀ M [V W] = 1`, with `C` zero but for the columns from `coupled` on.
-//! `T` is not taken as banded: every new column is projected on all others, which also makes restarts simple.
+//! The basis is a set of processed columns `V`, followed by the next block `W`: `A⁻¹ M V = V T + W C`,
+//! `[V W]ᵀ M [V W] = 1`. Only the columns of `C` from `coupled` on are not zero. The code does not assume a
+//! banded `T`: it projects every new column on all others, which also makes restarts simple.
 
 use super::dense::symmetric_eigen;
 use super::random::Random;
@@ -15,18 +15,19 @@ use crate::sparse::product::multiply;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
-/// A column that keeps less than this of its length when the others are projected out depends on them.
+/// A column depends on the others if it keeps less than this share of its length when they are projected out.
 const DEPENDENT: f64 = 1e-11;
-/// The same for columns of unit length: these should not shrink again.
+/// The same limit for columns of unit length, which should not shrink again.
 const UNIT_LOST: f64 = 1e-2;
-/// A column of which less than this share of its square is left has its Gram matrix worked out anew.
+/// If a projection leaves less than this share of a column's square, the Gram matrix is computed again.
 const SHRUNK: f64 = 1e-4;
-/// Columns of which more than this share of the square is left by a projection need no second one for the
-/// digits…
+/// A second projection is unnecessary under two conditions. First: the projection leaves more than this share
+/// of the square of every column.
 const KEPT: f64 = 0.25;
-/// …when of none less than this share is left without the others of its block.
+/// Second: every column keeps more than this share of its square when the others of its block are projected
+/// out.
 const INDEPENDENT: f64 = 1e-3;
-/// What may be left to project out when a block counts as orthonormal.
+/// A block counts as orthonormal if its remaining components along the basis are below this.
 const ORTHOGONAL: f64 = 1e-12;
 
 /// The state of an iteration.
@@ -34,7 +35,7 @@ pub(crate) struct Lanczos<'a> {
     mass: &'a SymmetricMatrix,
     size: usize,
     block: usize,
-    /// Processed columns, most at once.
+    /// The largest number of processed columns.
     limit: usize,
     /// Processed columns, then the next block.
     basis: Vec<f64>,
@@ -48,24 +49,24 @@ pub(crate) struct Lanczos<'a> {
     coupling: Vec<f64>,
     coupled: usize,
     random: Random,
-    /// Blocks solved for.
+    /// Number of solved blocks.
     pub(crate) solves: usize,
 }
 
-/// Approximate eigenpairs: θ descending.
+/// Approximate eigenpairs, with θ descending.
 pub(crate) struct Ritz {
     pub(crate) values: Vec<f64>,
-    /// By columns, in the basis of the processed columns.
+    /// The vectors by columns, in the basis of the processed columns.
     vectors: Vec<f64>,
-    /// `C s`: what of each pair's residual lies in the next block; `next` rows.
+    /// `C s`: the part of each pair's residual in the next block; `next` rows.
     leak: Vec<f64>,
     /// Length of that residual, over θ.
     pub(crate) residuals: Vec<f64>,
 }
 
 impl<'a> Lanczos<'a> {
-    /// Starts from `block` random vectors. The factor is handed to each step that solves, so that its memory
-    /// can serve other factorisations in between; it is always of the same matrix.
+    /// Starts from `block` random vectors. Each step that solves gets the factor as an argument, so that its
+    /// memory can serve other factorisations in between. It must always be the factor of the same matrix.
     ///
     /// # Errors
     /// When memory runs out.
@@ -99,12 +100,12 @@ impl<'a> Lanczos<'a> {
         Ok(lanczos)
     }
 
-    /// Processed columns.
+    /// Number of processed columns.
     pub(crate) fn processed(&self) -> usize {
         self.processed
     }
 
-    /// Processed columns, most at once.
+    /// The largest number of processed columns.
     pub(crate) fn limit(&self) -> usize {
         self.limit
     }
@@ -139,8 +140,9 @@ impl<'a> Lanczos<'a> {
         self.processed + self.next > self.limit
     }
 
-    /// Replaces the next block by a random one, for what the iteration can't see from where it is: further
-    /// vectors of a multiple eigenvalue. The block stays empty when the basis spans everything with mass.
+    /// Replaces the next block by a random one. It finds vectors that the iteration cannot reach from its
+    /// present basis: further vectors of a multiple eigenvalue. The block stays empty when the basis spans
+    /// all motions with mass.
     ///
     /// # Errors
     /// When memory runs out.
@@ -154,7 +156,7 @@ impl<'a> Lanczos<'a> {
             .collect();
         let mut image = vec![0.0; start.len()];
         multiply(self.mass, &start, &mut image);
-        // one application removes what has no mass
+        // one application removes motions without mass
         factor.solve_in_place(&mut image)?;
         self.solves += 1;
         self.append(image, Vec::new());
@@ -181,7 +183,8 @@ impl<'a> Lanczos<'a> {
         for column in first..rows {
             let own = &along[(column - first) * rows..][..rows];
             for row in 0..=column {
-                // T is symmetric: of the block with itself the mean is taken
+                // T is symmetric, so the product of the block with itself is replaced by the mean with its
+                // transpose
                 let mirror = if row < first {
                     own[row]
                 } else {
@@ -194,10 +197,11 @@ impl<'a> Lanczos<'a> {
         Ok(())
     }
 
-    /// Takes out of the image `Z = A⁻¹ M W` of the next block what is known of it without a product with the
-    /// mass: along W it is `(M W)ᵀ Z`, along the columns before it `Vᵀ M A⁻¹ M W = (A⁻¹ M V)ᵀ M W = Cᵀ`. What
-    /// is left is small or rounding, so that one projection on the whole basis mostly is enough. Gives these
-    /// components, over the basis with the block, by columns.
+    /// Removes the components of the image `Z = A⁻¹ M W` of the next block that are known without a product
+    /// with the mass. Along W the component is `(M W)ᵀ Z`, and along the columns before it
+    /// `Vᵀ M A⁻¹ M W = (A⁻¹ M V)ᵀ M W = Cᵀ`. The remaining components are small or rounding errors, so that
+    /// one projection on the whole basis is mostly enough. Returns the removed components, over the basis
+    /// with the block, by columns.
     fn known_components(&self, mass_block: &[f64], image: &mut [f64]) -> Vec<f64> {
         let (size, next) = (self.size, self.next);
         let rows = self.processed + next;
@@ -209,7 +213,7 @@ impl<'a> Lanczos<'a> {
         let own = self.gram(mass_block, image);
         for column in 0..next {
             for row in 0..next {
-                // the mean, as the matrix is symmetric
+                // the mean, because the matrix is symmetric
                 known[column * rows + self.processed + row] =
                     0.5 * (own[column * next + row] + own[row * next + column]);
             }
@@ -226,14 +230,14 @@ impl<'a> Lanczos<'a> {
         known
     }
 
-    /// Orthonormalises a block against the basis and in itself, and appends it as the next block. Gives the
-    /// components of the block along the basis (by columns), added to those that were taken out of it before,
-    /// and along the new columns: `block = V H + W R`.
+    /// Orthonormalises a block against the basis and in itself, and appends it as the next block. Returns the
+    /// components of the block along the basis (by columns, added to the components removed before) and along
+    /// the new columns: `block = V H + W R`.
     fn append(&mut self, mut block: Vec<f64>, mut along: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
         let (size, known) = (self.size, self.processed);
         let columns = block.len() / size.max(1);
         along.resize(known * columns, 0.0);
-        // squared lengths: what was taken out before, and what came in
+        // squared lengths of the components removed before, and of the columns of the block
         let taken: Vec<f64> = (0..columns)
             .map(|column| {
                 let own = along.get(column * known..(column + 1) * known);
@@ -241,7 +245,7 @@ impl<'a> Lanczos<'a> {
             })
             .collect();
         let mut lengths = Vec::new();
-        // rows: the block's columns now; columns: as they came in
+        // rows: the present columns of the block; columns: the original ones
         let mut upper = identity(columns);
         let mut mass_block = vec![0.0; block.len()];
         let mut done = false;
@@ -249,7 +253,7 @@ impl<'a> Lanczos<'a> {
             let width = block.len() / size.max(1);
             mass_block.truncate(block.len());
             multiply(self.mass, &block, &mut mass_block);
-            // columns are of unit length after the first pass; one that still shrinks was rounding
+            // columns have unit length after the first pass; one that still shrinks was a rounding error
             let floors = if pass == 0 {
                 let columns = block.chunks_exact(size).zip(mass_block.chunks_exact(size));
                 lengths = columns.map(|(x, y)| dot(x, y).max(0.0)).collect();
@@ -286,8 +290,8 @@ impl<'a> Lanczos<'a> {
                 1.0,
                 Par::Seq,
             );
-            // (W − V h)ᵀ M W is the Gram matrix of what is left, but for rounding of the size of what was
-            // taken away
+            // (W − V h)ᵀ M W is the Gram matrix of the remaining block, except for rounding errors of the
+            // size of the removed part
             let mut gram = self.gram(&block, &mass_block);
             let kept = |gram: &[f64]| {
                 let shares = lengths.iter().enumerate();
@@ -310,7 +314,7 @@ impl<'a> Lanczos<'a> {
                 .iter()
                 .fold(0.0f64, |worst, part| worst.max(part.abs()));
             let (factor, inverse, rank, least) = pivoted_cholesky(&gram, width, &floors);
-            // columns that keep their length, and are not nearly dependent, are orthonormal at once
+            // columns that keep their length and are not nearly dependent are orthonormal after one pass
             let clean = pass == 0 && rank == width && kept(&gram) > KEPT && least > INDEPENDENT;
             let apply = |old: &[f64]| product(old, [size, width, rank], &inverse);
             block = apply(&block);
@@ -358,7 +362,7 @@ impl<'a> Lanczos<'a> {
         let mut dense = vec![0.0; count * count];
         for column in 0..count {
             for row in 0..=column {
-                // the lower triangle is read
+                // the eigenvalue routine reads the lower triangle
                 dense[row * count + column] = self.projected[column * self.limit + row];
             }
         }
@@ -408,7 +412,7 @@ impl<'a> Lanczos<'a> {
         self.coupling = ritz.leak[..self.next * keep].to_vec();
     }
 
-    /// As [`Lanczos::restart`], giving back the memory of the other columns; the pairs kept are as before.
+    /// Like [`Lanczos::restart`], but frees the memory of the other columns. The kept pairs do not change.
     pub(crate) fn settle(&mut self, ritz: &Ritz, keep: usize) -> Ritz {
         self.restart(ritz, keep);
         self.basis.shrink_to_fit();
@@ -444,7 +448,7 @@ impl<'a> Lanczos<'a> {
     }
 
     /// The first `count` approximate eigenvectors in the given freedoms, with one step of the iteration
-    /// applied, `x = V s + W C s / θ`, which removes what has crept in of motions without mass (Nour-Omid,
+    /// applied, `x = V s + W C s / θ`, which removes accumulated motions without mass (Nour-Omid,
     /// Parlett, Ericsson, Jensen: How to implement the spectral transformation, Math. Comp. 48, 1987). Not
     /// normalised.
     pub(crate) fn vectors(&self, ritz: &Ritz, count: usize) -> Vec<f64> {
@@ -524,9 +528,9 @@ fn identity(size: usize) -> Vec<f64> {
     matrix
 }
 
-/// `G ≈ Rᵀ R` with as many rows of `R` as there are independent columns: those of which more than their floor
-/// is left when the columns before them are projected out. Gives `R` (rank × width), `B` (width × rank) with
-/// `R B = 1`, the rank, and the least share of a column's square that was left of it.
+/// `G ≈ Rᵀ R` with one row of `R` for each independent column. A column is independent if the projection of
+/// the columns before it leaves more than its floor. Returns `R` (rank × width), `B` (width × rank) with
+/// `R B = 1`, the rank, and the least remaining share of a column's square.
 fn pivoted_cholesky(
     gram: &[f64],
     width: usize,

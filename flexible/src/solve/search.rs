@@ -1,4 +1,5 @@
-//! The search for the lowest modes: choice of the shift, iteration, proof, and taking it up again.
+//! The search for the lowest modes: choice of the shift, iteration, proof, and resumption if modes are
+//! missing.
 
 use super::dense::inverse_eigen;
 use super::eigen::{EigenOptions, EigenSolution, SturmCount};
@@ -13,43 +14,44 @@ use crate::sparse::SymmetricMatrix;
 use crate::sparse::product::multiply;
 use std::sync::Arc;
 
-/// The same where all eigenvalues are found densely: rounding is even over all of them.
+/// Ratio of |σ| to the typical ratio of the diagonals, for a dense solution of all eigenvalues. In it the rounding
+/// error is even over all eigenvalues.
 const DENSE_SHIFT: f64 = 1e-3;
-/// Up to this size the eigenvalues are found densely.
+/// Up to this size a dense solver finds the eigenvalues.
 const DENSE: usize = 200;
-/// Up to this size they are when more than a third is wanted.
+/// Up to this size a dense solver finds them if more than a third is wanted.
 const DENSE_MANY: usize = 2500;
-/// An eigenvalue below this share of |σ| is a rigid motion, as far as the choice of σ goes.
+/// For the choice of σ, an eigenvalue below this share of |σ| counts as a rigid motion.
 const RIGID: f64 = 1e-4;
-/// |σ| over the first elastic eigenvalue: outside of these σ is moved…
+/// Range of |σ| over the first elastic eigenvalue. Outside of it σ moves.
 const SHIFT_RANGE: std::ops::Range<f64> = 1e-6..20.0;
-/// The same where combinations are held: what holds a rigid motion is taken out of solutions, in which it
-/// must not be much larger than the modes looked for.
+/// The same range if combinations of freedoms are held. The held rigid motions are removed from solutions, so
+/// in a solution they must not be much larger than the wanted modes.
 const HELD_RANGE: std::ops::Range<f64> = 0.02..20.0;
-/// …so often at most.
+/// The largest number of moves of σ.
 const MOVES: usize = 3;
-/// Times the search is taken up again when the count shows that modes are missing.
+/// The largest number of resumptions of the search after a count that shows missing modes.
 const RESUMPTIONS: usize = 8;
 
-/// What a search needs throughout.
+/// The data of a search.
 pub(super) struct Search<'a> {
     pub(super) stiffness: &'a SymmetricMatrix,
     pub(super) mass: &'a SymmetricMatrix,
     options: &'a EigenOptions,
-    /// Combinations held at zero, of unit length.
+    /// Combinations of freedoms held at zero, with unit length.
     held: Vec<Combination>,
     analysis: Arc<Analysis>,
-    /// Median of the ratios of stiffness's and mass's diagonals.
+    /// Median of the ratios of the diagonal entries of stiffness and mass.
     pub(super) typical: f64,
     factorizations: usize,
     solves: usize,
 }
 
-/// What there is before a search.
+/// The factor or memory available at the start of a search.
 pub(super) enum Start {
-    /// The memory of a factor that is not needed any more.
+    /// The memory of a factor that is no longer needed.
     Memory(Factorization),
-    /// A factor to iterate with.
+    /// A factor for the iteration.
     Positive(Shifted),
 }
 
@@ -62,11 +64,11 @@ impl Start {
     }
 }
 
-/// How an iteration went.
+/// The result of an iteration.
 enum Progress {
-    /// The wanted pairs are there.
+    /// The wanted pairs.
     Found(Pairs, Ritz),
-    /// This shift is better.
+    /// A better shift.
     Move(f64),
 }
 
@@ -118,7 +120,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Finds `count` modes and proves them complete: below `limit` where the count was made there.
+    /// Finds `count` modes and proves that none is missing. With a `limit` the proof uses the count at this
+    /// limit.
     pub(super) fn run(
         &mut self,
         count: usize,
@@ -202,7 +205,7 @@ impl<'a> Search<'a> {
                     }
                 }
             };
-            // what is found below a place where the number is known
+            // the pairs found below a place with a known count
             if let Some(below) = limit {
                 let found = pairs.below(below * (1.0 + BORDER));
                 if found >= wanted {
@@ -220,7 +223,7 @@ impl<'a> Search<'a> {
                     below,
                     gap,
                 } => {
-                    // the count needs memory, and only these columns any more
+                    // the count needs memory, and from here on only these columns are needed
                     let ritz = lanczos.settle(&ritz, expected);
                     let (proof, used) =
                         self.prove(Some(factor.into_factor()), expected, below, gap)?;
@@ -248,7 +251,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// A factor of `K − σ M`, with a σ low enough.
+    /// A factor of `K − σ M` with a sufficiently low σ.
     fn positive(
         &mut self,
         mut memory: Option<Factorization>,
@@ -291,7 +294,7 @@ impl<'a> Search<'a> {
         Lanczos::new(self.mass, factor, block, most)
     }
 
-    /// Iterates until the wanted pairs are found.
+    /// Iterates until it has the wanted pairs.
     fn converge(
         &mut self,
         lanczos: &mut Lanczos<'_>,
@@ -367,7 +370,7 @@ impl<'a> Search<'a> {
         self.solution(pairs, lanczos.vectors(ritz, count), sturm, shift)
     }
 
-    /// Normalises the vectors and works out what they leave.
+    /// Normalises the vectors and computes their residuals.
     fn solution(
         &self,
         pairs: &Pairs,
@@ -394,7 +397,7 @@ impl<'a> Search<'a> {
                 .zip(stiff.chunks_exact(size))
                 .zip(values)
             {
-                // neither scale nor sign matter to the residual
+                // the residual does not depend on scale or sign
                 let mut rest: Vec<f64> = stiff
                     .iter()
                     .zip(heavy)

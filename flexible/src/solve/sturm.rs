@@ -9,26 +9,27 @@ use super::search::Search;
 use crate::error::FlexibleError;
 use crate::sparse::product::multiply;
 
-/// Neighbours closer than this share of the eigenvalue are one cluster…
+/// Neighbours closer than this share of the eigenvalue are one cluster.
 const CLUSTER: f64 = 1e-6;
-/// …and so are those closer than this share of the typical ratio of the diagonals: rounding of zeros.
+/// Neighbours closer than this share of the typical ratio of the diagonals are also one cluster: zeros with
+/// rounding errors.
 const ROUNDING: f64 = 1e-13;
 /// Pairs with θ below this share of the largest are massless motions.
 const MASSLESS: f64 = 1e-12;
-/// An eigenvalue this near (relative) a place of counting may count on either side.
+/// An eigenvalue within this relative distance of a place of counting may count on either side.
 pub(super) const BORDER: f64 = 1e-9;
-/// How far a place of counting is moved (relative) when its factor is no good.
+/// Largest relative distance by which a place of counting moves away from an eigenvalue or an inexact factor.
 const NUDGES: f64 = 1e-8;
-/// What a solution with an indefinite factor may leave of the right-hand side: more means that its pivots
-/// can't be trusted.
+/// Largest residual of a solution with an indefinite factor, as a share of the size of its parts. A larger
+/// residual shows that the pivots are unreliable.
 const TRUSTED: f64 = 1e-6;
 
 /// The pairs found so far.
 pub(super) struct Pairs {
-    /// σ + 1/θ, ascending; those after the first `sure` are estimates from above.
+    /// σ + 1/θ, ascending. The values after the first `sure` ones are estimates from above.
     pub(super) eigenvalues: Vec<f64>,
     pub(super) sure: usize,
-    /// True when there are no others.
+    /// True when there are no other eigenvalues.
     pub(super) complete: bool,
 }
 
@@ -58,7 +59,7 @@ impl Pairs {
         }
     }
 
-    /// How many of the sure ones are below a value.
+    /// Number of sure eigenvalues below a value.
     pub(super) fn below(&self, value: f64) -> usize {
         self.eigenvalues
             .iter()
@@ -68,24 +69,25 @@ impl Pairs {
     }
 }
 
-/// A count at a place, or how many were counted and where if that is not what was found.
+/// A count at a place. If it differs from the number of pairs found: the count and its place.
 pub(super) type Proof = Result<SturmCount, (usize, f64)>;
 
-/// Where a count is to be made.
+/// The place for a count.
 pub(super) enum Place {
-    /// Above so many of the found eigenvalues, at this value; the next one is supposed so far above them.
+    /// Above a number of the found eigenvalues, at this value. The next eigenvalue is expected at a distance
+    /// above them.
     At {
         expected: usize,
         below: f64,
         gap: f64,
     },
-    /// Not before this many are found: the last ones are a cluster.
+    /// No count before this many eigenvalues are found, because the last ones form a cluster.
     After(usize),
 }
 
 impl Search<'_> {
-    /// The number of eigenvalues below a place or right above it, where exactly, and the factor. The place is
-    /// moved a little when it hits an eigenvalue, or the factor turns out inexact.
+    /// The number of eigenvalues below a place, the exact place, and the factor. The place moves up a little
+    /// if it hits an eigenvalue or if the factor is inexact.
     pub(super) fn inertia(
         &mut self,
         mut memory: Option<Factorization>,
@@ -117,7 +119,7 @@ impl Search<'_> {
         }
     }
 
-    /// Where to count so as to prove the first `count` pairs complete.
+    /// The place of a count that proves the first `count` pairs complete.
     pub(super) fn place(&self, pairs: &Pairs, count: usize) -> Place {
         for expected in count..=pairs.sure {
             let Some(&last) = expected
@@ -143,7 +145,7 @@ impl Search<'_> {
         Place::After(pairs.sure.max(count) + 1)
     }
 
-    /// Counts, a second time further away when fewer are counted than were found.
+    /// Counts. If the count is smaller than the number of pairs found, it counts a second time farther away.
     pub(super) fn prove(
         &mut self,
         memory: Option<Factorization>,
@@ -174,7 +176,8 @@ impl Search<'_> {
         let (mut stiff, mut heavy) = (vec![0.0; size], vec![0.0; size]);
         multiply(self.stiffness, &solution, &mut stiff);
         multiply(self.mass, &solution, &mut heavy);
-        // what the solution leaves, over the rounding that its parts alone make
+        // squares of the residual of the solution, and of its parts, which set the scale of the rounding
+        // error
         let (mut left, mut parts) = (0.0, 0.0);
         for ((stiff, heavy), right) in stiff.iter().zip(&heavy).zip(&right) {
             let rest = stiff - shift * heavy - right;
@@ -185,7 +188,7 @@ impl Search<'_> {
     }
 }
 
-/// The count made at a limit, when it agrees with what was found.
+/// The count at a limit, if it agrees with the pairs found.
 pub(super) fn agree(pairs: &Pairs, count: usize, limit: f64) -> Result<SturmCount, FlexibleError> {
     let (least, most) = (
         pairs.below(limit * (1.0 - BORDER)),

@@ -1,4 +1,4 @@
-//! An input file becomes parts, instances and what stands outside them.
+//! Divides an input file into parts, instances and the input outside of them.
 
 use std::collections::BTreeMap;
 
@@ -14,43 +14,43 @@ use crate::read::Files;
 use crate::read::source::At;
 use crate::read::unread::UnreadCards;
 
-/// An instance as the file gives it.
+/// An instance in the form of the file.
 #[derive(Debug)]
 pub(super) struct Instance {
     /// Its name.
     pub name: String,
-    /// The part it shows.
+    /// The name of its part.
     pub part: String,
-    /// Where the part goes.
+    /// The motion that places the part.
     pub motion: Motion,
-    /// What it adds to the part.
+    /// Its additions to the part.
     pub own: Scope,
-    /// Where it stands.
+    /// Its place in the file.
     pub at: At,
 }
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Debug, Default)]
 pub(super) struct Deck {
     /// Parts by name (capitals).
     pub parts: BTreeMap<String, Scope>,
     /// Instances in their order.
     pub instances: Vec<Instance>,
-    /// What stands in no part.
+    /// The input outside all parts.
     pub root: Scope,
     /// Materials.
     pub materials: Materials,
-    /// What isn't read.
+    /// Keywords that Eng does not read.
     pub unread: UnreadCards,
     /// Parts with their places.
     declared: Vec<(String, At)>,
-    /// The scope that blocks go to.
+    /// The scope that receives blocks.
     place: Place,
-    /// Behind `*STEP`.
+    /// Whether a `*STEP` is open.
     in_step: bool,
     /// Steps so far.
     steps: u32,
-    /// What `*SYSTEM` last said.
+    /// The motion of the last `*SYSTEM`.
     system: Option<Motion>,
 }
 
@@ -75,14 +75,14 @@ enum Open {
         pending: Vec<String>,
         at: Option<At>,
     },
-    /// Elements of a type that isn't known.
+    /// Elements of an unknown type.
     Lost(String),
     Set(SetBlock, bool),
     Block(Block),
     Skipped,
 }
 
-/// Reads a file and all it includes.
+/// Reads a file and all its included files.
 pub(super) fn read(files: &dyn Files, name: &str) -> Result<Deck, FileProblem> {
     let mut lines = Lines::open(files, name)?;
     let mut deck = Deck::default();
@@ -90,7 +90,7 @@ pub(super) fn read(files: &dyn Files, name: &str) -> Result<Deck, FileProblem> {
     while let Some(line) = lines.next_line()? {
         match line {
             Line::Keyword(keyword) if keyword.key == "INCLUDE" => {
-                // the block before it may go on in the file
+                // the included file may continue the block before it
                 let file = keyword.require("INPUT", "INPUT")?;
                 if deck.in_step {
                     let name = "*INCLUDE in a *STEP";
@@ -174,7 +174,7 @@ impl Deck {
         }
     }
 
-    /// Behind `*STEP` supports alone are read.
+    /// Begins the block of a keyword after `*STEP`. Eng reads only supports there.
     fn open_in_step(&mut self, keyword: Keyword) -> Open {
         match keyword.key.as_str() {
             "ENDSTEP" => self.in_step = false,
@@ -212,7 +212,7 @@ impl Deck {
         Ok(Open::Skipped)
     }
 
-    /// The rows of an instance say where it is.
+    /// Begins an instance. Its rows give its position.
     fn open_instance(&mut self, keyword: Keyword) -> Result<Open, FileProblem> {
         let name = keyword.require("NAME", "NAME")?.to_string();
         self.enter(&keyword)?;
@@ -255,7 +255,7 @@ impl Deck {
                 at: None,
             },
             None => {
-                // the set is there, if empty
+                // the set exists even if it stays empty
                 self.scope().sets.extend(set);
                 Open::Lost(format!("*ELEMENT, TYPE={name}"))
             }
@@ -312,7 +312,7 @@ impl Deck {
                 let fields = row.fields();
                 pending.extend(fields.iter().map(|field| field.to_string()));
                 let needed = 1 + shape.node_count();
-                // a beam may name a node for its direction
+                // a beam may name one more node, for its direction
                 let spare = usize::from(matches!(shape, Shape::Beam { .. }));
                 if pending.len() > needed + spare {
                     return Err(row.at.problem(
@@ -438,7 +438,7 @@ impl Deck {
         Ok(())
     }
 
-    /// Instances with all that their parts hold; a part that no instance shows is listed.
+    /// Instances with the contents of their parts. A part without an instance is listed.
     pub fn placed(&mut self) -> Result<Vec<(Instance, Scope)>, FileProblem> {
         let instances = std::mem::take(&mut self.instances);
         let mut uses: BTreeMap<String, usize> = BTreeMap::new();
@@ -489,7 +489,7 @@ fn open_set(keyword: &Keyword) -> Result<Open, FileProblem> {
         return Ok(Open::Skipped);
     };
     set.instance = keyword.get("INSTANCE").map(str::to_string);
-    // CalculiX and Abaqus: an element set as nodes
+    // in CalculiX and Abaqus, `ELSET` makes a node set of the nodes of an element set
     if let Some(from) = keyword.get("ELSET").filter(|_| of_nodes) {
         set.members.push(Member::NodesOf(from.to_string()));
     }

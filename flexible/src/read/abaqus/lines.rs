@@ -1,28 +1,28 @@
-//! The lines of an input file: keyword lines with their parameters, data lines, comments passed over.
+//! The lines of an input file: keyword lines with their parameters, and data lines. It skips comments.
 
 use crate::error::FileProblem;
 use crate::read::source::{At, Source, Syntax};
 use crate::read::{Files, number};
 
-/// What messages about these files say.
+/// Words for messages about these files.
 const INPUT: Syntax = Syntax {
     include: "*INCLUDE",
     text: "an Abaqus or CalculiX input file",
     files: "the input file (.inp)",
 };
-/// Lines a keyword may be spread over.
+/// The largest number of lines of one keyword.
 const LONGEST_KEYWORD: usize = 200;
 
 /// A keyword line.
 #[derive(Clone, Debug)]
 pub(super) struct Keyword {
-    /// As written but for case and doubled blanks, without asterisk: `SOLID SECTION`.
+    /// The name in capitals, with single blanks and without the asterisk: `SOLID SECTION`.
     pub name: String,
-    /// The name without blanks, by which it is known.
+    /// The name without blanks, used for comparison.
     pub key: String,
     /// Names (capitals, without blanks) and values.
     parameters: Vec<(String, String)>,
-    /// Where it stands.
+    /// Its place in the file.
     pub at: At,
 }
 
@@ -47,7 +47,7 @@ impl Keyword {
         }
     }
 
-    /// Value of a parameter; empty where it is given without one.
+    /// Value of a parameter; empty if the file gives the parameter without a value.
     pub fn get(&self, name: &str) -> Option<&str> {
         self.parameters
             .iter()
@@ -55,17 +55,17 @@ impl Keyword {
             .map(|(_, value)| value.as_str())
     }
 
-    /// Whether a parameter is given.
+    /// Whether the file gives a parameter.
     pub fn has(&self, name: &str) -> bool {
         self.get(name).is_some()
     }
 
-    /// Value of a parameter in capitals without blanks; empty where it isn't given.
+    /// Value of a parameter, in capitals without blanks; empty if the parameter is absent.
     pub fn choice(&self, name: &str) -> String {
         self.get(name).map(squeezed).unwrap_or_default()
     }
 
-    /// Value of a parameter that must be there.
+    /// Value of a required parameter.
     pub fn require(&self, name: &str, written: &str) -> Result<&str, FileProblem> {
         self.get(name)
             .filter(|value| !value.is_empty())
@@ -88,7 +88,7 @@ impl Keyword {
 #[derive(Clone, Debug)]
 pub(super) struct Row {
     text: String,
-    /// Where it stands.
+    /// Its place in the file.
     pub at: At,
 }
 
@@ -107,12 +107,12 @@ impl Row {
         fields
     }
 
-    /// Whether nothing stands in it.
+    /// Whether it is empty.
     pub fn is_blank(&self) -> bool {
         self.fields().is_empty()
     }
 
-    /// A field; empty where it isn't there.
+    /// A field; empty if the line is shorter.
     pub fn text(&self, i: usize) -> &str {
         split(&self.text).get(i).copied().unwrap_or("")
     }
@@ -130,7 +130,7 @@ impl Row {
         }
     }
 
-    /// A number that must be there.
+    /// A required number.
     pub fn real(&self, i: usize, name: &str) -> Result<f64, FileProblem> {
         self.optional_real(i, name)?.ok_or_else(|| {
             self.at.problem(
@@ -140,12 +140,12 @@ impl Row {
         })
     }
 
-    /// A number, zero where the field is empty.
+    /// A number; zero if the field is empty.
     pub fn real_or_zero(&self, i: usize, name: &str) -> Result<f64, FileProblem> {
         Ok(self.optional_real(i, name)?.unwrap_or(0.0))
     }
 
-    /// Three numbers, zero where a field is empty.
+    /// Three numbers; zero for each empty field.
     pub fn vector(&self, i: usize, name: &str) -> Result<[f64; 3], FileProblem> {
         Ok([
             self.real_or_zero(i, name)?,
@@ -154,7 +154,7 @@ impl Row {
         ])
     }
 
-    /// A freedom 1…6 as 0…5.
+    /// A freedom, written 1…6, as 0…5.
     pub fn freedom(&self, i: usize) -> Result<u8, FileProblem> {
         match self.text(i).parse::<u8>() {
             Ok(freedom @ 1..=6) => Ok(freedom - 1),
@@ -165,7 +165,8 @@ impl Row {
         }
     }
 
-    /// Freedoms from field `i` to field `i + 1` (or that one only) as bits.
+    /// Freedoms from the one in field `i` to the one in field `i + 1`, as bits. Without the second field only
+    /// the first freedom.
     pub fn freedom_range(&self, i: usize) -> Result<u8, FileProblem> {
         let first = self.freedom(i)?;
         let last = if self.text(i + 1).is_empty() {
@@ -233,7 +234,7 @@ impl<'f> Lines<'f> {
         Ok(Some(Line::Keyword(Keyword::parse(&whole, at))))
     }
 
-    /// Goes on with a file that a keyword names.
+    /// Continues with a file that a keyword names.
     pub fn include(&mut self, name: &str, at: &At) -> Result<(), FileProblem> {
         self.source.include(name, at)
     }
@@ -256,7 +257,7 @@ impl<'f> Lines<'f> {
     }
 }
 
-/// Fields between commas that don't stand in quotes, trimmed.
+/// The fields of a line, trimmed. Commas separate them, except inside quotes.
 fn split(text: &str) -> Vec<&str> {
     let mut quoted = false;
     text.split(|c: char| {
@@ -267,12 +268,12 @@ fn split(text: &str) -> Vec<&str> {
     .collect()
 }
 
-/// Without quotes around it.
+/// The text without quotes around it.
 pub(super) fn unquoted(text: &str) -> &str {
     text.trim().trim_matches(|c| c == '"' || c == '\'').trim()
 }
 
-/// Capitals without blanks.
+/// The text in capitals without blanks.
 pub(super) fn squeezed(text: &str) -> String {
     text.chars()
         .filter(|c| !c.is_whitespace())
@@ -280,7 +281,7 @@ pub(super) fn squeezed(text: &str) -> String {
         .to_ascii_uppercase()
 }
 
-/// The form under which a name is looked up: capitals, without quotes.
+/// The form of a name for comparison: capitals without quotes.
 pub(super) fn key(name: &str) -> String {
     unquoted(name).to_uppercase()
 }

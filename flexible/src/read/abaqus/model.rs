@@ -1,5 +1,5 @@
-//! Parts, instances and what stands outside them, with nodes and elements numbered through, and names found
-//! from each of them.
+//! Instances and the input outside of them, with common numbers of nodes and elements. Names are looked up
+//! from each of these places.
 
 use std::collections::BTreeMap;
 
@@ -14,23 +14,23 @@ use crate::mesh::Node;
 use crate::read::labels::Labels;
 use crate::read::source::{At, whole};
 
-/// A named thing of a place.
+/// The named objects of a place.
 pub(super) type Named<T> = BTreeMap<String, (String, T)>;
 
-/// An instance, or what stands outside all of them.
+/// An instance, or the input outside all instances.
 #[derive(Debug, Default)]
 pub(super) struct Placed {
-    /// Name of the instance; empty for what stands outside.
+    /// Name of the instance; empty for the input outside all instances.
     pub name: String,
-    /// What it holds.
+    /// Its contents.
     pub scope: Scope,
-    /// Where it goes.
+    /// The motion that places it.
     pub motion: Option<Motion>,
     /// Its nodes.
     pub nodes: Labels,
     /// Its elements, as indices into [`Model::rows`].
     pub elements: Labels,
-    /// Added to its numbers.
+    /// The number added to its numbers.
     pub offset: u64,
     /// Sets of nodes by name in capitals.
     pub node_sets: Named<Vec<u32>>,
@@ -41,7 +41,7 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// Where it goes.
+    /// The motion that places it.
     pub fn motion(&self) -> Motion {
         self.motion.unwrap_or(STILL)
     }
@@ -54,23 +54,23 @@ pub(super) struct Row {
     pub label: u64,
     /// Its number in the mesh.
     pub id: u64,
-    /// What it is.
+    /// Its shape.
     pub shape: Shape,
     /// Its place, as an index into [`Model::places`].
     pub place: usize,
-    /// Where its nodes start in [`Model::row_nodes`].
+    /// Start of its nodes in [`Model::row_nodes`].
     first: usize,
     count: usize,
-    /// The elements of the mesh that it became: first and how many.
+    /// The elements of the mesh made from it: index of the first, and their number.
     pub elements: (u32, u32),
-    /// Where it stands.
+    /// Its place in the file.
     pub at: At,
 }
 
 /// The whole model.
 #[derive(Debug, Default)]
 pub(super) struct Model {
-    /// Instances, and last what stands outside them.
+    /// Instances, and last the input outside of them.
     pub places: Vec<Placed>,
     /// Nodes of the mesh.
     pub nodes: Vec<Node>,
@@ -80,7 +80,7 @@ pub(super) struct Model {
 }
 
 impl Model {
-    /// Numbers nodes and elements of a file through.
+    /// Gives all nodes and elements of a file common numbers.
     pub fn new(deck: &mut Deck, file: &str) -> Result<Self, FileProblem> {
         let mut model = Model::default();
         for (instance, scope) in deck.placed()? {
@@ -228,7 +228,7 @@ impl Model {
         Ok(())
     }
 
-    /// Makes numbers of nodes and elements differ among places. Where those of two places meet, the k-th
+    /// Makes the numbers of nodes and elements differ among places. If two places share a number, the k-th
     /// place (from 0) adds k times the power of ten above all numbers.
     fn offset(&mut self, file: &str) -> Result<(), FileProblem> {
         let meets = self.places.iter().enumerate().any(|(i, one)| {
@@ -279,7 +279,7 @@ impl Model {
             .unwrap_or(&[])
     }
 
-    /// The place and all blocks of a keyword there, in order.
+    /// All blocks with their places, in order.
     pub fn blocks(&self) -> impl Iterator<Item = (usize, &Block)> {
         self.places
             .iter()
@@ -287,14 +287,14 @@ impl Model {
             .flat_map(|(place, placed)| placed.scope.blocks.iter().map(move |block| (place, block)))
     }
 
-    /// The place of a node.
+    /// The position of a node.
     pub fn position(&self, node: u32) -> [f64; 3] {
         self.nodes
             .get(node as usize)
             .map_or([0.0; 3], |node| node.position)
     }
 
-    /// Finds a name from a place: there, or outside all instances as `Instance.name`.
+    /// Looks up a name from a place: in that place, or outside all instances as `Instance.name`.
     pub fn search<'m, T>(
         &'m self,
         place: usize,
@@ -318,7 +318,7 @@ impl Model {
         })
     }
 
-    /// The instance of this name.
+    /// The instance with a name.
     pub fn instance(&self, name: &str, at: &At) -> Result<usize, FileProblem> {
         self.places
             .iter()
@@ -331,7 +331,7 @@ impl Model {
             })
     }
 
-    /// The nodes that a number or the name of a set stands for.
+    /// The nodes of a number or of a named set.
     pub fn nodes_of(&self, place: usize, text: &str, at: &At) -> Result<Vec<u32>, FileProblem> {
         self.search(place, text, |placed, name| match label(name) {
             Some(label) => placed.nodes.find(label).map(|node| vec![node]),
@@ -343,7 +343,7 @@ impl Model {
         .ok_or_else(|| missing("node", "*NODE or *NSET", text, at))
     }
 
-    /// The one node that a number or the name of a set stands for.
+    /// The single node of a number or of a named set.
     pub fn node_of(&self, place: usize, text: &str, at: &At) -> Result<u32, FileProblem> {
         match *self.nodes_of(place, text, at)?.as_slice() {
             [node] => Ok(node),
@@ -354,7 +354,7 @@ impl Model {
         }
     }
 
-    /// The elements (indices into [`Self::rows`]) that a number or the name of a set stands for.
+    /// The elements (indices into [`Self::rows`]) of a number or of a named set.
     pub fn rows_of(&self, place: usize, text: &str, at: &At) -> Result<Vec<u32>, FileProblem> {
         self.search(place, text, |placed, name| match label(name) {
             Some(label) => placed.elements.find(label).map(|row| vec![row]),

@@ -1,4 +1,4 @@
-//! What one part, instance or assembly holds, in the numbers of the file.
+//! The contents of one part, instance or assembly, in the numbers of the file.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ pub(super) struct Block {
     pub keyword: Keyword,
     /// Its data lines.
     pub rows: Vec<Row>,
-    /// The `*STEP` it stands in, from 1; 0: the model.
+    /// The number of its `*STEP`, from 1. 0 is the model, before all steps.
     pub step: u32,
 }
 
@@ -25,7 +25,7 @@ pub(super) struct NodeRow {
     pub label: u64,
     /// Its place, in the frame of its part.
     pub position: [f64; 3],
-    /// Where it stands.
+    /// Its place in the file.
     pub at: At,
 }
 
@@ -34,13 +34,13 @@ pub(super) struct NodeRow {
 pub(super) struct ElementRow {
     /// Its number.
     pub label: u64,
-    /// What it is.
+    /// Its shape.
     pub shape: Shape,
-    /// Where its nodes start in [`Scope::labels`].
+    /// Start of its nodes in [`Scope::labels`].
     pub first: usize,
-    /// How many they are.
+    /// Number of its nodes.
     pub count: usize,
-    /// Where it stands.
+    /// Its place in the file.
     pub at: At,
 }
 
@@ -58,20 +58,20 @@ pub(super) enum Member {
 /// A part of a set.
 #[derive(Clone, Debug)]
 pub(super) struct SetBlock {
-    /// Of nodes, else of elements.
+    /// Whether it is a set of nodes; otherwise of elements.
     pub of_nodes: bool,
     /// Its name.
     pub name: String,
     /// The instance whose numbers these are.
     pub instance: Option<String>,
-    /// What it holds.
+    /// Its members.
     pub members: Vec<Member>,
-    /// Where it stands.
+    /// Its place in the file.
     pub at: At,
 }
 
 impl SetBlock {
-    /// Adds a number; runs of numbers are kept as one.
+    /// Adds a number. A run of consecutive numbers is kept as one member.
     pub fn add(&mut self, label: u64) {
         if let Some(Member::Numbers(_, last, 1)) = self.members.last_mut()
             && last.checked_add(1) == Some(label)
@@ -118,7 +118,7 @@ impl SetBlock {
     }
 }
 
-/// A part, what an instance adds to it, or what stands outside all parts.
+/// A part, the additions of an instance to its part, or the input outside all parts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scope {
     /// Nodes.
@@ -127,16 +127,16 @@ pub(super) struct Scope {
     pub elements: Vec<ElementRow>,
     /// Nodes of the elements.
     pub labels: Vec<u64>,
-    /// Nodes of elements that are named with their instance, by place in `labels`.
+    /// Instance names of nodes that an element names with their instance, by index in `labels`.
     pub qualified: BTreeMap<usize, String>,
     /// Sets in parts.
     pub sets: Vec<SetBlock>,
-    /// What else is read.
+    /// All other keywords that Eng reads.
     pub blocks: Vec<Block>,
 }
 
 impl Scope {
-    /// Adds what another one holds.
+    /// Adds the contents of another scope.
     pub fn append(&mut self, other: Scope) {
         let shift = self.labels.len();
         self.nodes.extend(other.nodes);
@@ -165,7 +165,7 @@ pub(super) fn label(text: &str) -> Option<u64> {
     text.parse().ok().filter(|label| *label > 0)
 }
 
-/// A number of a node or element that must be one.
+/// A number of a node or element, or an error if the text is no such number.
 pub(super) fn required_label(text: &str, what: &str, at: &At) -> Result<u64, FileProblem> {
     label(text).ok_or_else(|| {
         at.problem(

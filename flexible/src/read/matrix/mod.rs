@@ -1,9 +1,9 @@
-//! Matrices and mode shapes that other codes wrote: OP2, OP4, DMIG and punch files of Nastran, `.mtx` of
+//! Matrices and mode shapes written by other codes: OP2, OP4, DMIG and punch files of Nastran, `.mtx` of
 //! Abaqus, `.sti`, `.mas`, `.dof` and `.frd` of CalculiX.
 //!
-//! Each reader gives a [`ForeignMatrix`] as the file holds it; [`ForeignMatrix::to_symmetric`] checks and
-//! completes it. Values stay in the units of the file, rows in the order of the file; [`ForeignFreedoms`]
-//! says which freedom a row is where the file says so.
+//! Each reader returns a [`ForeignMatrix`] in the form of the file; [`ForeignMatrix::to_symmetric`] checks
+//! and completes it. Values keep the units of the file, and rows keep its order. [`ForeignFreedoms`] gives
+//! the freedom of each row, if the file states it.
 //!
 //! ```text
 //! bytes (Fortran records) ─▶ op4, op2 ─┐
@@ -35,7 +35,7 @@ use super::content::{Content, Readable, explained};
 use crate::error::{FileProblem, FlexibleError, Place};
 pub use eng_system::mesh_files::{MatrixFormat, ShapeFormat};
 
-/// What a matrix is, for its checks.
+/// The kind of a matrix, for its checks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatrixKind {
     /// Stiffness.
@@ -44,7 +44,7 @@ pub enum MatrixKind {
     Mass,
 }
 
-/// Which freedom each row of a matrix is.
+/// The freedom of each row of a matrix.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct ForeignFreedoms {
     /// For each row the node's number and the freedom 1…6 in its analysis frame; 0 for a scalar (modal)
@@ -52,12 +52,12 @@ pub struct ForeignFreedoms {
     pub rows: Vec<(u64, u8)>,
 }
 
-/// A matrix as a file holds it.
+/// A matrix in the form of its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForeignMatrix {
-    /// The file it is from.
+    /// Its file.
     pub file: String,
-    /// Its name in the file; empty where the format has no names.
+    /// Its name in the file; empty if the format has no names.
     pub name: String,
     /// Number of rows.
     pub rows: usize,
@@ -68,15 +68,15 @@ pub struct ForeignMatrix {
     /// Row and column from 0, value; in the order of the file. Entries at the same place add; those of one
     /// triangle may lie on either side of the diagonal.
     pub entries: Vec<(u32, u32, f64)>,
-    /// Which freedoms the rows are, where the file says it.
+    /// The freedoms of the rows, if the file states them.
     pub freedoms: Option<ForeignFreedoms>,
 }
 
 impl ForeignMatrix {
-    /// The matrix with its freedoms from elsewhere.
+    /// The matrix with freedoms from another source.
     ///
     /// # Errors
-    /// When there is not one freedom a row.
+    /// When the number of freedoms is not the number of rows.
     pub fn with_freedoms(mut self, freedoms: ForeignFreedoms) -> Result<Self, FlexibleError> {
         if freedoms.rows.len() != self.rows {
             return Err(self.problem(
@@ -92,7 +92,7 @@ impl ForeignMatrix {
         Ok(self)
     }
 
-    /// What messages call it.
+    /// Its name in messages.
     fn title(&self) -> String {
         if self.name.is_empty() {
             format!("{}: the matrix", self.file)
@@ -108,7 +108,7 @@ impl ForeignMatrix {
         }
     }
 
-    /// A row, from 0, as messages name it.
+    /// The name of a row (counted from 0) in messages.
     fn row_name(&self, row: usize) -> String {
         match self
             .freedoms
@@ -130,7 +130,7 @@ impl Readable for MatrixFormat {
             MatrixFormat::Op4 => content == Content::Op4,
             MatrixFormat::Op2 => content == Content::Op2,
             MatrixFormat::Dmig => content == Content::NastranCards,
-            // the reader tells matrices of substructures, which begin with a keyword, by themselves
+            // the reader itself recognises matrices of substructures, which begin with a keyword
             MatrixFormat::Abaqus => matches!(
                 content,
                 Content::MatrixByFreedoms | Content::MatrixByRows | Content::AbaqusDeck
@@ -140,11 +140,11 @@ impl Readable for MatrixFormat {
     }
 }
 
-/// Reads a matrix of a stated format. `name` is looked for where the format has names, and may be empty where
-/// the file holds a single one.
+/// Reads a matrix of a stated format. If the format has names, `name` selects the matrix. It may be empty if
+/// the file holds a single matrix.
 ///
 /// # Errors
-/// As the reader of the format gives them; a file of another format is named as such.
+/// The errors of the format's reader. For a file of another format the error names that format.
 pub fn read_matrix(
     files: &dyn Files,
     file: &str,
@@ -167,7 +167,7 @@ impl Readable for ShapeFormat {
     fn reads(self, content: Content) -> bool {
         match self {
             ShapeFormat::Op2 => content == Content::Op2,
-            // a punch file without shapes says what to ask the run for
+            // for a punch file without shapes, its reader names the output to request in the run
             ShapeFormat::Punch => {
                 matches!(content, Content::PunchedShapes | Content::NastranCards)
             }
@@ -183,7 +183,7 @@ impl Readable for ShapeFormat {
 /// Reads mode shapes of a stated format.
 ///
 /// # Errors
-/// As the reader of the format gives them; a file of another format is named as such.
+/// The errors of the format's reader. For a file of another format the error names that format.
 pub fn read_modes(
     files: &dyn Files,
     file: &str,
@@ -197,7 +197,7 @@ pub fn read_modes(
     explained(files, file, format, read.map_err(FlexibleError::from))
 }
 
-/// A matrix that a file holds, for lists.
+/// A matrix of a file, for lists.
 pub(super) struct Held {
     /// Name.
     pub name: String,
@@ -205,7 +205,7 @@ pub(super) struct Held {
     pub size: (usize, usize),
 }
 
-/// Takes the matrix asked for from those of a file: by name, or the only one where the name is empty.
+/// Selects a matrix of a file: by name, or the only one if the name is empty.
 pub(super) fn chosen(
     file: &str,
     name: &str,
@@ -250,11 +250,11 @@ pub(super) fn chosen(
     }
 }
 
-/// Why a complex matrix isn't read, and what to do.
+/// The remedy for a complex matrix, which Eng does not read.
 pub(super) const COMPLEX: &str = "write the real stiffness and mass: remove structural damping (GE, PARAM G), \
      aerodynamics and fluid from the run, damping is given to the body here";
 
-/// What to do about a file that ends too early.
+/// The remedy for a file that ends too early.
 pub(super) const CUT: &str =
     "the file was cut, or the run that wrote it was stopped; copy or write it again";
 
