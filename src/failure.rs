@@ -1,4 +1,4 @@
-//! Failures of the runtime as messages with their places in the text.
+//! Messages for failures of the runtime, with their places in the text.
 
 use crate::codes;
 use crate::places::{at_first, place, related, span};
@@ -15,7 +15,7 @@ mod geometry;
 use geometry::{MOST_PARAMETERS, locked, open_loop, start_velocity, with_markers, wrong_branch};
 pub(crate) use geometry::{does_not_turn, hanging};
 
-/// The message of a failure: the user's line first, the law's second.
+/// The message of a failure. It shows the user's line first and the line of the law second.
 pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
     use RuntimeError as R;
     let d = |code: &'static str| Diagnostic::error(code, error.to_string());
@@ -102,13 +102,14 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         }
         R::Options { .. } => d(codes::OPTIONS),
         R::Checkpoint { .. } => d(codes::CHECKPOINT),
-        // the checker finds an angle without a cycle; the others are faults of the compiler or of the run itself
+        // the checker refuses an angle without a cycle earlier, and the other errors are faults of the
+        // compiler or of the run itself
         R::NoCycle | R::Malformed { .. } | R::OutsideStep { .. } | R::Eigenvalues { .. } => d(codes::INTERNAL)
             .with_help("please report this together with the model"),
     }
 }
 
-/// The bodies whose turning changes the coefficients, and why.
+/// Adds the bodies whose turning changes the coefficients, each with its reason.
 fn turning(message: Diagnostic, bodies: &[eng_runtime::TurningBody]) -> Diagnostic {
     bodies
         .iter()
@@ -119,7 +120,7 @@ fn turning(message: Diagnostic, bodies: &[eng_runtime::TurningBody]) -> Diagnost
         .with_help("where the motion repeats, `over: 1 rev` (a period: an angle or a time) gives its modes; `frozen: true` holds the coefficients at this moment: a picture for frequencies well above the speed, wrong for whirl, damping and stability")
 }
 
-/// The body that leaves the state, and what to do.
+/// Adds the body that leaves the state, and the remedy.
 fn unsteady(message: Diagnostic, body: &eng_runtime::LeavingBody) -> Diagnostic {
     let label = match body.leaving {
         Leaving::Moves(speed) => format!("moves at {} m/s", significant(speed, 4)),
@@ -129,10 +130,11 @@ fn unsteady(message: Diagnostic, body: &eng_runtime::LeavingBody) -> Diagnostic 
         .with_help("linearise at rest: let `start: quasi_static` find the balance, or let the motion die out with a longer `after:`; where it repeats, `over:` with its period gives its modes; `frozen: true` holds the coefficients at this moment")
 }
 
-/// What to do about a load that jumps.
+/// The remedy for a load that jumps.
 const UNJUMPED: &str = "the motion comes to the jump from both sides, and no step passes it: join the branches of the `if` by a slope, such as `tanh(v/(1 mm/s))` in place of a sign";
 
-/// What is told of a run that goes on in short steps: because something jumps, or because it slows down and its rest takes so long (in words).
+/// The warning about a run that continues in short steps. The reason is a jump, or the run slows down; `rest`
+/// is then the remaining time in words.
 pub(crate) fn slow(slow: &Slow, analysis: &str, rest: Option<&str>) -> Option<Diagnostic> {
     let (code, title) = match (&*slow.pace, rest) {
         (Pace::Jump(_), _) => (
@@ -151,7 +153,7 @@ pub(crate) fn slow(slow: &Slow, analysis: &str, rest: Option<&str>) -> Option<Di
     Some(paced(Diagnostic::warning(code, title), &slow.pace))
 }
 
-/// Who makes the steps short, and what can be done.
+/// Adds the cause of the short steps and the remedy.
 fn paced(message: Diagnostic, pace: &Pace) -> Diagnostic {
     match pace {
         Pace::Stated => message.with_help("take a longer `step`, or none: then the error decides"),
@@ -164,7 +166,7 @@ fn paced(message: Diagnostic, pace: &Pace) -> Diagnostic {
     }
 }
 
-/// Where a table stands whose points end, and what can be done.
+/// Adds the place of the table that is read outside its points, and the remedy.
 fn outside_table(message: Diagnostic, outside: &Outside) -> Diagnostic {
     let message = match outside.at {
         Some(at) => message.also(span(at), "its points are stated here"),
@@ -173,7 +175,7 @@ fn outside_table(message: Diagnostic, outside: &Outside) -> Diagnostic {
     message.with_help("state points further, or `periodic:`, or what holds outside: `extrapolation: hold` or `linear`")
 }
 
-/// One label and one note a joint, however many of its equations repeat others.
+/// Redundant equations. Each joint gets one label and one note, however many of its equations repeat others.
 fn redundant(groups: &[eng_runtime::RedundantGroup]) -> Diagnostic {
     let mut message = Diagnostic::error(
         codes::REDUNDANT,
@@ -238,7 +240,7 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
             };
             let message = Diagnostic::error(codes::PARAMETER_REQUIRED, error.to_string());
             let message = condition(message, &origin, "this must hold");
-            // the numbers that it is about, where the text states them
+            // the parameters that decide it, if the text states them
             let stated = parameters.iter().rev().filter_map(|(index, value)| {
                 let parameter = system.parameters.get(*index as usize)?;
                 let told = format!(
@@ -298,7 +300,7 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
     }
 }
 
-/// Where the thing of a path stands in the text.
+/// The place in the text of the object with a path.
 fn place_of(path: &str, system: &System) -> Option<Location> {
     let parameters = system.parameters.iter().map(|p| &p.origin);
     let markers = system.markers.iter().map(|m| &m.origin);
@@ -312,7 +314,7 @@ fn place_of(path: &str, system: &System) -> Option<Location> {
         .and_then(|origin| origin.used_at)
 }
 
-/// A start that is not the one wanted.
+/// The warning about a start that differs from the wanted one.
 pub(crate) fn start_advice(start: &StartReport) -> Option<Diagnostic> {
     let obstacle = match start {
         StartReport::NoBalance(obstacle) => obstacle,
@@ -352,7 +354,7 @@ pub(crate) fn start_advice(start: &StartReport) -> Option<Diagnostic> {
     )
 }
 
-/// A balance that the least push leads away from.
+/// An unstable balance: the smallest disturbance leads away from it.
 fn upside_down(unstable: &Unstable, what: &str) -> Diagnostic {
     let message = Diagnostic::warning(
         codes::UPSIDE_DOWN,
@@ -364,10 +366,10 @@ fn upside_down(unstable: &Unstable, what: &str) -> Diagnostic {
     ))
 }
 
-/// Share of the clearance below which a motion that does not repeat is no whirl.
+/// A motion that does not repeat is no whirl if it is below this share of the clearance.
 const NO_WHIRL: f64 = 2e-3;
 
-/// What is to be told of a periodic analysis besides whether it repeats: facts, and warnings.
+/// Facts and warnings about a periodic analysis, besides the statement whether it repeats.
 pub(crate) fn periodic(
     found: &PeriodicSummary,
     system: &System,
@@ -402,7 +404,7 @@ pub(crate) fn periodic(
             ));
         }
     }
-    // the orbits of a run that repeats soon still hold its start
+    // the orbits of a run that repeats early still contain its start, so they show no whirl
     for whirl in found.whirl.iter().filter(|_| !found.repeats) {
         let Some(journal) = system.journals.get(whirl.journal) else {
             continue;
@@ -441,7 +443,7 @@ pub(crate) fn periodic(
     (facts, warnings)
 }
 
-/// The user's line, if the condition is of a class, and the condition.
+/// Adds the condition, and the user's line if the condition belongs to a class.
 fn condition(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
     match (origin.used_at, origin.defined_at) {
         (Some(at), _) => related(

@@ -1,4 +1,4 @@
-//! Which pictures belong to an analysis.
+//! The pictures of an analysis.
 
 use crate::machine::JournalGeometry;
 use crate::plot::{Abscissa, Curve, History, Orbit, Orbits, Ordinate, Panel, Scale};
@@ -8,7 +8,8 @@ use eng_report::figure::{Mark, journal_letter};
 use eng_report::readable_unit;
 use eng_system::Dimension;
 
-/// File names (without extension) and SVG texts: the forces and orbits of the journals, and the model's own outputs.
+/// File names (without extension) and SVG texts: the forces and orbits of the journals, and the model's own
+/// outputs.
 pub(crate) fn of_analysis(outcome: &RunOutcome) -> Vec<(String, String)> {
     let mut figures: Vec<(String, String)> = histories(outcome)
         .into_iter()
@@ -21,10 +22,10 @@ pub(crate) fn of_analysis(outcome: &RunOutcome) -> Vec<(String, String)> {
     figures
 }
 
-/// A figure of histories with what it shows.
+/// A figure of histories, with its columns.
 pub(crate) struct Pictured {
     pub dimension: Dimension,
-    /// For a file.
+    /// Name for a file.
     pub name: String,
     /// The columns, in the order of the curves.
     pub paths: Vec<String>,
@@ -52,7 +53,8 @@ pub(crate) fn histories(outcome: &RunOutcome) -> Vec<Pictured> {
         .collect()
 }
 
-/// One figure a family of model outputs that several analyses have: an analysis a panel, up to four of one model.
+/// One figure for each family of model outputs that several analyses have. It has a panel for each analysis,
+/// up to four of one model.
 pub(crate) fn comparisons(outcomes: &[&RunOutcome]) -> Vec<(String, String)> {
     compared(outcomes)
         .into_iter()
@@ -60,7 +62,7 @@ pub(crate) fn comparisons(outcomes: &[&RunOutcome]) -> Vec<(String, String)> {
         .collect()
 }
 
-/// [`comparisons`] before they are drawn.
+/// The figures of [`comparisons`] before drawing.
 pub(crate) fn compared(outcomes: &[&RunOutcome]) -> Vec<Pictured> {
     let Some(first) = outcomes.first() else {
         return Vec::new();
@@ -103,11 +105,11 @@ pub(crate) fn compared(outcomes: &[&RunOutcome]) -> Vec<Pictured> {
         .collect()
 }
 
-/// Columns that belong in one pair of axes.
+/// Columns that share a pair of axes.
 struct Family {
-    /// For the file's name.
+    /// Name for the file.
     name: String,
-    /// What is drawn.
+    /// The drawn quantity.
     quantity: String,
     paths: Vec<String>,
 }
@@ -121,7 +123,7 @@ impl Family {
     }
 }
 
-/// The model's own outputs (no dot in the path), those of one name and different index together.
+/// The model's own outputs (no dot in the path). Outputs with one name and different indices form a family.
 fn families(results: &Results) -> Vec<Family> {
     let mut families: Vec<Family> = Vec::new();
     for column in results.columns() {
@@ -170,7 +172,7 @@ pub(crate) fn about(results: &Results) -> String {
     )
 }
 
-/// Letters of the journals, as a paper has them, by the axes that their forces are in.
+/// Letters of the journals, as in a paper, each with the axes of its forces.
 pub(crate) fn letters(results: &Results, journals: &[JournalGeometry]) -> Vec<(String, String)> {
     let all: Vec<(String, String)> = journals
         .iter()
@@ -181,7 +183,7 @@ pub(crate) fn letters(results: &Results, journals: &[JournalGeometry]) -> Vec<(S
             Some((frame, journal_letter(index)))
         })
         .collect();
-    // axes that several journals share tell none apart
+    // axes shared by several journals identify none of them
     let alone = |frame: &str| all.iter().filter(|(other, _)| other == frame).count() == 1;
     all.iter()
         .filter(|(frame, _)| alone(frame))
@@ -198,8 +200,9 @@ pub(crate) fn firing_marks(firing: &[(Option<usize>, f64)], period: f64) -> Vec<
         .collect()
 }
 
-/// A history of a family, a panel for each of the results; `None` where there is nothing to draw. Curves in the axes of a journal's
-/// shell have its letter. Journals and firing dead centres are those of one outcome: one model has one firing order.
+/// A history of a family with a panel for each of the results; `None` if there is nothing to draw. A curve in
+/// the axes of a journal's shell has the letter of the journal. Journals and firing dead centres come from
+/// one outcome, because a model has one firing order.
 fn history(
     subtitle: &str,
     family: &Family,
@@ -257,7 +260,7 @@ fn curve_name(path: &str) -> String {
     path.split(".force.").next().unwrap_or(path).to_owned()
 }
 
-/// One name for the frames of several curves: `block.main[1…5]` where they differ in one number.
+/// One name for the frames of several curves: `block.main[1…5]` if they differ in one number.
 pub(crate) fn common_frame(frames: &[&str]) -> String {
     let mut distinct: Vec<&str> = Vec::new();
     for frame in frames {
@@ -288,7 +291,7 @@ pub(crate) fn common_frame(frames: &[&str]) -> String {
     }
 }
 
-/// Paths of the journals' pins, where there are journals.
+/// Orbits of the journals' pins, if the model has journals.
 pub(crate) fn orbits(outcome: &RunOutcome) -> Option<Orbits> {
     let results = &outcome.results;
     let angle = results
@@ -317,7 +320,7 @@ pub(crate) fn orbits(outcome: &RunOutcome) -> Option<Orbits> {
     }
     Some(Orbits {
         title: "Orbits of the pins in their shells".to_owned(),
-        // the table of journals is of the last cycle
+        // the orbits show the whole run, while the table of journals shows the last cycle
         subtitle: format!("{}; ε ≤: over the whole run", about(results)),
         period: outcome.machine.cycle_period.map_or(360.0, f64::to_degrees),
         upright: outcome.machine.upright,

@@ -1,4 +1,4 @@
-//! Messages about geometry: loops that do not close, locks, bodies that nothing holds.
+//! Messages about geometry: open loops, locks, and bodies that nothing holds.
 
 use super::diagnostic;
 use crate::codes;
@@ -11,7 +11,7 @@ use eng_runtime::start::hanging::Hanging;
 use eng_runtime::{NamedRow, RuntimeError};
 use eng_system::system::{BodyRef, Location, Origin, Role, System};
 
-/// The warning of bodies that hang loose.
+/// The warning about bodies that nothing holds.
 pub(crate) fn hanging(found: &Hanging) -> Diagnostic {
     let name = &found.origin.path;
     let message = Diagnostic::warning(codes::HANGING, format!("nothing holds {name}"));
@@ -35,7 +35,7 @@ pub(crate) fn hanging(found: &Hanging) -> Diagnostic {
     )
 }
 
-/// The warning of a machine that does not come through its cycle.
+/// The warning about a machine that locks within its cycle.
 pub(crate) fn does_not_turn(locked: &RuntimeError, system: &System) -> Diagnostic {
     let mut message = diagnostic(locked, system);
     message.severity = eng_grammar::Severity::Warning;
@@ -66,7 +66,7 @@ pub(super) fn open_loop(
     with_angle(message, chain, system).with_help(PLACING)
 }
 
-/// A loop that closes on the other side.
+/// A loop that closes only on the wrong branch.
 pub(super) fn wrong_branch(
     message: Diagnostic,
     origin: &Origin,
@@ -92,7 +92,7 @@ pub(super) fn start_velocity(
     for row in rows.iter().take(3) {
         message = place(message, &row.origin, "cannot hold together with the others");
     }
-    // the guide or the drive: rows of the start have no markers of their own
+    // the guide or the drive; rows of the start have no markers of their own
     if let Some(row) = rows.first() {
         message = with_markers(message, &row.origin, system);
         message = with_angle(message, chain, system);
@@ -106,7 +106,7 @@ pub(super) fn start_velocity(
     message.with_help("a driven part and its start velocity must agree; leave one of them out")
 }
 
-/// A mechanism that comes to the end of its reach.
+/// A mechanism that reaches the end of its motion.
 pub(super) fn locked(
     mut message: Diagnostic,
     rows: &[NamedRow],
@@ -128,16 +128,16 @@ pub(super) fn locked(
     .with_help("no force is at fault: change a length or an axis, or let a joint hold less")
 }
 
-/// What to do where no position is found.
+/// The remedy if the assembly finds no position.
 const PLACING: &str = "check lengths, sides and axes of the loop (`at(…, z:)` finds an x of its own, `x:` states it), or state a `start` or `guess` near the position";
 
-/// Most parameters that a message points to.
+/// The largest number of parameters that a message points to.
 pub(super) const MOST_PARAMETERS: usize = 3;
 
-/// Most markers that a message points to.
+/// The largest number of markers that a message points to.
 const MOST_MARKERS: usize = 6;
 
-/// Lengths of a loop, and the parameters that they are made of.
+/// Adds the lengths of a loop and the parameters that decide them.
 fn with_lengths(message: Diagnostic, chain: Option<&Chain>, system: &System) -> Diagnostic {
     let Some(chain) = chain else {
         return message;
@@ -173,7 +173,7 @@ fn with_lengths(message: Diagnostic, chain: Option<&Chain>, system: &System) -> 
                 _ => message,
             }
         });
-    // lengths that are written as numbers stand at the markers
+    // a length written as a number is at the marker in the text
     let written = chain.bodies.iter();
     let written = written.filter(|body| body.parameters.is_empty() && body.length > 1e-9);
     written
@@ -193,7 +193,7 @@ fn with_lengths(message: Diagnostic, chain: Option<&Chain>, system: &System) -> 
         })
 }
 
-/// Where the markers of an element stand: their places and axes decide whether it closes.
+/// Adds the places of an element's markers. Their positions and axes decide whether the loop closes.
 pub(super) fn with_markers(message: Diagnostic, element: &Origin, system: &System) -> Diagnostic {
     let mut elements = system.elements.iter();
     let Some(element) = elements.find(|e| e.origin.path == element.path) else {
@@ -213,11 +213,11 @@ pub(super) fn with_markers(message: Diagnostic, element: &Origin, system: &Syste
     })
 }
 
-/// Most guesses that a message points to.
+/// The largest number of guesses that a message points to.
 const MOST_GUESSES: usize = 4;
 
-/// Where the text guesses places: of the bodies of the loop, or of any where none of them has a guess. Closing begins there, and a
-/// wrong one leads astray.
+/// Adds the guesses of the text: those for the bodies of the loop, or all guesses if these bodies have none.
+/// The assembly begins there, so a wrong guess can lead to a wrong position.
 fn with_guesses(message: Diagnostic, chain: Option<&Chain>, system: &System) -> Diagnostic {
     let guesses = system.elements.iter();
     let guesses = guesses.filter(|e| e.role == Role::StartPosition { exact: false });
@@ -249,7 +249,7 @@ fn with_guesses(message: Diagnostic, chain: Option<&Chain>, system: &System) -> 
         })
 }
 
-/// The z axes of the joints of a loop.
+/// Adds the z axes of the joints of a loop.
 fn with_axes(message: Diagnostic, chain: &Chain) -> Diagnostic {
     let axes: Vec<String> = chain
         .joints
@@ -265,9 +265,9 @@ fn with_axes(message: Diagnostic, chain: &Chain) -> Diagnostic {
     ))
 }
 
-/// Cosine from which on two axes are parallel.
+/// Two axes are parallel from this cosine on.
 const PARALLEL: f64 = 0.999;
-/// Sine of the angle from which on an axis is not square to another: a degree.
+/// An axis is not perpendicular to another if it deviates by an angle of at least this sine, one degree.
 const NOT_SQUARE: f64 = 0.0175;
 
 fn joint(of: &Origin, system: &System) -> Joint {
@@ -277,8 +277,8 @@ fn joint(of: &Origin, system: &System) -> Joint {
     class.map_or(Joint::Other, Joint::of)
 }
 
-/// A guide that is not square to the hinges of its loop, or a hinge that is not parallel to them, with the angle between the
-/// axes: the axis that most hinges share is taken for theirs.
+/// Adds a guide that is not perpendicular to the hinges of its loop, or a hinge that is not parallel to them,
+/// with the angle between the axes. The axis of the hinges is the one that most of them share.
 fn with_angle(message: Diagnostic, chain: Option<&Chain>, system: &System) -> Diagnostic {
     let joints: Vec<(&str, &[f64; 3], Joint)> = chain
         .into_iter()

@@ -1,7 +1,8 @@
-//! Where an interrupted analysis goes on: the runtime's state, the number of samples that were given before, the warnings.
+//! The point where an interrupted analysis continues: the runtime's state, the number of earlier samples, the
+//! warnings.
 //!
-//! The file: `ENGRUN` and the version of the format (a byte), the length of the description (8 bytes, little-endian), the
-//! description as JSON, the runtime's checkpoint, and the SHA-256 of all that.
+//! The file: `ENGRUN` and the version of the format (a byte), the length of the description (8 bytes,
+//! little-endian), the description as JSON, the runtime's checkpoint, and the SHA-256 of all of these.
 
 use super::file::refuse_link;
 use super::{ResultsError, replace_file};
@@ -13,7 +14,7 @@ use std::path::Path;
 const MAGIC: &[u8; 7] = b"ENGRUN\x01";
 const SUM: usize = 32;
 
-/// A warning that was given before the interruption.
+/// A warning from before the interruption.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct KeptWarning {
     /// Path of the element.
@@ -22,24 +23,24 @@ pub struct KeptWarning {
     pub used_at: Option<(u32, u32, u32)>,
     /// The class's line.
     pub defined_at: Option<(u32, u32, u32)>,
-    /// The name under which it is accepted.
+    /// The name with which a text accepts it.
     pub name: String,
     /// The author's message.
     pub message: String,
-    /// Bits of the time (s): all numbers come back as they were.
+    /// Bits of the time (s), so that reading gives exactly the same number.
     pub time: u64,
     /// Bits of the cycle angle (rad).
     pub cycle_angle: Option<u64>,
 }
 
-/// What a checkpoint file holds.
+/// The contents of a checkpoint file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResumePoint {
-    /// What tells runs apart: texts, parameters, plan, channels, version.
+    /// The identity of the run: texts, parameters, plan, channels, version.
     pub identity: String,
-    /// Samples that were given before.
+    /// Number of samples before the checkpoint.
     pub samples: u64,
-    /// Warnings that were given before.
+    /// Warnings before the checkpoint.
     pub warnings: Vec<KeptWarning>,
     /// The runtime's checkpoint.
     pub state: Vec<u8>,
@@ -53,7 +54,7 @@ struct Description {
 }
 
 impl ResumePoint {
-    /// Replaces the file; there is always a whole one.
+    /// Replaces the file. A whole file exists at every moment.
     pub fn write(&self, path: &Path) -> Result<(), ResultsError> {
         let refused = |source| ResultsError::File {
             path: path.to_owned(),
@@ -77,7 +78,7 @@ impl ResumePoint {
         .map_err(refused)
     }
 
-    /// Reads what [`ResumePoint::write`] wrote; `None` where there is no file.
+    /// Reads a file of [`ResumePoint::write`]; `None` if there is no file.
     pub fn read(path: &Path) -> Result<Option<ResumePoint>, ResultsError> {
         let bytes = match crate::regular::read(path) {
             Ok(bytes) => bytes,

@@ -1,9 +1,10 @@
-//! Columns and metadata as an Arrow schema and back: what Parquet files and streams of a running analysis share.
+//! Conversion of columns and metadata to an Arrow schema and back. Parquet files and streams of a running
+//! analysis share it.
 //!
-//! The metadata of a field hold `unit` (symbol), `si_scale` and `si_offset` (`si = value*si_scale + si_offset`), `dimension`
-//! (SI base symbols) and `frame` (absent for a scalar). The metadata of the file hold `eng.analysis`, `eng.model` and
-//! `eng.run.KEY` for what is known about the run; `PANDAS_ATTRS` repeats units and frames as JSON, so that pandas has them in
-//! `DataFrame.attrs`.
+//! The metadata of a field hold `unit` (symbol), `si_scale` and `si_offset`
+//! (`si = value*si_scale + si_offset`), `dimension` (SI base symbols) and `frame` (absent for a scalar). The
+//! metadata of the file hold `eng.analysis`, `eng.model` and `eng.run.KEY` for the data of the run;
+//! `PANDAS_ATTRS` repeats units and frames as JSON, so that pandas has them in `DataFrame.attrs`.
 
 use super::{Column, Results, dimension_text};
 use arrow_array::{Array, ArrayRef, Float64Array};
@@ -16,7 +17,7 @@ const MODEL: &str = "eng.model";
 const RUN: &str = "eng.run.";
 const PANDAS_ATTRIBUTES: &str = "PANDAS_ATTRS";
 
-/// Fields and metadata of results; their values are not looked at.
+/// Fields and metadata of results, without their values.
 pub(super) fn schema(results: &Results) -> Schema {
     Schema::new_with_metadata(
         results.columns().iter().map(field).collect::<Vec<_>>(),
@@ -54,7 +55,8 @@ pub(super) fn metadata(results: &Results) -> BTreeMap<String, String> {
     entries
 }
 
-/// Results without columns, and their columns without values, from what [`schema`] gave; else what is missing.
+/// Results without columns, and their columns without values, from a schema of [`schema`]. The error names
+/// the missing metadata.
 pub(super) fn header(
     entries: &BTreeMap<String, String>,
     schema: &Schema,

@@ -1,4 +1,4 @@
-//! What is kept of a run: channels by patterns, the last part of it.
+//! The kept part of a run: channels by patterns, and its last part.
 
 use super::{CYCLE_ANGLE, CYCLE_SPEED, Results, ResultsError, TIME};
 use eng_system::Dimension;
@@ -6,14 +6,14 @@ use eng_system::Dimension;
 /// The last part of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Last {
-    /// So many s.
+    /// A time (s).
     Time(f64),
-    /// So many rad of the cycle angle.
+    /// An angle of the cycle (rad).
     Angle(f64),
 }
 
 impl Last {
-    /// From a quantity in SI; a time or an angle, positive.
+    /// Makes it from a quantity in SI. It must be a positive time or angle.
     pub fn new(value: f64, dimension: Dimension) -> Result<Last, ResultsError> {
         let refused = |what: &str| {
             Err(ResultsError::Last(format!(
@@ -32,7 +32,7 @@ impl Last {
         }
     }
 
-    /// The column that it is measured along.
+    /// The column that measures it.
     pub(super) fn path(self) -> &'static str {
         match self {
             Last::Time(_) => TIME,
@@ -40,21 +40,23 @@ impl Last {
         }
     }
 
-    /// Whether a sample belongs to it, by its column's value there and at the end. A millionth of the part is rounding.
+    /// Whether a sample belongs to the part. `value` is the column's value at the sample, `end` its value at
+    /// the end. A millionth of the part is allowed for rounding errors.
     pub(super) fn holds(self, value: f64, end: f64) -> bool {
         let (Last::Time(part) | Last::Angle(part)) = self;
         (end - value).abs() <= part * (1.0 + 1e-6)
     }
 }
 
-/// Channels by patterns: `*` stands for any characters, `?` for one, everything else for itself. None: all.
+/// Channels by patterns. `*` matches any characters, `?` matches one, and every other character matches
+/// itself. Without patterns all channels are selected.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
     patterns: Vec<String>,
 }
 
 impl Selection {
-    /// Of these patterns; each may hold several with commas between.
+    /// A selection by patterns. Each text may hold several patterns, with commas between them.
     pub fn new<'a>(patterns: impl IntoIterator<Item = &'a str>) -> Selection {
         Selection {
             patterns: patterns
@@ -72,7 +74,8 @@ impl Selection {
         &self.patterns
     }
 
-    /// Whether each column is kept. Time and cycle always are, of modes their frequencies. A pattern that no column has is an error.
+    /// Whether each column is kept. Time and cycle are always kept, and the frequencies of modes too. A
+    /// pattern that matches no column is an error.
     pub fn of(&self, results: &Results) -> Result<Vec<bool>, ResultsError> {
         let modes = results.are_modes();
         let paths = || results.columns().iter().map(|c| c.path.as_str());
@@ -112,7 +115,8 @@ impl Selection {
     }
 }
 
-/// Whether a path fits a pattern: the greedy match that goes back to the last `*`.
+/// Whether a path matches a pattern. On a mismatch the match returns to the last `*`, which then takes one
+/// more character.
 fn matches(pattern: &str, path: &str) -> bool {
     let pattern: Vec<char> = pattern.chars().collect();
     let path: Vec<char> = path.chars().collect();
@@ -192,7 +196,7 @@ mod tests {
         assert!(Last::new(0.0, Dimension::TIME).is_err());
         assert!(Last::new(f64::NAN, Dimension::TIME).is_err());
         assert!(Last::new(1.0, Dimension::LENGTH).is_err());
-        // backwards turning engines count, too
+        // engines that turn backwards count too
         assert!(Last::Angle(1.0).holds(-9.0, -10.0) && !Last::Angle(1.0).holds(-8.9, -10.0));
     }
 }

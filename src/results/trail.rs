@@ -1,25 +1,27 @@
-//! Rows that a run leaves on disk beside its samples, one a sample, so that a resumed run has those of before its checkpoint.
+//! Rows that a run writes to disk beside its samples, one for each sample. So a resumed run has the rows
+//! before its checkpoint.
 //!
-//! An Arrow stream as that of the samples, `ANALYSIS.partial.arrows`. Its columns are shown in SI: the bits come back as they were.
+//! They form an Arrow stream like that of the samples, `ANALYSIS.partial.arrows`. Its columns are in SI, so
+//! that reading gives the same bits.
 
 use super::recording::Files;
 use super::stream::{Portions, Stream};
 use super::{Results, ResultsError, schema};
 use std::path::Path;
 
-/// Rows that wait at most, before they go to disk.
+/// The largest number of rows that wait before they are written to disk.
 const BATCH: usize = 512;
 
 /// The rows on their way to disk.
 #[derive(Debug)]
 pub(crate) struct Trail {
     stream: Stream,
-    /// A vector a column.
+    /// One vector for each column.
     waiting: Vec<Vec<f64>>,
 }
 
 impl Trail {
-    /// Begins with the columns of `header`, over what was there.
+    /// Begins a trail with the columns of `header`. It overwrites an earlier one.
     pub fn create(folder: &Path, header: &Results) -> Result<Trail, ResultsError> {
         let path = Files::new(folder, header.analysis()).partial;
         Ok(Trail {
@@ -28,7 +30,7 @@ impl Trail {
         })
     }
 
-    /// Goes on after the first `rows`, whose number a checkpoint says; each of them is given to `take`.
+    /// Continues after the first `rows`, the number in a checkpoint. Each of these rows is passed to `take`.
     pub fn resume(
         folder: &Path,
         header: &Results,
@@ -51,7 +53,7 @@ impl Trail {
         })
     }
 
-    /// Gives the rows of a run that has ended to `take`; false where there is no trail.
+    /// Passes the rows of a finished run to `take`; false if there is no trail.
     pub fn left(
         folder: &Path,
         analysis: &str,
@@ -76,7 +78,7 @@ impl Trail {
         }
     }
 
-    /// To disk, all that waits; a checkpoint that is written after it finds a batch's end here.
+    /// Writes all waiting rows to disk. A checkpoint written after this finds the end of a batch here.
     pub fn save(&mut self) -> Result<(), ResultsError> {
         self.flush()?;
         self.stream.sync()
@@ -89,7 +91,7 @@ impl Trail {
         }
     }
 
-    /// Removes the trail of an analysis, which need not be there.
+    /// Removes the trail of an analysis, if there is one.
     pub fn remove(folder: &Path, analysis: &str) -> Result<(), ResultsError> {
         let path = Files::new(folder, analysis).partial;
         match std::fs::remove_file(&path) {
@@ -101,7 +103,7 @@ impl Trail {
     }
 }
 
-/// Gives all rows of whole batches to `take`.
+/// Passes all rows of whole batches to `take`.
 fn each(path: &Path, mut take: impl FnMut(&[f64])) -> Result<(), ResultsError> {
     let mut portions = Portions::open(path)?;
     let mut row = Vec::new();

@@ -10,7 +10,7 @@ use eng_system::layout::InputLayout;
 use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector};
 
-/// Which derivative of the rows is taken.
+/// The kind of derivative of the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Along {
     /// Poses: δr inertial, δπ in body axes.
@@ -19,31 +19,32 @@ pub enum Along {
     Velocity,
 }
 
-/// A wish of the assembly: two axes are parallel, and a pin stands in the middle of its shell. Nothing of it remains in the motion.
+/// A preference (wish) of the assembly: two axes are parallel, or also a pin is in the middle of its shell.
+/// The motion does not contain it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wish {
-    /// Marker of the pin, or of what turns.
+    /// Marker of the pin or of the turning body.
     pub pin: usize,
     /// Marker of the shell, or of the reference; its z is the axis.
     pub shell: usize,
-    /// Of a film: distance from the middle up to which the wish counts as fulfilled (m). `None` where the axes alone matter, and
-    /// their sense: an angle is measured about the reference's z.
+    /// For a film: up to this distance from the middle (m) the wish counts as fulfilled. `None` if only the
+    /// axes matter. Then their sense matters too, because an angle is measured about the reference's z.
     pub reach: Option<f64>,
 }
 
-/// Rows of a film's wish: the pin's place in the shell's x and y (m), and the pin's axis in them.
+/// Rows of a film's wish: the pin's position along the shell's x and y (m), and the pin's axis along both.
 pub const FILM_ROWS: usize = 4;
-/// Rows of a wish for axes alone: the last of a film's.
+/// Rows of a wish for axes alone: the last rows of a film's wish.
 const AXIS_ROWS: usize = 2;
 
-/// A list of rows: elements in order, all rows of each; then those of wishes.
+/// A list of rows: all rows of each element in order, then the rows of wishes.
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// The elements.
     pub elements: Vec<usize>,
     /// Wishes, after the elements.
     wishes: Vec<Wish>,
-    /// (element, row) of each row that is of an element.
+    /// (element, row) of each row that belongs to an element.
     pub owners: Vec<(usize, usize)>,
     /// Scale of each row.
     pub scales: Vec<f64>,
@@ -83,7 +84,7 @@ impl Rows {
         }
     }
 
-    /// The same rows and those of wishes.
+    /// The same rows with those of wishes added.
     pub fn with(mut self, model: &Model, wishes: &[Wish]) -> Rows {
         for wish in wishes {
             self.wishes.push(*wish);
@@ -93,7 +94,7 @@ impl Rows {
         self
     }
 
-    /// How many.
+    /// Number of rows.
     pub fn len(&self) -> usize {
         self.scales.len()
     }
@@ -233,7 +234,8 @@ impl Rows {
         Ok(values)
     }
 
-    /// Divides values and rows by the rows' scales, and translations' columns by 1/length: everything in angles.
+    /// Divides values and rows by the rows' scales, and the columns of translations by 1/length. Then all
+    /// numbers are angles.
     pub fn scale(&self, model: &Model, values: &mut DVector<f64>, matrix: &mut DMatrix<f64>) {
         let columns = model.velocity_scales();
         for (i, scale) in self.scales.iter().enumerate() {
@@ -246,7 +248,7 @@ impl Rows {
 }
 
 impl Wish {
-    /// How many of a film's rows it leaves out: those of the pin's place.
+    /// Number of a film's rows that the wish omits: those of the pin's position.
     fn skipped(&self) -> usize {
         match self.reach {
             Some(_) => 0,
@@ -254,9 +256,11 @@ impl Wish {
         }
     }
 
-    /// Where the pin stands in its shell: x, y (m), and x, y of its axis, which in a film may point either way.
+    /// Position of the pin in its shell: x and y (m), and x and y of its axis. In a film the axis may point
+    /// either way.
     ///
-    /// With the shell's axes S and place s, the pin's P and p: `e = Sᵀ(p − s)`, `a = Sᵀ P z`.
+    /// With the shell's axes S and position s, and the pin's axes P and position p: `e = Sᵀ(p − s)`,
+    /// `a = Sᵀ P z`.
     fn values(&self, model: &Model, at: &At) -> ([f64; FILM_ROWS], [M3; 2], V3, V3, f64) {
         let pin = marker(model, self.pin, at.pose, at.velocity);
         let shell = marker(model, self.shell, at.pose, at.velocity);
@@ -277,7 +281,7 @@ impl Wish {
         )
     }
 
-    /// Whether the pin stands inside of its reach, its axis within a hundredth of a radian.
+    /// Whether the pin is within its reach and its axis within a hundredth of a radian.
     pub fn is_fulfilled(&self, model: &Model, at: &At) -> bool {
         let ([x, y, a, b], .., axis, _) = self.values(model, at);
         let along = libm::hypot(a, b) <= 0.01;
@@ -287,8 +291,8 @@ impl Wish {
         }
     }
 
-    /// Values and derivatives from row `first` on: `δe = Sᵀ(δp − δs) − δσ × e`, `δa = Sᵀ P (δπ × z) − δσ × a`, δπ and δσ in the
-    /// axes of pin and shell.
+    /// Values and derivatives from row `first` on: `δe = Sᵀ(δp − δs) − δσ × e`,
+    /// `δa = Sᵀ P (δπ × z) − δσ × a`, δπ and δσ in the axes of pin and shell.
     fn add(
         &self,
         model: &Model,
@@ -345,8 +349,9 @@ pub fn wishes(model: &Model) -> Vec<Wish> {
         .collect()
 }
 
-/// The wishes of elements that measure angles: about the reference's z an angle means something where the axes are parallel. The
-/// equation of a drive alone is solved as well by a body that lies across or upside down.
+/// The wishes of elements that measure angles. An angle about the reference's z has a meaning only if the
+/// axes are parallel. Without the wish, a body that lies across or upside down would also solve the equation
+/// of a drive.
 pub fn axes(model: &Model, elements: &[usize]) -> Vec<Wish> {
     let mut found = Vec::new();
     for e in elements {
@@ -428,7 +433,8 @@ pub fn conditions(model: &Model, index: usize, at: &At) -> Result<Vec<f64>, Runt
     Ok(out.iter().map(|o| o[0]).collect())
 }
 
-/// The smallest solution x of `A x = b` in the least-squares sense; singular values below 1e-9 of the largest count as zero.
+/// The smallest solution x of `A x = b` in the least-squares sense; singular values below 1e-9 of the largest
+/// count as zero.
 pub fn smallest_solution(matrix: &DMatrix<f64>, rhs: &DVector<f64>) -> Option<DVector<f64>> {
     if matrix.nrows() == 0 || matrix.ncols() == 0 {
         return Some(DVector::zeros(matrix.ncols()));
