@@ -7,11 +7,11 @@ use crate::plot;
 use crate::results::{failed_twin, stem_of};
 use std::path::{Path, PathBuf};
 
-/// Where results are kept if nothing else is said.
+/// The default folder of results.
 pub(super) fn results_folder(model: &Path) -> PathBuf {
     let name = model.file_name().unwrap_or_default();
     let stem = model.file_stem().unwrap_or_default();
-    // `..` is another folder, and `.` the one of all models
+    // a stem of points alone would name another folder: `..` the parent, `.` the folder of all models
     match stem.to_string_lossy().trim_matches('.').is_empty() {
         true => Path::new("results").join(name),
         false => Path::new("results").join(stem),
@@ -35,13 +35,14 @@ pub(super) fn draw(
     Ok(())
 }
 
-/// Says what was written.
+/// Prints the names of written files.
 pub(super) fn wrote(
     path: &Path,
     arguments: &RunArguments,
     console: &mut Terminal<'_>,
 ) -> Result<(), Stop> {
-    // what a failed run left is out of date; where it can't be removed, it still says what it is
+    // files of an earlier failed run are out of date; if one cannot be removed, its name still marks it as
+    // failed
     if let Some(twin) = failed_twin(path) {
         let _ = std::fs::remove_file(twin);
     }

@@ -84,7 +84,7 @@ pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) ->
     Ok(())
 }
 
-/// The results of an analysis as they were read.
+/// The results of an analysis, read from files.
 struct Read {
     results: Results,
     motion: Option<Results>,
@@ -92,7 +92,7 @@ struct Read {
     files: Vec<(String, String)>,
 }
 
-/// The results that a folder holds of some analyses.
+/// The results of some analyses in a folder.
 #[derive(Default)]
 struct Found {
     in_time: Vec<Read>,
@@ -139,7 +139,7 @@ fn read(names: &[&str], folder: &Path, console: &mut Terminal<'_>) -> Result<Fou
     Ok(found)
 }
 
-/// Refuses a page without results in time, and one that lacks an analysis that was asked for by its name.
+/// Refuses a page without results over time, and a page without an analysis that the user named.
 fn refuse_missing(
     found: &Found,
     arguments: &ReportArguments,
@@ -185,7 +185,7 @@ fn refuse_missing(
     Err(Stop::Code(USAGE_OR_SYSTEM))
 }
 
-/// Writes the page and the files that were asked for besides; gives their paths.
+/// Writes the page and the other requested files. Returns their paths.
 fn write_all(
     made: &Made,
     entries: &[Entry],
@@ -230,13 +230,13 @@ fn write_all(
     Ok(written)
 }
 
-/// Where the page is written.
+/// The path of the page.
 fn page_of(arguments: &ReportArguments, folder: &Path) -> PathBuf {
     let stated = arguments.out.clone();
     stated.unwrap_or_else(|| folder.join("report.html"))
 }
 
-/// The files that the command will write, but for those of the series, whose names are their own.
+/// The files that the command will write, except those of the VTU series, which have names of their own.
 fn files_of(out: &Path, arguments: &ReportArguments, figures: &[Drawn]) -> Vec<Output> {
     let page = Output::new("--out", out);
     let scene = arguments.gltf.as_ref();
@@ -252,13 +252,13 @@ fn files_of(out: &Path, arguments: &ReportArguments, figures: &[Drawn]) -> Vec<O
     std::iter::once(page).chain(scene).chain(drawn).collect()
 }
 
-/// Refuses outputs in place of what is read or of one another.
+/// Refuses outputs that would replace an input or another output.
 fn refuse_loss(inputs: &[PathBuf], files: &[Output]) -> Result<(), String> {
     apart(inputs, files)?;
     files.iter().try_for_each(Output::is_foreign)
 }
 
-/// Angles and times as they were typed.
+/// Angles and times from typed texts.
 fn moments(typed: &[String]) -> Result<Vec<At>, String> {
     typed
         .iter()
@@ -296,7 +296,7 @@ fn write(path: &Path, bytes: &[u8]) -> Result<PathBuf, ResultsError> {
     Ok(path.to_owned())
 }
 
-/// What was asked for, as one would type it.
+/// The command, in the form that a user would type.
 fn command(arguments: &ReportArguments) -> String {
     let mut words = vec![format!("eng report {}", arguments.model.display())];
     for name in &arguments.analysis {

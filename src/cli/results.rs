@@ -8,7 +8,7 @@ use crate::results::{Kind, Listed, Selection, listed};
 use crate::significant::short;
 use crate::tables::Table;
 
-/// Lists what result files hold. Files that can't be read are told of, and the others listed all the same.
+/// Lists the contents of result files. It reports unreadable files and still lists the others.
 pub(super) fn results(
     arguments: &ResultsArguments,
     console: &mut Terminal<'_>,
@@ -109,7 +109,7 @@ fn show(found: &Listed, console: &mut Terminal<'_>) -> Result<(), Stop> {
     Ok(())
 }
 
-/// A number with its unit, to twelve digits: what a unit's factor adds behind them is no part of what was written.
+/// A number with its unit, to twelve digits. Later digits are rounding errors of the unit's factor.
 fn rounded(text: &str) -> String {
     let (number, unit) = text.split_at(text.find(' ').unwrap_or(text.len()));
     match number.parse::<f64>() {

@@ -32,7 +32,7 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
         .clone()
         .unwrap_or_else(|| results_folder(&arguments.model));
     let recording = told_of(recording(arguments, &folder), console)?;
-    // before anything is computed
+    // refuse them before any computation
     for name in &names {
         let file = |ending: &str| folder.join(format!("{}.{ending}", stem_of(name, false)));
         told_of(writable(&file("parquet")), console)?;
@@ -61,7 +61,8 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
             .iter()
             .filter(|o| o.point.is_empty() && !o.results.are_modes())
             .collect();
-        // without those that failed they are not what they are with them
+        // without the failed analyses these figures differ from those of all analyses, so their names mark
+        // them as failed
         let failed = !failures.is_empty();
         let figures = figures::comparisons(&compared);
         draw(figures, failed, &folder, arguments, console)?;
@@ -73,7 +74,7 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
     Ok(())
 }
 
-/// An analysis as the command line wants it to run.
+/// An analysis with the settings of the command line.
 fn prepare(
     analysis: Result<Analysis, Error>,
     settings: &[Setting],
@@ -97,7 +98,8 @@ fn prepare(
     })
 }
 
-/// Runs the analyses side by side and tells of each in the order of the text: of one that has ended once its forerunners have.
+/// Runs the analyses side by side and reports them in the order of the text. An analysis that has ended waits
+/// for those before it.
 fn run_all(
     names: &[&str],
     prepared: Vec<Result<Analysis, Refusal>>,
@@ -113,7 +115,7 @@ fn run_all(
         next: 0,
         stop: None,
     };
-    // places of the analyses that run among the names
+    // indices of the prepared analyses among the names
     let (mut ready, mut places) = (Vec::new(), Vec::new());
     for (place, prepared) in prepared.into_iter().enumerate() {
         match prepared {
@@ -126,7 +128,7 @@ fn run_all(
         }
     }
     queue.go_on(console);
-    // a setting that the first analysis refuses is a mistake: nothing is run
+    // if the first analysis refuses a setting, the command stops before any run
     if let Some(stop) = queue.stop {
         return Err(stop);
     }
@@ -138,7 +140,7 @@ fn run_all(
             Event::Slow(message) => {
                 let mut messages = Diagnostics::new();
                 messages.push(*message);
-                // a console that takes nothing more is found out at the end
+                // an error of the console is handled at the end
                 bars.suspend(|| {
                     let _ = console.errors.messages(&messages, texts);
                 });
@@ -153,7 +155,7 @@ fn run_all(
     queue.stop.map_or(Ok(()), Err)
 }
 
-/// Analyses that have ended and wait to be told of in their turn.
+/// Analyses that have ended and wait for their turn in the report.
 struct Queue<'q, 't> {
     names: &'q [&'q str],
     told: &'q mut Told<'t>,
@@ -163,7 +165,7 @@ struct Queue<'q, 't> {
 }
 
 impl Queue<'_, '_> {
-    /// Tells of those whose turn has come.
+    /// Reports the analyses whose turn has come.
     fn go_on(&mut self, console: &mut Terminal<'_>) {
         while self.stop.is_none()
             && let Some(result) = self.ended.get_mut(self.next).and_then(Option::take)
@@ -231,7 +233,7 @@ fn set_once(settings: &[Setting]) -> Result<(), String> {
     Ok(())
 }
 
-/// What is kept, and where.
+/// The kept part of the results, and its folder.
 fn recording(arguments: &RunArguments, folder: &Path) -> Result<Recording, String> {
     let last = match &arguments.last {
         None => None,
@@ -249,7 +251,7 @@ fn recording(arguments: &RunArguments, folder: &Path) -> Result<Recording, Strin
     })
 }
 
-/// The steps that were asked for in place of the text's.
+/// The steps that the command line requests instead of those of the text.
 fn steps(arguments: &RunArguments) -> Result<Option<StepControl>, String> {
     let step = match &arguments.step {
         Some(text) => {
@@ -275,7 +277,7 @@ fn steps(arguments: &RunArguments) -> Result<Option<StepControl>, String> {
     })
 }
 
-/// As many as asked for, or as the machine has processors.
+/// The requested number of threads, or the number of the machine's processors.
 fn threads(arguments: &RunArguments) -> NonZeroUsize {
     arguments
         .threads
@@ -283,7 +285,7 @@ fn threads(arguments: &RunArguments) -> NonZeroUsize {
         .unwrap_or(NonZeroUsize::MIN)
 }
 
-/// The analyses that are meant: those asked for, or all.
+/// The requested analyses, or all.
 pub(super) fn chosen<'a>(
     model: &Path,
     wanted: &[String],
@@ -293,7 +295,7 @@ pub(super) fn chosen<'a>(
     let known = program.analyses();
     let mut analyses: Vec<&str> = Vec::new();
     for asked in wanted {
-        // `sweep` stands for all of `sweep[1]`, `sweep[2]`, …
+        // `sweep` selects all of `sweep[1]`, `sweep[2]`, …
         let found: Vec<&str> = known
             .iter()
             .copied()

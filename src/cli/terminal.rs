@@ -1,4 +1,5 @@
-//! What the command writes on: nothing that comes from a model, a file or an argument acts on the terminal.
+//! The output of the command. It escapes control characters, so that no text of a model, a file or an
+//! argument acts on the terminal.
 
 use super::Console;
 use crate::render::{self, Colors, visible};
@@ -6,9 +7,9 @@ use eng_grammar::{Diagnostics, SourceMap};
 use std::fmt;
 use std::io::{self, Write};
 
-/// The console, on which control characters are shown instead of sent.
+/// The console. It shows control characters and does not send them.
 pub(super) struct Terminal<'a> {
-    /// What was asked for: tables, messages of `check`.
+    /// The requested output: tables, messages of `check`.
     pub output: Shown<'a>,
     /// Messages about the run.
     pub errors: Shown<'a>,
@@ -30,19 +31,19 @@ impl<'a> Terminal<'a> {
     }
 }
 
-/// A writer of text that escapes what would act on a terminal.
+/// A writer of text that escapes control characters.
 pub(super) struct Shown<'a> {
     writer: &'a mut dyn Write,
     colors: Colors,
 }
 
 impl Shown<'_> {
-    /// What `write!` and `writeln!` call.
+    /// The function that `write!` and `writeln!` call.
     pub fn write_fmt(&mut self, text: fmt::Arguments<'_>) -> io::Result<()> {
         self.writer.write_all(visible(&text.to_string()).as_bytes())
     }
 
-    /// Messages, with colours where they are understood. Their texts are escaped by the renderer.
+    /// Prints messages, with colours if the output understands them. Their texts are escaped by the renderer.
     pub fn messages(&mut self, messages: &Diagnostics, sources: &SourceMap) -> io::Result<()> {
         let text = render::human(messages, sources, self.colors);
         self.writer.write_all(text.as_bytes())

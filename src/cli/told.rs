@@ -1,4 +1,4 @@
-//! What a run prints and writes of its analyses as they end.
+//! The output of a run for each analysis that ends: messages, tables, files.
 
 use super::arguments::RunArguments;
 use super::files::{draw, told_of, wrote};
@@ -15,16 +15,16 @@ use std::path::Path;
 /// The end of an analysis.
 pub(super) type Ended = Result<RunOutcome, Failed<RunOutcome>>;
 
-/// What was told of the analyses, in the order of the text whichever ends first.
+/// The reports of the analyses, in the order of the text and not in the order of their ends.
 pub(super) struct Told<'a> {
     pub arguments: &'a RunArguments,
     pub program: &'a Program,
-    /// Where results are written.
+    /// The folder of the results.
     pub folder: &'a Path,
     pub outcomes: Vec<RunOutcome>,
     /// Names of the analyses that failed.
     pub failures: Vec<String>,
-    /// Each message once, though analyses of one model fail alike.
+    /// Messages so far. Each is printed once, although analyses of one model often fail in the same way.
     messages: Vec<Diagnostic>,
 }
 
@@ -40,7 +40,7 @@ impl<'a> Told<'a> {
         }
     }
 
-    /// Tells of an analysis that has ended.
+    /// Reports an analysis that has ended.
     pub fn tell(
         &mut self,
         analysis: &str,
@@ -100,7 +100,8 @@ impl<'a> Told<'a> {
         Ok(console.errors.messages(&new, self.program.texts())?)
     }
 
-    /// Prints the table of an analysis and names its files, which the run itself has written; writes those that were asked for besides.
+    /// Prints the table of an analysis and the names of its files, which the run itself has written. Writes
+    /// the other requested files.
     fn written(&self, outcome: &RunOutcome, console: &mut Terminal<'_>) -> Result<(), Stop> {
         let Told {
             arguments, folder, ..
@@ -117,7 +118,7 @@ impl<'a> Told<'a> {
             let path = told_of(results.write_csv(folder), console)?;
             wrote(&path, arguments, console)?;
         }
-        // of a sweep the table over its points tells more
+        // for a sweep the table over its points is more useful
         if !arguments.no_plots && outcome.point.is_empty() && !results.are_modes() {
             let failed = results.failure().is_some();
             let figures = figures::of_analysis(outcome);

@@ -1,10 +1,11 @@
-//! What is to be known about each journal at a glance.
+//! A summary of each journal: loads, film, friction.
 
 use super::Table;
 use crate::machine::JournalGeometry;
 use crate::results::{CYCLE_ANGLE, Results, TIME};
 
-/// The table's row of a journal. Taken over the last cycle where the run covers one, else over the whole run.
+/// A journal's row of the table. It covers the last cycle if the run has a whole cycle, otherwise the whole
+/// run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JournalSummary {
     /// `main[1]`.
@@ -21,12 +22,12 @@ pub struct JournalSummary {
     pub minimum_film_angle: Option<f64>,
     /// Friction power, mean over time (W).
     pub friction_power: Option<f64>,
-    /// Whether the figures are of the last whole cycle.
+    /// Whether the values cover the last whole cycle.
     pub last_cycle: bool,
 }
 
 impl JournalSummary {
-    /// The summary of a journal's columns, named as told at [`JournalGeometry`]. `cycle_period` in rad.
+    /// The summary of a journal's columns. [`JournalGeometry`] describes their names. `cycle_period` in rad.
     pub fn new(results: &Results, journal: &JournalGeometry, cycle_period: Option<f64>) -> Self {
         let column = |output: &str| {
             results
@@ -77,7 +78,7 @@ impl JournalSummary {
     }
 }
 
-/// Angles less whole cycles, so that the first lies in the first cycle.
+/// Subtracts whole cycles from the angles, so that the first angle lies in the first cycle.
 pub(crate) fn shifted(mut angles: Vec<f64>, period: Option<f64>) -> Vec<f64> {
     if let (Some(period), Some(first)) = (period.filter(|p| *p > 0.0), angles.first().copied()) {
         let whole = period * ((first + 1e-6) / period).floor();
@@ -86,13 +87,14 @@ pub(crate) fn shifted(mut angles: Vec<f64>, period: Option<f64>) -> Vec<f64> {
     angles
 }
 
-/// Index of the first sample of the last whole cycle, if there is one. The angle may fall: a shaft turns either way.
+/// Index of the first sample of the last whole cycle, if there is one. The angle may decrease, because a
+/// shaft can turn either way.
 pub(crate) fn last_cycle(angle: Option<&[f64]>, period: Option<f64>) -> Option<usize> {
     let (angle, period) = (angle?, period?);
     let (first, last) = (angle.first()?, angle.last()?);
     let turned = (last - first).abs();
     if period > 0.0 && turned >= period - 1e-6 {
-        // what is swung back over belongs to the last cycle, too
+        // samples that the angle passes again on its way back also belong to the last cycle
         let before = angle
             .iter()
             .rposition(|angle| (last - angle).abs() > period + 1e-6);
@@ -102,7 +104,7 @@ pub(crate) fn last_cycle(angle: Option<&[f64]>, period: Option<f64>) -> Option<u
     }
 }
 
-/// Index and value that `better` prefers, from `first` on, of finite values.
+/// Index and value of the best finite value from `first` on, by `better`.
 fn extreme(
     values: impl Iterator<Item = f64>,
     first: usize,

@@ -9,7 +9,8 @@ pub(crate) use journals::{journal_table, last_cycle, shifted};
 
 use crate::significant::without_sign_of_zero;
 
-/// A table: its first column is aligned left, the others right unless they are said to be left.
+/// A table. Its first column is aligned left; the others are aligned right unless [`Table::render_left`] says
+/// otherwise.
 pub(crate) struct Table {
     rows: Vec<Vec<String>>,
     heads: usize,

@@ -1,4 +1,4 @@
-//! The table of modes, and of a sweep the modes of its points together.
+//! The table of modes, and the common table of the modes of a sweep's points.
 
 use super::Table;
 use crate::modes::{are_frozen, are_of_a_period, composition, values};
@@ -6,9 +6,9 @@ use crate::results::{Column, Results};
 use crate::run::RunOutcome;
 use crate::significant::significant;
 
-/// Rows that are printed; all are in the file.
+/// The largest number of printed rows. The file has all rows.
 const MOST_ROWS: usize = 40;
-/// Modes of a point of a sweep that are printed.
+/// The largest number of printed modes for each point of a sweep.
 const MOST_MODES: usize = 8;
 
 fn frequency(value: f64) -> String {
@@ -27,7 +27,8 @@ fn at(results: &Results, path: &str, row: usize) -> f64 {
         .unwrap_or(f64::NAN)
 }
 
-/// Frequency, damping and what moves, a line a mode; of a period also the growth, which is definite whatever the frequency.
+/// Frequency, damping and moving parts, with a line for each mode. Modes of a period also have the growth,
+/// which is definite even if the frequency is not.
 pub(crate) fn table(results: &Results) -> String {
     let growth = are_of_a_period(results);
     let mut head = [vec!["mode", "frequency", "damping"], vec!["", "Hz", "%"]];
@@ -78,13 +79,13 @@ pub(crate) fn campbell(name: &str, family: &[&RunOutcome]) -> Results {
     let mut table = first.results.without_columns();
     let mut all = Results::new(name, table.model());
     for (key, value) in table.metadata() {
-        // what is true of one point only
+        // metadata of a single point are left out
         if !key.starts_with("point.") && !key.starts_with("start") && key != "identity" {
             all.set_metadata(key, value);
         }
     }
     table = all;
-    // names differ, lengths are one: nothing is refused
+    // names differ and lengths are equal, so no column is refused
     let mut push = |column: Column| {
         let _ = table.push(column);
     };
@@ -114,7 +115,7 @@ pub(crate) fn campbell(name: &str, family: &[&RunOutcome]) -> Results {
     table
 }
 
-/// Frequencies and damping of the slowest oscillations, a line a point.
+/// Frequencies and damping of the slowest oscillations, with a line for each point.
 pub(crate) fn campbell_text(name: &str, family: &[&RunOutcome]) -> String {
     let Some(first) = family.first() else {
         return String::new();

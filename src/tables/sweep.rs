@@ -34,15 +34,16 @@ pub(crate) fn name<'o>(family: &[&'o RunOutcome]) -> &'o str {
     family.first().map_or("", |o| base(o))
 }
 
-/// One row a point: the variables; cycles of a periodic analysis, and 1 where the last repeats, no numbers where it was complete and was
-/// not run again; of every journal the peak load, the smallest film and the friction; of every output of the model the smallest and the
-/// largest value. Over the last whole cycle where there is one, else over the whole run.
+/// One row for each point. It has the variables of the sweep; for a periodic analysis the number of cycles,
+/// and 1 if the last cycle repeats (no numbers if the point was complete and was not run again); for each
+/// journal the peak load, the smallest film and the friction; for each output of the model the smallest and
+/// the largest value. The values cover the last whole cycle if there is one, otherwise the whole run.
 pub(crate) fn table(family: &[&RunOutcome]) -> Results {
     let Some(first) = family.first() else {
         return Results::new("", "");
     };
     let mut table = Results::new(base(first), first.results.model());
-    // names differ, lengths are one: nothing is refused
+    // names differ and lengths are equal, so no column is refused
     let mut push = |path: String, dimension, display: DisplayUnit, values: Vec<f64>| {
         let _ = table.push(Column {
             path,
@@ -162,7 +163,7 @@ fn power() -> Dimension {
     force().times(Dimension::LENGTH).over(Dimension::TIME)
 }
 
-/// Columns of the printed table: more are in the file.
+/// The largest number of columns of the printed table. The file has all columns.
 const MOST_COLUMNS: usize = 9;
 
 /// The table as text.

@@ -1,4 +1,4 @@
-//! What a run records of a system: the columns of its results, in order.
+//! The columns that a run records of a system, in order.
 
 use crate::system::{BodyInertia, Role, System};
 use crate::{Dimension, DisplayUnit};
@@ -31,9 +31,9 @@ pub const DAMPING_RATIO: &str = "damping_ratio";
 pub const KINETIC: &str = "kinetic.";
 /// After the path of a flexible body: the share of its motion as a whole.
 pub const RIGID: &str = ".rigid";
-/// Before the path of what stores energy: its share.
+/// Before the path of a part that stores energy: its share.
 pub const POTENTIAL: &str = "potential.";
-/// Before the path of what loses energy: its share.
+/// Before the path of a part that loses energy: its share.
 pub const LOST: &str = "lost.";
 /// After a channel's path: its phase in a mode.
 pub const PHASE: &str = ".phase";
@@ -66,7 +66,8 @@ impl Recorded {
     }
 }
 
-/// Time, the cycle's angle and speed where there is a cycle, all channels in the order of the text, the energy audit.
+/// Time, angle and speed of the cycle if there is one, all channels in the order of the text, and the energy
+/// audit.
 pub fn recorded(system: &System) -> Vec<Recorded> {
     let mut columns = vec![Recorded::scalar(TIME, Dimension::TIME, "s", 1.0)];
     if system.cycle.is_some() {
@@ -90,9 +91,10 @@ pub fn recorded(system: &System) -> Vec<Recorded> {
     columns
 }
 
-/// The columns of a linear analysis, a row a mode: number, frequencies, damping, the speed at which it was linearised where there is a
-/// cycle, shares of bodies in the kinetic energy and of flexible bodies and loads in the stored and lost, amplitude and phase of every
-/// channel. Shares of the single modes of a flexible body, whose number only its reduction knows, are not among them.
+/// The columns of a linear analysis, in which each row is a mode: number, frequencies, damping, the speed of
+/// the cycle if there is one, shares of bodies in the kinetic energy, shares of flexible bodies and loads in
+/// the stored and lost energy, amplitude and phase of every channel. The shares of the single modes of a
+/// flexible body are missing, because only its reduction knows their number.
 pub fn of_modes(system: &System) -> Vec<Recorded> {
     let per_time = Dimension::ONE.over(Dimension::TIME);
     let share = |path: String| Recorded::scalar(&path, Dimension::ONE, "%", 0.01);
@@ -155,7 +157,7 @@ fn cycle_speed() -> Recorded {
     Recorded::scalar(CYCLE_SPEED, speed, "rpm", PI / 30.0)
 }
 
-/// Paths of all columns that no channel gives, of a model with or without a cycle.
+/// Paths of all columns that do not come from a channel, for a model with or without a cycle.
 pub fn of_every_run(cycle: bool) -> impl Iterator<Item = &'static str> {
     let counted = [CYCLE_ANGLE, CYCLE_SPEED]
         .into_iter()

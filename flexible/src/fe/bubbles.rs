@@ -1,12 +1,12 @@
 //! The functions 1 − ξ², 1 − η², 1 − ζ² inside an 8-node hexahedron: incompatible modes whose amplitudes are
 //! freedoms with mass, as in the C3D8I of CalculiX.
 //!
-//! With condensed modes ([`super::hexahedron`]) it shares the idea, not the numbers. The modes' gradients are
-//! −2 ξ_m ∂ξ_m/∂x with the Jacobian at the middle of the element and without the factor j₀/j, so that ∫ G dV
-//! vanishes in parallelepipeds only: in other shapes a constant strain is not met exactly. Their
-//! displacements have mass, coupled to that of the corners. At the 2³ points of the stiffness, where CalculiX
-//! takes the mass too, the three functions have the value 2/3 alike, so that only the sum of the amplitudes
-//! along each axis has inertia.
+//! The idea is that of condensed modes ([`super::hexahedron`]), but the numbers differ. The modes' gradients
+//! are −2 ξ_m ∂ξ_m/∂x with the Jacobian at the middle of the element and without the factor j₀/j, so that ∫ G
+//! dV vanishes in parallelepipeds only. In other shapes a constant strain is not exact. Their displacements
+//! have mass, coupled to that of the corners. At the 2³ points of the stiffness, where CalculiX also
+//! evaluates the mass, all three functions have the value 2/3, so that only the sum of the amplitudes along
+//! each axis has inertia.
 //!
 //! Source: CalculiX 2.20 (`shape8hu.f`, `e_c3d.f`), and its frequencies.
 

@@ -1,9 +1,9 @@
-//! Eight-node hexahedra whose strains are not those of their shape functions alone: mean dilatation,
+//! Eight-node hexahedra with strains that differ from those of their shape functions: mean dilatation and
 //! incompatible modes.
 //!
-//! Both leave the strain linear in the displacements of the nodes, ε = (B + C) u with the shape functions' B
-//! and a correction C, so that stiffness is ∫ (B + C)ᵀ D (B + C) dV and stresses are D (B + C) u. C vanishes
-//! for displacements linear in space.
+//! In both the strain remains linear in the displacements of the nodes, ε = (B + C) u. B belongs to the shape
+//! functions, and C is a correction, so that stiffness is ∫ (B + C)ᵀ D (B + C) dV and stresses are D (B + C)
+//! u. C vanishes for displacements linear in space.
 
 use super::rules::Table;
 use super::solid::{Gradients, PAIR, gradients, pair, tangents};
@@ -98,12 +98,12 @@ pub(super) fn mean_dilatation(
     Ok(())
 }
 
-/// Displacements α_mk (1 − ξ_m²) e_k inside the element, m and k from 1 to 3, whose α take on the values of
-/// least energy: C = −G H⁻¹ L with the strains G of the modes, H = ∫ Gᵀ D G dV and L = ∫ Gᵀ D B dV.
+/// Displacements α_mk (1 − ξ_m²) e_k inside the element, m and k from 1 to 3. The amplitudes α have the
+/// values of least energy: C = −G H⁻¹ L with the strains G of the modes, H = ∫ Gᵀ D G dV and L = ∫ Gᵀ D B dV.
 ///
 /// The modes' gradients are −2 ξ_m ∂ξ_m/∂x at the middle times j₀/j, so that ∫ G dV vanishes and constant
-/// strains are met in elements of any shape (R. L. Taylor, P. J. Beresford, E. L. Wilson, Int. J. Num. Meth.
-/// Eng. 10, 1976, 1211–1219). Bending of a parallelepiped is exact.
+/// strains are exact in elements of any shape (R. L. Taylor, P. J. Beresford, E. L. Wilson, Int. J. Num.
+/// Meth. Eng. 10, 1976, 1211–1219). Bending of a parallelepiped is exact.
 ///
 /// # Errors
 /// None: the Jacobians of the points have been checked.
@@ -195,7 +195,7 @@ fn dot(a: &Components, b: &Components) -> f64 {
 /// Adds ∫ (B + C)ᵀ D (B + C) dV (N/m) to zeroed blocks.
 ///
 /// # Errors
-/// As [`enhanced`].
+/// Those of [`enhanced`].
 pub(super) fn add_stiffness(
     table: &Table,
     places: &[[f64; 3]; MOST_NODES],

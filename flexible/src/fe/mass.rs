@@ -1,4 +1,4 @@
-//! The mass of a structure: as an operator, assembled, and as a rigid body.
+//! The mass of a structure: as an operator, as a matrix, and as a rigid body.
 
 use super::freedoms::FreedomMap;
 use crate::error::FlexibleError;
@@ -8,8 +8,8 @@ use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
-/// The mass matrix over full freedoms, M = M_s ⊗ I₃ + M_g: solids, shells and plain point masses are the same
-/// in all directions and need one number a pair of nodes; the rest is general.
+/// The mass matrix over full freedoms, M = M_s ⊗ I₃ + M_g: the mass of solids, shells and plain point masses
+/// is the same in all directions and needs one number for each pair of nodes. M_g is general.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mass {
     freedoms: FreedomMap,
@@ -65,7 +65,7 @@ pub fn rigid_motions(mesh: &Mesh, freedoms: &FreedomMap) -> Vec<f64> {
 }
 
 impl Mass {
-    /// From its parts.
+    /// Makes the mass from its parts.
     ///
     /// # Errors
     /// When the sizes don't fit the freedoms.
@@ -94,7 +94,7 @@ impl Mass {
     /// The whole matrix over full freedoms.
     ///
     /// # Errors
-    /// None that a mass from [`Mass::new`] gives.
+    /// None for a mass from [`Mass::new`].
     pub fn assembled(&self) -> Result<SymmetricMatrix, FlexibleError> {
         let size = self.freedoms.size();
         let general = self.general.as_ref();
@@ -131,15 +131,14 @@ impl Mass {
         SymmetricMatrix::from_parts(size, column_start, row, value)
     }
 
-    /// Mass properties of the structure moving as a rigid body, exactly as its matrix has them: Rᵀ M R with R
-    /// of [`rigid_motions`].
+    /// Mass properties of the structure in rigid motion, exactly those of its matrix: Rᵀ M R with R of
+    /// [`rigid_motions`].
     pub fn rigid(&self, mesh: &Mesh) -> RigidMass {
         self.rigid_along(mesh).0
     }
 
-    /// Mass properties as [`Mass::rigid`] gives them, and the mass (kg) that each of the translations along
-    /// x, y, z moves: one number of three alike, but in matrices of models whose masses act along some axes
-    /// only.
+    /// The mass properties of [`Mass::rigid`], and the mass (kg) for each translation along x, y, z. The
+    /// three are equal, except in matrices of models whose masses act along some axes only.
     pub fn rigid_along(&self, mesh: &Mesh) -> (RigidMass, [f64; 3]) {
         let size = self.freedoms.size();
         let motions = rigid_motions(mesh, &self.freedoms);
@@ -152,7 +151,8 @@ impl Mass {
                 .map(|(x, y)| x * y)
                 .sum()
         };
-        // e_k × r moves, m (e_k × c) is its momentum: c from the entries (y; rotation x) and so on
+        // the motion e_k × r has the momentum m (e_k × c), so c follows from the entries (y; rotation x) and
+        // so on
         let mut inertia = [[0.0; 3]; 3];
         for (i, line) in inertia.iter_mut().enumerate() {
             for (j, x) in line.iter_mut().enumerate() {
@@ -210,7 +210,7 @@ impl Mass {
         }
     }
 
-    /// Adds what the solids' mass gives for several vectors.
+    /// Adds the product of the solids' mass with several vectors.
     #[inline(always)]
     fn add_solid(&self, x: &[Lanes], y: &mut [Lanes]) {
         for node in 0..self.solid.size() {
@@ -254,7 +254,7 @@ struct Alike<'a> {
 impl WithSimd for Alike<'_> {
     type Output = ();
 
-    // code for the processor comes of what is inlined here
+    // inlined code is compiled for the processor's own instructions
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         self.mass.add_solid(self.x, self.y);

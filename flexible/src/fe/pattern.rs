@@ -1,5 +1,5 @@
-//! Which nodes meet in the matrices, and where their blocks stand: the matrix is laid out before a number is
-//! computed.
+//! The pairs of nodes that share an entry of the matrices, and the places of their blocks. The layout of a
+//! matrix is known before its numbers are computed.
 
 use super::freedoms::FreedomMap;
 use crate::error::FlexibleError;
@@ -9,13 +9,13 @@ use crate::sparse::SymmetricMatrix;
 pub(super) struct Pattern {
     start: Vec<usize>,
     neighbour: Vec<u32>,
-    /// Freedoms of a node's neighbours before this one.
+    /// Number of freedoms of a node's neighbours before this neighbour.
     before: Vec<u32>,
 }
 
 impl Pattern {
-    /// From groups of nodes that meet: the groups' nodes one after the other, and where each group starts
-    /// (and the end).
+    /// Makes the pattern from groups of coupled nodes. `nodes` has the nodes of all groups, `group_start` the
+    /// start of each group and the end.
     pub(super) fn new(freedoms: &FreedomMap, group_start: &[usize], nodes: &[u32]) -> Self {
         let count = freedoms.all_nodes();
         // groups of each node
@@ -63,14 +63,14 @@ impl Pattern {
         }
     }
 
-    /// Where the pair of nodes stands, `node` < `other`; `None` for nodes that don't meet.
+    /// The place of a pair of nodes, `node` < `other`; `None` for nodes that are not coupled.
     pub(super) fn pair(&self, node: u32, other: u32) -> Option<Pair> {
         let range = self.start[node as usize]..self.start[node as usize + 1];
         let found = self.neighbour[range.clone()].binary_search(&other).ok()?;
         let place = range.start + found;
         Some(Pair {
             before: self.before[place] as usize,
-            // a diagonal entry stands before each column's neighbours
+            // each column begins with its diagonal entry
             entry: place + node as usize + 1,
         })
     }
@@ -81,7 +81,7 @@ impl Pattern {
         self.start[node as usize] + node as usize
     }
 
-    /// Columns and rows of the matrix over freedoms. A node pair's block is full, zeros included.
+    /// Columns and rows of the matrix over freedoms. The block of a pair of nodes is full and includes zeros.
     pub(super) fn freedom_layout(&self, freedoms: &FreedomMap) -> Layout {
         let mut column_start = Vec::with_capacity(freedoms.size() + 1);
         column_start.push(0usize);
@@ -125,17 +125,17 @@ impl Pattern {
     }
 }
 
-/// Where the block of two nodes stands.
+/// The place of the block of two nodes.
 #[derive(Clone, Copy)]
 pub(super) struct Pair {
-    /// Freedoms of the first node's neighbours before the second: its rows start this far behind the first's
-    /// own.
+    /// Number of freedoms of the first node's neighbours before the second node. The rows of the second node
+    /// start at this distance behind those of the first.
     pub(super) before: usize,
     /// Index of the pair's entry in the node matrix.
     pub(super) entry: usize,
 }
 
-/// Columns and rows of a sparse matrix whose values are still to come.
+/// Columns and rows of a sparse matrix without values.
 pub(super) struct Layout {
     pub(super) column_start: Vec<usize>,
     pub(super) row: Vec<u32>,

@@ -13,7 +13,7 @@ use crate::mesh::{Mesh, Support, Tie};
 /// A sum over freedoms: freedom and coefficient, freedoms ascending, none twice.
 pub(super) type Sum = Vec<(u32, f64)>;
 
-/// What each freedom is, in local axes.
+/// The role of each freedom, in local axes.
 #[derive(Clone, Debug)]
 pub struct Constraints {
     /// Nodes whose freedoms are in their analysis frame: those that ties or supports name.
@@ -22,13 +22,13 @@ pub struct Constraints {
     pub(super) dependent: BTreeMap<u32, Sum>,
 }
 
-/// A dependent freedom as its tie gives it.
+/// A dependent freedom in the form of its tie.
 struct Rule {
     tie: u64,
     sum: Vec<(u32, f64)>,
 }
 
-/// Sorted, each freedom once; zeros dropped.
+/// The sum with sorted terms, each freedom once and without zeros.
 fn collected(terms: impl IntoIterator<Item = (u32, f64)>) -> Sum {
     let mut sum: BTreeMap<u32, f64> = BTreeMap::new();
     for (freedom, coefficient) in terms {
@@ -38,12 +38,12 @@ fn collected(terms: impl IntoIterator<Item = (u32, f64)>) -> Sum {
 }
 
 impl Constraints {
-    /// The ties of a checked mesh, with freedoms held at zero. A held freedom may be one that a tie makes
-    /// dependent (the centre of an averaging tie): then one of the freedoms it follows is given up for it.
+    /// The ties of a checked mesh, with freedoms held at zero. A tie may make a held freedom dependent (the
+    /// centre of an averaging tie). Then one of the freedoms in its sum becomes dependent instead.
     ///
     /// # Errors
-    /// A freedom that two ties make dependent; ties in a circle; an averaging tie whose nodes don't determine
-    /// its reference; an equation without a first term.
+    /// A freedom is dependent by two ties; ties form a circle; the nodes of an averaging tie do not determine
+    /// its reference; an equation has no first term.
     pub fn new(
         mesh: &Mesh,
         freedoms: &FreedomMap,
@@ -207,10 +207,10 @@ fn equation(
     Ok((first, others))
 }
 
-/// Replaces dependent freedoms in the rules by what they depend on, in an order in which each is known when
-/// it is needed.
+/// Replaces dependent freedoms in the rules by their sums, in an order in which every needed sum is already
+/// known.
 fn resolve(rules: BTreeMap<u32, Rule>) -> Result<BTreeMap<u32, Sum>, FlexibleError> {
-    // who waits for whom
+    // the number of dependent freedoms in the sum of each rule
     let mut waiting: BTreeMap<u32, usize> = BTreeMap::new();
     let mut users: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     let mut ready = std::collections::VecDeque::new();
@@ -271,8 +271,8 @@ fn resolve(rules: BTreeMap<u32, Rule>) -> Result<BTreeMap<u32, Sum>, FlexibleErr
     ))
 }
 
-/// Holds freedoms at zero. An independent one becomes an empty sum; a dependent one leaves the equation that
-/// its sum vanishes.
+/// Holds freedoms at zero. An independent freedom becomes an empty sum. For a dependent freedom the equation
+/// remains that its sum is zero.
 fn hold(dependent: &mut BTreeMap<u32, Sum>, zero: &[u32]) {
     let mut residuals = Vec::new();
     let mut held: BTreeMap<u32, Sum> = BTreeMap::new();
@@ -303,7 +303,7 @@ fn hold(dependent: &mut BTreeMap<u32, Sum>, zero: &[u32]) {
         }
     }
     dependent.extend(held);
-    // what is held is zero, not the rounding of its sum
+    // a held freedom is exactly zero, without the rounding error of its sum
     for freedom in zero {
         dependent.insert(*freedom, Sum::new());
     }

@@ -1,10 +1,10 @@
-//! The lowest eigenvalues of `K x = λ M x`, proven complete by a Sturm count.
+//! The lowest eigenvalues of `K x = λ M x`. A Sturm count proves that none is missing.
 //!
-//! `K` and `M` are symmetric and positive semidefinite, either may be singular (a free body, massless
-//! freedoms), but not over the same motion. With a shift σ < 0, `K − σ M` is positive definite, and the
+//! `K` and `M` are symmetric and positive semidefinite. Either may be singular (a free body, massless
+//! freedoms), but not for the same motion. With a shift σ < 0, `K − σ M` is positive definite, and the
 //! eigenvalues nearest σ are the lowest ones: a block Lanczos iteration finds them. Then `K − s M` is
-//! factored with s just above the last one: its number of negative pivots is the number of eigenvalues below
-//! s, whatever the iteration found.
+//! factored with s just above the last eigenvalue. The number of its negative pivots is the number of
+//! eigenvalues below s. It does not depend on the iteration.
 
 use super::factor::Analysis;
 use super::positive::Shifted;
@@ -14,35 +14,35 @@ use crate::sparse::SymmetricMatrix;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Which modes.
+/// The wanted modes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Modes {
-    /// So many of the lowest, rigid ones counted.
+    /// This number of the lowest modes, including rigid ones.
     Count(usize),
-    /// All with an eigenvalue (2π f)² below this, rad²/s².
+    /// All modes with an eigenvalue (2π f)² below this, rad²/s².
     UpTo(f64),
 }
 
-/// How to look for them.
+/// Options of the search.
 #[derive(Clone, Debug)]
 pub struct EigenOptions {
     /// Order and structure of the factor, if the caller has them for the pattern of
     /// [`shifted`](super::shifted).
     pub analysis: Option<Arc<Analysis>>,
-    /// Shift σ, below all eigenvalues, rad²/s²; else one is found.
+    /// Shift σ, below all eigenvalues, rad²/s². Without it the search chooses one.
     pub shift: Option<f64>,
     /// Vectors iterated together, at least 1.
     pub block: usize,
-    /// Vectors held at once; else twice the modes and ten blocks. Fewer than the modes and four blocks are
-    /// not possible.
+    /// Number of vectors in memory. The default is twice the modes plus ten blocks. The least possible number
+    /// is the modes plus four blocks.
     pub basis: Option<usize>,
-    /// Residual of a mode in the inverse iteration, relative, at which it counts as found. The eigenvalue's
-    /// relative error is about the square of it.
+    /// A mode counts as found below this relative residual in the inverse iteration. The relative error of
+    /// its eigenvalue is about the square of this.
     pub tolerance: f64,
     /// Combinations of rows (row and coefficient) that every mode keeps at zero. They must not follow from
     /// each other.
     pub held: Vec<Vec<(u32, f64)>>,
-    /// Blocks solved for, at most; else a number that is plenty for the modes.
+    /// The largest number of solved blocks. The default is ample for the wanted modes.
     pub solves: Option<usize>,
 }
 
@@ -60,33 +60,34 @@ impl Default for EigenOptions {
     }
 }
 
-/// What a count by inertia showed.
+/// The result of a count by inertia.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SturmCount {
-    /// Eigenvalues below [`SturmCount::below`], all found. It may be more than the modes given, when the last
-    /// one asked for has others as close to it as rounding.
+    /// Number of eigenvalues below [`SturmCount::below`]; all of them were found. It may exceed the number of
+    /// returned modes, if other eigenvalues are as close to the last wanted one as the rounding error.
     pub count: usize,
-    /// The eigenvalue up to which nothing is missing, rad²/s².
+    /// Up to this eigenvalue (rad²/s²) no mode is missing.
     pub below: f64,
 }
 
 /// Modes.
 #[derive(Clone, Debug)]
 pub struct EigenSolution {
-    /// Eigenvalues (2π f)², rad²/s², ascending. Those of rigid motions are rounding, of either sign.
+    /// Eigenvalues (2π f)², rad²/s², ascending. Those of rigid motions are rounding errors of either sign.
     pub eigenvalues: Vec<f64>,
     /// Vectors one after the other, each of the matrices' size, `xᵀ M x = 1`, the largest component positive
     /// (the first of those within a millionth of the largest).
     pub vectors: Vec<f64>,
-    /// `‖K x − λ M x‖ / (|λ − σ| ‖M x‖)` of each, without what the forces along held combinations balance.
+    /// `‖K x − λ M x‖ / (|λ − σ| ‖M x‖)` of each mode, without the part that forces along held combinations
+    /// balance.
     pub residuals: Vec<f64>,
-    /// That none is missing.
+    /// The proof that none is missing.
     pub sturm: SturmCount,
-    /// The shift σ used, rad²/s².
+    /// The used shift σ, rad²/s².
     pub shift: f64,
-    /// Factorisations made.
+    /// Number of factorisations.
     pub factorizations: usize,
-    /// Blocks of vectors solved for.
+    /// Number of solved blocks of vectors.
     pub solves: usize,
 }
 
@@ -95,7 +96,7 @@ pub struct EigenSolution {
 /// # Errors
 /// [`FlexibleError::Matrix`] for matrices that don't fit, are not finite, or have negative masses;
 /// [`FlexibleError::Singular`] when a motion has neither stiffness nor mass; [`FlexibleError::Numerical`]
-/// when there are fewer modes than asked for, or the iteration or the count does not come out.
+/// when fewer modes exist than requested, or the iteration or the count fails.
 pub fn lowest_modes(
     stiffness: &SymmetricMatrix,
     mass: &SymmetricMatrix,
@@ -105,11 +106,11 @@ pub fn lowest_modes(
     lowest_modes_from(None, stiffness, mass, request, options)
 }
 
-/// As [`lowest_modes`], with a factor that is there already, of these matrices and of the analysis among the
-/// options.
+/// Like [`lowest_modes`], with an existing factor. The factor must belong to these matrices and to the
+/// analysis in the options.
 ///
 /// # Errors
-/// As [`lowest_modes`].
+/// Those of [`lowest_modes`].
 pub(crate) fn lowest_modes_from(
     start: Option<Shifted>,
     stiffness: &SymmetricMatrix,

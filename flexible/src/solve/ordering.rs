@@ -1,4 +1,4 @@
-//! Orders of elimination in which the triangular factor stays sparse.
+//! Orders of elimination that keep the triangular factor sparse.
 
 use super::dissection::dissect;
 use super::elimination::eliminate;
@@ -9,7 +9,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-/// How an order was found.
+/// The method that found an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Approximate minimum degree (Amestoy, Davis, Duff 1996).
@@ -28,13 +28,14 @@ pub struct Ordering {
     method: Method,
 }
 
-/// Nested dissection is tried when a factorisation in the order of minimum degree takes more multiplications
-/// a vertex than this: below, finding a better order takes longer than two factorisations gain.
+/// Nested dissection is tried if a factorisation in the order of minimum degree takes more multiplications
+/// per vertex than this. Below it, the search for a better order takes longer than two factorisations would
+/// gain.
 const WORTH_DISSECTION: f64 = 5e5;
 
 impl Ordering {
-    /// The order to use: minimum degree, or for large problems nested dissection where that takes fewer
-    /// operations. Rows with the same pattern (the freedoms of one node) are ordered as one.
+    /// The order of minimum degree, or for large problems nested dissection if it takes fewer operations.
+    /// Rows with the same pattern (the freedoms of one node) stay together.
     ///
     /// # Errors
     /// When memory runs out.
@@ -52,7 +53,7 @@ impl Ordering {
         })
     }
 
-    /// The order a method gives.
+    /// The order by a given method.
     ///
     /// # Errors
     /// When memory runs out.
@@ -89,12 +90,13 @@ impl Ordering {
         &self.forward
     }
 
-    /// When each row is eliminated.
+    /// The position of each row in the order of elimination.
     pub fn inverse(&self) -> &[u32] {
         &self.inverse
     }
 
-    /// Entries of the triangular factor, with the diagonal (a count; as f64, since 2³² is soon passed).
+    /// Number of entries of the triangular factor, with the diagonal. It is an f64, because it easily exceeds
+    /// 2³².
     pub fn entries(&self) -> f64 {
         self.entries
     }
@@ -104,13 +106,13 @@ impl Ordering {
         self.operations
     }
 
-    /// How it was found.
+    /// The method that found it.
     pub fn method(&self) -> Method {
         self.method
     }
 }
 
-/// Minimum degree on a graph, every vertex counted as one.
+/// The order of minimum degree on a graph, in which every vertex counts as one row.
 ///
 /// # Errors
 /// When memory runs out.

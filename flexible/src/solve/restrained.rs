@@ -1,4 +1,4 @@
-//! A factored matrix whose solutions keep combinations of rows at zero.
+//! A factored matrix with solutions in which given combinations of rows are zero.
 //!
 //! With A factored, rows C (one a column) and multipliers μ: `A x + C μ = b`, `Cᵀ x = 0`, so `x = y − Y F⁻¹
 //! Cᵀ y` with `A y = b`, `A Y = C` and `F = Cᵀ Y`. By Sylvester's law the pencil restricted to `Cᵀ x = 0` has
@@ -14,17 +14,17 @@ use faer::{Accum, MatMut, MatRef, Par};
 /// A combination of rows: row and coefficient.
 pub type Combination = Vec<(u32, f64)>;
 
-/// Combinations of unit length whose F has eigenvalues further apart than this depend on each other.
+/// Combinations of unit length depend on each other if the ratio of the eigenvalues of F is below this.
 const DEPENDENT: f64 = 1e-12;
 
-/// A factor, and what keeps combinations at zero.
+/// A factor, with the correction that keeps combinations at zero.
 #[derive(Debug)]
 pub(crate) struct Restrained {
     factor: Factorization,
     held: Option<Response>,
 }
 
-/// What the combinations' multipliers do.
+/// The correction by the multipliers of the combinations.
 #[derive(Debug)]
 struct Response {
     /// Combinations scaled to unit length.
@@ -63,10 +63,10 @@ fn take(size: usize, b: &[f64], c: &[f64], x: &mut [f64]) {
     );
 }
 
-/// Combinations at unit length.
+/// The combinations, scaled to unit length.
 ///
 /// # Errors
-/// One that is empty, not finite or reaches beyond the rows of the matrix.
+/// A combination is empty, not finite, or has a row outside the matrix.
 pub(crate) fn unit(rows: &[Combination], size: usize) -> Result<Vec<Combination>, FlexibleError> {
     rows.iter()
         .enumerate()
@@ -90,7 +90,8 @@ pub(crate) fn unit(rows: &[Combination], size: usize) -> Result<Vec<Combination>
         .collect()
 }
 
-/// Takes out of a vector what lies along combinations: for residuals, which the multipliers may balance.
+/// Removes from a vector its components along combinations. Residuals need this, because the multipliers may
+/// balance these components.
 pub(crate) fn without(rows: &[Combination], vector: &mut [f64]) -> Result<(), FlexibleError> {
     let count = rows.len();
     let mut columns = vec![0.0; vector.len() * count];
@@ -118,7 +119,7 @@ pub(crate) fn without(rows: &[Combination], vector: &mut [f64]) -> Result<(), Fl
     Ok(())
 }
 
-/// The inverse of a symmetric matrix, and how many of its eigenvalues are positive.
+/// The inverse of a symmetric matrix, and the number of its positive eigenvalues.
 fn inverse(size: usize, matrix: Vec<f64>) -> Result<(Vec<f64>, usize), FlexibleError> {
     let (eigenvalues, vectors) = symmetric_eigen(size, matrix)?;
     let largest = eigenvalues.iter().fold(0.0f64, |most, x| most.max(x.abs()));
@@ -216,7 +217,7 @@ impl Restrained {
         &self.factor
     }
 
-    /// The factor, for its memory.
+    /// Returns the factor, so that its memory can be used again.
     pub(crate) fn into_factor(self) -> Factorization {
         self.factor
     }
@@ -233,12 +234,12 @@ impl Restrained {
     /// Solves for right-hand sides one after the other, in their place.
     ///
     /// # Errors
-    /// As [`Factorization::solve_in_place`].
+    /// Those of [`Factorization::solve_in_place`].
     pub(crate) fn solve_in_place(&self, vectors: &mut [f64]) -> Result<(), FlexibleError> {
         self.factor.solve_in_place(vectors)?;
         if let Some(held) = &self.held {
             let size = self.factor.analysis().size();
-            // twice: what the first leaves is rounding of what it took
+            // twice: the second pass removes the rounding error of the first
             for _ in 0..2 {
                 let along = values(&held.rows, size, vectors);
                 take(size, &held.correction, &along, vectors);

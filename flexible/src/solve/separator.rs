@@ -5,22 +5,23 @@ use super::graph::Graph;
 use super::random::Random;
 use std::collections::{BinaryHeap, VecDeque};
 
-/// Which part a vertex is in: 0 or 1, or the separator.
+/// The part of a vertex: 0, 1 or the separator.
 pub(crate) type Side = u8;
 /// The separator.
 pub(crate) const SEPARATOR: Side = 2;
 
-/// A part may weigh this share of the whole.
+/// The largest share of the whole weight that a part may have.
 const HEAVIEST_PART: f64 = 0.6;
 /// Graphs are coarsened to about this many vertices before the first cut.
 const COARSEST: usize = 120;
-/// First cuts tried on the coarsest graph of a large graph, and of a small one, whose separator matters less.
+/// Number of first cuts tried on the coarsest graph: for a large graph, and for a small one, whose separator
+/// matters less.
 const FIRST_CUTS: [usize; 2] = [8, 4];
-/// From so many vertices on a graph counts as large.
+/// A graph with at least this many vertices counts as large.
 const LARGE: usize = 1000;
-/// Passes of refinement on each level, at most.
+/// The largest number of refinement passes on each level.
 const PASSES: usize = 8;
-/// Moves without gain after which a pass ends.
+/// A pass ends after this many moves without gain.
 const PATIENCE: usize = 80;
 
 /// The sides of all vertices: multilevel, with a greedily grown first cut and refinement on each level
@@ -72,16 +73,16 @@ pub(crate) fn separator_weight(graph: &Graph, side: &[Side]) -> i64 {
         .sum()
 }
 
-/// A cut being improved.
+/// A cut during its improvement.
 struct Cut {
     side: Vec<Side>,
     /// Weights of the two parts and of the separator.
     weight: [i64; 3],
-    /// What a part may weigh.
+    /// The largest weight of a part.
     limit: i64,
     /// For a vertex of the separator: the weights of its neighbours in either part.
     pull: Vec<[i64; 2]>,
-    /// Its gains as last queued.
+    /// Its gains in the last entry of the queues.
     queued: Vec<[i64; 2]>,
 }
 
@@ -100,7 +101,8 @@ impl Cut {
         }
     }
 
-    /// Part 0 grows from a vertex, nearest first, to half the weight; what it touches is the separator.
+    /// Part 0 grows from a vertex, nearest vertices first, up to half the weight. The vertices that it
+    /// touches are the separator.
     fn grow(graph: &Graph, random: &mut Random) -> Cut {
         let count = graph.vertices();
         let half = graph.total_weight() / 2;
@@ -142,7 +144,8 @@ impl Cut {
         Cut::new(graph, side)
     }
 
-    /// Smaller is better: overweight of a part, weight of the separator, difference of the parts.
+    /// The quality of the cut: overweight of a part, weight of the separator, difference of the parts.
+    /// Smaller is better.
     fn score(&self) -> (i64, i64, i64) {
         let heavier = self.weight[0].max(self.weight[1]);
         (
@@ -152,7 +155,7 @@ impl Cut {
         )
     }
 
-    /// Passes until one brings nothing.
+    /// Makes passes until one brings no improvement.
     fn refine(&mut self, graph: &Graph) {
         let mut locked = vec![false; graph.vertices()];
         for _ in 0..PASSES {
@@ -164,8 +167,8 @@ impl Cut {
     }
 
     /// One pass (Fiduccia, Mattheyses, for vertex separators: Ashcraft, Liu 1994): vertices leave the
-    /// separator for one part, their neighbours in the other part enter it; the best state met is kept, the
-    /// moves after it are undone. True if the state got better.
+    /// separator for one part, and their neighbours in the other part enter it. The pass keeps the best state
+    /// and undoes the moves after it. True if the state improved.
     fn pass(&mut self, graph: &Graph, locked: &mut [bool]) -> bool {
         let mut queues = [BinaryHeap::new(), BinaryHeap::new()];
         for vertex in 0..graph.vertices() {
@@ -176,7 +179,7 @@ impl Cut {
         let initial = self.score();
         let mut best = initial;
         let mut kept = 0;
-        // vertex that left, for which part, where its followers end in `followers`
+        // the vertex that left, its new part, and the end of its followers in `followers`
         let mut moves: Vec<(u32, usize, usize)> = Vec::new();
         let mut followers: Vec<u32> = Vec::new();
         let mut touched: Vec<u32> = Vec::new();
@@ -242,12 +245,12 @@ impl Cut {
         best < initial
     }
 
-    /// By how much the separator gets lighter when the vertex leaves it for a part.
+    /// The decrease of the separator's weight when the vertex leaves it for a part.
     fn gain(&self, graph: &Graph, vertex: usize, to: usize) -> i64 {
         i64::from(graph.weight[vertex]) - self.pull[vertex][1 - to]
     }
 
-    /// Works out a vertex that entered the separator and queues it.
+    /// Computes the gains of a vertex that entered the separator, and queues it.
     fn enter(
         &mut self,
         graph: &Graph,
@@ -268,7 +271,7 @@ impl Cut {
         }
     }
 
-    /// Queues a vertex whose gains may have changed; what was queued before is passed over when it comes up.
+    /// Queues a vertex whose gains may have changed. The search skips its older entries.
     fn queue(&mut self, graph: &Graph, vertex: usize, queues: &mut [BinaryHeap<(i64, u32)>; 2]) {
         for (to, queue) in queues.iter_mut().enumerate() {
             let gain = self.gain(graph, vertex, to);
@@ -279,7 +282,8 @@ impl Cut {
         }
     }
 
-    /// The next move: the greater gain, unless that part is full; among equals the lighter part.
+    /// The next move: the one with the larger gain, unless its part is full. For equal gains it takes the
+    /// lighter part.
     fn choose(
         &self,
         graph: &Graph,
@@ -300,7 +304,7 @@ impl Cut {
                     break;
                 }
                 if current && full {
-                    // may fit later, when this part has given up vertices
+                    // it may fit later, when this part has lost vertices
                     break;
                 }
                 queues[to].pop();
