@@ -9,7 +9,7 @@ use crate::error::FileProblem;
 use crate::mesh::{Carries, Set};
 use crate::read::unread::UnreadCards;
 
-/// Fills the sets of all places, in the order in which they stand; a set may hold those before it.
+/// Fills the sets of all places in the order of the file. A set may contain earlier sets.
 pub(super) fn fill(model: &mut Model, unread: &mut UnreadCards) -> Result<(), FileProblem> {
     for place in 0..model.places.len() {
         let Some(placed) = model.places.get_mut(place) else {
@@ -81,23 +81,24 @@ fn gather(
             }
         }
     }
-    // sets of sets must not grow with every mention
+    // a member listed several times must not make sets of sets grow
     members.sort_unstable();
     members.dedup();
     Ok(members)
 }
 
-/// Whether fewer are found than stand from first to last.
+/// Whether fewer members were found than the range from first to last has.
 fn lacks(found: usize, first: u64, last: u64) -> bool {
     (found as u64) <= last - first
 }
 
-/// The sets of the mesh. A set of an instance is called `Instance.SET`, and `SET` too where no other has that
-/// name; with instances each is a set by its own name. A surface is called `surface:NAME`, and `NAME` where
-/// no set has that name. Sets of elements hold their nodes, unless a set of nodes has the same name.
+/// The sets of the mesh. A set of an instance has the name `Instance.SET`, and also `SET` if no other set has
+/// that name. In a model with instances, each instance is also a set with its own name. A surface has the
+/// name `surface:NAME`, and also `NAME` if no set has that name. A set of elements holds the nodes of its
+/// elements, unless a set of nodes has the same name.
 pub(super) fn sets(model: &Model) -> BTreeMap<String, Set> {
     let mut sets: BTreeMap<String, Set> = BTreeMap::new();
-    // short name in capitals: how often, and full name
+    // short name in capitals: number of uses, and full name
     let mut short: BTreeMap<String, (usize, String, String)> = BTreeMap::new();
     for placed in &model.places {
         let mut own: BTreeMap<String, (String, Set)> = BTreeMap::new();
@@ -169,7 +170,7 @@ fn whole(model: &Model, placed: &Placed) -> Set {
     }
 }
 
-/// Elements of the mesh that rows became, sorted.
+/// Elements of the mesh made from rows, sorted.
 fn elements(model: &Model, rows: &[u32]) -> Vec<u32> {
     let mut elements = rows
         .iter()

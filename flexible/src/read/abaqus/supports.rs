@@ -12,7 +12,7 @@ use crate::read::source::At;
 use crate::read::unread::UnreadCards;
 use crate::read::vector::product;
 
-/// Gives nodes their frames, which are returned.
+/// Gives nodes their frames and returns the frames.
 pub(super) fn transform(model: &mut Model) -> Result<Vec<Frame>, FileProblem> {
     let mut frames = Vec::new();
     let mut of_node: BTreeMap<u32, u32> = BTreeMap::new();
@@ -80,7 +80,7 @@ fn named(word: &str) -> Option<u8> {
 }
 
 /// The freedoms that `*BOUNDARY` holds: `node or set, first, last, value` or `node or set, word`. Those of
-/// steps behind the first are counted as changing.
+/// steps after the first are counted as changing.
 pub(super) fn supports(
     model: &Model,
     cards: &mut HoldingCards,
@@ -114,7 +114,8 @@ pub(super) fn supports(
                     }
                 }
             }
-            // a step is no part of the mesh: it counts when it is asked for
+            // a step is no part of the mesh, so a mistake in it counts only if the model requests its
+            // supports
             Err(_) if block.step > 0 => cards.note("*BOUNDARY of a *STEP", &keyword.at, true),
             Err(problem) => return Err(problem),
         }
@@ -125,7 +126,7 @@ pub(super) fn supports(
         .collect())
 }
 
-/// Nodes and components of the lines of a `*BOUNDARY`, whether they are moved, and where they stand.
+/// Nodes and components of the lines of a `*BOUNDARY`, whether they are moved, and their places in the file.
 #[allow(clippy::type_complexity)]
 fn holding(
     model: &Model,

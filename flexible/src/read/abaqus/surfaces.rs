@@ -1,4 +1,4 @@
-//! `*SURFACE`: faces of elements or nodes, as nodes with the areas they stand for.
+//! `*SURFACE`: faces of elements or nodes, as nodes with their shares of the area.
 
 use std::collections::BTreeMap;
 
@@ -12,10 +12,10 @@ use crate::mesh::{Carries, ElementKind};
 use crate::read::unread::UnreadCards;
 use crate::read::vector::{cross, minus, norm};
 
-/// Nodes, sorted, and the weight of each: its area, or what `TYPE=NODE` gives.
+/// Nodes, sorted, each with its weight: its area, or the number in a surface of `TYPE=NODE`.
 pub(super) type Surface = Vec<(u32, f64)>;
 
-/// Corners of a face, sorted, `u32::MAX` for a fourth one that isn't there.
+/// Corners of a face, sorted. `u32::MAX` replaces the fourth corner of a triangle.
 type FaceKey = [u32; 4];
 
 /// Fills the surfaces of all places.
@@ -66,7 +66,7 @@ fn surface(
             }
         }
         _ => {
-            // what uses it misses it
+            // a keyword that uses it reports it as missing
             unread.note(
                 "*SURFACE that is no list of faces or nodes",
                 &keyword.at,
@@ -78,8 +78,8 @@ fn surface(
     Ok(Some(weights.into_iter().collect()))
 }
 
-/// Adds the faces of a line: an element or set, and which face of each; without a face all those on the
-/// outside of the model.
+/// Adds the faces of a line, which names an element or set and the face of each element. Without a face it
+/// adds all faces on the outside of the model.
 fn add_faces(
     model: &Model,
     place: usize,
@@ -203,9 +203,10 @@ fn face_key(nodes: &[u32], corners: &[usize]) -> FaceKey {
     key
 }
 
-/// The area [length²] that each node of a face stands for. The face is cut into facets between neighbouring
-/// nodes (a triangle at each corner between mid-side nodes, and what they leave), and a facet's area shared
-/// equally among its nodes: positive for every node, and exact in sum for a flat face with straight edges.
+/// The share of a face's area (length²) for each of its nodes. The face is cut into facets between
+/// neighbouring nodes: a triangle at each corner between mid-side nodes, and the remaining polygon. The nodes
+/// of a facet share its area equally. So every share is positive, and the sum is exact for a flat face with
+/// straight edges.
 fn shares(ring: &[(u32, Option<u32>)], place: impl Fn(u32) -> [f64; 3]) -> Vec<(u32, f64)> {
     let mut shares = Vec::new();
     let mut inner = Vec::new();
@@ -263,7 +264,7 @@ mod tests {
         for (node, share) in shares(&ring, |node| places[node as usize]) {
             sums[node as usize] += share;
         }
-        // corner triangles of 1/2, inner square of 2
+        // corner triangles have the area 1/2, the inner square 2
         for (node, sum) in sums.iter().enumerate() {
             let expected: f64 = if node < 4 { 1.0 / 6.0 } else { 0.5 + 2.0 / 6.0 };
             assert!((sum - expected).abs() < 1e-15, "{node}: {sum}");

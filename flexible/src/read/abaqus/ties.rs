@@ -17,7 +17,7 @@ const ALL: u8 = 0b11_1111;
 const TRANSLATIONS: u8 = 0b00_0111;
 const ROTATIONS: u8 = 0b11_1000;
 
-/// Ties as they are found; each gets the next number.
+/// The ties found so far. Each new tie gets the next number.
 struct Ties<'m, 'u> {
     model: &'m Model,
     unread: &'u mut UnreadCards,
@@ -160,7 +160,7 @@ impl Ties<'_, '_> {
         Ok(())
     }
 
-    /// A surface, or a set of nodes of that name.
+    /// A surface, or a set of nodes, with a name.
     fn surface(&self, place: usize, name: &str, user: &Block) -> Result<Surface, FileProblem> {
         let found = self.model.search(place, name, |placed, name| {
             placed
@@ -176,7 +176,7 @@ impl Ties<'_, '_> {
         })
     }
 
-    /// Nodes that follow a reference node rigidly. Components are those of the global frame.
+    /// Adds nodes that follow a reference node rigidly. Components are along the global frame.
     fn spider(
         &mut self,
         reference: u32,
@@ -299,7 +299,7 @@ impl Ties<'_, '_> {
                 let apart = norm(minus(self.model.position(a), self.model.position(b)));
                 match kind.as_str() {
                     "BEAM" => self.spider(b, &[a], ALL, false, block),
-                    // where the nodes coincide all three say the same of translations
+                    // for coincident nodes all three kinds constrain translations in the same way
                     "TIE" if apart == 0.0 => self.spider(b, &[a], ALL, false, block),
                     "TIE" => self.same(a, b, ALL),
                     _ => self.same(a, b, TRANSLATIONS),
@@ -375,14 +375,15 @@ impl Ties<'_, '_> {
     }
 }
 
-/// Whether translations and rotations are each taken all or not at all, so that their axes don't matter.
+/// Whether the components contain all or no translations, and all or no rotations. Then their axes do not
+/// matter.
 fn full(components: u8) -> bool {
     [TRANSLATIONS, ROTATIONS]
         .iter()
         .all(|group| components & group == 0 || components & group == *group)
 }
 
-/// Freedoms that lines `first, last` name together; `None` without any.
+/// All freedoms named by lines `first, last`; `None` without any.
 fn components(rows: &[Row]) -> Result<Option<u8>, FileProblem> {
     let mut all = None;
     for row in rows.iter().filter(|row| !row.text(0).is_empty()) {
@@ -391,7 +392,7 @@ fn components(rows: &[Row]) -> Result<Option<u8>, FileProblem> {
     Ok(all)
 }
 
-/// Nodes that belong together, of lists that are equally long or hold one node for all.
+/// Groups of corresponding nodes. The lists have equal lengths, or a list has one node for all groups.
 fn pairs(lists: &[Vec<u32>], row: &Row) -> Result<Vec<Vec<u32>>, FileProblem> {
     let longest = lists.iter().map(Vec::len).max().unwrap_or(0);
     let fits = |list: &Vec<u32>| list.len() == longest || list.len() == 1;

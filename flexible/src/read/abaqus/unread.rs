@@ -1,4 +1,4 @@
-//! Keywords that are not read, and what is lost with them.
+//! Keywords that are not read, and the content that is lost with them.
 
 use crate::mesh::Carries;
 
@@ -124,7 +124,7 @@ const NOTHING: &[&str] = &[
     "VALUESATINFINITY",
 ];
 
-/// What a keyword (without blanks) carries.
+/// The kind of content of a keyword (without blanks).
 pub(super) fn carries(key: &str) -> Carries {
     if STRUCTURE.contains(&key) {
         Carries::Structure

@@ -1,4 +1,4 @@
-//! What a mesh file holds: nodes, volumes, groups.
+//! The contents of a mesh file: nodes, volumes, groups.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -12,7 +12,7 @@ use crate::read::labels::Labels;
 /// Dimension and number of a physical group.
 pub(super) type Group = (u8, i64);
 
-/// What has been read.
+/// The contents read so far.
 #[derive(Debug, Default)]
 pub(super) struct Content {
     /// Names of groups.
@@ -173,7 +173,7 @@ impl Content {
         Ok(index)
     }
 
-    /// Lists a section that isn't read.
+    /// Adds a section to the list of unread ones.
     pub fn unread(&mut self, name: &str, place: (String, u64), carries: Carries) {
         let name = format!("${name}");
         match self.mesh.unread.iter_mut().find(|known| known.name == name) {
@@ -187,8 +187,8 @@ impl Content {
         }
     }
 
-    /// The mesh. A group is a set by its name and `physical:TAG`; groups of several dimensions that share a
-    /// number are called `physical:DIMENSION:TAG`, those that share a name are one set.
+    /// The mesh. A group is a set with its name and `physical:TAG`. Groups of several dimensions with one
+    /// number have the names `physical:DIMENSION:TAG`; groups with one name are one set.
     pub fn into_mesh(mut self) -> Mesh {
         let mut sets: BTreeMap<String, Set> = BTreeMap::new();
         let mut used = self.sets.keys().copied().collect::<Vec<_>>();

@@ -1,9 +1,9 @@
 //! Meshes of gmsh (`.msh`): formats 4.1 and 2.2, text and binary.
 //!
-//! Volumes become elements; points, lines and surfaces count for the groups they belong to only. A physical
-//! group becomes a set by its name and `physical:TAG` (`physical:DIMENSION:TAG` where groups of several
-//! dimensions share the number). The file knows no material: properties, one for each group of volumes, come
-//! without one, to be set with [`Mesh::set_material`].
+//! Volumes become elements. Points, lines and surfaces only add their nodes to groups. A physical group
+//! becomes a set with its name and `physical:TAG` (`physical:DIMENSION:TAG` if groups of several dimensions
+//! share the number). The file has no material, so the properties, one for each group of volumes, have none
+//! either; [`Mesh::set_material`] sets it.
 
 mod content;
 mod shapes;
@@ -18,11 +18,12 @@ use crate::read::source::whole;
 use content::Content;
 use stream::Stream;
 
-/// Reads a mesh of gmsh. Units stay those of the file.
+/// Reads a mesh of gmsh. Values keep the units of the file.
 ///
 /// # Errors
-/// With file and line, or byte of a binary file: a file that can't be read or isn't a mesh of gmsh of format 4.1 or 2.2, a number that is
-/// none, a missing node, elements of third order or with nodes inside, a mesh without volumes or in partitions.
+/// With file and line, or byte of a binary file: a file that can't be read or isn't a mesh of gmsh of format
+/// 4.1 or 2.2, a number that is none, a missing node, elements of third order or with nodes inside, a mesh
+/// without volumes or in partitions.
 pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
     let mut stream = Stream::open(files, name)?;
     let mut content = Content::default();
@@ -103,8 +104,8 @@ enum Version {
     Four,
 }
 
-/// Reads `$MeshFormat`: version, text (0) or binary (1), bytes of a number. A binary one goes on with the
-/// integer 1, whose bytes tell their order.
+/// Reads `$MeshFormat`: version, text (0) or binary (1), bytes of a number. A binary file continues with the
+/// integer 1, which shows the order of bytes.
 fn read_format(stream: &mut Stream) -> Result<Version, FileProblem> {
     let version = match stream.word()?.as_str() {
         "4.1" => Version::Four,

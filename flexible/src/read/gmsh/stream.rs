@@ -1,4 +1,4 @@
-//! Bytes of a mesh file: words of text, or numbers in binary, and where they stand.
+//! The contents of a mesh file: words of text or binary numbers, with their places.
 
 use std::io::{BufRead, Read};
 
@@ -7,22 +7,22 @@ use crate::read::{Files, number};
 
 /// Longest word of a text file.
 const LONGEST_WORD: usize = 512;
-/// Longest line that is looked at.
+/// The number of bytes of a line that are read at most.
 const LONGEST_LINE: u64 = 1 << 16;
 
-/// A file that is being read.
+/// An open file.
 pub(super) struct Stream {
     reader: Box<dyn BufRead>,
     file: String,
     line: u64,
-    /// Where the line that was read last began.
+    /// Start of the last line read.
     line_before: u64,
     byte: u64,
     section: u64,
     section_name: String,
-    /// Numbers are binary.
+    /// Whether numbers are binary.
     pub binary: bool,
-    /// The bytes of a number are in the order of the other kind of machine.
+    /// Whether the bytes of a number are in the opposite order to this machine's.
     pub swapped: bool,
 }
 
@@ -47,7 +47,7 @@ impl Stream {
         self.problem_at(self.line, problem.into(), advice.into())
     }
 
-    /// A problem of the line that was read last.
+    /// A problem of the last line read.
     pub fn problem_of_line(
         &self,
         problem: impl Into<String>,
@@ -77,7 +77,7 @@ impl Stream {
         }
     }
 
-    /// The place of the line that was read last, for a list of what is not read.
+    /// The place of the last line read, for the list of unread contents.
     pub fn place(&self) -> (String, u64) {
         (self.file.clone(), self.line_before)
     }
@@ -142,7 +142,7 @@ impl Stream {
         }
     }
 
-    /// Passes over a section.
+    /// Skips a section.
     pub fn skip(&mut self, name: &str) -> Result<(), FileProblem> {
         let end = format!("$End{name}");
         while let Some(line) = self.bytes_of_line()? {

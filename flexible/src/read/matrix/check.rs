@@ -1,17 +1,18 @@
-//! From a file's matrix to a symmetric one: what must hold of it.
+//! Makes a symmetric matrix of the matrix of a file, with checks.
 
 use super::{ForeignMatrix, MatrixKind};
 use crate::error::FlexibleError;
 use crate::sparse::SymmetricMatrix;
 
-/// How far two mirrored entries may differ, as a part of the norm of the row.
+/// The largest difference of two mirrored entries, as a share of the norm of the row.
 const SYMMETRIC_TO: f64 = 1e-9;
-/// A structure has fewer empty rows than this many times its entries; more are a damaged size.
+/// A structure has fewer empty rows than this multiple of its entries. More empty rows mean a damaged size.
 const EMPTIEST: usize = 64;
 
 impl ForeignMatrix {
-    /// The symmetric matrix, with the mean of mirrored entries. Row i must satisfy |aᵢⱼ − aⱼᵢ| ≤ 10⁻⁹ ‖aᵢ‖₂;
-    /// of one triangle the other is the mirror image, and an entry given on both sides must agree likewise.
+    /// The symmetric matrix, with the mean of mirrored entries. Row i must satisfy |aᵢⱼ − aⱼᵢ| ≤ 10⁻⁹ ‖aᵢ‖₂.
+    /// For a file of one triangle the other is the mirror image; an entry given on both sides must agree
+    /// within the same limit.
     ///
     /// # Errors
     /// When it isn't square, has an entry that isn't finite, isn't symmetric (with the worst entry), or when
@@ -90,7 +91,7 @@ impl ForeignMatrix {
         SymmetricMatrix::from_parts(self.rows, column_start, rows, values)
     }
 
-    /// Values below and above the diagonal; of one triangle each for the other.
+    /// Values below and above the diagonal. For a file of one triangle each represents the other.
     fn sides(&self, place: &Place) -> (f64, f64) {
         match (place.below, place.above) {
             (Some(below), Some(above)) => (below, above),
@@ -171,7 +172,7 @@ impl ForeignMatrix {
     }
 }
 
-/// A place on or below the diagonal, with what the file has there and at its mirror image.
+/// A place on or below the diagonal, with the values of the file there and at its mirror image.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     row: u32,
@@ -180,7 +181,7 @@ struct Place {
     above: Option<f64>,
 }
 
-/// Sums what is at the same place. Sorted by column and row.
+/// Adds entries at the same place. The result is sorted by column and row.
 fn fold(pairs: &[(u32, u32, bool, f64)]) -> Vec<Place> {
     let mut folded: Vec<Place> = Vec::with_capacity(pairs.len());
     for &(column, row, above, value) in pairs {

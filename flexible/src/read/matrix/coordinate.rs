@@ -1,13 +1,14 @@
-//! Matrices as lines `row column value`: CalculiX's `.sti` and `.mas` (`*FREQUENCY, SOLVER=MATRIXSTORAGE`; upper triangle, 13 digits after
-//! the first), Abaqus' `.mtx` (`*MATRIX OUTPUT`) in the formats `COORDINATE` (both triangles) and `MATRIX INPUT`
-//! (`node, freedom, node, freedom, value`, one triangle). Rows count from 1.
+//! Matrices as lines `row column value`: CalculiX's `.sti` and `.mas` (`*FREQUENCY, SOLVER=MATRIXSTORAGE`;
+//! upper triangle, 13 digits after the first), Abaqus' `.mtx` (`*MATRIX OUTPUT`) in the formats `COORDINATE`
+//! (both triangles) and `MATRIX INPUT` (`node, freedom, node, freedom, value`, one triangle). Rows count from
+//! 1.
 
 use super::text::{NUMBERS, Text, columns, count, real};
 use super::{ForeignFreedoms, ForeignMatrix, whole};
 use crate::error::FileProblem;
 use crate::read::Files;
 
-/// A diagonal this large stands for a support (Abaqus: 10³⁶).
+/// A diagonal entry of at least this size means a support (Abaqus writes 10³⁶).
 const PENALTY: f64 = 1e30;
 
 const MATRIX_MARKET: &str =
@@ -147,10 +148,10 @@ pub fn read_calculix_matrix(files: &dyn Files, file: &str) -> Result<ForeignMatr
     from_coordinates(file, entries)
 }
 
-/// Reads which freedom each row of CalculiX's matrices is: a line `node.freedom` a row.
+/// Reads the freedom of each row of CalculiX's matrices, from a line `node.freedom` for each row.
 ///
 /// # Errors
-/// With file and line: a line that isn't a freedom, a freedom that stands twice.
+/// With file and line: a line that is no freedom, a repeated freedom.
 pub fn read_calculix_freedoms(
     files: &dyn Files,
     file: &str,
@@ -212,8 +213,8 @@ fn node_freedom(node: &str, freedom: &str) -> Option<(u64, u8)> {
     }
 }
 
-/// A matrix as large as its largest number; one triangle when nothing stands on the other side of the
-/// diagonal.
+/// The matrix of coordinates. Its size is the largest number. It is one triangle if the other side of the
+/// diagonal has no entry.
 fn from_coordinates(
     file: &str,
     entries: Vec<(u32, u32, f64)>,

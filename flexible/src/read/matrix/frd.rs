@@ -1,14 +1,14 @@
 //! Mode shapes of CalculiX's `.frd` as text (`*NODE FILE` with `U` in a step `*FREQUENCY`). A result begins
-//! with `100C` (its value is the frequency in cycles), names its quantity on a line `-4` and gives a line
-//! `-1` a node with values 12 columns wide: 6 digits. Before it stand `1PMODE`, `1PGM` and `1PGK`: the mode's
-//! number, generalised mass and stiffness. Source: CalculiX GraphiX manual, result format.
+//! with `100C` (its value is the frequency in cycles) and names its quantity on a line `-4`. It has a line
+//! `-1` for each node, with values in 12 columns, which is 6 digits. `1PMODE`, `1PGM` and `1PGK` before it
+//! give the mode's number, generalised mass and stiffness. Source: CalculiX GraphiX manual, result format.
 
 use super::text::{NUMBERS, Text, columns, count, real};
 use super::{ForeignModes, ShapeFrame};
 use crate::error::FileProblem;
 use crate::read::Files;
 
-/// What stands before a result.
+/// The data before a result.
 #[derive(Default)]
 struct Before {
     mode: Option<u64>,
@@ -16,8 +16,8 @@ struct Before {
     stiffness: Option<f64>,
 }
 
-/// Reads the displacements of all modes; other results are passed over. Coordinates of this format are
-/// rounded and not read.
+/// Reads the displacements of all modes and skips other results. It does not read the coordinates, because
+/// this format rounds them.
 ///
 /// # Errors
 /// With file and line: a binary file, a line that isn't what it should be, a number that isn't one; modes on
@@ -26,7 +26,7 @@ pub fn read_frd_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, Fil
     let mut text = Text::open(files, file)?;
     let mut modes = ForeignModes::new(file, ShapeFrame::Basic, 6);
     let mut before = Before::default();
-    // number, frequency and columns of a node's number of a result whose quantity isn't known yet
+    // for a result with a still unknown quantity: number, frequency, and columns of a node's number
     let mut result: Option<(u64, Option<f64>, usize)> = None;
     let mut ended = false;
     while let Some(line) = text.next_line()? {

@@ -13,7 +13,7 @@ use super::vector::{beam_axes, cross, minus, norm, plus, rotate, unit};
 use crate::error::FileProblem;
 use crate::mesh::{BeamAxes, Carries, ElementKind, Node};
 
-/// What turns a section about its beam.
+/// The orientation of a section about its beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Orientation {
     /// A vector from end A.
@@ -24,7 +24,7 @@ enum Orientation {
     Any,
 }
 
-/// In which axes a vector is given.
+/// The axes of a vector in the deck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Axes {
     /// The analysis frame of the end's grid point.
@@ -35,7 +35,7 @@ enum Axes {
     Element,
 }
 
-/// What a beam has beside its grid points and property.
+/// The data of a beam besides its grid points and property.
 #[derive(Clone, Debug)]
 pub(super) struct BeamCard {
     orientation: Orientation,
@@ -71,7 +71,7 @@ impl BeamDefaults {
 /// Beams and rods in the order of the deck.
 #[derive(Debug, Default)]
 pub(super) struct Beams {
-    /// What they have beside nodes and property.
+    /// Their data besides nodes and property.
     pub cards: Vec<BeamCard>,
     /// Sections of `CONROD`.
     pub sections: Vec<PropertyCard>,
@@ -251,7 +251,7 @@ fn offset_flag(card: &Card, flag: &str) -> Result<(Axes, [Axes; 2]), FileProblem
         _ => Err(unknown()),
     };
     match *flag.as_bytes() {
-        // old decks tell vector and grid point apart by 1 and 2
+        // old decks distinguish vector and grid point by 1 and 2
         [] | [b'1' | b'2'] => Ok((Axes::Analysis, [Axes::Analysis; 2])),
         [vector, first, second] => {
             let vector = match vector {
@@ -265,7 +265,7 @@ fn offset_flag(card: &Card, flag: &str) -> Result<(Axes, [Axes; 2]), FileProblem
     }
 }
 
-/// What the axes of a beam come from.
+/// The data that decide the axes of a beam.
 pub(super) struct Around<'a> {
     /// Nodes of the mesh.
     pub nodes: &'a [Node],
@@ -366,7 +366,8 @@ fn no_axes(id: u64, along: [f64; 3], at: &At) -> FileProblem {
     }
 }
 
-/// Some vector across another: the basic axis least along it, made perpendicular.
+/// A vector perpendicular to another: the perpendicular part of the basic axis with the smallest component
+/// along it.
 fn across(along: [f64; 3]) -> [f64; 3] {
     let [x, y, z] = along.map(f64::abs);
     let axis = if x <= y && x <= z {

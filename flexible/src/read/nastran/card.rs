@@ -1,4 +1,4 @@
-//! A card: its name and fields, whatever the format of its lines, and what they say as numbers.
+//! A card: its name and fields, independent of the format of its lines, and the fields as numbers.
 
 use super::lines::{At, Line};
 use super::number;
@@ -11,9 +11,9 @@ pub(super) struct Piece {
     pub head: String,
     /// Data fields: 8, or 4 of a large-field line; more on a long line in free field.
     pub fields: Vec<String>,
-    /// Last field: what the continuation is called.
+    /// Last field: the name of the continuation.
     pub tail: String,
-    /// In free field, where columns have no meaning.
+    /// Whether it is in free field, in which columns have no meaning.
     pub free: bool,
 }
 
@@ -33,8 +33,8 @@ impl Piece {
     }
 }
 
-/// Cuts a line into fields: free field where it has a comma, otherwise columns; large field where the first
-/// field has an asterisk.
+/// Cuts a line into fields. A line with a comma is in free field; other lines have columns. An asterisk in
+/// the first field means large field.
 pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
     let text = expand_tabs(&line.text).to_ascii_uppercase();
     let piece = if text.contains(',') {
@@ -45,8 +45,8 @@ pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
             fields.pop();
         }
         let count = if head.contains('*') { 4 } else { 8 };
-        // data may go on beyond the eighth field; a name there calls the continuation, on a short line even
-        // before
+        // data may continue beyond the eighth field; a name there calls the continuation, on a short line
+        // also in an earlier field
         let repeats = head.starts_with('=');
         let called = !repeats && fields.last().is_some_and(|last| is_call(last));
         let long = fields
@@ -102,12 +102,12 @@ pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
     Ok(piece)
 }
 
-/// Whether a field can be nothing but the name of a continuation.
+/// Whether a field can only be the name of a continuation.
 fn is_call(field: &str) -> bool {
     field.starts_with(['+', '*']) && number::real(field).is_none()
 }
 
-/// Tabs go on to the next column that is a multiple of eight.
+/// Replaces a tab by blanks up to the next column that is a multiple of eight.
 fn expand_tabs(text: &str) -> String {
     let mut expanded = String::with_capacity(text.len() + 8);
     for c in text.chars() {
@@ -128,13 +128,13 @@ fn expand_tabs(text: &str) -> String {
 pub(super) struct Card {
     /// Name, upper case, without asterisk.
     pub name: String,
-    /// Its first line as it stands.
+    /// Its unchanged first line.
     pub first_line: String,
     /// Place of its first line.
     pub at: At,
     /// Its number in the deck as a whole.
     pub order: u64,
-    /// The continuation it calls and doesn't have.
+    /// The missing continuation that it calls.
     pub lost: Option<String>,
     fields: Vec<String>,
 }
@@ -157,8 +157,8 @@ impl Card {
         }
     }
 
-    /// Adds the fields of a continuation. A large-field line alone is half a line: what follows begins a new
-    /// one.
+    /// Adds the fields of a continuation. A single large-field line is half a line. The next
+    /// continuation begins a new line.
     pub fn append(&mut self, fields: Vec<String>) {
         let whole = if fields.len().is_multiple_of(8) { 8 } else { 4 };
         self.fields
@@ -194,7 +194,7 @@ impl Card {
         )
     }
 
-    /// The problem of a lost continuation, where it has one.
+    /// The problem of a lost continuation, if the card has one.
     pub fn lost_problem(&self) -> Option<FileProblem> {
         let name = self.lost.as_ref()?;
         Some(self.problem(
@@ -222,7 +222,7 @@ impl Card {
         )
     }
 
-    /// An identification number that must be there.
+    /// A required identification number.
     pub fn id(&self, i: usize, field: &str) -> Result<u64, FileProblem> {
         match self.optional_id(i, field)? {
             Some(0) => Err(self.wrong(i, field, "a positive integer")),
@@ -231,7 +231,7 @@ impl Card {
         }
     }
 
-    /// An identification number or zero; `None` where blank.
+    /// An identification number or zero; `None` for a blank field.
     pub fn optional_id(&self, i: usize, field: &str) -> Result<Option<u64>, FileProblem> {
         let text = self.text(i);
         if text.is_empty() {
@@ -243,13 +243,13 @@ impl Card {
             .ok_or_else(|| self.wrong(i, field, "a positive integer"))
     }
 
-    /// A real that must be there.
+    /// A required real.
     pub fn real(&self, i: usize, field: &str) -> Result<f64, FileProblem> {
         self.optional_real(i, field)?
             .ok_or_else(|| self.missing(i, field))
     }
 
-    /// A real; `None` where blank.
+    /// A real; `None` for a blank field.
     pub fn optional_real(&self, i: usize, field: &str) -> Result<Option<f64>, FileProblem> {
         let text = self.text(i);
         if text.is_empty() {
@@ -260,24 +260,24 @@ impl Card {
             .ok_or_else(|| self.wrong(i, field, "a number"))
     }
 
-    /// A real; zero where blank.
+    /// A real; zero for a blank field.
     pub fn real_or_zero(&self, i: usize, field: &str) -> Result<f64, FileProblem> {
         Ok(self.optional_real(i, field)?.unwrap_or(0.0))
     }
 
-    /// Three reals from field `i`; zero where blank.
+    /// Three reals from field `i`; zero for a blank field.
     pub fn vector(&self, i: usize, field: &str) -> Result<[f64; 3], FileProblem> {
         let part = |k: usize| self.real_or_zero(i + k, &format!("{field}{}", k + 1));
         Ok([part(0)?, part(1)?, part(2)?])
     }
 
-    /// Freedoms 1…6 that must be there, as bits.
+    /// Required freedoms 1…6 as bits.
     pub fn components(&self, i: usize, field: &str) -> Result<u8, FileProblem> {
         self.optional_components(i, field)?
             .ok_or_else(|| self.missing(i, field))
     }
 
-    /// Freedoms 1…6 as bits; `None` where blank.
+    /// Freedoms 1…6 as bits; `None` for a blank field.
     pub fn optional_components(&self, i: usize, field: &str) -> Result<Option<u8>, FileProblem> {
         if self.is_blank(i) {
             return Ok(None);
@@ -287,7 +287,7 @@ impl Card {
             .ok_or_else(|| self.wrong(i, field, "freedoms 1 to 6"))
     }
 
-    /// One freedom 1…6, from 0; `None` where blank or zero (a scalar point).
+    /// One freedom, written 1…6, counted from 0; `None` for a blank field or zero (a scalar point).
     pub fn freedom(&self, i: usize, field: &str) -> Result<Option<u8>, FileProblem> {
         match self.text(i) {
             "" | "0" => Ok(None),
@@ -356,7 +356,7 @@ pub(super) struct IdRange {
     pub to: u64,
     /// Distance.
     pub step: u64,
-    /// Named itself, so that it must exist; numbers inside a `THRU` need not.
+    /// Whether the card names it singly, so that it must exist. Numbers inside a `THRU` need not exist.
     pub listed: bool,
 }
 
@@ -365,7 +365,7 @@ pub(super) struct IdRange {
 pub(super) struct Ids {
     /// Ranges in the order of the card.
     pub ranges: Vec<IdRange>,
-    /// Numbers left out.
+    /// Excluded numbers.
     pub except: Vec<u64>,
 }
 

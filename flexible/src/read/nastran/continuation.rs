@@ -1,5 +1,5 @@
-//! Puts the lines of cards together: continuations that follow their card, and those that stand anywhere and
-//! are found by name.
+//! Joins the lines of cards. A continuation follows its card, or is anywhere in the deck and is found by its
+//! name.
 
 use std::collections::BTreeMap;
 
@@ -12,13 +12,13 @@ struct Open {
     card: Card,
     /// Last field of the last line so far.
     tail: String,
-    /// The last line so far is in free field.
+    /// Whether the last line so far is in free field.
     free: bool,
 }
 
 impl Open {
-    /// Whether its last field surely calls a continuation. In columns 73 to 80 there may be a number that
-    /// means nothing.
+    /// Whether its last field certainly calls a continuation. Columns 73 to 80 may hold a number without
+    /// meaning.
     fn surely_calls(&self) -> bool {
         self.tail.starts_with(['+', '*']) || self.free && !self.tail.is_empty()
     }
@@ -39,27 +39,27 @@ struct Orphan {
     free: bool,
     at: At,
     text: String,
-    /// Which of the waiting cards stands before it.
+    /// The waiting card before it.
     after: Option<usize>,
     used: bool,
 }
 
-/// Takes lines and gives cards. A card whose continuation doesn't follow it waits until the end of the deck.
+/// Takes lines and returns cards. A card without its continuation behind it waits until the end of the deck.
 #[derive(Default)]
 pub(super) struct Assembler {
     open: Option<Open>,
     waiting: Vec<Open>,
     orphans: Vec<Orphan>,
-    /// The line before was an orphan: what has no name of its own continues that one.
+    /// The line before was an orphan. A line without a name of its own continues it.
     in_orphan: bool,
-    /// The open card was followed by an orphan, so that it has to wait.
+    /// Whether an orphan followed the open card, so that the card has to wait.
     followed: bool,
-    /// What the next line may repeat.
+    /// The card that the next line may repeat.
     repeated: Repeated,
 }
 
 impl Assembler {
-    /// Takes a line; gives the cards before it that it shows to be complete.
+    /// Takes a line. Returns the earlier cards that are now complete.
     pub fn take(&mut self, line: &Line) -> Result<Vec<Card>, FileProblem> {
         let piece = cut(line)?;
         if piece.continues() {
@@ -113,7 +113,7 @@ impl Assembler {
         });
     }
 
-    /// Ends the open card: complete, waiting for its continuation, or without it.
+    /// Closes the open card. It is complete, waits for its continuation, or has lost it.
     fn close(&mut self) -> Option<Card> {
         let followed = std::mem::take(&mut self.followed);
         self.in_orphan = false;
@@ -125,7 +125,7 @@ impl Assembler {
         Some(open.done())
     }
 
-    /// Ends the deck: the last card, and those that waited, with the continuations found by name.
+    /// Ends the deck. Returns the last card and the waiting ones, with the continuations found by name.
     pub fn finish(mut self) -> Result<Vec<Card>, FileProblem> {
         let last = self.close();
         let mut named: BTreeMap<String, Vec<usize>> = BTreeMap::new();
@@ -141,7 +141,7 @@ impl Assembler {
                 adopt(open, orphan);
             }
         }
-        // what nobody called belongs to the card before it, if that one called nobody else
+        // a line that no card called belongs to the card before it, unless that card called another line
         for orphan in self.orphans.iter_mut().filter(|orphan| !orphan.used) {
             match orphan.after.and_then(|index| self.waiting.get_mut(index)) {
                 Some(open) if key(&open.tail).is_empty() => adopt(open, orphan),

@@ -49,7 +49,7 @@ pub(super) fn read_by_points(card: &Card, shape: Shape) -> Result<SystemCard, Fi
         card.vector(8, "C")?,
     ];
     if card.len() < 9 {
-        // a blank C may stand for the origin, but far more often its line was lost
+        // a blank C may mean the origin, but far more often its line was lost
         card.real(8, "C1")?;
     }
     Ok(SystemCard {
@@ -60,7 +60,7 @@ pub(super) fn read_by_points(card: &Card, shape: Shape) -> Result<SystemCard, Fi
     })
 }
 
-/// Reads `CORD1R`, `CORD1C`, `CORD1S`: one or two systems a card.
+/// Reads `CORD1R`, `CORD1C`, `CORD1S`, with one or two systems on a card.
 pub(super) fn read_by_grids(card: &Card, shape: Shape) -> Result<Vec<SystemCard>, FileProblem> {
     let one = |i: usize| {
         Ok(SystemCard {
@@ -96,7 +96,7 @@ const BASIC: System = System {
 };
 
 impl System {
-    /// The place in the basic frame of a point given in this system's coordinates (angles in degrees).
+    /// The position in the basic frame of a point in this system's coordinates (angles in degrees).
     fn place(&self, x: [f64; 3]) -> [f64; 3] {
         let radians = std::f64::consts::PI / 180.0;
         let local = match self.shape {
@@ -118,7 +118,8 @@ impl System {
         plus(self.origin, rotate(&self.rotation, local))
     }
 
-    /// The axes at a place of the basic frame. On the axis of a curvilinear system the angle counts as zero.
+    /// The axes at a position in the basic frame. On the axis of a curvilinear system the angle counts as
+    /// zero.
     fn axes_at(&self, position: [f64; 3]) -> Rotation {
         if self.shape == Shape::Rectangular {
             return self.rotation;
@@ -132,7 +133,7 @@ impl System {
                 .sum::<f64>()
         });
         let across = libm::hypot(x, y);
-        // rounding of a place on the axis must not turn its frame
+        // the rounding error of a position on the axis must not turn the frame
         let (cos, sin) = if across > 1e-12 * norm(d).max(norm(self.origin)) {
             (x / across, y / across)
         } else {
@@ -165,8 +166,8 @@ pub(super) struct Systems {
 }
 
 impl Systems {
-    /// Places all systems that grid points or cards may use. The grid points' own `CP` is what chains
-    /// `CORD1x`.
+    /// Places all systems that grid points or cards may use. `CORD1x` systems form chains through
+    /// the `CP` of their grid points.
     pub fn place_all(
         cards: &[SystemCard],
         grids: &[GridCard],
@@ -193,7 +194,7 @@ impl Systems {
         Ok(systems)
     }
 
-    /// Places a system and, before it, those on which it stands.
+    /// Places a system, after the systems that define it.
     fn place_one(
         &mut self,
         card: &SystemCard,
@@ -294,7 +295,7 @@ impl Systems {
         self.placed.get(&id).copied()
     }
 
-    /// The place in the basic frame of coordinates in a system.
+    /// The position in the basic frame for coordinates in a system.
     pub fn place(
         &self,
         id: u64,
@@ -307,7 +308,7 @@ impl Systems {
             .ok_or_else(|| unknown_system(id, &user(), at))
     }
 
-    /// The axes of a system at a place of the basic frame.
+    /// The axes of a system at a position in the basic frame.
     pub fn axes_at(
         &self,
         id: u64,

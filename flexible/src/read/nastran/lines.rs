@@ -1,17 +1,17 @@
-//! The lines of a deck: comments cut, included files in their place.
+//! The lines of a deck, without comments and with the lines of included files in their place.
 
 use crate::error::FileProblem;
 use crate::read::Files;
 pub(super) use crate::read::source::{At, whole};
 use crate::read::source::{Source, Syntax};
 
-/// What messages about these files say.
+/// Words for messages about these files.
 const BULK: Syntax = Syntax {
     include: "INCLUDE",
     text: "bulk data",
     files: "the deck (.bdf, .dat, .nas)",
 };
-/// Lines a file name may be spread over.
+/// The largest number of lines of one file name.
 const LONGEST_NAME: usize = 40;
 
 /// A line without its comment, ASCII only (other bytes became `?`), not blank.
@@ -66,13 +66,13 @@ impl<'f> Lines<'f> {
         Ok(None)
     }
 
-    /// Ends the innermost file at an `ENDDATA`; `false` where that is the deck itself. (Nastran ends
-    /// everything at an included `ENDDATA`; what follows would be lost without a word.)
+    /// Closes the innermost file at an `ENDDATA`; `false` if it is the deck itself. (Nastran ends the whole
+    /// deck at an included `ENDDATA`. Later lines would be lost without a message.)
     pub fn end_file(&mut self) -> bool {
         self.source.end_file()
     }
 
-    /// A line of the innermost file as it stands; `None` at its end.
+    /// An unchanged line of the innermost file; `None` at its end.
     fn raw(&mut self) -> Result<Option<(String, At)>, FileProblem> {
         let Some((bytes, at)) = self.source.line()? else {
             return Ok(None);
@@ -84,7 +84,7 @@ impl<'f> Lines<'f> {
         Ok(Some((text.trim_end().to_string(), at)))
     }
 
-    /// The file name of an `INCLUDE`, which may go on over several lines inside one pair of quotes.
+    /// The file name of an `INCLUDE`. It may continue over several lines inside one pair of quotes.
     fn include_name(&mut self, operand: String, at: &At) -> Result<String, FileProblem> {
         let quote = operand.chars().next().filter(|c| matches!(c, '\'' | '"'));
         let Some(quote) = quote else {
@@ -120,7 +120,7 @@ fn before_comment(text: &str) -> &str {
     text.split('$').next().unwrap_or("")
 }
 
-/// What follows the word `INCLUDE`; `None` on any other line.
+/// The text after the word `INCLUDE`; `None` on any other line.
 fn include_operand(text: &str) -> Option<String> {
     let text = text.trim_start();
     let word = text.get(..7)?;

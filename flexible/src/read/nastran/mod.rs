@@ -1,18 +1,18 @@
 //! Nastran bulk data (`.bdf`, `.dat`, `.nas`): grid points, elements, properties, masses, ties, supports and
 //! sets become a [`Mesh`].
 //!
-//! Free, small and large field are read, mixed as they may be; continuations next to their card or anywhere
-//! by name; `INCLUDE`. Executive and case control are passed over but for `SPC =` and `MPC =`: without such a
-//! selection all sets hold. Sets of the mesh are called `set:3` (`SET1`, `SET3`) and `pid:3` (what has
-//! property 3). `PARAM,WTMASS` multiplies densities and masses here; the rule by which masses are lumped
-//! (`PARAM,COUPMASS`) is none of the mesh's business, and listed.
+//! The reader accepts free, small and large field in any mixture, continuations next to their card or
+//! anywhere by name, and `INCLUDE`. It skips executive and case control, except `SPC =` and `MPC =`: without
+//! such a selection all sets apply. Sets of the mesh have the names `set:3` (`SET1`, `SET3`) and `pid:3`
+//! (elements with property 3). `PARAM,WTMASS` multiplies densities and masses here. The rule for lumped
+//! masses (`PARAM,COUPMASS`) does not belong to a mesh and is listed as not read.
 //!
 //! ```text
 //! lines ─▶ sections ─▶ continuation ─▶ card ─▶ grids, elements, … (cards) ─▶ mesh
 //! ```
 //!
-//! Nothing can refer to anything before the whole deck is read, so that cards are kept in short form and made
-//! a mesh at its end.
+//! Cards may refer to later cards. So the reader keeps all cards in short form and makes the mesh at the end
+//! of the deck.
 
 mod beams;
 mod card;
@@ -53,7 +53,7 @@ use supports::Supports;
 use ties::Ties;
 use unread::UnreadCards;
 
-/// Reads a deck of bulk data with all it includes. Units stay those of the file.
+/// Reads a deck of bulk data with its included files. Values keep the units of the file.
 ///
 /// # Errors
 /// With file, line and card: a file that can't be read or isn't a deck, a number that is none, a lost
@@ -68,7 +68,7 @@ pub fn read_bulk(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
     Ok(deck.mesh(name, &case)?)
 }
 
-/// Cards whose continuation holds values that may all be left out.
+/// Cards with a continuation in which every value is optional.
 const CONTINUATION_WITH_VALUES: [&str; 13] = [
     "MAT1", "PBAR", "PBEAM", "PSHELL", "PSOLID", "PROD", "PTUBE", "CBAR", "CBEAM", "CQUAD4",
     "CTRIA3", "CONM2", "PARAM",
@@ -97,8 +97,9 @@ struct Deck {
 }
 
 impl Deck {
-    /// Keeps a card, or counts it. One that calls a continuation which is not there is read without it, as
-    /// Nastran does, and this is told; it is refused where nodes or whole lists could have stood there.
+    /// Keeps a card, or counts it. A card may call a missing continuation. Like Nastran, the reader then
+    /// reads the card without it and lists this. It refuses the card if the continuation could hold nodes or
+    /// whole lists.
     fn take(&mut self, card: &Card) -> Result<(), FileProblem> {
         match (self.read(card), card.lost_problem()) {
             (Err(problem), None) => Err(problem),
@@ -107,7 +108,7 @@ impl Deck {
                 Err(problem)
             }
             (Ok(true), Some(problem)) => {
-                // what could follow there are limits of stress alone
+                // its continuation can hold only limits of stress
                 if card.name != "MAT1" {
                     let place = format!("{}:{}", card.at.file, card.at.line);
                     self.doubts
@@ -123,7 +124,7 @@ impl Deck {
         }
     }
 
-    /// Keeps a card; `false` where it isn't one that is read.
+    /// Keeps a card; `false` if Eng does not read this card.
     fn read(&mut self, card: &Card) -> Result<bool, FileProblem> {
         let name = card.name.as_str();
         if let Some(kinds) = ElementKind::of_nastran(name) {
@@ -143,7 +144,7 @@ impl Deck {
             "CORD1R" => self.by_grids(card, Shape::Rectangular)?,
             "CORD1C" => self.by_grids(card, Shape::Cylindrical)?,
             "CORD1S" => self.by_grids(card, Shape::Spherical)?,
-            // their defaults may follow them
+            // the card with their defaults may follow later in the deck
             "CBAR" | "CBEAM" => self.waiting_beams.push(card.clone()),
             "BAROR" => self.bar_defaults = Some(BeamDefaults::read(card)?),
             "BEAMOR" => self.beam_defaults = Some(BeamDefaults::read(card)?),
@@ -258,7 +259,7 @@ impl Deck {
         Ok(mesh)
     }
 
-    /// Makes the elements; the number of each one's property card.
+    /// Makes the elements. Returns the number of each element's property card.
     fn elements(
         &mut self,
         mesh: &mut Mesh,

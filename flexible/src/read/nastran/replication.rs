@@ -12,20 +12,20 @@ use super::lines::Line;
 use super::number;
 use crate::error::FileProblem;
 
-/// More cards than this are no repetition but a mistake.
+/// A repetition of more cards than this is a mistake.
 const MOST: i64 = 1_000_000;
 
 /// The card that others may repeat.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Repeated {
-    /// It, in one line; `None` before the first, and behind one of several lines.
+    /// The card, if it has one line; `None` before the first card, and after a card of several lines.
     card: Option<Piece>,
-    /// What was added to its fields.
+    /// The additions to its fields.
     added: Vec<Option<String>>,
 }
 
 impl Repeated {
-    /// The cards that a line stands for.
+    /// The cards that a line represents.
     pub fn cards(&mut self, line: &Line, piece: Piece) -> Result<Vec<Piece>, FileProblem> {
         if !piece.repeats() {
             self.added.clear();
@@ -90,7 +90,7 @@ impl Repeated {
         Ok(vec![made])
     }
 
-    /// A continuation follows: the card can't be repeated.
+    /// Notes that a continuation follows. Then the card cannot be repeated.
     pub fn continued(&mut self) {
         self.card = None;
     }
@@ -107,7 +107,7 @@ fn not_added(line: &Line, field: &str) -> FileProblem {
     problem(line, &format!("adds to \"{field}\", which is no number"))
 }
 
-/// Without brackets around it.
+/// The text without brackets around it.
 fn bracketed(text: &str) -> &str {
     let inner = text
         .strip_prefix('(')
@@ -115,13 +115,13 @@ fn bracketed(text: &str) -> &str {
     inner.unwrap_or(text).trim()
 }
 
-/// What a field `*(d)` adds.
+/// The addition d of a field `*(d)`.
 fn addition(field: &str) -> Option<&str> {
     let added = bracketed(field.strip_prefix('*')?);
     number::real(added).map(|_| added)
 }
 
-/// Sum of two numbers as text: a whole number of whole ones.
+/// Sum of two numbers as text. The sum of whole numbers is written as a whole number.
 fn sum(value: &str, added: &str) -> Option<String> {
     if let (Some(value), Some(added)) = (number::integer(value), number::integer(added)) {
         return Some(value.checked_add(added)?.to_string());

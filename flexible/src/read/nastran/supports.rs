@@ -1,5 +1,5 @@
 //! Held freedoms and interface freedoms: `SPC`, `SPC1`, `SPCADD`, `PS` of grid points, `ASET`, `ASET1` and
-//! their kin.
+//! similar cards.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,11 +13,11 @@ use crate::read::held::HoldingCards;
 
 #[derive(Clone, Debug)]
 struct Entry {
-    /// Set, where the card has one.
+    /// Set, if the card has one.
     set: u64,
     /// Points and their freedoms.
     parts: Vec<(Ids, u8)>,
-    /// Moves its freedoms instead of holding them.
+    /// Whether the card moves its freedoms instead of holding them.
     moved: bool,
     name: String,
     at: At,
@@ -28,15 +28,15 @@ struct Entry {
 pub(super) struct Supports {
     held: Vec<Entry>,
     interface: Vec<Entry>,
-    /// Sets of supports that stand for others.
+    /// Sets of supports that combine other sets.
     support_sums: BTreeMap<u64, Vec<u64>>,
-    /// Sets of equations that stand for others.
+    /// Sets of equations that combine other sets.
     equation_sums: BTreeMap<u64, Vec<u64>>,
     equation_sets: BTreeSet<u64>,
 }
 
 impl Supports {
-    /// Reads a card; `false` where it is none of these.
+    /// Reads a card; `false` if it is none of these.
     pub fn read(&mut self, card: &Card) -> Result<bool, FileProblem> {
         match card.name.as_str() {
             "SPC" => {
@@ -84,7 +84,7 @@ impl Supports {
     }
 
     /// The held freedoms of a mesh, node by node: those of the grid points themselves, and those of the
-    /// selected set, or of all sets where case control selects none.
+    /// selected set, or of all sets if case control selects none.
     pub fn supports(
         &self,
         grids: &[GridCard],
@@ -126,7 +126,7 @@ impl Supports {
         Ok(list(bits))
     }
 
-    /// The sets of equations that hold; `None`: all.
+    /// The sets of equations that apply; `None` means all.
     pub fn equations(
         &self,
         selection: Option<&(u64, At)>,
@@ -145,7 +145,7 @@ fn entry(card: &Card, set: u64, parts: Vec<(Ids, u8)>) -> Entry {
     }
 }
 
-/// Freedoms in a field; none where it is blank, as scalar points have it.
+/// Freedoms in a field. A blank field, as for scalar points, gives none.
 fn components(card: &Card, field: usize) -> Result<u8, FileProblem> {
     Ok(card.optional_components(field, "C")?.unwrap_or(0))
 }
@@ -168,7 +168,7 @@ fn add_sum(sums: &mut BTreeMap<u64, Vec<u64>>, card: &Card) -> Result<(), FilePr
     Ok(())
 }
 
-/// The sets a selection stands for; `None` without a selection.
+/// The sets of a selection; `None` without a selection.
 fn chosen(
     selection: Option<&(u64, At)>,
     sums: &BTreeMap<u64, Vec<u64>>,
@@ -185,7 +185,7 @@ fn chosen(
             open.extend(sums.get(&set).into_iter().flatten());
         }
     }
-    // equations may be selected where there are none
+    // a selection of equations is allowed even if the deck has no equations
     if found.is_disjoint(sets) && (name == "SPC" || !sets.is_empty()) {
         return Err(at.problem(
             format!("{name} = {selected} selects a set that is missing"),
@@ -203,7 +203,7 @@ fn collect(
     let user = || format!("{} card", entry.name);
     for (ids, components) in &entry.parts {
         if *components == 0 {
-            // scalar points, which no card needs to define; a grid point can't be meant
+            // the numbers are scalar points, which need no card of their own; no grid point has one of them
             if lookup.existing(ids).0.is_empty() {
                 continue;
             }

@@ -1,18 +1,18 @@
-//! What a deck holds and a mesh does not, and what is lost with it.
+//! The cards of a deck that have no place in a mesh, and the content that is lost with them.
 
 use super::lines::At;
 use crate::mesh::Carries;
 pub(super) use crate::read::unread::UnreadCards;
 
 impl UnreadCards {
-    /// Counts a card that isn't read at all.
+    /// Counts a card that Eng does not read.
     pub(super) fn card(&mut self, name: &str, at: &At) {
         self.note(name, at, carries(name));
     }
 }
 
-/// Cards of mass, stiffness or constraint. Properties and materials stand here only where their elements are
-/// read without them.
+/// Cards of mass, stiffness or constraint. The list has properties and materials only if Eng reads their
+/// elements without them.
 const STRUCTURE: &[&str] = &[
     "AELINK", "BCBODY", "BCONP", "BCTABLE", "BCTADD", "BCTSET", "BGADD", "BGSET", "CACINF3",
     "CACINF4", "CBEAM3", "CBEND", "CBUSH", "CBUSH1D", "CBUSH2D", "CELAS3", "CELAS4", "CFAST",
@@ -26,7 +26,8 @@ const STRUCTURE: &[&str] = &[
     "SESET", "SETREE", "SNORM", "SPCOFF", "SPCOFF1", "CYJOIN", "CYSYM", "TF",
 ];
 
-/// Cards of loads, requests and solution methods. A name ending in `.` stands for all names that begin so.
+/// Cards of loads, requests and solution methods. A name with a `.` at its end means all names with this
+/// beginning.
 const NOTHING: &[&str] = &[
     "ACCEL", "ACCEL1", "AECOMP", "AEFACT", "AELIST", "AEPARM", "AERO", "AEROS", "AESTAT", "AESURF",
     "AESURFS", "AEFORCE", "AEPRESS", "ASSIGN", "BCPROP", "BCPROPS", "BLSEG", "BSURF", "BSURFS",
@@ -46,7 +47,7 @@ const NOTHING: &[&str] = &[
     "DDVAL", "DSC",
 ];
 
-/// What a card carries, by its name.
+/// The kind of content of a card, by its name.
 fn carries(name: &str) -> Carries {
     if STRUCTURE.contains(&name) {
         return Carries::Structure;

@@ -1,5 +1,5 @@
-//! The blocks of an OP2: records of keys (one integer) and of data. A key above zero says how many words
-//! follow in the next record, one below zero ends a record of the block and counts it, zero ends the block.
+//! The blocks of an OP2: records of keys (one integer) and of data. A key above zero is the number of words
+//! in the next record. A key below zero ends a record of the block and counts it. Zero ends the block.
 //!
 //! ```text
 //! 3 date 7 title 2 version [6 release] -1 0                head of the file, or nothing
@@ -23,7 +23,7 @@ pub(super) struct Block {
     pub trailer: Vec<i64>,
 }
 
-/// What comes next in a block.
+/// The next part of a block.
 #[derive(Clone, Debug)]
 pub(super) enum Step {
     /// A record of a table ended.
@@ -34,7 +34,7 @@ pub(super) enum Step {
     Data(Vec<u8>),
 }
 
-/// Where in a block the file is.
+/// The position within a block.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Stand {
     Outside,
@@ -152,7 +152,7 @@ impl Blocks {
         ))
     }
 
-    /// Data of as many words as a key before it says, or `more`.
+    /// Data with the number of words of the key before it, plus `more`.
     fn words(&mut self, key: i64, more: usize) -> Result<Vec<u8>, FileProblem> {
         let data = self.data()?;
         let expected = usize::try_from(key)
@@ -171,7 +171,7 @@ impl Blocks {
         ))
     }
 
-    /// Data up to the key that ends their record, put together.
+    /// All data up to the key that ends their record.
     fn whole_record(&mut self, end: i64) -> Result<Vec<u8>, FileProblem> {
         let mut all = Vec::new();
         loop {
@@ -192,7 +192,7 @@ impl Blocks {
         }
     }
 
-    /// The next block; what is left of the one before is passed over. `None` at the end of the file.
+    /// The next block. It skips the rest of the block before. `None` at the end of the file.
     pub fn next_block(&mut self) -> Result<Option<Block>, FileProblem> {
         while self.stand != Stand::Outside {
             self.next_step()?;
@@ -286,8 +286,7 @@ impl Blocks {
         }
     }
 
-    /// The next record of a table as a whole; `None` at the end of the block. Columns of a matrix are passed
-    /// over.
+    /// The next whole record of a table; `None` at the end of the block. It skips columns of a matrix.
     pub fn next_table(&mut self) -> Result<Option<Vec<u8>>, FileProblem> {
         let mut all = Vec::new();
         while let Some(step) = self.next_step()? {

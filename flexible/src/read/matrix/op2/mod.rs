@@ -1,8 +1,9 @@
 //! Nastran's OP2 (`PARAM,POST,-1`, `OUTPUT2`), of 32-bit and 64-bit codes: matrices and mode shapes.
 //!
-//! Tables read: `EQEXIN` (numbers of points and their rows), `LAMA` (eigenvalues), `OUGV1` and its kin (mode
-//! shapes, single precision in 32-bit files: 7 digits). Any matrix is read by its name. Other tables are
-//! passed over. Sources: MSC Nastran DMAP guide (data blocks), NX Nastran DMAP guide, files of MYSTRAN.
+//! Tables read: `EQEXIN` (numbers of points and their rows), `LAMA` (eigenvalues), `OUGV1` and similar tables
+//! (mode shapes, single precision in 32-bit files: 7 digits). Any matrix can be read by its name. The reader
+//! skips other tables. Sources: MSC Nastran DMAP guide (data blocks), NX Nastran DMAP guide, files of
+//! MYSTRAN.
 
 mod blocks;
 mod points;
@@ -14,12 +15,12 @@ use crate::read::Files;
 use blocks::{Block, Blocks, Step};
 use points::Points;
 
-/// Trailer, behind its first word, of a table of matrices as cards.
+/// Trailer, after its first word, of a table that holds matrices as cards.
 const POOLED: [i64; 6] = [32768, 0, 0, 0, 0, 0];
 
-/// Reads the matrix of this name, or the only one where `name` is empty. Its freedoms are known where it has
-/// a row for each freedom of all points (`KGG`, `MGG`) and the file holds `EQEXIN`; rows of a reduced matrix
-/// (`KAA`) must be told apart by what the model says.
+/// Reads the matrix with a name, or the only one if `name` is empty. Its freedoms are known if it has a row
+/// for each freedom of all points (`KGG`, `MGG`) and the file holds `EQEXIN`. For a reduced matrix (`KAA`)
+/// the model must state the freedoms of the rows.
 ///
 /// # Errors
 /// With file and record: a file that is none, is cut or damaged, a complex matrix, an entry that is no finite
@@ -94,7 +95,7 @@ pub fn read_op2_matrix(
     Ok(matrix)
 }
 
-/// Notes a matrix, and begins it where it is asked for.
+/// Notes a matrix, and begins to read it if it is the wanted one.
 fn head(
     blocks: &Blocks,
     block: &Block,

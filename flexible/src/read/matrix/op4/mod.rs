@@ -2,9 +2,9 @@
 //!
 //! A matrix begins with its number of columns and of rows (negative: `BIGMAT`), form (1 square, 2
 //! rectangular, 6 symmetric; always whole columns), type (1 single, 2 double precision, 3 and 4 complex) and
-//! name. A column says where its first row is, or 0 when it is made of strings: each says its length and row
-//! in one word (length · 65536 + row), or in two for `BIGMAT`. A last column, one beyond the others, ends the
-//! matrix. Source: MSC Nastran DMAP guide, module OUTPUT4.
+//! name. A column gives the number of its first row, or 0 if it is made of strings. Each string gives its
+//! length and row in one word (length · 65536 + row), or in two words for `BIGMAT`. A last column, one beyond
+//! the others, ends the matrix. Source: MSC Nastran DMAP guide, module OUTPUT4.
 
 mod binary;
 mod text;
@@ -13,8 +13,8 @@ use super::{COMPLEX, ForeignMatrix, Held, chosen};
 use crate::error::FileProblem;
 use crate::read::{self, Files};
 
-/// Reads the matrix of this name, or the only one where `name` is empty. Single precision has 7 digits, text
-/// as many as its format.
+/// Reads the matrix with a name, or the only one if `name` is empty. Single precision has 7 digits; a text
+/// has the digits of its format.
 ///
 /// # Errors
 /// With file and record or line: a file that is none, is cut or damaged, a complex matrix, an entry that is
@@ -22,7 +22,7 @@ use crate::read::{self, Files};
 pub fn read_op4(files: &dyn Files, file: &str, name: &str) -> Result<ForeignMatrix, FileProblem> {
     let mut reader = read::open(files, file)?;
     let start = reader.fill_buf().unwrap_or(&[]);
-    // the header of a text is of digits and blanks; a binary one begins with a length
+    // the header of a text has digits and blanks; a binary file begins with a length
     let is_text = start
         .iter()
         .take(8)
@@ -42,7 +42,7 @@ pub fn read_op4(files: &dyn Files, file: &str, name: &str) -> Result<ForeignMatr
     chosen(file, name, &take.held, take.found)
 }
 
-/// The matrices met, and the one that was asked for.
+/// The matrices of the file so far, and the wanted one.
 struct Taken<'n> {
     name: &'n str,
     held: Vec<Held>,
@@ -50,7 +50,7 @@ struct Taken<'n> {
 }
 
 impl Taken<'_> {
-    /// Whether a matrix of this head is to be kept; the head is noted.
+    /// Whether the matrix with this head is the wanted one. It also notes the head.
     fn wants(&mut self, head: &Head) -> bool {
         self.held.push(Held {
             name: head.name.clone(),
@@ -70,11 +70,11 @@ struct Head {
     kind: i64,
 }
 
-/// What is wrong with a head or a column, with advice; the reader knows where it stands.
+/// A mistake in a head or a column, with advice. The reader adds its place.
 type Wrong = (String, String);
 
 impl Head {
-    /// From its numbers.
+    /// Makes a head from its numbers.
     fn new(name: String, columns: i64, rows: i64, kind: i64) -> Result<Self, Wrong> {
         let size = |count: i64| {
             u32::try_from(count)
@@ -100,7 +100,7 @@ impl Head {
         }
     }
 
-    /// Reals an entry consists of.
+    /// Number of reals in an entry.
     fn parts(&self) -> usize {
         if self.kind > 2 { 2 } else { 1 }
     }
@@ -123,8 +123,8 @@ impl Head {
         })
     }
 
-    /// Checks the number of a column, from 1: behind the last one, and no further than the one that ends the
-    /// matrix.
+    /// Checks the number of a column, from 1. It must be after the last column and at most the one that ends
+    /// the matrix.
     fn column(&self, column: i64, last: usize) -> Result<usize, Wrong> {
         match usize::try_from(column) {
             Ok(column) if column > last && column <= self.columns + 1 => Ok(column),
