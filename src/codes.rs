@@ -161,6 +161,10 @@ eng_grammar::codes! {
         "At the start the shell turns at more than twice the speed of the pin. The film's frame, its angles and its tables are those of the shell: pin and shell are probably swapped. `accept swapped` in the journal takes it for meant, as for a rotating bush.",
         "journal main = Short(pin: block.main, shell: crank.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)",
         "journal main = Short(pin: crank.main, shell: block.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)";
+    ASKEW = "W0766", "the axes of an angle or a film are not parallel",
+        "At the start the z axes of the two markers are more than 5 degrees apart. An angle `rotation(a, b)`, a torsional spring and a cycle measure how far a.x is turned about b.z: across a shaft this is no angle of the shaft. A film takes the pin for parallel to its shell. `accept askew` in the element takes it for meant.",
+        "marker support = at([0, 0, 100] mm, z: [1, 0, 0])\nforce shaft = TorsionSpring(disc.hub, support, stiffness: 10 N*m/rad)",
+        "marker support = at([0, 0, 100] mm)\nforce shaft = TorsionSpring(disc.hub, support, stiffness: 10 N*m/rad)";
     IDLE = "W0757", "a coupling slips at the start, or a body or element does nothing",
         "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that it winds up at once (a mere damper does not); a body is held on the ground and nothing else touches it; or a spring, film or gas acts between bodies that are joined rigidly. A flywheel that was joined to the ground instead of the crank does both. `accept idle` takes it for meant.",
         "joint bolts = Fixed(flywheel.hub, ground)",
@@ -177,8 +181,8 @@ eng_grammar::codes! {
         "The cycle turns by more than 30 degrees between two samples, or a run is stated to end after less than 5. `sample: 2 rev` was probably meant as `2 deg`, `duration: 4 deg` as `4 rev`. `accept sampling` in the model takes it for meant.",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 100 deg)",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 1 deg)";
-    CYCLE = "W0765", "the cycle runs backwards, or swings, under a gas trace",
-        "A gas trace is written over a cycle angle that grows. Where the angle falls at the start, gas is compressed after it has burnt: it brakes the engine that it should drive. Where it is the angle of a rod, it swings to and fro. The cycle is the angle of the crank from the ground, and grows at the speed that the start and the drive state. `accept cycle` in the model takes it for meant.",
+    CYCLE = "W0765", "the cycle swings, or runs backwards under a gas trace",
+        "A gas trace is written over a cycle angle that grows. Where the angle falls at the start, gas is compressed after it has burnt: it brakes the engine that it should drive. The angle of a rod swings to and fro: a cycle, a duration and samples in revolutions never end. The cycle is the angle of the crank from the ground, and grows at the speed that the start and the drive state. `accept cycle` in the model takes it for meant.",
         "cycle angle = rotation(ground, crank.flange) { period = 720 deg }",
         "cycle angle = rotation(crank.flange, ground) { period = 720 deg }";
     CYLINDER = "W0759", "a cylinder's gas does not fit the motion of its piston",

@@ -202,3 +202,58 @@ analysis swings = transient(Pendulum(), duration: 10 ms)
         assert!(due.is_none_or(|due| said.contains(due)), "{said}");
     }
 }
+
+/// A torsional spring between axes that are `tilt` degrees apart, with an acceptance or none.
+fn across(tilt: f64, accepted: &str) -> String {
+    let (sine, cosine) = tilt.to_radians().sin_cos();
+    format!(
+        "use std.joints.Revolute
+use std.forces.TorsionSpring
+model Spring {{
+    gravity = [0, 0, 0] m/s^2
+    marker axis = origin
+    marker end = at(origin, z: [{sine}, 0, {cosine}])
+    body disc {{ mass = 1 kg; inertia = [5, 6, 7] g*m^2; marker hub = origin }}
+    joint pivot = Revolute(disc.hub, axis)
+    force shaft = TorsionSpring(disc.hub, end, stiffness: 10 N*m/rad) {{ {accepted} }}
+}}
+analysis run = transient(Spring(), duration: 1 ms)
+"
+    )
+}
+
+#[test]
+fn an_angle_about_an_axis_across_the_shaft_is_askew() {
+    for (tilt, told) in [
+        (0.0, false),
+        (4.9, false),
+        (5.1, true),
+        (90.0, true),
+        (174.9, true),
+        (175.1, false),
+    ] {
+        let (said, _) = Text::new(&format!("askew{tilt}"), &across(tilt, "")).check();
+        assert_eq!(said.contains("W0766"), told, "{tilt}: {said}");
+    }
+    let (said, _) = Text::new("askew", &across(90.0, "accept askew")).check();
+    assert_eq!(said, "");
+}
+
+#[test]
+fn a_pin_across_its_shell_is_askew() {
+    for (axis, told) in [("[0, 0, 1]", false), ("[1, 0, 0]", true)] {
+        let text = format!(
+            "use std.journals.Short
+model Shaft {{
+    gravity = [0, 0, 0] m/s^2
+    marker shell = at(origin, z: {axis})
+    body shaft {{ mass = 1 kg; inertia = [5, 6, 7] g*m^2; marker pin = origin; start rotation = [0, 0, 0] deg; start angular_velocity = [0, 0, 600] rpm }}
+    journal film = Short(pin: shaft.pin, shell: shell, diameter: 50 mm, width: 20 mm, radial_clearance: 25 um, viscosity: 12 mPa*s)
+}}
+analysis run = transient(Shaft(), duration: 1 ms)
+"
+        );
+        let (said, _) = Text::new(&format!("pin{told}"), &text).check();
+        assert_eq!(said.contains("W0766"), told, "{said}");
+    }
+}

@@ -152,3 +152,36 @@ fn a_kept_look_at_a_mesh_follows_text_and_files() {
         .filter(|look| std::fs::read(look).is_ok_and(|b| b != b"damaged"));
     assert_eq!(whole.count(), 1);
 }
+
+/// Springs of a deck to the ground are no digits that its stiffness lacks; a body without support is refused.
+#[test]
+fn springs_to_the_ground_need_a_support() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("springs_to_the_ground");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let meshes = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mesh");
+    let deck = std::fs::read_to_string(meshes.join("bar.bdf")).expect("a mesh");
+    let deck = deck.replace("PSOLID  1 ", "CELAS2,900,100.,1,1\nPSOLID  1 ");
+    std::fs::write(folder.join("bar.bdf"), deck).expect("a mesh");
+    let held = std::fs::read_to_string(meshes.join("bar.eng")).expect("a model");
+    let held = held.replace(
+        "modes = static",
+        "element_rules = exact\n        modes = static",
+    );
+    let free = held.replace("        support = foot\n", "");
+    let doubts = |model: &str| {
+        std::fs::write(folder.join("bar.eng"), model).expect("a model");
+        let sources = Sources::folder(&folder).expect("a folder");
+        let program = eng::check(&sources, "bar.eng").into_program();
+        let program = program.unwrap_or_else(|report| panic!("{report}"));
+        let (_, doubts) = program.reduce().unwrap_or_else(|error| panic!("{error}"));
+        let titles = doubts.iter().map(|doubt| doubt.title.clone());
+        titles.collect::<Vec<String>>()
+    };
+    assert_eq!(doubts(&held), [] as [&str; 0]);
+    assert_eq!(
+        doubts(&free),
+        [
+            "spring 900 of the mesh holds a node to the ground, and the body has no `support`: the ground of the mesh would move with the body"
+        ]
+    );
+}

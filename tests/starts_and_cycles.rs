@@ -423,6 +423,11 @@ fn nothing_moves_and_rounding_is_no_change() {
 
 /// A pendulum, begun beside its balances: its angle from hanging down.
 fn pendulum(begin: f64) -> Outcome {
+    pendulum_with(begin, "")
+}
+
+/// The same with a line that states its start.
+fn pendulum_with(begin: f64, stated: &str) -> Outcome {
     let (x, y) = (300.0 * begin.sin(), -300.0 * begin.cos());
     let program = program(
         Sources::from_text(
@@ -438,6 +443,7 @@ fn pendulum(begin: f64) -> Outcome {
                         guess rotation = [0 rad, 0 rad, {begin:e} rad]
                     }}
                     joint pin = Revolute(bob.top, pivot)
+                    {stated}
                     output angle: Angle = pin.angle
                 }}
                 analysis balance = transient(Pendulum(), duration: 1 us, sample: 1 us, start: quasi_static)"
@@ -465,19 +471,36 @@ fn a_pendulum_comes_to_hang_and_is_told_to_stand_upside_down() {
         let angle = found.results.column("angle").expect("a channel").values[0];
         assert!(angle.abs() < 1e-9, "{degrees}: {angle}");
     }
-    let found = pendulum(std::f64::consts::PI);
-    let Some(StartReport::QuasiStatic(balance)) = &found.start else {
-        panic!("{:?}", found.start);
-    };
-    let unstable = balance.unstable.as_ref().expect("upside down");
-    assert_eq!(unstable.origin.path, "bob");
-    // √(J/(m g l))
-    let due = ((2e-3 + 0.3 * 0.3) / (9.81 * 0.3_f64)).sqrt();
-    assert!(
-        (unstable.time / due - 1.0).abs() < 1e-6,
-        "{}",
-        unstable.time
-    );
+    for stated in ["", "start pin.angle = 180 deg"] {
+        let found = pendulum_with(std::f64::consts::PI, stated);
+        let Some(StartReport::QuasiStatic(balance)) = &found.start else {
+            panic!("{:?}", found.start);
+        };
+        let unstable = balance.unstable.as_ref().expect("upside down");
+        assert_eq!(unstable.origin.path, "bob");
+        // √(J/(m g l))
+        let due = ((2e-3 + 0.3 * 0.3) / (9.81 * 0.3_f64)).sqrt();
+        assert!(
+            (unstable.time / due - 1.0).abs() < 1e-6,
+            "{stated}: {}",
+            unstable.time
+        );
+    }
+    // held out by its start, and held at the bottom
+    for (stated, torque) in [
+        ("start pin.angle = 90 deg", true),
+        ("start pin.angle = 0 deg", false),
+    ] {
+        let found = pendulum_with(0.1, stated);
+        let Some(StartReport::QuasiStatic(balance)) = &found.start else {
+            panic!("{:?}", found.start);
+        };
+        assert_eq!(
+            (!balance.held.is_empty(), &balance.unstable),
+            (torque, &None),
+            "{stated}"
+        );
+    }
 }
 
 /// A body that gravity lets fall is held by nothing, wherever it is sought.

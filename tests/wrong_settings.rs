@@ -110,3 +110,35 @@ fn moments_outside_the_kept_motion_are_told() {
     assert!(errors.contains(says), "{errors}");
     std::fs::remove_dir_all(&folder).expect("removed");
 }
+
+/// A body that begins at rest turns too far within a step that is as long as the run.
+#[test]
+fn a_step_as_long_as_the_run_turns_a_body_too_far() {
+    let folder = folder("long_step");
+    let swing = "use std.joints.Revolute
+model Swing {
+    gravity = [0, -9.81, 0] m/s^2
+    marker pivot = [0, 0, 0] mm
+    body bob { mass = 1.2 kg; inertia = [2, 2, 2] g*m^2; marker top = [0, 400, 0] mm }
+    joint pin = Revolute(bob.top, pivot)
+    start pin.angle = 30 deg
+}
+analysis swing = transient(Swing(), duration: 5 s, sample: 10 ms)
+";
+    std::fs::write(folder.join("swing.eng"), swing).expect("written");
+    for step in ["1s", "5s", "1h"] {
+        let run = ["run", "swing.eng", "--no-plots", "--step", step];
+        let (code, _, errors) = eng(&folder, &run);
+        assert_eq!(code, Some(1), "{step}: {errors}");
+        assert!(
+            errors.contains("E0701") && errors.contains("turns bob by"),
+            "{errors}"
+        );
+    }
+    let (code, _, errors) = eng(
+        &folder,
+        &["run", "swing.eng", "--no-plots", "--step", "10ms"],
+    );
+    assert_eq!(code, Some(0), "{errors}");
+    let _ = std::fs::remove_dir_all(&folder);
+}

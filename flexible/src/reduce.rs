@@ -17,7 +17,7 @@ use crate::foreign::{ForeignMatrices, GivenModes};
 use crate::geometric::{Model, geometric};
 use crate::invariants::{Full, invariants};
 use crate::markers::{MarkerRequest, place};
-use crate::mesh::{Mesh, Support, Tie};
+use crate::mesh::{Mesh, Spring, Support, Tie};
 use crate::modes::rigid::residuals;
 use crate::modes::{ModeSet, Structure};
 use crate::rotary::{add_turning, split_offsets};
@@ -153,6 +153,9 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     if own {
         split_offsets(&mut mesh);
     }
+    if own && !request.is_held() {
+        refuse_grounded_springs(&mesh)?;
+    }
     let (mut full, mut held) = matrices(&mesh, request, nodal, &mut report)?;
     let held_by_file = report.supported;
     let marker_freedoms = MarkerFreedoms {
@@ -200,7 +203,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         served.kept = set.sources.contains(&served.mode);
     }
     report.unserved = found.asked.unserved(&structure, &set);
-    warn_of_rounding(&structure, &set, &mut report);
+    warn_of_rounding(request, &structure, &set, &mut report);
 
     let shapes = reduction.expand(set.len(), &set.vectors);
     let frequencies = set.frequencies();
@@ -524,9 +527,25 @@ fn at_node(error: FlexibleError, reduction: &Reduction) -> FlexibleError {
     }
 }
 
-/// Warns if the stiffness has few digits, with the effect on the first frequency.
-fn warn_of_rounding(structure: &Structure, set: &ModeSet, report: &mut Report) {
-    if report.rigid_residual <= FEW_DIGITS {
+/// A body without support moves with its frame, and the ground of its mesh would move with it.
+fn refuse_grounded_springs(mesh: &Mesh) -> Result<(), FlexibleError> {
+    let grounded = |spring: &&Spring| spring.second.is_none() && spring.stiffness != 0.0;
+    match mesh.springs.iter().find(grounded) {
+        None => Ok(()),
+        Some(spring) => Err(FlexibleError::Structure {
+            problem: format!(
+                "spring {} of the mesh holds a node to the ground, and the body has no `support`: the ground of the mesh would move with the body",
+                spring.id
+            ),
+            advice: "take the spring out of the mesh and write it as a force of the model; or state a `support`".into(),
+        }),
+    }
+}
+
+/// Warns if the matrices of another code have few digits, with the effect on the first frequency.
+fn warn_of_rounding(request: &Request, structure: &Structure, set: &ModeSet, report: &mut Report) {
+    // the stiffness of a mesh is added up here: what resists rigid motion are springs to the ground
+    if request.matrices.is_none() || report.rigid_residual <= FEW_DIGITS {
         return;
     }
     let digits = -libm::log10(report.rigid_residual);

@@ -48,6 +48,7 @@ pub(super) fn assembled(start: &Start<'_>) -> Vec<Finding> {
         }
     }
     found.extend(start.swapped());
+    found.extend(start.askew());
     found.extend(start.useless());
     found.extend(start.loose());
     found.extend(start.sinks());

@@ -1,6 +1,7 @@
 //! Lints: what is probably a mistake, whom it is about, and what the text accepts of it.
 
 mod assembled;
+mod axes;
 mod cycle;
 mod idle;
 mod numbers;

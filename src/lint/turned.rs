@@ -75,7 +75,7 @@ struct Watched<'s> {
     beyond: Option<(f64, bool)>,
 }
 
-/// Probable mistakes in the cylinders of a model, and how far it turned: `None` where it has no cylinder and
+/// Probable mistakes in cycle and cylinders of a model, and how far it turned: `None` where it has neither and
 /// was not turned. A lock is no finding here: the caller has its error.
 pub(crate) fn turned(
     compiled: &Compiled,
@@ -107,7 +107,7 @@ pub(crate) fn turned(
             beyond: None,
         })
         .collect();
-    if cylinders.is_empty() {
+    if cylinders.is_empty() && system.cycle.is_none() {
         return (Vec::new(), None);
     }
     let mut shaft = None;
@@ -133,6 +133,9 @@ pub(crate) fn turned(
         }
         Ok(Turned::Not) | Err(_) => return (Vec::new(), Some(found)),
     }
+    if cylinders.is_empty() {
+        return (Vec::new(), Some(found));
+    }
     let doubts = cylinders.iter().flat_map(|c| c.doubts(compiled));
     let slanted = cylinders.iter().filter_map(|c| c.slanted(compiled, shaft?));
     let falls = angles.is_some_and(|[first, last]| last < first);
@@ -150,7 +153,7 @@ fn swings(system: &System, angle: f64) -> Option<Finding> {
         name: lint::CYCLE.to_owned(),
         origin: system.cycle.as_ref()?.origin.clone(),
         message: format!(
-            "the cycle's angle turns back at {} deg and never comes round: the gas goes to and fro",
+            "the cycle's angle turns back at {} deg and never comes round",
             deg(angle)
         ),
         label: "an angle that swings".to_owned(),

@@ -14,6 +14,8 @@ pub const LOOSE: &str = "loose";
 pub const APART: &str = "apart";
 /// A first marker that stands while the second moves.
 pub const SWAPPED: &str = "swapped";
+/// Axes of an angle or a film that are not parallel.
+pub const ASKEW: &str = "askew";
 /// A force between things that do not move against each other.
 pub const IDLE: &str = "idle";
 /// A fixed step that is long for the speed of the cycle.
@@ -34,13 +36,13 @@ pub const BORE: &str = "bore";
 /// A piston on the other side of its crank.
 pub const MIRRORED: &str = "mirrored";
 
-/// A cycle whose angle falls or swings under a gas trace.
+/// A cycle whose angle swings, or falls under a gas trace.
 pub const CYCLE: &str = "cycle";
 
 /// All of them.
-pub const BUILT_IN: [&str; 16] = [
-    INERTIA, GRAVITY, DAMPING, LOOSE, APART, SWAPPED, IDLE, STEP, SAMPLING, SAG, TURNS, PERIOD,
-    FIRING, BORE, MIRRORED, CYCLE,
+pub const BUILT_IN: [&str; 17] = [
+    INERTIA, GRAVITY, DAMPING, LOOSE, APART, SWAPPED, ASKEW, IDLE, STEP, SAMPLING, SAG, TURNS,
+    PERIOD, FIRING, BORE, MIRRORED, CYCLE,
 ];
 
 /// `accept usual` in the block of a use, of a body, of a component or of the model.

@@ -158,6 +158,10 @@ pub enum TableError {
 /// room for the rounding of unit conversion.
 const CLOSURE: f64 = 1e-9;
 
+/// Share of the span by which an argument may be past an end and still have the value of the last interval: the
+/// rounding of positions over many steps.
+const PAST_END: f64 = 1e-9;
+
 impl Table {
     /// Where the text states it, if a text does.
     pub fn stated_at(&self) -> Option<Location> {
@@ -286,15 +290,14 @@ impl Table {
 
     /// What is wrong where an argument has no value.
     pub fn outside(&self, argument: f64) -> Option<Outside> {
-        let (first, last) = self.domain();
         let without_value = self.period.is_none()
             && self.extrapolation.is_none()
             && argument.is_finite()
-            && (argument < first || argument > last);
+            && !self.within(argument);
         without_value.then(|| Outside {
             name: self.name.clone(),
             argument,
-            domain: (first, last),
+            domain: self.domain(),
             unit: self.written.as_ref().map(|(_, unit)| unit.clone()),
             at: self.written.as_ref().map(|(at, _)| *at),
         })
@@ -311,6 +314,13 @@ impl Table {
             (Some(a), Some(b)) => (*a, *b),
             _ => (f64::NAN, f64::NAN),
         }
+    }
+
+    /// Whether the points reach to an argument, but for rounding.
+    fn within(&self, argument: f64) -> bool {
+        let (first, last) = self.domain();
+        let past = PAST_END * (last - first);
+        (first - past..=last + past).contains(&argument)
     }
 
     /// The period, if it has one.
@@ -332,7 +342,8 @@ impl Table {
 
     /// The value (order 0) or a derivative with respect to the argument; orders above 3 are zero.
     ///
-    /// NaN for an argument that is not finite, and outside the domain if no extrapolation is stated. At a point the
+    /// NaN for an argument that is not finite, and outside the domain if no extrapolation is stated: farther than
+    /// [`PAST_END`], within which the polynomial of the last interval counts. At a point the
     /// interval to its right counts.
     pub fn evaluate(&self, x: f64, order: u8) -> f64 {
         let (first, last) = self.domain();
@@ -349,6 +360,7 @@ impl Table {
         if x < first || x > last {
             let end = if x < first { first } else { last };
             return match (self.extrapolation, order) {
+                (None, _) if self.within(x) => self.inside(x, order),
                 (None, _) => f64::NAN,
                 (Some(_), 2..) | (Some(Extrapolation::Hold), 1) => 0.0,
                 (Some(Extrapolation::Hold), _) => self.inside(end, 0),
@@ -650,6 +662,21 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    #[test]
+    fn rounding_at_an_end_is_inside() {
+        let x = vec![0.0, 1e-3, 2e-3];
+        let y = vec![0.0, 1.0, 4.0];
+        let table = Table::new("t", x, y, Interpolation::Cubic, None, None).unwrap();
+        for (end, past) in [(2e-3, 1e-15), (0.0, -1e-15)] {
+            let (at, beyond) = (table.evaluate(end, 0), table.evaluate(end + past, 0));
+            // the slope of the spline, at most 4000, over the rounding
+            assert!((beyond - at).abs() <= 5e-12, "{at} {beyond}");
+            assert_eq!(table.outside(end + past), None);
+            let far = end + 1e7 * past;
+            assert!(table.evaluate(far, 0).is_nan() && table.outside(far).is_some());
         }
     }
 

@@ -331,6 +331,10 @@ impl Simulation {
         let (h, time) = stepped.map_err(|error| self.explained(self.or_locked(error)))?;
         self.integrator.accept(&self.model, h, time);
         self.evaluated = None;
+        if self.options.step.fixed().is_some() {
+            // of a body that began at rest only the end of the step shows how fast it turned
+            self.turned_too_far(h)?;
+        }
         let current = &self.integrator.current;
         if let Some((body, distance)) = self.astray.after_step(&self.model, current) {
             return Err(RuntimeError::Astray {
@@ -436,15 +440,7 @@ impl Simulation {
                 h = end - begin;
                 time = end;
             }
-            let (speed, body) = self.fastest();
-            if speed * h > MOST_TURN {
-                return Err(RuntimeError::TurnsTooFar {
-                    moment: self.moment(),
-                    degrees: (speed * h).to_degrees(),
-                    step: h,
-                    origin: Box::new(body.cloned().unwrap_or_default()),
-                });
-            }
+            self.turned_too_far(h)?;
             match self.trial(h, None)? {
                 Trial::Solved { .. } => {
                     if last {
@@ -462,6 +458,20 @@ impl Simulation {
                 }
             }
         }
+    }
+
+    /// Refuses a fixed step in which a body turns too far at its present speed.
+    fn turned_too_far(&self, h: f64) -> Result<(), RuntimeError> {
+        let (speed, body) = self.fastest();
+        if speed * h <= MOST_TURN {
+            return Ok(());
+        }
+        Err(RuntimeError::TurnsTooFar {
+            moment: self.moment(),
+            degrees: (speed * h).to_degrees(),
+            step: h,
+            origin: Box::new(body.cloned().unwrap_or_default()),
+        })
     }
 
     /// The fastest turning (rad/s), and what turns so.

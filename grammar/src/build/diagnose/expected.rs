@@ -251,10 +251,20 @@ impl<'b> Failure<'b> {
         }
         let shown = token.text(self.text);
         let span = self.span();
-        let diagnostic =
-            Diagnostic::error(codes::UNEXPECTED, format!("`{shown}` is not used in Eng"))
-                .at(span, "not expected here");
+        let invisible = shown
+            .chars()
+            .all(|c| !matches!(c, '\'' | '"' | '\\') && c.escape_debug().len() > 1);
+        let name = match invisible {
+            true => format!("the invisible character {}", shown.escape_debug()),
+            false => format!("`{shown}`"),
+        };
+        let diagnostic = Diagnostic::error(codes::UNEXPECTED, format!("{name} is not used in Eng"))
+            .at(span, "not expected here");
         Some(match shown {
+            _ if invisible && shown.chars().all(char::is_whitespace) => {
+                diagnostic.with_fix("write a plain space", span, " ")
+            }
+            _ if invisible => diagnostic.with_fix("remove it", span, ""),
             "\u{b5}" | "\u{3bc}" => diagnostic
                 .with_help("micro is written `u`: `um`, `us`")
                 .with_fix("write `u`", span, "u"),

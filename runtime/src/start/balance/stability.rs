@@ -84,11 +84,14 @@ impl Balance<'_> {
         self.free_stiffness(state, matrix, &free).map(Some)
     }
 
-    /// The move by which a balance at rest is left, if it stands upside down.
+    /// The move by which a balance at rest is left, if it is upside down. Nothing that is held may have an effort.
     pub(super) fn unstable(&mut self, place: &Place) -> Result<Option<Unstable>, Stop> {
         let model = self.model;
         self.residual(place)?;
         let matrix = self.matrix(&place.state)?;
+        // what is held has no effort here: it is let go
+        let unheld = model.velocities + model.rows;
+        let matrix = matrix.view((0, 0), (unheld, unheld)).into_owned();
         let Some(free) = self.own_stiffness(&place.state, &matrix)? else {
             return Ok(None);
         };
