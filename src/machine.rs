@@ -1,4 +1,4 @@
-//! What tables and figures need to know of the machine behind results: journals, cycle, firing order.
+//! The data of the machine behind results that tables and figures need: journals, cycle, firing order.
 
 use eng_report::figure::Upright;
 use eng_system::code::Bound;
@@ -13,15 +13,16 @@ pub struct Machine {
     pub cycle_period: Option<f64>,
     /// Whether the analysis asks for one cycle that repeats.
     pub periodic: bool,
-    /// Which shell axis is drawn upwards.
+    /// The shell axis that is drawn upwards.
     pub upright: Upright,
     /// Firing dead centres: number of the cylinder, if it has one, and angle of the cycle (rad).
     pub firing: Vec<(Option<usize>, f64)>,
 }
 
-/// A journal for tables and figures. Columns are named by the journal's path:
-/// `main[1].force.x` and `.y` (N), `main[1].eccentricity.x` and `.y` (m, pin's centre from the shell's along the shell's axes),
-/// `main[1].minimum_film` (m), `main[1].power_loss` (W). A table or figure leaves out a column that is absent.
+/// A journal for tables and figures. Columns are named by the journal's path: `main[1].force.x` and `.y` (N),
+/// `main[1].eccentricity.x` and `.y` (m, pin's centre from the shell's along the shell's axes),
+/// `main[1].minimum_film` (m), `main[1].power_loss` (W). A table or figure leaves out a column that is
+/// absent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JournalGeometry {
     /// `main[1]`.
@@ -49,7 +50,7 @@ impl Machine {
 
 /// The value of a slot (SI).
 pub(crate) fn at(bound: &Bound, slot: Slot) -> f64 {
-    // the compiler gives each slot its place: a missing one would be its mistake, and shows as no number
+    // the compiler gives each slot its place; a missing one would be a fault of the compiler and shows as NaN
     bound
         .slots
         .get(slot.0 as usize)

@@ -11,8 +11,8 @@ use crate::results::{Results, file_stem};
 use crate::run::RunOutcome;
 use std::path::Path;
 
-/// Tells what the reports say of what was run, and of results that are in the folder from before; writes their figures. Whether
-/// all that they require holds.
+/// Prints the reports about the analyses of this call, together with earlier results in the folder, and
+/// writes their figures. Returns whether all conditions of the reports hold.
 pub(super) fn reports(
     outcomes: &[RunOutcome],
     arguments: &RunArguments,
@@ -21,7 +21,8 @@ pub(super) fn reports(
     console: &mut Terminal<'_>,
 ) -> Result<bool, Stop> {
     let ran = |name: &str| outcomes.iter().any(|o| o.results.analysis() == name);
-    // a report of which nothing was run has nothing new to say; one that names no analysis says what it says each time
+    // a report without an analysis of this call has no new contents; a report that names no analysis is
+    // printed every time
     let reports: Vec<_> = program
         .reports()
         .iter()

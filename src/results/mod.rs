@@ -90,7 +90,7 @@ pub enum ResultsError {
     File {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: std::io::Error,
     },
     /// The Parquet library refused.
@@ -98,7 +98,7 @@ pub enum ResultsError {
     Parquet {
         /// The file.
         path: PathBuf,
-        /// What the library said.
+        /// The error of the library.
         message: String,
     },
     /// An incomplete or damaged Parquet file.
@@ -135,7 +135,7 @@ pub struct Results {
     metadata: BTreeMap<String, String>,
 }
 
-/// Key of the metadata that says that rows are modes, and its value.
+/// Key of the metadata for the kind of rows, with its value for modes.
 pub const ROWS: &str = "rows";
 /// See [`ROWS`].
 pub const MODES: &str = "modes";

@@ -113,7 +113,7 @@ mod tests {
         })
     }
 
-    /// When a run is first told to slow down.
+    /// The time of the first warning about a run that slows down.
     fn slowed(done: impl Fn(f64) -> f64) -> Option<f64> {
         let mut patience = Patience::default();
         (1..20_000).find_map(|half| {

@@ -1,11 +1,11 @@
 //! Formats, units and rules of finite-element files, each with the word by which a text states it.
 
-/// What a text states by a word.
+/// A value that a text states by a word.
 pub trait Stated: Copy + 'static {
-    /// The words, with what they stand for.
+    /// The words with their values.
     const NAMED: &'static [(&'static str, Self)];
 
-    /// What a word stands for.
+    /// The value of a word.
     fn named(word: &str) -> Option<Self> {
         let found = Self::NAMED.iter().find(|(known, _)| *known == word);
         found.map(|(_, meaning)| *meaning)
@@ -78,7 +78,7 @@ impl Stated for ShapeFormat {
     ];
 }
 
-/// Whose rules integrate the elements of a mesh.
+/// The code whose rules integrate the elements of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ElementRules {
     /// All in full, with exact mass.
@@ -100,7 +100,7 @@ impl Stated for ElementRules {
     ];
 }
 
-/// A consistent set of units of a file: what one of its units is in SI.
+/// A consistent set of units of a file, with the value of each unit in SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshUnits {
     /// The word by which a text states them.

@@ -1,8 +1,8 @@
 //! Stiffness and mass of a mesh.
 //!
-//! The matrices are laid out first; then blocks of elements are computed by all threads, and added by all
-//! threads, each into its own columns and in the order of the elements. So a sum has the same order, and the
-//! same bits, for any number of threads, and memory is the matrices and a few megabytes.
+//! The layout of the matrices comes first. Then all threads compute blocks of elements, and all threads add
+//! them, each into its own columns and in the order of the elements. So a sum has the same order, and the
+//! same bits, for any number of threads. Memory is that of the matrices and a few megabytes.
 
 use super::beam;
 use super::check::{self, Role, role, wrong};
@@ -18,13 +18,13 @@ use crate::error::FlexibleError;
 use crate::mesh::{BeamAxes, Element, ElementKind, Material, Mesh, Section, Variant};
 use crate::sparse::SymmetricMatrix;
 
-/// Elements computed at a time.
+/// Number of elements computed at a time.
 const BLOCK: usize = 1024;
 
 /// Stiffness and mass of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Structure {
-    /// Where each node's freedoms are.
+    /// The places of each node's freedoms.
     pub freedoms: FreedomMap,
     /// Stiffness over full freedoms, basic axes (N/m, N, N m).
     pub stiffness: SymmetricMatrix,
@@ -39,13 +39,13 @@ pub struct Structure {
 /// Assembles a mesh in SI on as many threads as the machine has.
 ///
 /// # Errors
-/// What makes no sense, by the file's ids: see [`assemble_on`].
+/// Those of [`assemble_on`]. They use the ids of the file.
 pub fn assemble(mesh: &Mesh, rules: &Rules) -> Result<Structure, FlexibleError> {
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     assemble_on(mesh, rules, threads)
 }
 
-/// Assembles a mesh in SI on so many threads; the result does not depend on how many.
+/// Assembles a mesh in SI on a number of threads. The result does not depend on this number.
 ///
 /// # Errors
 /// Places that are not numbers, indices out of range, missing or senseless sections and materials, inverted
@@ -107,7 +107,7 @@ pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structu
     })
 }
 
-/// The mesh's elements by how they are assembled: indices.
+/// Indices of the mesh's elements, by their kind of assembly.
 struct Parts {
     /// Solids, and shells with mass.
     areas: Vec<u32>,
@@ -154,7 +154,7 @@ impl Parts {
     }
 }
 
-/// The matrices being assembled.
+/// The matrices during the assembly.
 struct System<'a> {
     mesh: &'a Mesh,
     freedoms: &'a FreedomMap,
@@ -167,7 +167,7 @@ struct System<'a> {
 /// Computed matrices of an element.
 struct Computed {
     present: Present,
-    /// Where its pairs start in the block's numbers.
+    /// Start of its pairs in the block's numbers.
     start: usize,
     stiff: bool,
 }
@@ -219,7 +219,7 @@ impl System<'_> {
         }
     }
 
-    /// Computes the elements of a block, each thread a run of them.
+    /// Computes the elements of a block. Each thread computes a run of them.
     fn compute(
         &self,
         block: &[u32],
@@ -253,7 +253,8 @@ impl System<'_> {
         });
     }
 
-    /// Bounds of nodes between which the matrix has about the same number of entries, for so many threads.
+    /// Bounds of nodes, one range for each thread. All ranges have about the same number of entries of the
+    /// matrix.
     fn split(&self, threads: usize) -> Vec<u32> {
         let nodes = self.freedoms.all_nodes();
         let entries = self.layout.row.len();
@@ -333,7 +334,8 @@ impl System<'_> {
                 .collect();
             for (i, &row) in freedoms.iter().enumerate() {
                 for (j, &column) in freedoms.iter().enumerate() {
-                    // one triangle; a beam from a node to itself puts both halves of a pair there
+                    // only one triangle is stored; a beam from a node to itself adds both halves of a pair to
+                    // it
                     if row < column {
                         continue;
                     }
@@ -400,7 +402,7 @@ impl System<'_> {
     }
 }
 
-/// Something of a beam of a checked mesh: [`beam::matrices`], [`beam::tension`].
+/// A result for a beam of a checked mesh: [`beam::matrices`], [`beam::tension`].
 pub(crate) fn of_beam<T>(
     mesh: &Mesh,
     element: &Element,
@@ -435,7 +437,7 @@ pub(super) fn present(mesh: &Mesh, freedoms: &FreedomMap, element: &Element) -> 
     Present::new(element.kind, mesh.nodes_of(element)).with_inner(inner)
 }
 
-/// Shape functions at the integration points of the elements a mesh has.
+/// Shape functions at the integration points of the elements of a mesh.
 struct Tables {
     tables: Vec<((ElementKind, Variant), Table)>,
 }
@@ -469,7 +471,7 @@ impl Tables {
     }
 }
 
-/// Computes a run of elements; the ids and Jacobians of those that are inverted.
+/// Computes a run of elements. Returns the ids and Jacobians of the inverted ones.
 fn compute_run(
     mesh: &Mesh,
     indices: &[u32],
@@ -516,7 +518,7 @@ struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    /// Adds what an element has in the columns of these nodes.
+    /// Adds the entries of an element in the columns of these nodes.
     fn add(&mut self, element: &Computed, numbers: &[f64], nodes: &std::ops::Range<u32>) {
         let own = element.present.nodes();
         for (b, &second) in own.iter().enumerate() {
@@ -536,7 +538,7 @@ impl Columns<'_> {
     }
 
     fn add_diagonal(&mut self, node: u32, block: &[f64], same: bool, stiff: bool) {
-        // two corners at one node: both halves of their pair fall on the node's own block
+        // if two corners share a node, both halves of their pair are in the node's own block
         let factor = if same { 1.0 } else { 2.0 };
         self.mass[self.pattern.diagonal(node) - self.mass_base] += factor * block[9];
         if !stiff {

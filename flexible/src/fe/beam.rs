@@ -43,7 +43,7 @@ struct Beam {
     torsional: f64,
     /// Section flexibilities 1/(k GA) (1/N) for y and z.
     shear: [f64; 2],
-    /// Inverse of the bending stiffness for (M_y, M_z) (1/(N m²)); zero where there is none.
+    /// Inverse of the bending stiffness for (M_y, M_z) (1/(N m²)); zero for a section without it.
     bending: [[f64; 2]; 2],
     /// Which of v, w, θ_y, θ_z bending holds together.
     active: [bool; 4],
@@ -440,7 +440,7 @@ pub fn matrices(
     })
 }
 
-/// What a beam's tension does, over the nodes' twelve freedoms in basic axes.
+/// The effect of a beam's tension, over the nodes' twelve freedoms in basic axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamTension {
     /// Mean tension (N) a unit of each freedom.

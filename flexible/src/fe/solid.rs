@@ -8,7 +8,7 @@ use crate::element::{MOST_NODES, Shape};
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, ElementKind, Material, Mesh};
 
-/// Numbers a pair of nodes: the nine of its stiffness block by rows, then its mass.
+/// The count of numbers for a pair of nodes: the nine of its stiffness block by rows, then its mass.
 pub(super) const PAIR: usize = 10;
 
 /// Index of a pair of local nodes, `a` ≤ `b`.
@@ -25,17 +25,17 @@ pub fn lame(material: &Material) -> (f64, f64) {
     )
 }
 
-/// The nodes that are there of an element's connectivity.
+/// The existing nodes of an element. Mid-side nodes may be missing.
 #[derive(Clone, Debug)]
 pub(super) struct Present {
     kind: ElementKind,
-    /// Local numbers of mid-side nodes that are not.
+    /// Local numbers of the missing mid-side nodes.
     absent: Vec<usize>,
-    /// Local numbers of those that are, ascending.
+    /// Local numbers of the existing nodes, ascending.
     local: [u8; MOST_NODES],
     pub(super) nodes: [u32; MOST_NODES],
     pub(super) count: usize,
-    /// How many of them, the last ones, are inner nodes.
+    /// Number of inner nodes. They are the last ones.
     pub(super) inner: usize,
 }
 
@@ -61,7 +61,7 @@ impl Present {
         present
     }
 
-    /// With inner nodes behind its own.
+    /// The nodes with inner nodes added after the element's own.
     pub(super) fn with_inner(mut self, inner: std::ops::Range<u32>) -> Self {
         for node in inner.take(MOST_NODES - self.count) {
             self.nodes[self.count] = node;
@@ -80,7 +80,7 @@ impl Present {
         &self.nodes[..self.count - self.inner]
     }
 
-    /// The functions of the nodes that are there, in their order.
+    /// The shape functions of the existing nodes, in their order.
     pub(super) fn shape(&self, full: &Shape) -> Shape {
         let mut shape = *full;
         if self.absent.is_empty() {
@@ -100,11 +100,11 @@ impl Present {
         shape
     }
 
-    /// Places of the nodes from the first one (small numbers: fewer digits are lost) (m).
+    /// Positions of the nodes relative to the first one (m). Such small numbers lose fewer digits.
     pub(super) fn places(&self, mesh: &Mesh) -> [[f64; 3]; MOST_NODES] {
         let origin = mesh.nodes[self.nodes[0] as usize].position;
         let mut places = [[0.0; 3]; MOST_NODES];
-        // an inner node has no place
+        // an inner node has no position
         for (place, &node) in places.iter_mut().zip(self.own()) {
             *place = subtract(mesh.nodes[node as usize].position, origin);
         }
@@ -140,7 +140,7 @@ pub(super) fn tangents(
 /// Gradients in space at a point.
 ///
 /// # Errors
-/// The Jacobian's determinant (m³), where it is not above zero (by more than rounding).
+/// The Jacobian's determinant (m³), if it does not exceed zero by more than rounding errors.
 pub(super) fn gradients(
     shape: &Shape,
     places: &[[f64; 3]; MOST_NODES],
@@ -212,11 +212,11 @@ pub(super) fn dual(rows: &[[f64; 3]; 3], jacobian: f64) -> [[f64; 3]; 3] {
 /// [`pair`]):
 ///
 /// K_ab = ∫ λ g_a g_bᵀ + μ g_b g_aᵀ + μ (g_a·g_b) I dV (N/m), m_ab = ∫ ρ N_a N_b dV (kg) (M = m ⊗ I₃), with g
-/// = ∂N/∂x: the principle of virtual work for σ = λ tr ε I + 2 μ ε. Of [`hexahedron`] where the form changes
-/// the strains.
+/// = ∂N/∂x: the principle of virtual work for σ = λ tr ε I + 2 μ ε. If the form changes the strains, the
+/// matrices come from [`hexahedron`].
 ///
 /// # Errors
-/// The Jacobian (m³) where it is not positive: that of the corners alone, or at the first such point of the
+/// A Jacobian (m³) that is not positive: that of the corners alone, or that of the first such point of the
 /// stiffness.
 pub(super) fn add_matrices(
     table: &Table,
@@ -226,7 +226,7 @@ pub(super) fn add_matrices(
     blocks: &mut [f64],
 ) -> Result<(), f64> {
     let count = present.count;
-    // corners in the wrong order can hide behind mid-side nodes in the right places
+    // mid-side nodes in the right places can hide corners in the wrong order
     if let Some(corners) = &table.corners {
         gradients(corners, places, present.kind.corner_count())?;
     }
@@ -237,7 +237,7 @@ pub(super) fn add_matrices(
     }
     let mass = |sample: &Sample| {
         let shape = present.shape(&sample.shape);
-        // a curved element may be folded at its very edge: the signed volume is still the right one
+        // a curved element may be folded at its edge; the signed volume is still right
         let jacobian = determinant(&tangents(&shape, places, count));
         (shape.values, material.density * sample.weight * jacobian)
     };
@@ -288,8 +288,8 @@ fn add_stiffness(
 }
 
 /// Adds the mass ∫ N_a N_b dm, given the values and the mass dm (kg) of each sample, in the table's form.
-/// Inner nodes have none where the mass is diagonal: they move in no rigid motion, so that their share would
-/// be missing at the others.
+/// With a diagonal mass, inner nodes have none. They do not move in a rigid motion, so their share would be
+/// missing at the other nodes.
 pub(super) fn add_mass(
     table: &Table,
     (count, inner): (usize, usize),
@@ -333,7 +333,7 @@ pub(super) fn add_mass(
     }
 }
 
-/// The error for elements that are turned inside out or flat: their ids and Jacobians (m³).
+/// The error for inverted or flat elements, with their ids and Jacobians (m³).
 pub(super) fn inverted(faults: &[(u64, f64)]) -> FlexibleError {
     wrong(
         format!(

@@ -13,7 +13,7 @@ use std::vec::IntoIter;
 
 type Operands<'t> = Peekable<IntoIter<Pair<'t, Rule>>>;
 
-/// What an infix sign makes.
+/// The expression that an infix sign makes.
 #[derive(Clone, Copy)]
 enum Infix {
     Binary(BinaryOp),
@@ -278,7 +278,7 @@ impl<'t> Builder<'t, '_> {
     pub(super) fn postfix(&mut self, pair: Pair<'t, Rule>, depth: usize) -> Expr {
         let span = self.place(&pair);
         let parts: Vec<_> = pair.into_inner().collect();
-        // what stands behind the first: fields, calls, indices
+        // the parts behind the first one: fields, calls, indices
         let depth = depth + parts.len().saturating_sub(1);
         if depth > MAX_DEPTH {
             self.too_deep(span);

@@ -11,7 +11,7 @@ use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
 use eng_system::code::Pair;
 
-/// Bodies' tangents T: the turn of a body by its increment.
+/// The tangents T of bodies: the derivative of a body's turn by its increment.
 type Turn<'a> = &'a dyn Fn(usize) -> M3;
 
 /// The numbers of a class, and one of its elements in a lane.
@@ -29,17 +29,19 @@ struct Lane {
 /// One marker of an element, on a body.
 #[derive(Clone, Copy)]
 struct Seen<'a> {
-    /// Which of the element's markers it is, and which of the model's.
+    /// Its index among the element's markers.
     own: usize,
+    /// Its index among the model's markers.
     marker: usize,
     model: &'a MarkerModel,
     body: usize,
-    /// Numbers of the body's motion that it sees, and those that there are.
+    /// The number of the body's motions that it sees.
     reach: usize,
+    /// The number of all motions of the body.
     width: usize,
 }
 
-/// The matrix while elements are added to it: what is read and what is written of the dynamics.
+/// The matrix during the addition of elements, with the parts of the dynamics that are read and written.
 struct Filling<'a> {
     plan: &'a MatrixPlan,
     model: &'a Model,
@@ -47,7 +49,8 @@ struct Filling<'a> {
     time: f64,
     values: &'a mut [f64],
     scratch: &'a mut Scratch,
-    /// Room for a block, for all outputs of an element along a marker's reach, and for rows over a body's velocities.
+    /// Memory for a block, for all outputs of an element along a marker's reach, and for rows over a body's
+    /// velocities.
     block: &'a mut [f64],
     columns: &'a mut [f64],
     line: &'a mut Vec<f64>,
@@ -66,9 +69,9 @@ struct Filling<'a> {
 }
 
 impl MatrixPlan {
-    /// Fills the unscaled matrix of a step: `∂/∂(u, y, λ)` of `[M v̇ − Q − ΣJᵀW; ẏ − f; Φ]`, with `δq = T(u) δu`,
-    /// `δv = weights.velocity δu`, `δv̇ = weights.acceleration δu` and `δẏ = state_weight δy`. Exact at the gathered inputs and
-    /// the wrenches of the last evaluation.
+    /// Fills the unscaled matrix of a step: `∂/∂(u, y, λ)` of `[M v̇ − Q − ΣJᵀW; ẏ − f; Φ]`, with
+    /// `δq = T(u) δu`, `δv = weights.velocity δu`, `δv̇ = weights.acceleration δu` and
+    /// `δẏ = state_weight δy`. Exact at the gathered inputs and the wrenches of the last evaluation.
     #[allow(clippy::too_many_arguments)]
     pub fn fill(
         &self,
@@ -132,7 +135,7 @@ impl MatrixPlan {
         Ok(())
     }
 
-    /// Inertia of the bodies.
+    /// Adds the inertia of the bodies.
     #[allow(clippy::too_many_arguments)]
     fn fill_bodies(
         &self,
@@ -217,7 +220,7 @@ impl Filling<'_> {
         self.states_by_states(lane)
     }
 
-    /// All outputs of the element along the reach of a marker, length × reach, into `columns`.
+    /// Writes all outputs of the element along the reach of a marker into `columns`, length × reach.
     fn outputs_along(&mut self, lane: Lane, seen: Seen) -> Result<(), RuntimeError> {
         let reach = seen.reach;
         let at = self.jacobian_at[seen.marker];
@@ -238,7 +241,7 @@ impl Filling<'_> {
         Ok(())
     }
 
-    /// Constraints by the body, and the body's balance by the multipliers.
+    /// Adds the derivatives of the constraints by the body, and of the body's balance by the multipliers.
     fn rows(&mut self, lane: Lane, seen: Seen) {
         let Some((by_body, by_rows)) = self.plan.elements[lane.index].constraint[seen.own] else {
             return;
@@ -271,7 +274,7 @@ impl Filling<'_> {
         table.get(by_rows).add_transposed(self.values, line, 1.0);
     }
 
-    /// Rates of the states by the body, and the body's balance by the states.
+    /// Adds the derivatives of the states' rates by the body, and of the body's balance by the states.
     fn states_by_body(&mut self, lane: Lane, seen: Seen) {
         let Some((by_body, by_states)) = self.plan.elements[lane.index].state[seen.own] else {
             return;
@@ -299,7 +302,7 @@ impl Filling<'_> {
             .add_transposed(self.values, self.line, -1.0);
     }
 
-    /// Forces on all markers of the element by the body of this one.
+    /// Adds the derivatives of the forces on all markers of the element by the body of this marker.
     fn forces(&mut self, lane: Lane, seen: Seen) {
         let reach = seen.reach;
         let plan = &self.plan.elements[lane.index];
@@ -321,7 +324,7 @@ impl Filling<'_> {
         }
     }
 
-    /// The chain's own term of second order: the frozen wrench turns with the body.
+    /// Adds the chain's own second-order term: the frozen wrench turns with the body.
     fn turning_wrench(&mut self, lane: Lane, seen: Seen) {
         let Seen {
             own, marker, reach, ..
@@ -349,7 +352,7 @@ impl Filling<'_> {
         }
     }
 
-    /// Rates of an element's states by its states.
+    /// Adds the derivatives of an element's state rates by its states.
     fn states_by_states(&mut self, lane: Lane) -> Result<(), RuntimeError> {
         let Some(place) = self.plan.elements[lane.index].own else {
             return Ok(());
@@ -380,7 +383,7 @@ impl Filling<'_> {
         }
     }
 
-    /// The summed blocks of markers, expanded by the modes of their bodies.
+    /// Adds the summed blocks of markers, expanded by the modes of their bodies.
     fn couplings(&mut self) {
         let model = self.model;
         for coupling in &self.plan.couplings {
@@ -395,7 +398,7 @@ impl Filling<'_> {
                 expanded(rows, sum, right.reach(), width, self.line);
                 let rows = shape_rows(left, self.shapes, self.shape_at[*first]);
                 expand_rows(rows, self.line, width, block);
-                // markers of one body meet themselves once
+                // each marker is paired with itself once, so its pull is added once
                 if let (Some(shape), true) = (&left.shape, first == second) {
                     shape.add_pull(&self.pulls[*first], width, 6, &mut block[6 * width..]);
                 }
@@ -407,7 +410,8 @@ impl Filling<'_> {
 }
 
 impl Dynamics {
-    /// Pose J T and twist ∂(Jv)/∂q T + weights.velocity J of each marker along its body's increment, in its reach.
+    /// Pose J T and twist ∂(Jv)/∂q T + weights.velocity J of each marker along its body's increment, in its
+    /// reach.
     fn fill_columns(
         &mut self,
         model: &Model,
@@ -456,7 +460,8 @@ impl Along<'_> {
         }
     }
 
-    /// `out += ∂(outputs from `from` on)/∂(six directions from `first` on) · six rows`, rows of `reach` numbers.
+    /// `out += ∂(outputs from `from` on)/∂(six directions from `first` on) · six rows`, rows of `reach`
+    /// numbers.
     fn add(&self, first: usize, from: usize, six: &[f64], reach: usize, out: &mut [f64]) {
         match reach {
             REACH => self.add_wide::<REACH>(first, from, six, out),
@@ -490,8 +495,8 @@ fn expanded(shape: &[f64], block: &[f64], reach: usize, width: usize, line: &mut
     chain::expand(shape, block, reach, width, line);
 }
 
-/// Rows of a marker's reach, `width` long each, added to the rows of its body's velocities. No force acts along the numbers
-/// beyond the twelfth.
+/// Rows of a marker's reach, `width` long each, added to the rows of its body's velocities. No force acts
+/// along the numbers beyond the twelfth.
 fn expand_rows(shape: &[f64], block: &[f64], width: usize, out: &mut [f64]) {
     let (rigid, modal) = block.split_at(6 * width);
     let (rigid_out, modal_out) = out.split_at_mut(6 * width);

@@ -1,11 +1,12 @@
-//! Where the blocks of a step's matrix lie.
+//! The places of the blocks in a step's matrix.
 
 use crate::linear::{BlockTable, Pattern, PatternBuilder, Runs};
 use crate::model::Model;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Where the blocks of the step's matrix lie. Unknowns: velocities' increments, states, multipliers.
+/// The places of the blocks in the step's matrix. The unknowns are the increments of velocities, the states
+/// and the multipliers.
 #[derive(Clone, Debug)]
 pub struct MatrixPlan {
     /// The pattern.
@@ -14,31 +15,31 @@ pub struct MatrixPlan {
     pub runs: Runs,
     pub(super) table: BlockTable,
     pub(super) bodies: Vec<usize>,
-    /// Blocks of each element; empty of those that are not dynamic.
+    /// Blocks of each element; empty for an element that is not dynamic.
     pub(super) elements: Vec<ElementPlan>,
-    /// Pairs of bodies whose markers' blocks are summed before they are expanded by the modes.
+    /// Pairs of bodies. The blocks of their markers are summed before the modes expand them.
     pub(super) couplings: Vec<Coupling>,
-    /// Numbers of these sums.
+    /// Total length of these sums.
     pub(super) sums: usize,
     pub(super) diagonal: Vec<usize>,
 }
 
-/// Where an element's block between two markers goes.
+/// The destination of an element's block between two markers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Place {
-    /// Both see six numbers of their bodies: into the matrix.
+    /// The matrix, because both markers see six numbers of their bodies.
     Matrix(usize),
-    /// To the sum that begins here.
+    /// The sum that begins at this index.
     Sum(usize),
 }
 
-/// Blocks between the markers of two bodies, of which one is flexible.
+/// Blocks between the markers of two bodies, at least one of them flexible.
 #[derive(Clone, Debug)]
 pub(super) struct Coupling {
     pub block: usize,
     pub rows: usize,
     pub columns: usize,
-    /// Markers of both, and the begin of their sum.
+    /// A marker of each body, and the beginning of their sum.
     pub markers: Vec<(usize, usize, usize)>,
 }
 
@@ -54,7 +55,7 @@ pub(super) struct ElementPlan {
     pub own: Option<usize>,
 }
 
-/// Where the unknowns of a model lie in the matrix: increments of velocities, states, multipliers.
+/// The places of a model's unknowns in the matrix: increments of velocities, states, multipliers.
 #[derive(Clone, Copy)]
 struct Unknowns<'a> {
     model: &'a Model,
@@ -70,7 +71,7 @@ impl Unknowns<'_> {
         body.velocity..body.velocity + body.width()
     }
 
-    /// Of the body of a marker; `None` on the ground.
+    /// The unknowns of a marker's body; `None` on the ground.
     fn of_marker(self, marker: usize) -> Option<Range<usize>> {
         self.model.markers[marker]
             .body
@@ -90,7 +91,8 @@ impl Unknowns<'_> {
         )
     }
 
-    /// Whether an element couples the bodies of its markers. Rows alone do so as well, through the second derivatives of Φ.
+    /// Whether an element couples the bodies of its markers. Constraint rows alone do so too, through the
+    /// second derivatives of Φ.
     fn couples(self, index: usize) -> bool {
         let class = self.model.class(index);
         class.applies_load || !class.rows.is_empty()
@@ -121,12 +123,12 @@ impl Unknowns<'_> {
     }
 }
 
-/// A plan in the making.
+/// A plan under construction.
 struct Planner<'a> {
     unknowns: Unknowns<'a>,
     pattern: Pattern,
     table: BlockTable,
-    /// Begins of the sums, by bodies and by markers.
+    /// Beginnings of the sums, by bodies and by markers.
     summed: BTreeMap<(usize, usize), BTreeMap<(usize, usize), usize>>,
     sums: usize,
 }

@@ -49,12 +49,12 @@ pub struct Equations {
     /// Rate (rad/s) of the motion that the largest terms of K and C, or the state's own motion and weight,
     /// would cause alone. If they cancel, their rounding remains.
     pub pace: f64,
-    /// Sums of the absolute terms of K (1/s²) and C (1/s): n roundings of them are what the entries are
-    /// uncertain by.
+    /// Sums of the absolute terms of K (1/s²) and C (1/s). The uncertainty of the entries is n roundings of
+    /// these sums.
     pub stiffness_terms: DMatrix<f64>,
     /// See `stiffness_terms`.
     pub damping_terms: DMatrix<f64>,
-    /// What the motion and the weight of the state itself add to the terms of K (1/s²).
+    /// The terms of K (1/s²) from the motion and the weight of the state itself.
     pub own_terms: f64,
     axes: GroundAxes,
 }
@@ -85,7 +85,7 @@ fn dense(pattern: &Pattern, values: &[f64]) -> DMatrix<f64> {
 }
 
 impl Blocks {
-    /// Where the dynamics stand and are evaluated.
+    /// The blocks at the evaluated state of the dynamics.
     fn new(
         model: &Model,
         dynamics: &mut Dynamics,
@@ -280,7 +280,7 @@ fn gradient_rates(
             Ok::<_, RuntimeError>(dynamics.constraint_accelerations.clone())
         };
         let (ahead, behind) = (gamma(1.0)?, gamma(-1.0)?);
-        // the bracket stands in body axes, G in ground axes
+        // the bracket is in body axes, G in ground axes
         let mut turned = DVector::from_column_slice(&bracket);
         axes.to_ground(turned.as_view_mut());
         let by_bracket = gradients * turned;

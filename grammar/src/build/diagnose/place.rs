@@ -1,8 +1,9 @@
-//! Where items stand, and which may stand there: for messages about a word that begins none.
+//! The places of items, with the words that may begin an item there. A message uses them for a word that
+//! begins no item.
 
 use crate::ast::Kind;
 
-/// Where items stand.
+/// A place of items.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {
     /// At the top of a file.
@@ -35,7 +36,7 @@ impl Place {
         }
     }
 
-    /// The words that items of this place begin with.
+    /// The words that may begin an item at this place.
     pub fn words(self) -> &'static [&'static str] {
         const MODEL: &[&str] = &[
             "param", "const", "let", "fn", "table", "gravity", "body", "flexible", "marker",

@@ -1,10 +1,9 @@
 //! The start of flexible bodies that turn: a motion that repeats, at equal parts of its period.
 //!
-//! In the axes of a turning body a load that stands still in space turns, and a load that turns with the body
-//! stands still. The two have different answers: with ȧ = 0 and ä = 0 the sag of a shaft under its weight
-//! would be too large by the factor
-//! `1/(1 − Ω²/ω²)`. The repeating motion distinguishes them. Its positions q_j at N
-//! equal parts of the period T obey
+//! In the axes of a turning body a load fixed in space turns, and a load that turns with the body is
+//! constant. The two cause different bending: with ȧ = 0 and ä = 0 the sag of a shaft under its weight would
+//! be too large by the factor `1/(1 − Ω²/ω²)`. The repeating motion distinguishes them. Its positions q_j at
+//! N equal parts of the period T obey
 //!
 //! ```text
 //! M v̇_j − Q(q_j, v_j) + Gᵀλ_j + Eᵀσ_j = 0        Φ(q_j) = 0        E_j δq_j = 0
@@ -13,9 +12,9 @@
 //!
 //! w_j are the rates along the positions themselves (`ṙ = D r`, `ω = 2 q̄ ∘ D q`, `ȧ = D a`, D the derivative
 //! of [`derivative`]), H and c the conditions on velocities: `Φ̇ = 0` and stated speeds
-//! (`SteadyMotion::along_path`). All velocities are scaled in this projection. Loads of each order get their
-//! own answer: `(k − Ω²n)⁻¹` if they turn with the body, `(k − Ω²n − Ω²m + iΩ(c + Ωg))⁻¹` if they stand
-//! still. Orders from N/2 on are quasi-static.
+//! (`SteadyMotion::along_path`). All velocities are scaled in this projection. Loads of each order have their
+//! own flexibility: `(k − Ω²n)⁻¹` if they turn with the body, `(k − Ω²n − Ω²m + iΩ(c + Ωg))⁻¹` if they are
+//! fixed in space. Orders from N/2 on are quasi-static.
 //!
 //! Newton's method solves all angles together with [`krylov::gmres`]. The preconditioner is the matrix of the
 //! balance at each angle without the centrifugal softening, which would make it singular when the speed
