@@ -1,4 +1,5 @@
-//! Lints of the assembled machine: markers that stand apart, swapped pins and shells, bodies that nothing holds or that sink.
+//! Lints of the assembled machine: markers far apart, swapped pins and shells, bodies that nothing holds or
+//! that sink.
 
 use super::{Finding, short};
 use crate::codes;
@@ -12,31 +13,32 @@ use eng_system::Dimension;
 use eng_system::lint;
 use eng_system::system::{Origin, Role};
 
-/// A speed below this share of the other is none.
+/// A speed below this share of the other counts as zero.
 const STANDS: f64 = 1e-3;
-/// Share of the shell's speed below which the pin is the one that stands.
+/// The pin counts as the part that does not turn if its speed is below this share of the shell's.
 const SLOWER: f64 = 0.5;
-/// Offset along a line, in radii of gyration, from which two bodies stand beside each other; and in bores for a piston under gas: rods
-/// that share a pin stand an eighth of a bore to its sides, and a small end a quarter of a bore wide would touch the pin's bosses.
+/// Two bodies are beside each other from this offset along a line on, in radii of gyration. For a piston
+/// under gas the offset counts in bores: rods that share a pin are an eighth of a bore to its sides, and a
+/// small end with a width of a quarter of a bore would touch the pin's bosses.
 const BESIDE: f64 = 2.0;
 const BESIDE_IN_BORES: f64 = 0.2;
-/// Share of the cycle's speed below which a body stands.
+/// A body does not turn if its speed is below this share of the cycle's.
 const STANDS_STILL: f64 = 0.01;
-/// Part of the model's length, or of the spring's if that is longer, by which a machine that sinks on its
-/// springs under its weight has none.
+/// A machine has no effective springs if it sinks under its weight by this share of the model's length, or of
+/// the spring's length if that is larger.
 const SINKS: f64 = 0.5;
-/// Share of gravity along a direction from which a body falls in it.
+/// A body falls in a direction with at least this share of gravity.
 const FALLS: f64 = 0.1;
-/// Distance (m) from which a slide that no text places is told.
+/// A slide without a stated position gets a message from this distance (m) on.
 const UNPLACED: f64 = 0.01;
 
-/// A model at its start, to be looked at.
+/// A model at its start.
 pub(super) struct Start<'a> {
     pub model: &'a Model,
     pub state: &'a State,
 }
 
-/// What is probably wrong in an assembled model.
+/// The probable mistakes in an assembled model.
 pub(super) fn assembled(start: &Start<'_>) -> Vec<Finding> {
     let mut found = Vec::new();
     for element in 0..start.model.elements.len() {
@@ -60,7 +62,7 @@ fn mm(x: f64) -> String {
 }
 
 pub(super) fn rpm(x: f64) -> String {
-    // rounding is no motion
+    // a rounding error is no motion
     let x = if x.abs() < 1e-6 { 0.0 } else { x };
     short(x * 30.0 / std::f64::consts::PI, 4)
 }
@@ -92,7 +94,7 @@ impl Start<'_> {
         Finding {
             code,
             name: name.to_owned(),
-            // the class is not to blame
+            // the mistake is not in the class
             origin: Origin {
                 defined_at: None,
                 ..self.origin(element).clone()
@@ -112,7 +114,7 @@ impl Start<'_> {
         &self.model.compiled.system.markers[marker].origin.path
     }
 
-    /// The two markers of an element of two.
+    /// The markers of an element with two markers.
     pub(super) fn pair(&self, element: usize) -> Option<[usize; 2]> {
         match self.model.elements[element].markers.as_slice() {
             [a, b] => Some([*a, *b]),
@@ -129,7 +131,8 @@ impl Start<'_> {
             .then(|| libm::sqrt(about_center.max(0.0) / body.mass()))
     }
 
-    /// A point on a line that stands far from the other marker and never moves along it: a rod beside its piston.
+    /// A point on a line that is far from the other marker and never moves along the line: a rod beside its
+    /// piston.
     fn beside(&self, element: usize) -> Option<Finding> {
         let rows = &self.model.class(element).rows;
         let on_line = rows.len() == 2 && rows.iter().all(|row| row.dimension == Dimension::LENGTH);
@@ -164,7 +167,7 @@ impl Start<'_> {
         Some(finding)
     }
 
-    /// The bore (m) of the gas on a piston that one of the markers is on.
+    /// The bore (m) of the gas on a piston, if one of the markers is on this piston.
     fn bore(&self, markers: &[usize; 2]) -> Option<f64> {
         let body = |marker: &usize| self.model.markers[*marker].body;
         let firings = &self.model.compiled.system.firings;
@@ -176,7 +179,8 @@ impl Start<'_> {
         Some(self.model.slot(own.bore))
     }
 
-    /// A slide that nothing but its guide places, and that stands far from the other marker because the text does not say where.
+    /// A slide that only its guide places. It is far from the other marker, because the text states no
+    /// position along the guide.
     fn unplaced(&self, element: usize) -> Option<Finding> {
         let system = &self.model.compiled.system;
         let rows = self.model.class(element).rows.len();
@@ -192,7 +196,7 @@ impl Start<'_> {
         let placed = (0..self.model.elements.len()).any(|e| {
             let of_start = matches!(system.elements[e].role, Role::StartPosition { .. });
             let holds = self.model.elements[e].dynamic && !self.model.class(e).rows.is_empty();
-            // a pin begins in the middle of its shell
+            // the assembly puts a pin into the middle of its shell
             let film = system.journals.iter().any(|j| j.element as usize == e);
             e != element && touches(e) && (of_start || holds || film)
         });
@@ -248,7 +252,7 @@ impl Start<'_> {
 
     /// Bodies that nothing holds in some direction.
     fn loose(&self) -> Vec<Finding> {
-        // what cannot be evaluated is told by the run
+        // if it cannot be evaluated, the run reports the error
         let Ok(found) = loose(self.model, self.state) else {
             return Vec::new();
         };
@@ -261,12 +265,13 @@ impl Start<'_> {
             .collect()
     }
 
-    /// A machine with a cycle is held but for its turning; so is a shaft on films.
+    /// Whether the model should prevent this motion. A machine with a cycle, and a shaft on films, should
+    /// only turn.
     fn is_asked_for(&self, motion: &Loose) -> bool {
         let system = &self.model.compiled.system;
         let cycle = self.cycle_speed().is_some();
-        // what swings about an axis may be held by its weight or by spin, but not where it stands while the machine turns: a shaft
-        // without its gear
+        // weight or spin may hold a body that swings about an axis, but not a body at rest while the machine
+        // turns: a shaft without its gear
         if matches!(motion.about, Some((_, true))) {
             let slow = STANDS_STILL * self.cycle_speed().unwrap_or(0.0);
             return cycle && motion.bodies.iter().all(|body| self.spin_of(*body) < slow);
@@ -275,7 +280,7 @@ impl Start<'_> {
         if motion.about.is_some() && motion.bodies.iter().all(|body| self.spin_of(*body) > 1.0) {
             return false;
         }
-        // what moves in all directions hangs on nothing: told as such
+        // another message reports a body that moves in all directions
         if motion.directions == 3 {
             return false;
         }
@@ -296,11 +301,11 @@ impl Start<'_> {
         of_film || cycle
     }
 
-    /// A spring on which a body sinks farther than the machine is large.
+    /// A spring on which a body sinks by a distance as large as the machine.
     fn sinks(&self) -> Option<Finding> {
-        // what cannot be evaluated is told by the run
+        // if it cannot be evaluated, the run reports the error
         let (element, way) = sag(self.model, self.state, self.gravity()).ok().flatten()?;
-        // the model's length is that of its bodies: a spring may be longer than all of them
+        // the model's length is that of its bodies; a spring may be longer than all of them
         let apart = self.pair(element).map_or(0.0, |markers| {
             let [a, b] = markers.map(|marker| self.marker(marker));
             (a.position - b.position).norm()
@@ -370,7 +375,7 @@ impl Start<'_> {
         }
     }
 
-    /// Whether each body hangs together with the ground; what does not is told by the compiler.
+    /// Whether each body is connected with the ground. The compiler reports the others.
     fn joined_to_ground(&self) -> Vec<bool> {
         let ground = self.model.bodies.len();
         let mut group: Vec<usize> = (0..=ground).collect();

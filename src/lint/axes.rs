@@ -6,13 +6,14 @@ use crate::codes;
 use eng_system::lint;
 use eng_system::system::Role;
 
-/// Angle between two axes (rad) from which on they are not parallel. At 5° an angle differs by up to 0.11° from
-/// that of the shaft, by the relation of a universal joint, `tan a' = cos 5° tan a`. Clearances leave the pin of
-/// a film less than a tenth of this.
+/// Two axes are not parallel from this angle (rad) between them on. At 5° an angle differs by up to 0.11°
+/// from that of the shaft, by the relation of a universal joint, `tan a' = cos 5° tan a`. Clearances leave
+/// the pin of a film less than a tenth of this.
 const ASKEW: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
 impl Start<'_> {
-    /// Angles that are measured about an axis across the one that turns, and pins across their shells.
+    /// Angles about an axis that is not parallel to the turning one, and pins that are not parallel to their
+    /// shells.
     pub(super) fn askew(&self) -> Vec<Finding> {
         let system = &self.model.compiled.system;
         let journals = system.journals.iter().filter_map(|journal| {
@@ -22,7 +23,7 @@ impl Start<'_> {
         let measured = (0..).zip(&system.elements).filter_map(|(index, element)| {
             let measures = matches!(element.role, Role::Dynamic | Role::Output);
             let rotations = element.rotations.iter().filter(|_| measures);
-            // elements of several angles have them between the same markers
+            // an element with several angles has them between the same markers
             rotations
                 .map(|rotation| [rotation.turning, rotation.reference])
                 .find_map(|pair| self.across(index, pair, "angles are measured about that axis"))
@@ -30,7 +31,7 @@ impl Start<'_> {
         journals.chain(measured).collect()
     }
 
-    /// The finding where the z axes of two markers of an element are not parallel.
+    /// The finding for two markers of an element whose z axes are not parallel.
     fn across(&self, element: u32, pair: [u32; 2], effect: &str) -> Option<Finding> {
         let element = element as usize;
         let own = &self.model.elements[element].markers;

@@ -1,4 +1,4 @@
-//! Lints: what is probably a mistake, whom it is about, and what the text accepts of it.
+//! Lints: probable mistakes, the objects that they concern, and their acceptance by the text.
 
 mod assembled;
 mod axes;
@@ -21,27 +21,27 @@ use eng_system::code::{Advice, Bound, Compiled};
 use eng_system::lint::Accepted;
 use eng_system::system::{AnalysisKind, ConditionKind, Location, Origin, Role, System};
 
-/// What a lint says about one thing.
+/// A lint's finding about one object.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Finding {
     /// The message's code.
     pub code: &'static str,
-    /// The name under which it is accepted; empty where it has none.
+    /// Its name for `accept`; empty without a name.
     pub name: String,
-    /// The thing and its places.
+    /// The object and its places.
     pub origin: Origin,
-    /// What is said, with values.
+    /// The message, with values.
     pub message: String,
-    /// The point at its place.
+    /// The label at its place.
     pub label: String,
-    /// What to do.
+    /// The remedy.
     pub help: String,
     /// The parameters and tables that decide it.
     pub decided_by: Vec<Origin>,
 }
 
 impl Finding {
-    /// An `advise` on parameters.
+    /// The finding of a failed `advise` on parameters.
     pub fn of_parameters(advice: &Advice) -> Finding {
         Finding {
             code: codes::PARAMETER_ADVISED,
@@ -54,7 +54,7 @@ impl Finding {
         }
     }
 
-    /// An `advise` that did not hold during a run; of markers that are apart, with their places.
+    /// The finding of an `advise` that failed during a run. For markers that are apart it has their places.
     pub fn of_run(warning: &Warning, system: &System) -> Finding {
         let mut finding = Finding {
             code: codes::ADVISED,
@@ -75,7 +75,7 @@ impl Finding {
         finding
     }
 
-    /// Whether two say the same, but for numbers, of things at one place or of one law.
+    /// Whether two findings are equal except for numbers, and concern objects at one place or of one law.
     pub fn like(&self, other: &Finding) -> bool {
         self.code == other.code
             && self.name == other.name
@@ -85,7 +85,7 @@ impl Finding {
     }
 }
 
-/// Adds the first places that decide a finding, each once and as many as a message shows.
+/// Adds the first places that decide a finding, each once, as many as a message shows.
 fn decide(finding: &mut Finding, places: Vec<Origin>) {
     for place in places {
         let known = |p: &Origin| p.used_at == place.used_at;
@@ -96,14 +96,14 @@ fn decide(finding: &mut Finding, places: Vec<Origin>) {
     }
 }
 
-/// A text without its digits: what tells two messages of one kind apart from others.
+/// A text without its digits. Messages of one kind then have equal texts.
 pub(crate) fn without_numbers(text: &str) -> String {
     text.chars()
         .filter(|c| !matches!(c, '0'..='9' | '.' | '-' | 'e'))
         .collect()
 }
 
-/// What lints say of the numbers of a bound model.
+/// The findings on the numbers of a bound model.
 pub(crate) fn of_numbers(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -111,7 +111,7 @@ pub(crate) fn of_numbers(
 ) -> Vec<Finding> {
     let advice = bound.advice.iter().map(Finding::of_parameters);
     let mut found: Vec<Finding> = advice.collect();
-    // a number that is given by the name of a constant is decided where that stands
+    // if a number is the name of a constant, the place of the constant decides it
     for finding in &mut found {
         let constants = finding.decided_by.iter().filter_map(|origin| {
             let at = compiled.system.stated.get(&origin.path)?;
@@ -129,7 +129,7 @@ pub(crate) fn of_numbers(
     found
 }
 
-/// What lints say of the assembled model of an analysis.
+/// The findings on the assembled model of an analysis.
 pub(crate) fn of_start(
     model: &Model,
     state: &State,
@@ -143,7 +143,7 @@ pub(crate) fn of_start(
     found
 }
 
-/// Findings that are told and those that the text accepts, these by the index of the acceptance.
+/// Findings to report, and findings that the text accepts, with the index of the acceptance.
 pub(crate) struct Sifted {
     pub told: Vec<Finding>,
     pub accepted: Vec<Covered>,
@@ -152,7 +152,7 @@ pub(crate) struct Sifted {
 /// An acceptance, by its index in the system, and a finding that it covers.
 pub(crate) type Covered = (usize, Finding);
 
-/// Parts findings by what the text accepts.
+/// Separates accepted findings from others.
 pub(crate) fn sift(findings: Vec<Finding>, system: &System) -> Sifted {
     let mut sifted = Sifted {
         told: Vec::new(),
@@ -168,7 +168,7 @@ pub(crate) fn sift(findings: Vec<Finding>, system: &System) -> Sifted {
     sifted
 }
 
-/// A message for each kind of finding, however many things it is about.
+/// One message for each kind of finding, however many objects it concerns.
 pub(crate) fn diagnostics(findings: &[Finding]) -> Vec<Diagnostic> {
     let mut groups: Vec<Vec<&Finding>> = Vec::new();
     for finding in findings {
@@ -225,7 +225,7 @@ fn diagnostic(group: &[&Finding]) -> Diagnostic {
     message.acceptable(&first.name)
 }
 
-/// A number with so many significant digits at most.
+/// A number with at most `digits` significant digits.
 fn short(value: f64, digits: usize) -> String {
     let text = significant(value, digits);
     match text.contains('.') && !text.contains('e') {
@@ -234,7 +234,7 @@ fn short(value: f64, digits: usize) -> String {
     }
 }
 
-/// Paths in a sentence; many are shortened.
+/// Paths as a list in a sentence. A long list is shortened.
 fn listed(paths: &[&str]) -> String {
     match paths {
         [first, second, .., last] if paths.len() > 3 => {
@@ -244,7 +244,7 @@ fn listed(paths: &[&str]) -> String {
     }
 }
 
-/// What the text accepts of a model, with what was heard: a line for each place.
+/// A line for each acceptance in a model, with its findings.
 pub(crate) fn accepted(system: &System, heard: &[Covered]) -> Vec<String> {
     let mut places: Vec<(Location, Vec<usize>)> = Vec::new();
     for (index, accepted) in system.accepted.iter().enumerate() {
@@ -276,7 +276,7 @@ pub(crate) fn accepted(system: &System, heard: &[Covered]) -> Vec<String> {
                         finding.message
                     ))
                 }
-                // what a run may say
+                // a lint of the motion, which only a run can decide
                 None => {
                     let paths = indices.iter().filter_map(|i| system.accepted.get(*i));
                     let paths = paths.map(|a| a.path.as_str()).collect();
@@ -287,7 +287,8 @@ pub(crate) fn accepted(system: &System, heard: &[Covered]) -> Vec<String> {
         .collect()
 }
 
-/// The places of a model's acceptances, and whether something needs them; what only a run can tell counts as needed.
+/// The acceptances of a model, and whether a finding needs them. An acceptance of a lint of the motion counts
+/// as needed, because only a run can decide.
 pub(crate) fn needed<'s>(system: &'s System, heard: &[Covered]) -> Vec<(&'s Accepted, bool)> {
     let needs = |(index, accepted): (usize, &'s Accepted)| {
         let needed = accepted.used
@@ -298,7 +299,7 @@ pub(crate) fn needed<'s>(system: &'s System, heard: &[Covered]) -> Vec<(&'s Acce
     system.accepted.iter().enumerate().map(needs).collect()
 }
 
-/// The warning of an acceptance that nothing needs.
+/// The warning about an acceptance that no finding needs.
 pub(crate) fn needless(accepted: &Accepted) -> Diagnostic {
     Diagnostic::warning(
         codes::ACCEPT_UNHEARD,
@@ -308,7 +309,7 @@ pub(crate) fn needless(accepted: &Accepted) -> Diagnostic {
     .with_help("take it away, so that a later mistake of this kind is told")
 }
 
-/// Whether an element that is covered has an `advise` of this name on its motion.
+/// Whether a covered element has an `advise` of this name on its motion.
 fn told_by_a_run(system: &System, accepted: &Accepted) -> bool {
     system.elements.iter().any(|element| {
         element.role == Role::Dynamic

@@ -1,7 +1,8 @@
-//! Lints of the turning machine: gas that fires at no dead centre, bores and strokes, pistons on the wrong side.
+//! Lints of the turning machine: gas that fires at no dead centre, bores and strokes, pistons on the wrong
+//! side.
 //!
-//! The machine is turned once through its cycle by its geometry ([`eng_runtime::start::turn`]). Of each cylinder, an element that
-//! fires, it is watched how far its piston is from its head along the bore.
+//! The machine turns once through its cycle by its geometry ([`eng_runtime::start::turn`]). For each cylinder
+//! (an element that fires) the lint follows the distance between piston and head along the bore.
 
 use super::assembled::Start;
 use super::{Finding, short};
@@ -17,24 +18,27 @@ use eng_system::lint;
 use eng_system::system::{FiringInfo, Origin, Slot, System};
 use std::f64::consts::{PI, TAU};
 
-/// Most that a firing angle may be off its dead centre; offset bores and articulated rods move it by some degrees.
+/// The largest difference (rad) between a firing angle and its dead centre. Offset bores and articulated rods
+/// move the dead centre by some degrees.
 const OFF: f64 = 15.0 * PI / 180.0;
 /// Bore over stroke of engines: from slow marine two-strokes to racing engines.
 const BORE_TO_STROKE: std::ops::Range<f64> = 0.6..1.7;
 /// Length of rods over the throw: 2.3 in slow marine engines, 3 to 5 in most.
 const ROD_TO_THROW: std::ops::Range<f64> = 2.0..10.0;
-/// Shortest stroke (m) that is one.
+/// A shorter stroke (m) counts as none.
 const NO_STROKE: f64 = 1e-3;
-/// Share of the other's way below which a body stands.
+/// A body counts as fixed if it moves by less than this share of the other's motion.
 const STANDS: f64 = 0.1;
-/// Cosine of the angle between gravity and the bores, towards the heads, from which on the engine hangs upside down.
+/// The engine is upside down from this cosine of the angle between gravity and the bores (towards the heads)
+/// on.
 const UPSIDE_DOWN: f64 = 0.5;
-/// Angles (rad) of a bore with the crankshaft that neither an engine has, whose bores are square to it, nor an axial machine.
+/// Angles (rad) between a bore and the crankshaft that no machine has: an engine's bores are perpendicular to
+/// it, those of an axial machine parallel.
 const SLANTED: std::ops::Range<f64> = 0.03..1.54;
-/// Share of gravity along the crankshaft from which on the shaft stands upright.
+/// The crankshaft is upright from this share of gravity along it on.
 const UPRIGHT: f64 = 0.9;
 
-/// What decides the motion of a cylinder and its gas.
+/// The parts that decide the motion of a cylinder and its gas.
 enum Where {
     /// The marker of the throw and the parameters that place it.
     Throw,
@@ -48,19 +52,19 @@ enum Where {
     Firing,
 }
 
-/// What one cylinder does in a turn.
+/// The motion of one cylinder during a turn.
 struct Watched<'s> {
     firing: &'s FiringInfo,
     angle: f64,
     bore: f64,
     /// Markers: piston and head.
     markers: [usize; 2],
-    /// Cycle angle (rad) and place of the piston along the head's axis (m).
+    /// Cycle angle (rad) and position of the piston along the head's axis (m).
     travel: Vec<(f64, f64)>,
-    /// Where piston and head were first, and the farthest they have been from there (m).
+    /// First positions of piston and head, and their largest distances from there (m).
     begin: Option<[V3; 2]>,
     ways: [f64; 2],
-    /// The bore's direction at the first place, from the crank to the head.
+    /// The bore's direction at the first position, from the crank to the head.
     up: V3,
     /// The marker by which the crank moves the piston's rod.
     throw: Option<usize>,
@@ -71,12 +75,13 @@ struct Watched<'s> {
     guided: bool,
     /// Whether the head is on the body that turns with the cycle and does not guide the piston.
     on_crank: bool,
-    /// Whether the rod stands beyond the piston, seen from the head, when the piston is highest; with that height.
+    /// Whether the rod is beyond the piston, as seen from the head, when the piston is highest; with that
+    /// height.
     beyond: Option<(f64, bool)>,
 }
 
-/// Probable mistakes in cycle and cylinders of a model, and how far it turned: `None` where it has neither and
-/// was not turned. A lock is no finding here: the caller has its error.
+/// Probable mistakes in cycle and cylinders of a model, and the angle of its turn. The angle is `None` if the
+/// model has neither and did not turn. A lock is no finding here, because the caller has its error.
 pub(crate) fn turned(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -111,7 +116,7 @@ pub(crate) fn turned(
         return (Vec::new(), None);
     }
     let mut shaft = None;
-    // the cycle's angle at the first and the last place, and the finding if it falls
+    // the cycle's angle at the first and the last position, and the finding if it decreases
     let (mut angles, mut backwards): (Option<[f64; 2]>, _) = (None, None);
     let found = turn(compiled, overrides, &mut |place| {
         let first = angles.map_or(place.angle, |[first, _]| first);
@@ -146,7 +151,7 @@ pub(crate) fn turned(
     (doubts.collect(), Some(found))
 }
 
-/// Gas over a cycle whose angle swings and never comes round.
+/// A cycle whose angle swings and never completes a turn.
 fn swings(system: &System, angle: f64) -> Option<Finding> {
     Some(Finding {
         code: codes::CYCLE,
@@ -162,7 +167,7 @@ fn swings(system: &System, angle: f64) -> Option<Finding> {
     })
 }
 
-/// The axis of the cycle's angle (inertial, unit length), where it is one between two markers.
+/// The axis of the cycle's angle (inertial, unit length), if it is an angle between two markers.
 fn shaft_axis(place: &Place<'_>) -> Option<V3> {
     let [_, reference] = cycle_markers(place.model)?;
     let marker = rows::marker(
@@ -174,7 +179,7 @@ fn shaft_axis(place: &Place<'_>) -> Option<V3> {
     Some(marker.rotation.column(2).into_owned())
 }
 
-/// The markers of the cycle's angle: the one that turns, and the one that it is measured from.
+/// The markers of the cycle's angle: the turning one and the reference.
 fn cycle_markers(model: &Model) -> Option<[usize; 2]> {
     let element = model.compiled.system.cycle.as_ref()?.element as usize;
     let rotation = model
@@ -267,7 +272,7 @@ impl Watched<'_> {
                 element.dynamic && !model.class(e).rows.is_empty() && bodies.into_iter().all(on)
             });
             let crank = cycle_markers(model).and_then(|[turning, _]| model.markers[turning].body);
-            // of a rotary engine the block turns, with a guide for the piston
+            // in a rotary engine the block turns, and it guides the piston
             self.on_crank = crank.is_some() && bodies[1] == crank && !self.guided;
         }
         let begin = self.begin.get_or_insert(places);
@@ -281,7 +286,8 @@ impl Watched<'_> {
         }
     }
 
-    /// The centre of mass of the body that carries the piston: joined to it, and not the head's.
+    /// The centre of mass of the body that carries the piston. It is joined to the piston and is not the
+    /// head's body.
     fn rod(&self, model: &Model, place: &Place<'_>) -> Option<V3> {
         let of = |marker: usize| model.markers[marker].body;
         let [piston, head] = self.markers.map(of);
@@ -298,8 +304,8 @@ impl Watched<'_> {
         Some(frame.position + frame.rotation * body.center())
     }
 
-    /// The marker on the crank, the body that turns with the cycle, to which joints and films lead from the piston; and the two markers of
-    /// the rod, where a single body is between them.
+    /// The marker on the crank (the body that turns with the cycle) to which joints and films lead from the
+    /// piston. Also the two markers of the rod, if a single body is between crank and piston.
     fn throw(&self, model: &Model) -> Option<(usize, Option<[usize; 2]>)> {
         let of = |marker: usize| model.markers[marker].body;
         let crank = of(cycle_markers(model)?[0])?;
@@ -310,7 +316,7 @@ impl Watched<'_> {
             model.elements[e].dynamic && (film || !model.class(e).rows.is_empty())
         };
         let piston = piston?;
-        // bodies, and the marker of each at which it was reached from the piston itself
+        // the reached bodies, each with the marker through which the search reached it from the piston
         let mut reached = vec![(piston, None)];
         let mut next = 0;
         while let Some((here, entered)) = reached.get(next).copied() {
@@ -335,7 +341,8 @@ impl Watched<'_> {
         None
     }
 
-    /// The same with the places that decide the motion: the throw, the bore and the constant that states the firing angle.
+    /// The finding with the places that decide the motion: the throw, the bore and the constant that states
+    /// the firing angle.
     fn with_places(&self, mut finding: Finding, compiled: &Compiled, wanted: &[Where]) -> Finding {
         let system = &compiled.system;
         let path = &system.elements[self.firing.element as usize].origin.path;
@@ -390,7 +397,7 @@ impl Watched<'_> {
         }
     }
 
-    /// A bore that is neither square to the crankshaft nor along it.
+    /// A bore that is neither perpendicular to the crankshaft nor parallel to it.
     fn slanted(&self, compiled: &Compiled, shaft: V3) -> Option<Finding> {
         let off = libm::asin(self.up.dot(&shaft).abs().min(1.0));
         SLANTED.contains(&off).then(|| {
@@ -421,7 +428,7 @@ impl Watched<'_> {
         })
     }
 
-    /// Gas whose piston and head stay as far apart.
+    /// Gas whose piston and head keep the same distance.
     fn without_stroke(&self, compiled: &Compiled) -> Option<Finding> {
         let [own, other] = self.ways;
         let (message, help) = if own < NO_STROKE && self.throw.is_some() {
@@ -451,7 +458,7 @@ impl Watched<'_> {
         let (Some((dead_center, high)), Some((_, low))) = (highest, lowest) else {
             return found;
         };
-        // of two pistons in one bore each has its own stroke
+        // two pistons in one bore have a stroke each
         let [own, other] = self.ways;
         let stroke = match other > STANDS * own && !self.guided {
             true => (high - low) * own / (own + other),

@@ -1,19 +1,21 @@
-//! Balances at rest: which way they stand, and how one is found that Newton's method misses.
+//! Balances at rest: their stability, and the search for a balance that Newton's method misses.
 //!
-//! At rest the free moves of a balance obey `ẍ + K x = 0` with the mass-normalised stiffness K of what is neither constrained nor
-//! held. A real eigenvalue κ < 0 of K is a move that goes away as `exp(√−κ t)`: the balance stands upside down. (A complex κ, which
-//! only forces without potential can make, is not judged here.)
+//! At rest the free moves of a balance obey `ẍ + K x = 0` with the mass-normalised stiffness K of the moves
+//! that are neither constrained nor held. A real eigenvalue κ < 0 of K belongs to a move that grows as
+//! `exp(√−κ t)`: the balance is upside down. (This test ignores a complex κ, which only forces without
+//! potential can cause.)
 //!
-//! Newton's method goes to any balance, and stops where K has no inverse: a pendulum held out level has no stiffness there,
-//! though gravity holds it further down. From such places the balance is found by following the motion in steps of pseudo-time, each
-//! solved implicitly,
+//! Newton's method may find any balance, and it ends where K has no inverse: a level pendulum has no
+//! stiffness, although gravity holds it farther down. From such positions the search follows the motion in
+//! steps of pseudo-time, each solved implicitly,
 //!
 //! ```text
-//! (M σ + K) δ = −r        σ = |M⁻¹r|/reach, and twice |κ| where K has a κ < 0
+//! (M σ + K) δ = −r        σ = |M⁻¹r|/reach, and twice |κ| if K has a κ < 0
 //! ```
 //!
-//! which is steepest descent of the energy where σ is large and Newton's method where r vanishes. A balance that is
-//! stated upside down is kept, and told. (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508.)
+//! This is steepest descent of the energy for a large σ, and Newton's method as r vanishes. A balance that
+//! the text states upside down is kept, with a warning. (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35
+//! (1998) 508.)
 
 use super::telling::not_finite;
 use super::{Balance, NEUTRAL, Place, REACH, Stop};
@@ -22,11 +24,11 @@ use crate::start::{Equilibrium, Unstable};
 use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 
-/// Steps of pseudo-time.
+/// The largest number of steps of pseudo-time.
 const STEPS: usize = 200;
 /// Least σ as a share of the largest stiffness.
 const LEAST: f64 = 1e-10;
-/// An eigenvalue of the stiffness below this share of the largest is rounding.
+/// An eigenvalue of the stiffness below this share of the largest is a rounding error.
 const ROUNDING: f64 = 1e-10;
 
 /// Stiffness of the free moves.
@@ -38,12 +40,13 @@ pub(super) struct FreeStiffness {
 }
 
 impl Balance<'_> {
-    /// Whether nothing moves in the motion whose balance is sought.
+    /// Whether the balance is one at rest.
     pub(super) fn rests(&self) -> bool {
         self.velocity.iter().all(|v| *v == 0.0)
     }
 
-    /// Along the columns of `free` (scaled velocities) at the place of the last residual, from the matrix there.
+    /// The stiffness along the columns of `free` (scaled velocities), from the matrix at the position of the
+    /// last residual.
     pub(super) fn free_stiffness(
         &self,
         state: &State,
@@ -66,7 +69,8 @@ impl Balance<'_> {
         })
     }
 
-    /// Along the moves that neither constraints nor what is held forbid there; `None` where there are none.
+    /// The stiffness along the moves that neither constraints nor held quantities prevent; `None` without
+    /// such moves.
     fn own_stiffness(
         &self,
         state: &State,
@@ -84,12 +88,12 @@ impl Balance<'_> {
         self.free_stiffness(state, matrix, &free).map(Some)
     }
 
-    /// The move by which a balance at rest is left, if it is upside down. Nothing that is held may have an effort.
+    /// The move that leaves a balance at rest, if it is upside down. No held quantity may have an effort.
     pub(super) fn unstable(&mut self, place: &Place) -> Result<Option<Unstable>, Stop> {
         let model = self.model;
         self.residual(place)?;
         let matrix = self.matrix(&place.state)?;
-        // what is held has no effort here: it is let go
+        // held quantities have no effort here, so they become free
         let unheld = model.velocities + model.rows;
         let matrix = matrix.view((0, 0), (unheld, unheld)).into_owned();
         let Some(free) = self.own_stiffness(&place.state, &matrix)? else {
@@ -128,7 +132,8 @@ impl Balance<'_> {
         }))
     }
 
-    /// Follows the motion at rest from a place to a balance; `false` where it finds none. What nothing held at the place is let go.
+    /// Follows the motion at rest from a position to a balance; `false` if it finds none. Moves that
+    /// nothing holds at the position (`neutral`) become free.
     pub(super) fn settle(
         &mut self,
         place: &mut Place,
