@@ -91,6 +91,10 @@ eng_grammar::codes! {
         "A body moves, or forces do not balance, and on the way from there stiffness, damping or inertia changes: a pendulum at its turning point, a slider under way, a model that was assembled and not balanced. Eigenvalues of that moment hold for no motion. Take the quasi-static start, or let the motion die out with `after:`; where it repeats, `over:` with its period gives its modes; `frozen: true` asks for the picture of the moment all the same.",
         "analysis modes = linear(Pendulum(), start: assembled)",
         "analysis modes = linear(Pendulum())";
+    NO_EQUILIBRIUM = "E0744", "a `static` analysis finds no equilibrium",
+        "At rest joints, springs, contacts and drives, which stay where they are, must balance the loads. The message names the thing that moves on: a body that nothing holds, a pin in a film (films carry only while pins turn: `turning: true`), a contact that is never reached, a state of an element that changes. What `start` states is only where the search begins; `at: 30 deg` holds the cycle's angle.",
+        "model Loose { gravity = [0, 0, -9.81] m/s^2\nbody stone { mass = 1 kg; inertia = [1, 1, 1] g*m^2 } }\nanalysis rest = static(Loose())",
+        "model Held { gravity = [0, 0, -9.81] m/s^2\nbody stone { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }\njoint hold = Fixed(stone.origin, ground) }\nanalysis rest = static(Held())";
     LOCKED = "E0760", "the mechanism locks",
         "Its geometry lets it go no further at this position: a rod shorter than the throw, a guide whose axis lies across the motion, two joints that ask for different motions. Forces have no part in it. The message names the loop of bodies, the lengths between their joints and the axes.",
         "", "";

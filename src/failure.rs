@@ -85,6 +85,10 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             };
             message.with_help("check the period that `over` states (a four-stroke cycle has two turns); begin nearer to the steady motion with `after:`, a longer one or with a finer tolerance")
         }
+        R::NoEquilibrium { origin, carried, turning, films, .. } => {
+            let message = place(d(codes::NO_EQUILIBRIUM), origin, "stands in the way");
+            no_equilibrium(message, *carried, *turning, *films)
+        }
         R::NoPeriod { .. } => d(codes::NO_PERIOD).with_help("give the period as a time, such as `over: 20 ms`"),
         R::Turning { bodies, .. } => turning(d(codes::TURNING), bodies),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),
@@ -106,6 +110,29 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         // compiler or of the run itself
         R::NoCycle | R::Malformed { .. } | R::OutsideStep { .. } | R::Eigenvalues { .. } => d(codes::INTERNAL)
             .with_help("please report this together with the model"),
+    }
+}
+
+/// What stands in the way of an equilibrium.
+fn no_equilibrium(message: Diagnostic, carried: f64, turning: bool, films: bool) -> Diagnostic {
+    let message = if carried > 0.0 {
+        message.with_note(format!(
+            "from the assembled place the search carries {:.3} % of the load",
+            100.0 * carried
+        ))
+    } else {
+        message
+    };
+    match (turning, films) {
+        (false, true) => message
+            .with_note("at rest the film of a journal carries nothing")
+            .with_help("`turning: true` takes the motion that the text states, in which films carry; else let a joint or a spring hold the pins"),
+        (false, false) => message.with_help(
+            "let a joint, a spring or a drive hold what is free; `at:` with an angle holds the cycle; a `guess` nearer to the equilibrium helps the search",
+        ),
+        (true, _) => message.with_help(
+            "state the speeds by `start` or by drives, and load the model less; a `guess` nearer to the equilibrium helps the search",
+        ),
     }
 }
 
@@ -334,6 +361,10 @@ pub(crate) fn start_advice(start: &StartReport) -> Option<Diagnostic> {
                 .unstable
                 .as_ref()
                 .map(|unstable| upside_down(unstable, "the balance of the start"));
+        }
+        StartReport::Equilibrium(found) => {
+            let unstable = found.unstable.as_ref();
+            return unstable.map(|unstable| upside_down(unstable, "the equilibrium"));
         }
         StartReport::Assembled | StartReport::Resumed => return None,
     };

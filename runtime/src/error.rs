@@ -103,7 +103,7 @@ fn whose(chain: Option<&Chain>) -> String {
 }
 
 /// Four significant digits.
-fn digits(value: f64) -> String {
+pub(crate) fn digits(value: f64) -> String {
     DisplayUnit {
         symbol: "1".to_owned(),
         scale: 1.0,
@@ -573,6 +573,20 @@ pub enum RuntimeError {
     NoPeriod {
         /// Why.
         message: String,
+    },
+    /// Nothing balances the loads.
+    #[error("there is no equilibrium{}: {}: {}", if *turning { "" } else { " at rest" }, origin.path, message)]
+    NoEquilibrium {
+        /// The journal, body or element that stands in the way.
+        origin: Box<Origin>,
+        /// What it does.
+        message: String,
+        /// Part of the load that was carried, 0…1.
+        carried: f64,
+        /// Whether the motion that the text states was taken.
+        turning: bool,
+        /// Whether there are films.
+        films: bool,
     },
     /// An angle was asked for, but the model states no cycle.
     #[error("the analysis counts in cycle angle, but the model has no cycle")]

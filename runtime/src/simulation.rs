@@ -2,6 +2,7 @@
 
 mod astray;
 mod pace;
+mod resting;
 mod sampling;
 mod saving;
 mod stepping;
@@ -175,16 +176,18 @@ impl Simulation {
         overrides: &[Option<f64>],
         options: Options,
     ) -> Result<Simulation, RuntimeError> {
-        let mut model = Model::bind(compiled, overrides)?;
-        check(&options, &model)?;
-        let mut state = assembly::assemble(&mut model)?;
-        let report = topology::analyze(&model, &state)?;
-        if !report.redundant.is_empty() {
-            return Err(RuntimeError::Redundant {
-                groups: report.redundant,
-            });
-        }
+        let (model, mut state) = assembled(compiled, overrides, &options)?;
         let start = start::begin(&model, &mut state, options.start)?;
+        Simulation::begun(model, state, options, start)
+    }
+
+    /// A simulation that begins in a state of an assembled model.
+    pub(crate) fn begun(
+        model: Model,
+        state: State,
+        options: Options,
+        start: StartReport,
+    ) -> Result<Simulation, RuntimeError> {
         let mut simulation = Simulation::with_state(model, state, options)?;
         simulation.start = start;
         simulation.begin()?;
@@ -423,6 +426,24 @@ impl Simulation {
             })
         }
     }
+}
+
+/// Binds and assembles a model whose constraints are independent of each other.
+pub(crate) fn assembled(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    options: &Options,
+) -> Result<(Model, State), RuntimeError> {
+    let mut model = Model::bind(compiled, overrides)?;
+    check(options, &model)?;
+    let state = assembly::assemble(&mut model)?;
+    let report = topology::analyze(&model, &state)?;
+    if !report.redundant.is_empty() {
+        return Err(RuntimeError::Redundant {
+            groups: report.redundant,
+        });
+    }
+    Ok((model, state))
 }
 
 /// Share of the accelerations' contribution to a step that Newton's iteration may leave at the usual

@@ -29,7 +29,7 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
 use crate::state::State;
-use balance::Balance;
+use balance::{Balance, Terms};
 use eng_system::system::{ConditionKind, Origin, Role, Start};
 
 /// The kind of start of a simulation.
@@ -39,6 +39,8 @@ pub enum StartReport {
     Assembled,
     /// In quasi-static balance.
     QuasiStatic(Equilibrium),
+    /// Not at all: an equilibrium was asked for, and this is it.
+    Equilibrium(Equilibrium),
     /// As assembled, because the balance was not found.
     NoBalance(Obstacle),
     /// From a checkpoint.
@@ -50,6 +52,8 @@ pub enum StartReport {
 pub struct Equilibrium {
     /// Freedoms in balance.
     pub freedoms: usize,
+    /// Freedoms besides that have neither stiffness nor load: they stay where they are.
+    pub idle: usize,
     /// Newton iterations.
     pub iterations: usize,
     /// Number of portions of the load.
@@ -136,6 +140,62 @@ pub struct Obstacle {
     pub carried: f64,
 }
 
+impl Equilibrium {
+    /// How it was found, and what is to be known of it.
+    fn details(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.portions > 1 {
+            write!(f, " in {} portions of the load", self.portions)?;
+        }
+        let ratios = self.journals.iter().map(|j| j.ratio);
+        if let (Some(low), Some(high)) = (ratios.clone().reduce(f64::min), ratios.reduce(f64::max))
+        {
+            write!(f, "; eccentricity ratios {low:.3} to {high:.3}")?;
+        }
+        for held in &self.held {
+            let unit = if held.is_length { "N" } else { "N m" };
+            write!(
+                f,
+                "; {} held with {:.4} {unit}",
+                held.origin.path, held.effort
+            )?;
+        }
+        match &self.turning {
+            Some(Turning::Repeating {
+                angles,
+                period,
+                change,
+            }) => write!(
+                f,
+                "; turning flexible bodies as in the motion that repeats after {:.4} ms, at {angles} angles to {change:.1e}",
+                1e3 * period
+            )?,
+            Some(Turning::Followed {
+                periods,
+                period,
+                change,
+            }) => write!(
+                f,
+                "; turning flexible bodies and their films as in the motion that repeats after {:.4} ms, followed for {periods} \
+                 periods to {change:.1e}",
+                1e3 * period
+            )?,
+            Some(Turning::WithTheBody { reason, .. }) => write!(
+                f,
+                "; turning flexible bodies as if all loads turned with them: {reason}"
+            )?,
+            None => {}
+        }
+        if let Some(unstable) = &self.unstable {
+            write!(
+                f,
+                "; upside down: {} leaves it, e-fold in {:.3e} s",
+                unstable.origin.path, unstable.time
+            )?;
+        }
+        Ok(())
+    }
+}
+
 impl std::fmt::Display for StartReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -147,55 +207,23 @@ impl std::fmt::Display for StartReport {
                     "start: quasi-static; {} freedoms in balance after {} iterations",
                     e.freedoms, e.iterations
                 )?;
-                if e.portions > 1 {
-                    write!(f, " in {} portions of the load", e.portions)?;
-                }
-                let ratios = e.journals.iter().map(|j| j.ratio);
-                if let (Some(low), Some(high)) =
-                    (ratios.clone().reduce(f64::min), ratios.reduce(f64::max))
-                {
-                    write!(f, "; eccentricity ratios {low:.3} to {high:.3}")?;
-                }
-                for held in &e.held {
-                    let unit = if held.is_length { "N" } else { "N m" };
-                    write!(
-                        f,
-                        "; {} held with {:.4} {unit}",
-                        held.origin.path, held.effort
-                    )?;
-                }
-                match &e.turning {
-                    Some(Turning::Repeating {
-                        angles,
-                        period,
-                        change,
-                    }) => write!(
-                        f,
-                        "; turning flexible bodies as in the motion that repeats after {:.4} ms, at {angles} angles to {change:.1e}",
-                        1e3 * period
-                    )?,
-                    Some(Turning::Followed {
-                        periods,
-                        period,
-                        change,
-                    }) => write!(
-                        f,
-                        "; turning flexible bodies and their films as in the motion that repeats after {:.4} ms, followed for {periods} \
-                         periods to {change:.1e}",
-                        1e3 * period
-                    )?,
-                    Some(Turning::WithTheBody { reason, .. }) => write!(
-                        f,
-                        "; turning flexible bodies as if all loads turned with them: {reason}"
-                    )?,
-                    None => {}
-                }
-                if let Some(unstable) = &e.unstable {
-                    write!(
-                        f,
-                        "; upside down: {} leaves it, e-fold in {:.3e} s",
-                        unstable.origin.path, unstable.time
-                    )?;
+                e.details(f)
+            }
+            StartReport::Equilibrium(e) => {
+                let counted = |count: usize, what: &str| match count {
+                    1 => format!("1 {what}"),
+                    _ => format!("{count} {what}s"),
+                };
+                write!(
+                    f,
+                    "equilibrium: {} in balance after {}",
+                    counted(e.freedoms, "freedom"),
+                    counted(e.iterations, "iteration")
+                )?;
+                e.details(f)?;
+                if e.idle > 0 {
+                    let idle = counted(e.idle, "freedom");
+                    write!(f, "; {idle} without stiffness or load, left in place")?;
                 }
                 Ok(())
             }
@@ -269,16 +297,29 @@ pub fn begin(model: &Model, state: &mut State, start: Start) -> Result<StartRepo
     if !wanted || model.velocities == 0 {
         return Ok(StartReport::Assembled);
     }
+    Ok(match balanced(model, state, Terms::START)? {
+        Ok(equilibrium) => StartReport::QuasiStatic(equilibrium),
+        Err(obstacle) => StartReport::NoBalance(obstacle),
+    })
+}
+
+/// Brings a state into balance. Where something stands in the way, the state stays as it is.
+pub(crate) fn balanced(
+    model: &Model,
+    state: &mut State,
+    terms: Terms,
+) -> Result<Result<Equilibrium, Obstacle>, RuntimeError> {
     let mut trial = state.clone();
-    match Balance::new(model, &trial).and_then(|mut balance| balance.solve(&mut trial)) {
+    let solved = Balance::new(model, &trial, terms).and_then(|mut b| b.solve(&mut trial));
+    match solved {
         Ok(equilibrium) => {
             if let Some(obstacle) = forbidden(model, &trial)? {
-                return Ok(StartReport::NoBalance(obstacle));
+                return Ok(Err(obstacle));
             }
             state.copy_from(&trial);
-            Ok(StartReport::QuasiStatic(equilibrium))
+            Ok(Ok(equilibrium))
         }
-        Err(balance::Stop::Obstacle(obstacle)) => Ok(StartReport::NoBalance(obstacle)),
+        Err(balance::Stop::Obstacle(obstacle)) => Ok(Err(obstacle)),
         Err(balance::Stop::Error(error)) => Err(error),
     }
 }

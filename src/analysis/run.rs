@@ -4,7 +4,7 @@ use super::motion::Motion;
 use super::{Analysis, Failed, Outcome, Progress, Watch};
 use crate::error::Error;
 use crate::repetition::Repetition;
-use crate::results::{Begun, Column, KeptWarning, Results, ResultsError, Table};
+use crate::results::{Begun, Column, KeptWarning, ONE_STATE, ROWS, Results, ResultsError, Table};
 use eng_runtime::{
     Advance, CycleReport, LinearModes, Moment, Observer, PeriodicSummary, RunSummary, RuntimeError,
     Sample, Slow, StartReport, Verdict, Warning, run_linear, run_periodic, run_transient,
@@ -171,6 +171,9 @@ impl Analysis {
             crate::modes::push_columns(&mut results, &bound)?;
         } else {
             self.push_samples(&mut results)?;
+        }
+        if self.plan.kind.rows() == Rows::State {
+            results.set_metadata(ROWS, ONE_STATE);
         }
         results.set_metadata("version", env!("CARGO_PKG_VERSION"));
         results.set_metadata("file", self.program.file());

@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
     if !arguments.no_plots {
         let compared: Vec<&RunOutcome> = outcomes
             .iter()
-            .filter(|o| o.point.is_empty() && !o.results.are_modes())
+            .filter(|o| o.point.is_empty() && !o.results.are_modes() && !o.results.is_state())
             .collect();
         // without the failed analyses these figures differ from those of all analyses, so their names mark
         // them as failed

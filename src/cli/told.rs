@@ -8,7 +8,7 @@ use crate::analysis::Failed;
 use crate::figures;
 use crate::program::Program;
 use crate::run::RunOutcome;
-use crate::tables::{JournalSummary, journal_table, modes};
+use crate::tables::{JournalSummary, journal_table, modes, state};
 use eng_grammar::{Diagnostic, Diagnostics};
 use std::path::Path;
 
@@ -118,8 +118,9 @@ impl<'a> Told<'a> {
             let path = told_of(results.write_csv(folder), console)?;
             wrote(&path, arguments, console)?;
         }
-        // for a sweep the table over its points is more useful
-        if !arguments.no_plots && outcome.point.is_empty() && !results.are_modes() {
+        // for a sweep the table over its points is more useful; modes and a single state have no history
+        let moves = !results.are_modes() && !results.is_state();
+        if !arguments.no_plots && outcome.point.is_empty() && moves {
             let failed = results.failure().is_some();
             let figures = figures::of_analysis(outcome);
             draw(figures, failed, folder, arguments, console)?;
@@ -148,6 +149,10 @@ fn summary(outcome: &RunOutcome, console: &mut Terminal<'_>) -> Result<(), Stop>
         writeln!(console.output, "  {fact}")?;
     }
     if !outcome.point.is_empty() {
+        return Ok(());
+    }
+    if results.is_state() {
+        write!(console.output, "{}", state::text(results))?;
         return Ok(());
     }
     let machine = &outcome.machine;

@@ -81,6 +81,12 @@ pub(super) fn section(
         "Last cycle"
     };
     let mut section = Section::new(format!("Analysis {}", entry.name()));
+    if results.is_state() {
+        return Ok(match detail {
+            Detail::Numbers => section.paragraph("Its values are in the table of its sweep."),
+            _ => section.table(tables::state(entry)),
+        });
+    }
     if let Some(table) = tables::journals(entry) {
         section = section.table(table);
     }

@@ -299,7 +299,8 @@ struct Compared {
 /// Analyses of a model beside each other; and the points of a short sweep.
 fn comparisons(entries: &[Entry], cut: &[RunOutcome]) -> Vec<Compared> {
     let mut groups: Vec<(&str, Vec<&RunOutcome>)> = Vec::new();
-    for (entry, cut) in entries.iter().zip(cut) {
+    let moving = entries.iter().zip(cut);
+    for (entry, cut) in moving.filter(|(_, cut)| !cut.results.is_state()) {
         let group = if entry.point.is_empty() {
             ""
         } else {

@@ -14,6 +14,10 @@ const STILL: f64 = 1e-9;
 /// The last whole cycle with its angles from 0 on; of results without a whole cycle all.
 pub(super) fn of_last_cycle(entry: &Entry) -> Result<RunOutcome, ResultsError> {
     let results = &entry.outcome.results;
+    // a state has no cycle to cut
+    if results.is_state() {
+        return Ok(entry.outcome.clone());
+    }
     let period = entry.described.machine.cycle_period;
     let angle = results.column(CYCLE_ANGLE).map(|c| c.values.as_slice());
     let first = last_cycle(angle, period).unwrap_or(0);

@@ -33,8 +33,13 @@ pub(super) fn sections(entries: &[Entry], modes: &[Entry], cut: &[RunOutcome]) -
             let mut section =
                 Section::new(format!("Sweep {}", points.analysis())).table(shown(&points));
             for figure in over_points(&points, &family) {
+                let state = family.first().is_some_and(|o| o.results.is_state());
+                let of = match state {
+                    true => "state",
+                    false => "last cycle",
+                };
                 let caption = format!(
-                    "{}, sweep {}. Of the last cycle of each point.",
+                    "{}, sweep {}. Of the {of} of each point.",
                     figure.title,
                     points.analysis()
                 );

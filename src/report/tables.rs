@@ -16,6 +16,27 @@ fn code(text: &str) -> Cell {
     Cell::Code(text.to_owned())
 }
 
+/// The values of a state.
+pub(super) fn state(entry: &Entry) -> Table {
+    let columns = crate::tables::state::columns(&entry.outcome.results);
+    Table {
+        caption: format!("State of {}", entry.name()),
+        columns: vec![
+            Column::new("Channel"),
+            Column::new("Value"),
+            Column::new("Unit"),
+        ],
+        rows: columns
+            .into_iter()
+            .map(|column| {
+                let value = column.shown().first().copied().unwrap_or(f64::NAN);
+                let unit = column.display.symbol.as_str();
+                vec![code(&column.path), Cell::number(value), unit.into()]
+            })
+            .collect(),
+    }
+}
+
 /// Name, samples, time, speed of each analysis.
 pub(super) fn analyses(entries: &[Entry]) -> Table {
     Table {

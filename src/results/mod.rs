@@ -139,6 +139,8 @@ pub struct Results {
 pub const ROWS: &str = "rows";
 /// See [`ROWS`].
 pub const MODES: &str = "modes";
+/// See [`ROWS`].
+pub const ONE_STATE: &str = "state";
 /// Columns of every mode.
 pub const COLUMNS_OF_MODES: [&str; 5] = [
     MODE,
@@ -229,6 +231,11 @@ impl Results {
     /// Whether rows are modes instead of samples of a motion.
     pub fn are_modes(&self) -> bool {
         self.metadata.get(ROWS).map(String::as_str) == Some(MODES)
+    }
+
+    /// Whether the only row is a state: the assembled one, or the equilibrium.
+    pub fn is_state(&self) -> bool {
+        self.metadata.get(ROWS).map(String::as_str) == Some(ONE_STATE)
     }
 
     /// Number of samples in each column.

@@ -2,6 +2,7 @@
 
 mod journals;
 pub(crate) mod modes;
+pub(crate) mod state;
 pub(crate) mod sweep;
 
 pub use journals::JournalSummary;

@@ -79,6 +79,22 @@ pub(crate) fn table(family: &[&RunOutcome]) -> Results {
             family.iter().map(repeats).collect(),
         );
     }
+    let outputs = || {
+        let columns = first.results.columns().iter();
+        columns.filter(|column| !column.path.contains('.') && column.path != TIME)
+    };
+    // of a state each output has one value, and the first columns are printed
+    if first.results.is_state() {
+        for column in outputs() {
+            let value = |o: &&RunOutcome| extremes(o, &column.path).map_or(f64::NAN, |e| e.0);
+            push(
+                column.path.clone(),
+                column.dimension,
+                column.display.clone(),
+                family.iter().map(value).collect(),
+            );
+        }
+    }
     for (k, journal) in first.machine.journals.iter().enumerate() {
         let summaries: Vec<Option<JournalSummary>> = family
             .iter()
@@ -115,10 +131,7 @@ pub(crate) fn table(family: &[&RunOutcome]) -> Results {
             );
         }
     }
-    for column in first.results.columns() {
-        if column.path.contains('.') || column.path == TIME {
-            continue;
-        }
+    for column in outputs().filter(|_| !first.results.is_state()) {
         let extremes: Vec<(f64, f64)> = family
             .iter()
             .map(|o| extremes(o, &column.path).unwrap_or((f64::NAN, f64::NAN)))

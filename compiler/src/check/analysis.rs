@@ -57,9 +57,6 @@ impl<'p> Checker<'p> {
                 self.model_and_options(&scope, kind, value.span, arguments);
                 self.unread_indices(&declaration.index);
             }
-            None if name == "static" => {
-                self.not_built(callee.span, &format!("`{name}` analyses"));
-            }
             None => self.no_kind(callee.span, name),
         }
     }

@@ -108,8 +108,8 @@ eng_grammar::codes! {
         "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s) }";
     NOT_BUILT = "E0391", "a part of the language is not built yet",
         "The form is reserved for a later version.",
-        "analysis rest = static(Engine())",
-        "analysis rest = assemble(Engine())";
+        "default bearing { width = 20 mm }",
+        "const bearing_width = 20 mm";
     ACCEPT_UNKNOWN = "W0550", "an `accept` names a lint that does not exist",
         "`accept NAME` takes a warning of that name for meant: of an `advise NAME: …` of the class that is used, or of a lint of the language. Each warning that can be accepted says its name.",
         "accept usul",

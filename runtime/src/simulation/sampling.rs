@@ -74,7 +74,7 @@ impl Simulation {
 
     /// Computes the energies of the completed state, at which the dynamics are placed. Works are Hermite's
     /// cubics over the last step, with the powers at its ends.
-    fn take_sampled_energy(&mut self) {
+    pub(super) fn take_sampled_energy(&mut self) {
         let [kinetic, gravity, strain, _] =
             self.dynamics.energy(&self.model, &self.completed.velocity);
         let to = self.integrator.current.time;

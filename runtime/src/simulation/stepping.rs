@@ -182,7 +182,7 @@ impl Simulation {
     }
 
     /// Evaluates the dynamics at the current state.
-    fn stand(&mut self) -> Result<(), RuntimeError> {
+    pub(super) fn stand(&mut self) -> Result<(), RuntimeError> {
         let state = &self.integrator.current;
         self.dynamics
             .place(&self.model, state.time, &state.pose, &state.velocity);
@@ -196,7 +196,7 @@ impl Simulation {
     }
 
     /// At a state at which the dynamics stand: turns, cycle, conditions, powers.
-    fn observe_state(&mut self) -> Result<(), RuntimeError> {
+    pub(super) fn observe_state(&mut self) -> Result<(), RuntimeError> {
         let state = &mut self.integrator.current;
         self.work.fill(0.0);
         let before = std::mem::take(&mut state.rotations);
@@ -279,7 +279,7 @@ impl Simulation {
     }
 
     /// Energies where the dynamics stand.
-    fn take_energy(&mut self) {
+    pub(super) fn take_energy(&mut self) {
         let [kinetic, gravity, strain, lost] = self
             .dynamics
             .energy(&self.model, &self.integrator.current.velocity);

@@ -28,8 +28,10 @@ use crate::dynamics::Dynamics;
 use crate::dynamics::MatrixPlan;
 use crate::error::RuntimeError;
 use crate::model::Model;
+use crate::outputs::Watch;
 use crate::state::{State, move_pose};
 use eng_system::system::{Origin, Role};
+pub use holding::Terms;
 use nalgebra::{DMatrix, DVector};
 use telling::{locked, no_number, not_finite};
 
@@ -97,8 +99,11 @@ fn stays(model: &Model, begin: &State, end: &State) -> bool {
 #[derive(Debug)]
 pub struct Balance<'a> {
     model: &'a Model,
+    terms: Terms,
     motion: SteadyMotion,
     dynamics: Dynamics,
+    /// Angles, which a search at rest may turn by whole turns.
+    watch: Watch,
     plan: MatrixPlan,
     values: Vec<f64>,
     /// `start` rows on positions.
@@ -133,25 +138,32 @@ struct Place {
 
 impl<'a> Balance<'a> {
     /// Divides the freedoms into moving, held and balanced ones, at an assembled state.
-    pub fn new(model: &'a Model, state: &State) -> Result<Balance<'a>, Stop> {
+    pub fn new(model: &'a Model, state: &State, terms: Terms) -> Result<Balance<'a>, Stop> {
         let system = &model.compiled.system;
         let motion = SteadyMotion::new(model, state).map_err(|e| locked(model, e))?;
         let stated = Rows::new(
             model,
             (0..model.elements.len())
                 .filter(|e| {
-                    system.elements[*e].role == Role::StartPosition { exact: true }
+                    terms.positions
+                        && system.elements[*e].role == Role::StartPosition { exact: true }
                         && !model.class(*e).rows.is_empty()
                 })
                 .collect(),
         );
-        let (velocity, acceleration) = motion.rates(model, state).map_err(|e| locked(model, e))?;
+        let (velocity, acceleration) = if terms.rest {
+            (vec![0.0; model.velocities], vec![0.0; model.velocities])
+        } else {
+            motion.rates(model, state).map_err(|e| locked(model, e))?
+        };
         let pace = motion.pace(&velocity);
         let pace = if pace > 0.0 { pace } else { 1.0 };
         let plan = MatrixPlan::new(model);
         let mut balance = Balance {
             model,
+            terms,
             dynamics: Dynamics::new(model),
+            watch: Watch::new(model, |_| true),
             values: vec![0.0; plan.pattern.rows.len()],
             plan,
             stated,
@@ -187,10 +199,10 @@ impl<'a> Balance<'a> {
 
     /// Scaled residual: balance, constraints, holds.
     fn residual(&mut self, place: &Place) -> Result<DVector<f64>, Stop> {
-        self.velocity = self
-            .motion
-            .velocity(self.model, &place.state)
-            .map_err(|e| locked(self.model, e))?;
+        if !self.terms.rest {
+            let velocity = self.motion.velocity(self.model, &place.state);
+            self.velocity = velocity.map_err(|e| locked(self.model, e))?;
+        }
         self.imbalance(place)
     }
 
@@ -301,14 +313,16 @@ impl<'a> Balance<'a> {
                 };
             }
         }
-        let slopes = self
-            .motion
-            .slopes(model, state, &self.velocity)
-            .map_err(|e| locked(model, e))?;
-        let follows = damping * slopes;
-        for i in 0..n {
-            for j in 0..n {
-                out[(i, j)] += follows[(i, j)];
+        if !self.terms.rest {
+            let slopes = self
+                .motion
+                .slopes(model, state, &self.velocity)
+                .map_err(|e| locked(model, e))?;
+            let follows = damping * slopes;
+            for i in 0..n {
+                for j in 0..n {
+                    out[(i, j)] += follows[(i, j)];
+                }
             }
         }
         for i in 0..rows.nrows() {
@@ -394,6 +408,9 @@ impl<'a> Balance<'a> {
         for round in 0..ROUNDS {
             let before = place.state.pose.clone();
             self.load(&mut place, goal, &mut found, round == 0)?;
+            if self.terms.rest {
+                break;
+            }
             let moved = before
                 .iter()
                 .zip(&place.state.pose)
@@ -460,6 +477,7 @@ impl<'a> Balance<'a> {
             return Err(Stop::Obstacle(obstacle));
         }
         found.held = self.told(place);
+        found.idle = self.neutral.nrows();
         if self.rests() && found.held.is_empty() {
             found.unstable = self.unstable(place)?;
         }
@@ -541,6 +559,7 @@ impl<'a> Balance<'a> {
             }
             found.iterations += 1;
             let factor = self.advance(place, &step, size);
+            self.follow_turns(place)?;
             if factor == 1.0 {
                 if size <= goal || (size <= 1e3 * goal && size >= 0.5 * last) {
                     return Ok(None);

@@ -17,6 +17,8 @@ use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
 use crate::state::{State, move_pose};
 use eng_system::code::Compiled;
+use eng_system::system::Extent;
+use nalgebra::DVector;
 
 /// Positions in a turn of 360°.
 const PLACES: f64 = 36.0;
@@ -55,6 +57,134 @@ pub enum Turned {
     /// Up to this cycle angle (rad), at which it reverses without a lock: the angle belongs to a swinging
     /// body.
     Back(f64),
+}
+
+/// Angle of the cycle (rad) within which a place is reached.
+const REACHED: f64 = 1e-12;
+/// Share of a rate of the cycle that velocities which the joints allow may miss.
+const HELD: f64 = 1e-6;
+/// Rounds in which the time of a position follows its angle.
+const RETIMED: usize = 4;
+/// Steps after which an angle of the cycle counts as out of reach.
+const MOST_STEPS: usize = 4000;
+
+/// Brings an assembled state to a moment of the motion that speeds and drives state, or to an angle of its cycle.
+///
+/// An angle is reached up to whole periods, in the sense in which the cycle turns, and time runs on. A cycle that
+/// does not turn is turned by the joints alone, the shorter way, and time stays; with `still` that is always so.
+///
+/// # Errors
+/// [`RuntimeError::Locked`] if the mechanism does not pass; [`RuntimeError::Options`] if the angle is not reached,
+/// because a drive holds the cycle or it swings back before.
+pub(crate) fn bring(
+    model: &Model,
+    state: &mut State,
+    to: Extent,
+    still: bool,
+) -> Result<(), RuntimeError> {
+    let cycle = model.compiled.system.cycle.as_ref();
+    let Ok(motion) = SteadyMotion::new(model, state) else {
+        // a mechanism that is locked: the balance says so
+        return Ok(());
+    };
+    let mut turning = Turning::new(model, motion, cycle.map(|cycle| cycle.element as usize))?;
+    turning.still = still;
+    let Some(velocity) = turning.velocity(state)? else {
+        return Ok(());
+    };
+    state.velocity.copy_from_slice(&velocity);
+    let [start, mut rate] = turning.cycle(state)?;
+    let target = match (to, cycle) {
+        (Extent::Time(_), _) => None,
+        (Extent::Angle(angle), Some(cycle)) => {
+            let period = model.slot(cycle.period);
+            if rate.abs() <= STANDS * fastest(model, state) {
+                turning.still = true;
+            }
+            let away = angle - start;
+            let short = away - period * libm::round(away / period);
+            Some(if turning.still || short.abs() <= REACHED {
+                start + short
+            } else {
+                let sense = rate.signum();
+                let forward = sense * away;
+                start + sense * (forward - period * libm::floor(forward / period))
+            })
+        }
+        (Extent::Angle(_), None) => return Err(RuntimeError::NoCycle),
+    };
+    if target == Some(start) {
+        return Ok(());
+    }
+    if let Some(target) = target
+        && turning.still
+    {
+        let Some(velocity) = turning.velocity(state)? else {
+            return Err(unreached(start, target));
+        };
+        state.velocity.copy_from_slice(&velocity);
+        rate = 1.0;
+    }
+    let mut now = start;
+    for _ in 0..MOST_STEPS {
+        let left = match (to, target) {
+            (_, Some(target)) if (target - now).abs() <= REACHED => return Ok(()),
+            (_, Some(target)) => (target - now) / rate,
+            (Extent::Time(end), None) if state.time >= end => return Ok(()),
+            (Extent::Time(end), None) => end - state.time,
+            (Extent::Angle(_), None) => return Ok(()),
+        };
+        let pace = fastest(model, state);
+        let whole = std::f64::consts::TAU / PLACES / pace.max(f64::MIN_POSITIVE);
+        let mut step = left.clamp(-whole, whole);
+        let mut reached = None;
+        for _ in 0..HALVINGS {
+            reached = turning.advance(state, step)?;
+            if reached.is_some() {
+                break;
+            }
+            step *= 0.5;
+        }
+        let Some((mut next, [mut angle, mut then])) = reached else {
+            return Err(turning.locked(state, step, now)?);
+        };
+        // Closing the loops moved the cycle a little. Drives follow it in time; otherwise the twist of springs
+        // between the cycle and a drive would grow from turn to turn.
+        for _ in 0..RETIMED {
+            let took = (angle - now) / (0.5 * (rate + then));
+            let late = state.time + took - next.time;
+            if turning.still || target.is_none() || !late.is_finite() || late == 0.0 {
+                break;
+            }
+            match turning.moved(&next, 0.0, late)? {
+                Some(found) => (next, [angle, then]) = found,
+                None => break,
+            }
+        }
+        *state = next;
+        if target.is_some() && then * rate <= 0.0 {
+            break;
+        }
+        (now, rate) = (angle, if turning.still { 1.0 } else { then });
+    }
+    Err(match target {
+        Some(target) => unreached(now, target),
+        None => RuntimeError::Options {
+            message: format!(
+                "`at` is too late: the motion is followed for {MOST_STEPS} steps of 10°, and they end at {:.4e} s",
+                state.time
+            ),
+        },
+    })
+}
+
+fn unreached(now: f64, target: f64) -> RuntimeError {
+    let (wanted, now) = (target.to_degrees(), now.to_degrees());
+    RuntimeError::Options {
+        message: format!(
+            "the cycle does not come to {wanted:.3}°: a drive or the joints hold it at {now:.3}°"
+        ),
+    }
 }
 
 /// Turns a model through one period and shows each position to `visit`, beginning with the start. Without a
@@ -187,6 +317,8 @@ struct Turning<'a> {
     outputs: Option<Outputs>,
     /// Without a cycle: the rate of the angle (rad/s).
     speed: f64,
+    /// Whether time stays and the joints alone turn the cycle, by one radian in a unit of the step.
+    still: bool,
     watch: Watch,
 }
 
@@ -213,6 +345,7 @@ impl<'a> Turning<'a> {
             dynamics: Dynamics::new(model),
             outputs: cycle.map(|e| Outputs::watching(model, e)).transpose()?,
             speed: 0.0,
+            still: false,
             watch: Watch::new(model, |_| true),
         })
     }
@@ -228,17 +361,62 @@ impl<'a> Turning<'a> {
         Ok(outputs.watched_values)
     }
 
+    /// The velocities that lead on from a position; `None` if there are none.
+    fn velocity(&mut self, state: &State) -> Result<Option<Vec<f64>>, RuntimeError> {
+        if !self.still {
+            return Ok(self.motion.velocity(self.model, state).ok());
+        }
+        // the least scaled velocities y with G y = 0 and a rate of the cycle of one
+        let model = self.model;
+        let scales = model.velocity_scales();
+        let mut rest = state.clone();
+        rest.velocity.fill(0.0);
+        let (_, mut gradients) = self.exact.evaluate(model, &at(&rest), Along::Pose)?;
+        let count = gradients.nrows();
+        self.exact
+            .scale(model, &mut DVector::zeros(count), &mut gradients);
+        let still = self.cycle(&rest)?[1];
+        let mut rows = gradients.insert_row(count, 0.0);
+        for (i, scale) in scales.iter().enumerate() {
+            rest.velocity[i] = *scale;
+            rows[(count, i)] = self.cycle(&rest)?[1] - still;
+            rest.velocity[i] = 0.0;
+        }
+        let wanted = DVector::from_fn(count + 1, |i, _| f64::from(u8::from(i == count)));
+        let Some(svd) = crate::singular::decompose(rows.clone()) else {
+            return Ok(None);
+        };
+        let least = REACHED * svd.singular_values.amax();
+        let Ok(y) = svd.solve(&wanted, least) else {
+            return Ok(None);
+        };
+        // a drive that holds the cycle leaves no such velocity
+        let missed = (rows * &y - wanted).amax();
+        Ok((missed < HELD).then(|| (0..y.len()).map(|i| y[i] * scales[i]).collect()))
+    }
+
     /// The position after `h` (s), with the cycle's angle and rate; `None` if the equations do not close.
     fn advance(&mut self, from: &State, h: f64) -> Result<Option<(State, [f64; 2])>, RuntimeError> {
+        let time = if self.still { 0.0 } else { h };
+        self.moved(from, h, time)
+    }
+
+    /// The position to which its velocities lead from another in `h` (s) while `time` (s) passes.
+    fn moved(
+        &mut self,
+        from: &State,
+        h: f64,
+        time: f64,
+    ) -> Result<Option<(State, [f64; 2])>, RuntimeError> {
         let model = self.model;
         let mut next = from.clone();
-        next.time += h;
+        next.time += time;
         move_pose(model, &from.pose, &from.velocity, h, &mut next.pose);
         self.settle(&self.rows, &mut next, 4)?;
         if !self.settle(&self.exact, &mut next, 8)? {
             return Ok(None);
         }
-        let Ok(velocity) = self.motion.velocity(model, &next) else {
+        let Some(velocity) = self.velocity(&next)? else {
             return Ok(None);
         };
         next.velocity.copy_from_slice(&velocity);

@@ -5,6 +5,7 @@ use super::{Balance, NEUTRAL, Place, Stop};
 use crate::assembly::at;
 use crate::assembly::rows::{Along, Rows};
 use crate::dynamics::Dynamics;
+use crate::elements::Inputs;
 use crate::error::RuntimeError;
 use crate::outputs::Outputs;
 use crate::start::picking::unit_rows;
@@ -20,6 +21,26 @@ const LEAST_ROW: f64 = 1e-12;
 /// length.
 type Moving = (DMatrix<f64>, Vec<(Origin, bool)>);
 
+/// The values that hold in a balance besides the constraints, and whether anything moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Terms {
+    /// Positions that `start` states.
+    pub positions: bool,
+    /// The cycle's angle.
+    pub cycle: bool,
+    /// Nothing moves, whatever speeds the text or a drive states.
+    pub rest: bool,
+}
+
+impl Terms {
+    /// Those of a quasi-static start.
+    pub const START: Terms = Terms {
+        positions: true,
+        cycle: true,
+        rest: false,
+    };
+}
+
 impl Balance<'_> {
     /// Rows of stated motions, and of the cycle's angle.
     pub(super) fn what_moves(&mut self, state: &State) -> Result<Moving, Stop> {
@@ -30,7 +51,8 @@ impl Balance<'_> {
             model,
             (0..model.elements.len())
                 .filter(|e| {
-                    system.elements[*e].role == Role::StartVelocity { exact: true }
+                    !self.terms.rest
+                        && system.elements[*e].role == Role::StartVelocity { exact: true }
                         && !model.class(*e).rows.is_empty()
                 })
                 .collect(),
@@ -41,7 +63,9 @@ impl Balance<'_> {
         for (mut column, scale) in matrix.column_iter_mut().zip(self.motion.scales()) {
             column.scale_mut(*scale);
         }
-        if let Some(cycle) = &system.cycle {
+        if let Some(cycle) = &system.cycle
+            && self.terms.cycle
+        {
             let row = self.cycle_rate(cycle.element as usize, state)?;
             rows.push((row, cycle.origin.clone(), false));
         }
@@ -222,6 +246,28 @@ impl Balance<'_> {
         self.neutral = right.select_rows(&weak) * free.moves.transpose();
         unit_rows(&mut self.neutral, 0.0);
         self.freedoms -= weak.len();
+        Ok(())
+    }
+
+    /// Unwraps the angles of a search at rest, which may turn by more than half a turn. A start keeps the turns of the
+    /// assembled state.
+    pub(super) fn follow_turns(&mut self, place: &mut Place) -> Result<(), Stop> {
+        if !self.terms.rest {
+            return Ok(());
+        }
+        let state = &place.state;
+        self.dynamics
+            .place(self.model, state.time, &state.pose, &self.velocity);
+        let from = Inputs {
+            time: state.time,
+            markers: &self.dynamics.markers,
+            states: &state.states,
+            multipliers: &state.multipliers,
+            rotations: &state.rotations,
+        };
+        let mut rotations = state.rotations.clone();
+        self.watch.unwrap(self.model, &from, &mut rotations)?;
+        place.state.rotations = rotations;
         Ok(())
     }
 }

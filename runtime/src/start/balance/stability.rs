@@ -178,6 +178,7 @@ impl Balance<'_> {
             }
             found.iterations += 1;
             let factor = self.advance(place, &step, size);
+            self.follow_turns(place)?;
             if factor == 1.0 && size <= goal {
                 return Ok(true);
             }
