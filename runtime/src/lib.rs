@@ -16,6 +16,7 @@
 //! | [`mod@start`] | the quasi-static start of a turning engine |
 //! | [`acceleration`] | projection of outputs, accelerations and reactions |
 //! | [`integrator`], [`control`] | generalised-α on the Lie group; step sizes |
+//! | [`mod@equilibrium`] | the state in which all loads balance |
 //! | [`linearised`] | eigenvalues and modes about a state |
 //! | [`simulation`], [`transient`], [`periodic`], [`checkpoint`] | the types that a user works with |
 
@@ -35,6 +36,7 @@ pub mod decay;
 mod dense;
 pub mod dynamics;
 pub mod elements;
+pub mod equilibrium;
 pub mod error;
 pub mod flexible;
 mod frame;
@@ -56,6 +58,7 @@ pub mod topology;
 pub mod transient;
 
 pub use decay::{CycleReport, Mode};
+pub use equilibrium::run_static;
 pub use error::{
     Leaving, LeavingBody, Moment, NamedRow, RedundantGroup, RuntimeError, TurningBody, Varies,
 };

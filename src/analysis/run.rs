@@ -7,7 +7,8 @@ use crate::repetition::Repetition;
 use crate::results::{Begun, Column, KeptWarning, ONE_STATE, ROWS, Results, ResultsError, Table};
 use eng_runtime::{
     Advance, CycleReport, LinearModes, Moment, Observer, PeriodicSummary, RunSummary, RuntimeError,
-    Sample, Slow, StartReport, Verdict, Warning, run_linear, run_periodic, run_transient,
+    Sample, Slow, StartReport, Verdict, Warning, run_linear, run_periodic, run_static,
+    run_transient,
 };
 use eng_system::recorded::recorded;
 use eng_system::system::{AnalysisKind, Location, Origin, Rows};
@@ -81,6 +82,7 @@ impl Analysis {
                 recorder.modes(&found);
                 solved.modes = Some(found);
             }
+            AnalysisKind::Static(wanted) => run_static(compiled, overrides, wanted, recorder)?,
             AnalysisKind::Assemble(_) => self.assembled(recorder)?,
         }
         Ok(solved)

@@ -7,12 +7,14 @@
 
 mod argument;
 mod assemble;
+mod equilibrium;
 mod linear;
 mod periodic;
 mod transient;
 
 pub use argument::{Apart, Argument, Counted, Given, Limit, Takes, Unplanned, Value};
 pub use assemble::Assemble;
+pub use equilibrium::Static;
 pub use linear::Linear;
 pub use periodic::Periodic;
 pub use transient::Transient;
@@ -21,7 +23,13 @@ use crate::dimension::{Dimension, DisplayUnit};
 use crate::place::{Location, Origin};
 
 /// The kinds that a text can name, in the order in which messages list them.
-pub const KINDS: &[KindRow] = &[transient::ROW, periodic::ROW, linear::ROW, assemble::ROW];
+pub const KINDS: &[KindRow] = &[
+    transient::ROW,
+    periodic::ROW,
+    linear::ROW,
+    equilibrium::ROW,
+    assemble::ROW,
+];
 
 /// The kind with a name.
 pub fn kind(name: &str) -> Option<&'static KindRow> {
@@ -98,6 +106,8 @@ pub enum AnalysisKind {
     Periodic(Periodic),
     /// Eigenvalues about a state.
     Linear(Linear),
+    /// The equilibrium.
+    Static(Static),
 }
 
 impl std::ops::Deref for AnalysisKind {
@@ -109,6 +119,7 @@ impl std::ops::Deref for AnalysisKind {
             AnalysisKind::Transient(kind) => kind,
             AnalysisKind::Periodic(kind) => kind,
             AnalysisKind::Linear(kind) => kind,
+            AnalysisKind::Static(kind) => kind,
         }
     }
 }
@@ -120,6 +131,7 @@ impl std::ops::DerefMut for AnalysisKind {
             AnalysisKind::Transient(kind) => kind,
             AnalysisKind::Periodic(kind) => kind,
             AnalysisKind::Linear(kind) => kind,
+            AnalysisKind::Static(kind) => kind,
         }
     }
 }

@@ -1,0 +1,154 @@
+//! Equilibria: the state in which nothing moves and all loads balance.
+//!
+//! ```text
+//! −Q_g − Σ JᵀW + Gᵀλ = 0        Φ(q, t) = 0        v = 0, v̇ = 0
+//! ```
+//!
+//! with the machinery of the start ([`crate::start::balance`]). A drive holds the position that it has at the time, even
+//! if it states a speed. A position that `start` states is only the first value of the search, because the force that
+//! would hold it there is not part of the model. Only an angle of the cycle that the analysis asks for is held, and the
+//! report tells the effort.
+//!
+//! In the balance of a steady motion the speeds that `start` and drives state continue, and the cycle's angle is held:
+//! it is the quasi-static start without the positions that `start` states.
+
+use crate::error::RuntimeError;
+use crate::model::Model;
+use crate::simulation::{Options, Simulation, assembled};
+use crate::start::balance::Terms;
+use crate::start::{Equilibrium, Obstacle, StartReport, balanced, turn};
+use crate::state::State;
+use crate::transient::{Observer, Sample};
+use eng_system::analysis::Static;
+use eng_system::code::Compiled;
+use eng_system::system::Extent;
+
+/// Rounds in which an angle of the cycle is held: the balance moves it by the square of its own moves.
+const ROUNDS: usize = 6;
+/// Share of a state's scale by which it may change in a second.
+const RESTS: f64 = 1e-6;
+
+/// Finds the equilibrium that is asked for. `observer` gets the report, one sample, and warnings.
+///
+/// # Errors
+/// [`RuntimeError::NoEquilibrium`] with the thing that moves on; what assembling and evaluating say.
+pub fn run_static(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    wanted: &Static,
+    observer: &mut dyn Observer,
+) -> Result<(), RuntimeError> {
+    let options = Options::default();
+    let (model, mut state) = assembled(compiled, overrides, &options)?;
+    let found = equilibrium(&model, &mut state, wanted)?;
+    let report = StartReport::Equilibrium(found);
+    observer.started(&report);
+    let simulation = if wanted.turning {
+        Simulation::begun(model, state, options, report)?
+    } else {
+        Simulation::resting(model, state, report)?
+    };
+    observe(simulation, observer)
+}
+
+/// Gives one sample, of the last accepted state, and the warnings.
+fn observe(mut simulation: Simulation, observer: &mut dyn Observer) -> Result<(), RuntimeError> {
+    let mut values = vec![0.0; simulation.model().compiled.system.channels.len()];
+    simulation.evaluate_channels(&mut values)?;
+    // the only sample: nothing is left to break off
+    let _ = observer.sample(&Sample {
+        time: simulation.time(),
+        cycle_angle: simulation.cycle_angle(),
+        cycle_rate: simulation.cycle_rate(),
+        values: &values,
+        energy: simulation.energy(),
+        eccentricities: &simulation.eccentricities(),
+        pose: simulation.sampled_pose(),
+        velocity: &simulation.sampled_state().velocity,
+        states: &simulation.sampled_state().states,
+    });
+    for warning in simulation.take_warnings() {
+        observer.warning(&warning);
+    }
+    Ok(())
+}
+
+fn equilibrium(
+    model: &Model,
+    state: &mut State,
+    wanted: &Static,
+) -> Result<Equilibrium, RuntimeError> {
+    if let Some(at) = wanted.at {
+        turn::bring(model, state, at, false)?;
+    }
+    if !wanted.turning {
+        state.velocity.fill(0.0);
+    }
+    // without bodies nothing moves
+    if model.velocities == 0 {
+        return Ok(Equilibrium::default());
+    }
+    let refused = |obstacle: Obstacle| RuntimeError::NoEquilibrium {
+        origin: Box::new(obstacle.origin),
+        message: obstacle.message,
+        carried: obstacle.carried,
+        turning: wanted.turning,
+        films: !model.compiled.system.journals.is_empty(),
+    };
+    let held = wanted.at.filter(|at| matches!(at, Extent::Angle(_)));
+    let terms = Terms {
+        positions: false,
+        cycle: wanted.turning || held.is_some(),
+        rest: !wanted.turning,
+    };
+    let mut found = balanced(model, state, terms)?.map_err(refused)?;
+    if let (Some(at), false) = (held, wanted.turning) {
+        for _ in 0..ROUNDS {
+            let before = state.pose.clone();
+            turn::bring(model, state, at, true)?;
+            state.velocity.fill(0.0);
+            let again = balanced(model, state, terms)?.map_err(refused)?;
+            let moved = before.iter().zip(&state.pose);
+            let moved = moved.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+            found = Equilibrium {
+                iterations: found.iterations + again.iterations,
+                portions: found.portions,
+                ..again
+            };
+            if moved <= 1e-3 * model.tolerance {
+                break;
+            }
+        }
+    }
+    if !wanted.turning {
+        states_rest(model, state)?.map_or(Ok(()), |obstacle| Err(refused(obstacle)))?;
+    }
+    Ok(found)
+}
+
+/// A state of an element that changes though nothing moves: the balance holds for a moment only.
+fn states_rest(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeError> {
+    let mut dynamics = crate::dynamics::Dynamics::new(model);
+    dynamics.place(model, state.time, &state.pose, &state.velocity);
+    dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);
+    dynamics.evaluate(model)?;
+    for (index, element) in model.elements.iter().enumerate().filter(|(_, e)| e.dynamic) {
+        for (k, info) in model.class(index).states.iter().enumerate() {
+            let at = element.state + k;
+            let (rate, value) = (dynamics.rates[at], state.states[at]);
+            let scale = model.state_scales[at].max(value.abs());
+            if rate.abs() > RESTS * scale {
+                return Ok(Some(Obstacle {
+                    origin: model.compiled.system.elements[index].origin.clone(),
+                    message: format!(
+                        "its state `{}` changes by {} % per second",
+                        info.name,
+                        crate::error::digits(100.0 * rate.abs() / scale)
+                    ),
+                    carried: 0.0,
+                }));
+            }
+        }
+    }
+    Ok(None)
+}
